@@ -68,7 +68,7 @@ struct AdjustmentState {
   CameraAtView GetCamera(const View& view) const {
     return CameraAtView(*cameras[view.camera], view);
   }
-  /// Returns target point p_j + M_j f with the deformation of a pose (m).
+  /// Returns target point p_j + M_j f (m) for the deformation f of a pose.
   Eigen::Vector3d PointAt(int pose, int point) const {
     if (modes.count() == 0) return points[point];
     const int index = deformation_scope == DeformationScope::kPose
@@ -76,11 +76,11 @@ struct AdjustmentState {
                           : modes.boards[point];
     return points[point] + modes.by_point[point] * flex[index];
   }
-  /// Whether a static deformation of the boards is estimated.
+  /// Returns whether a static deformation of the boards is estimated.
   bool HasStaticDeformation() const {
     return modes.count() > 0 && deformation_scope == DeformationScope::kBoard;
   }
-  /// Whether a per-view deformation of the boards is estimated.
+  /// Returns whether a per-view deformation of the boards is estimated.
   bool HasPerViewDeformation() const {
     return modes.count() > 0 && deformation_scope == DeformationScope::kPose;
   }
@@ -97,7 +97,7 @@ struct AdjustmentState {
   void SetModes(DeformationModes deformation_modes, DeformationScope scope);
   /// Makes the first camera's frame the rig frame.
   void MoveRigToFirstCamera();
-  int NumCameraParameters() const;  ///< of all cameras
+  int NumCameraParameters() const;  ///< total over all cameras
 };
 
 }  // namespace raygrid

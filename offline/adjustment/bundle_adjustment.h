@@ -26,7 +26,7 @@ struct AdjustmentOptions {
   double standstill = 0.01;
   int num_threads = 0;
   /// The result only initializes another adjustment: stop once steps are small
-  /// compared with those that the next adjustment makes.
+  /// compared with the steps of the next adjustment.
   bool is_initialization = false;
   /// Called at most once, with estimated precisions, when another step would
   /// change residuals and precisions by a few per cent at most. Returning true
@@ -43,7 +43,7 @@ struct AdjustmentSummary {
   bool converged = false;
   int num_iterations = 0;
   double initial_cost = 0, final_cost = 0;  ///< over valid residuals
-  std::vector<Residual> residuals;          ///< of the final state
+  std::vector<Residual> residuals;          ///< residuals of the final state
   /// Standard deviation of the feature noise, if precisions were estimated.
   double noise_px = 0;
   /// Effective number of parameters, if precisions were estimated.

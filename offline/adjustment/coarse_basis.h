@@ -18,7 +18,7 @@ constexpr int kCoarsestCells = 12;  ///< at most, along a grid's longer side
 /// modes of second order.
 using CoarseBasis = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// shapes: of the cameras' grids. Points that are seen in the same poses are
+/// shapes: grid shapes by camera. Points that are seen in the same poses are
 /// assumed to belong to one board.
 CoarseBasis MakeCoarseBasis(const ParameterLayout& layout,
                             const std::vector<GridShape>& shapes,
@@ -69,7 +69,7 @@ class SparseRow {
   }
 
  private:
-  // The number of consecutive non-zero columns from begin on.
+  // Returns the number of consecutive non-zero columns, starting at begin.
   int RunLength(size_t begin) const {
     size_t end = begin + 1;
     while (end < used_.size() && used_[end] == used_[end - 1] + 1) ++end;

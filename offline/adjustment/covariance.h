@@ -12,19 +12,19 @@ namespace raygrid {
 /// NaN where the camera is undefined.
 struct PixelUncertainty {
   Eigen::Vector2d pixel;
-  /// The noise part: the covariance over repeated draws of the feature noise.
+  /// Noise part: the covariance over repeated draws of the feature noise.
   Eigen::Matrix2d noise_px2;
-  /// The estimated bias by the prior.
+  /// Estimated bias caused by the prior.
   Eigen::Vector2d smoothing_px;
-  /// The sum of noise and prior part, the latter for what the observations do
-  /// not determine.
+  /// Sum of the noise part and the prior part, which covers directions that the
+  /// observations do not determine.
   Eigen::Matrix2d total_px2;
-  /// The factor by which the jackknife scaled the standard deviations.
+  /// Factor by which the jackknife scaled the standard deviations.
   double jackknife_scale = 1;
-  int num_observations = 0;  ///< the nearest pixel of which is this one
+  int num_observations = 0;  ///< observations nearest to this pixel
 };
 
-/// Standard deviation of a coordinate (1 sigma): the RMS of both axes.
+/// Returns the standard deviation of a coordinate (1 sigma), RMS of both axes.
 double ComputeAxisStdDev(const Eigen::Matrix2d& covariance);
 
 /// Options of the uncertainty, computed on a lattice of pixels over the
@@ -60,10 +60,10 @@ std::vector<PixelUncertainty> EstimateProjectionUncertainty(
     const UncertaintyOptions& lattice = {},
     Eigen::MatrixXd* joint_px2 = nullptr);
 
-/// The pixels of the lattice, each with the number of observations nearest to
-/// it, and their Jacobian with respect to the camera parameters (2 rows per
+/// Computes the lattice's pixels, each with the number of observations nearest
+/// to it, and their Jacobian with respect to the camera parameters (2 rows per
 /// pixel), after removing the rotation that best aligns the observed points.
-/// Zero where the camera is undefined.
+/// Rows are zero where the camera is undefined.
 Eigen::MatrixXd ComputeLatticeJacobian(const std::vector<View>& views,
                                        const AdjustmentState& state, int camera,
                                        const UncertaintyOptions& lattice,

@@ -26,15 +26,15 @@ struct DeformationModes {
   /// M of each point, in the board frame. Modes are normalized to an RMS
   /// displacement of 1; zero where a board does not have a mode.
   std::vector<Displacement> by_point;
-  std::vector<DeformationOrder> orders;  ///< of each mode
+  std::vector<DeformationOrder> orders;  ///< order of each mode
   std::vector<int> boards;               ///< index of each point's board
 
   double board_radius_m = 0;  ///< RMS over all boards
 
   int count() const { return static_cast<int>(orders.size()); }
   int num_boards() const;
-  /// The largest plausible standard deviation of a coefficient (m): larger
-  /// values indicate another cause.
+  /// Returns the largest plausible standard deviation of a coefficient (m);
+  /// larger values indicate another cause.
   double MaxDeviationM() const;
   /// Removes the modes of an order and their coefficients.
   void Remove(DeformationOrder order, std::vector<Coefficients>* coefficients);

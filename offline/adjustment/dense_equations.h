@@ -19,7 +19,7 @@ namespace raygrid {
 /// factored.
 class DenseEquations : public NormalEquations {
  public:
-  /// modes: the deformation modes of the boards.
+  /// modes: deformation modes of the boards.
   DenseEquations(const ParameterLayout& layout,
                  const std::vector<ViewJacobian>& jacobians,
                  const DeformationModes& modes, const PriorEquations& prior,
@@ -47,19 +47,19 @@ class DenseEquations : public NormalEquations {
   void AddDeformation(const StaticDeformation& moves);
   void AddPrior(const PriorEquations& prior);
   bool Reduce(double lambda, Reduced* reduced) const;
-  // The index of the first pose in its group, kept or eliminated.
+  // Returns the index of the first pose in its group, kept or eliminated.
   int FirstPose() const { return eliminate_points_ ? layout_.first_point : 0; }
-  // The number of parameters before the kept poses, as in the layout.
+  // Returns the number of parameters before the kept poses in the layout.
   int NumCommon() const {
     return eliminate_points_ ? layout_.first_point : layout_.size;
   }
-  // The last Schur complement, if it was made with this damping.
+  // Returns the last Schur complement if it has this damping, else null.
   const Reduced* ReducedFor(double lambda) const;
   Columns Solution(const Reduced& reduced, Columns right) const;
 
   ParameterLayout layout_;
   int num_threads_;
-  bool eliminate_points_;  // otherwise the poses
+  bool eliminate_points_;  // false: poses are eliminated
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   std::vector<PoseMatrix> v_;
@@ -69,11 +69,11 @@ class DenseEquations : public NormalEquations {
   mutable Reduced last_;
 };
 
-/// The dimension of the dense Schur complement.
+/// Returns the dimension of the dense Schur complement.
 int NumDenseUnknowns(const ParameterLayout& layout);
 
-/// Whether a problem of this size is solved faster than by LargeEquations,
-/// given the operation count of their last solution; 0 if there was none.
+/// Returns whether a problem of this size is solved faster than by
+/// LargeEquations, given the operation count of their last solution; 0 if none.
 bool DenseIsFaster(const ParameterLayout& layout, double large_operations);
 
 }  // namespace raygrid

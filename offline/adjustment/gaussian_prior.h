@@ -16,7 +16,7 @@ namespace raygrid {
 
 /// Directions of a group in which its prior is relaxed.
 struct UnpenalizedDirections {
-  Eigen::MatrixXd directions;  ///< a column each
+  Eigen::MatrixXd directions;  ///< one column per direction
   /// Relative precisions: cost hold / 2 x^2 times the weight; 0: unpenalized.
   Eigen::VectorXd holds;
   /// Absolute precisions, relative to the residual variance: firmness / 2 x^2.
@@ -31,8 +31,8 @@ struct PriorGroup {
   static constexpr double kHeld = 1e-3;  ///< remaining in these directions
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
-  int rank = 0;                           ///< of K, less unpenalized directions
-  double weight = 0;                      ///< lambda; set by SetPrecision()
+  int rank = 0;       ///< rank of K minus unpenalized directions
+  double weight = 0;  ///< lambda; set by SetPrecision()
   /// A lower limit of the weight, relative to the residual variance, whatever
   /// the evidence.
   double precision_floor = 0;
@@ -70,8 +70,8 @@ Eigen::VectorXd ProjectOutFree(const Eigen::MatrixXd& free,
 /// grid, unpenalized except for the precision with which they were fitted to
 /// the observations.
 struct BaseModel {
-  std::shared_ptr<const ParametricModel> model;  ///< nullptr: no such model
-  /// Of each parameter, in units of the inverse residual variance.
+  std::shared_ptr<const ParametricModel> model;  ///< nullptr: no base model
+  /// By parameter, in units of the inverse residual variance.
   Eigen::VectorXd precision;
 };
 
@@ -83,14 +83,14 @@ struct CameraPrior {
   Eigen::VectorXd mean;
   std::vector<PriorGroup> groups;
 
-  Eigen::MatrixXd orientation;  ///< G, three columns a field; may be empty
+  Eigen::MatrixXd orientation;  ///< G, three columns per field, or empty
   Eigen::VectorXd orientation_difference;  ///< g0; empty: zero
   double orientation_precision = 0;
-  BaseModel base_lens = {};                 ///< from which it was made
+  BaseModel base_lens = {};                 ///< base model of the prior
   std::vector<BSplineSurface> spread = {};  ///< displacement fields of a fleet
 
   double Cost(const Eigen::VectorXd& parameters) const;
-  /// G^T (c - c0) - g0; empty if G is.
+  /// Returns G^T (c - c0) - g0; empty if G is empty.
   Eigen::VectorXd OrientationError(const Eigen::VectorXd& parameters) const;
 };
 

@@ -14,12 +14,12 @@ struct GridShape {
 
   int num_nodes() const { return columns * rows; }
   int num_parameters() const { return num_nodes() * per_node; }
-  /// The shape of the grid with twice the knot spacing.
+  /// Returns the shape of the grid with twice the knot spacing.
   GridShape Halved() const;
 };
 
-/// The shape of a camera's grid, from the Jacobian; empty if the model has no
-/// grid.
+/// Infers the shape of a camera's grid from the Jacobian; empty if the model
+/// has no grid.
 GridShape InferGridShape(const ViewJacobian& jacobian, int num_parameters);
 
 /// Prolongation of fields from a coarse grid to a fine one over the same area:
@@ -34,10 +34,10 @@ class GridTransfer {
   /// adjacent in memory.
   void AddProlongation(int num_fields, const double* coarse,
                        double* fine) const;
-  /// T^T fine
+  /// Returns T^T fine.
   Eigen::VectorXd Restrict(int num_fields, const double* fine) const;
 
-  /// The coarse control points of a fine row or column, with weights.
+  /// Coarse control points and weights of a fine row or column.
   struct Support {
     int first = 0;
     double weight[4];

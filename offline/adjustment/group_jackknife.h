@@ -27,11 +27,11 @@ class GroupJackknife {
   struct SquaredChanges {
     Eigen::MatrixXd observed, predicted;
   };
-  /// @param first parameter on which the functions depend
-  /// @param jacobian of the functions, one row each
+  /// @param first index of the first parameter of the functions
+  /// @param jacobian one row per function
   SquaredChanges Of(int first, const Eigen::MatrixXd& jacobian) const;
 
-  /// False with fewer than three groups, or if the equations are singular.
+  /// Returns false for fewer than three groups or singular equations.
   bool IsValid() const { return !changes_.empty(); }
 
  private:

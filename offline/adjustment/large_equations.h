@@ -73,7 +73,7 @@ class LargeEquations : public NormalEquations {
   };
   struct Preconditioner {
     std::vector<CameraLevels> cameras;
-    NodeFrames frames;       // of the cameras' blocks
+    NodeFrames frames;       // axes of the cameras' blocks
     Eigen::MatrixXd points;  // three columns per point
     CoarseBasis basis;
     Eigen::LLT<Eigen::MatrixXd> coarse;
@@ -151,11 +151,11 @@ class LargeEquations::Memory {
 
  private:
   friend class LargeEquations;
-  Eigen::VectorXd diagonal;           // of H without the prior
+  Eigen::VectorXd diagonal;           // diagonal of H without the prior
   Eigen::SparseMatrix<double> local;  // LocalMatrix() of the current equations
   std::unique_ptr<Preconditioner> preconditioner;
   int iterations_when_new = 0, last_iterations_ = 0;
-  Eigen::MatrixXd last_solution;  // of SolveWithResidual()
+  Eigen::MatrixXd last_solution;  // result of SolveWithResidual()
 };
 
 }  // namespace raygrid

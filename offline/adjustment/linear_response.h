@@ -32,22 +32,22 @@ class LinearResponse {
   const PriorEquations& prior() const { return prior_; }
   const std::vector<ViewJacobian>& jacobians() const { return jacobians_; }
 
-  /// J^T e.
+  /// Returns J^T e.
   Eigen::VectorXd Gradient(const ViewErrors& errors) const;
-  /// J x.
+  /// Returns J x.
   ViewErrors ApplyJacobian(const Eigen::VectorXd& parameters) const;
 
-  /// White errors of variance 1.
+  /// Draws white errors of variance 1.
   ViewErrors SampleNoise(std::mt19937* random_bits) const;
-  /// Draws a gradient of covariance P without the deformation's part.
+  /// Draws a gradient with covariance P, without the part of the deformation.
   Eigen::VectorXd SamplePrior(std::mt19937* random_bits) const;
-  /// Draws a gradient of the covariance of the deformation's part of P.
+  /// Draws a gradient with the covariance of the deformation's part of P.
   Eigen::VectorXd SampleDeformationPrior(std::mt19937* random_bits) const;
-  /// The gradient of the prior.
+  /// Returns the gradient of the prior.
   Eigen::VectorXd PriorGradient() const;
 
-  /// Solves for several right-hand sides, over all parameters or those before
-  /// the poses. False if H is not positive definite.
+  /// Solves for several right-hand sides over all parameters, or the parameters
+  /// before the poses. Returns false if H is not positive definite.
   bool Solve(const Eigen::MatrixXd& right, Eigen::MatrixXd* x) const {
     return equations_->SolveFor(0, right, x);
   }

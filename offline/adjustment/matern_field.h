@@ -11,7 +11,7 @@ namespace raygrid {
 /// is discretized by differences of orders 0 to kMaternOrder.
 constexpr int kMaternOrder = 3;
 
-/// kappa in units of 1 / knot spacing, for a correlation range sqrt(8
+/// Returns kappa in units of 1 / knot spacing, for a correlation range sqrt(8
 /// (kMaternOrder - 1)) / kappa of half the extent.
 inline double MaternKappa(double extent, double cell) {
   constexpr double kRangePart = 0.5;
@@ -22,7 +22,7 @@ inline double Binomial(int n, int k) {
   return k == 0 ? 1 : Binomial(n - 1, k - 1) * n / k;
 }
 
-/// Coefficients of finite differences of an order: 1; -1 1; 1 -2 1; ...
+/// Returns a coefficient of finite differences: 1; -1 1; 1 -2 1; ...
 inline double DifferenceFactor(int order, int index) {
   return Binomial(order, index) * ((order - index) % 2 == 0 ? 1 : -1);
 }

@@ -13,7 +13,7 @@ struct AlignedBoard {
   std::vector<Eigen::Vector3d> nominal;  ///< nominal positions (m)
   std::vector<int> poses;                ///< poses of its frame
   /// Boards with the same number form a rigid multi-board target. Its frame is
-  /// that of the board with place -1.
+  /// the frame of the board with place -1.
   int body = -1;
   int place = -1;  ///< see View::place
 };
@@ -21,7 +21,7 @@ struct AlignedBoard {
 /// Fixes the gauge of an estimated target, whose scale and frame are not
 /// observable: aligns boards to their nominal points by similarity transforms
 /// (Umeyama, 1991) and updates the poses, so that no reprojection changes. With
-/// a single camera, each rigid target has a scale of its own; a rig has one
+/// a single camera, each rigid target has a separate scale; a rig has one
 /// common scale, the mean over boards (weighted by their squared extent), which
 /// is also applied to the cameras. With non-central cameras, whose line points
 /// would have to be scaled too, only rigid motions are used: the prior of the

@@ -44,8 +44,8 @@ void AddBlockProduct(const Eigen::MatrixXd& blocks, const double* vectors,
             blocks(p, i) * vectors[i * kNum + n];
 }
 
-/// The diagonal blocks of T^T A T: T prolongs to the grid of this shape, whose
-/// parameters begin with the first of A.
+/// Computes the diagonal blocks of T^T A T: T prolongs to the grid of this
+/// shape, whose parameters begin with the first of A.
 inline Eigen::MatrixXd CoarseBlocks(const GridShape& shape,
                                     const GridTransfer& transfer, int first,
                                     const Eigen::SparseMatrix<double>& a) {

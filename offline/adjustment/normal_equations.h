@@ -16,7 +16,7 @@ struct AdjustmentStep {
   std::vector<Eigen::VectorXd> cameras;  ///< empty if they are fixed
   std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< without the first
   std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< empty if fixed
-  Eigen::VectorXd points;                                 ///< three per point
+  Eigen::VectorXd points;  ///< three coordinates per point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
   std::vector<DeformationModes::Coefficients>
       flex;  ///< if deformation is estimated
@@ -35,18 +35,18 @@ struct FixedParameters {
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
-  std::vector<int> first_camera;  ///< and the end; {0} if fixed
+  std::vector<int> first_camera;  ///< start indices and end; {0} if fixed
   int first_place = 0, first_shape = 0, first_point = 0, size = 0;
   int per_board = 0;   ///< static modes per board
   int num_points = 0;  ///< 0 if they are fixed
   int num_poses = 0;   ///< rig_from_pattern
-  int per_pose = 6;    ///< of a pose with its deformation
+  int per_pose = 6;    ///< pose and its deformation
 
   bool has_cameras() const { return first_camera.size() > 1; }
   int NumCameraParameters(int camera) const {
     return first_camera[camera + 1] - first_camera[camera];
   }
-  /// The index of camera_from_rig of a camera other than the first.
+  /// Returns the index of camera_from_rig of a camera other than the first.
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }
@@ -72,13 +72,13 @@ struct PriorEquations {
   /// P = precision + root root^T - freed freed^T, the latter of low rank.
   Eigen::SparseMatrix<double> precision;
   Eigen::MatrixXd root, freed;
-  Eigen::MatrixXd free;  ///< as in PriorGroup
+  Eigen::MatrixXd free;  ///< see PriorGroup
   Eigen::VectorXd gradient;
   DeformationModes::Coefficients
-      deformation_precision;             ///< of each mode, per pose
-  Eigen::MatrixXd deformation_gradient;  ///< a column per pose
+      deformation_precision;             ///< by mode, for each pose
+  Eigen::MatrixXd deformation_gradient;  ///< one column per pose
 
-  /// P x, over the layout without the poses.
+  /// Returns P x, over the layout without the poses.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
     return precision * x + root * (root.transpose() * x) -
            freed * (freed.transpose() * x);
@@ -89,7 +89,7 @@ struct PriorEquations {
 /// the system singular.
 constexpr double kDampingFloor = 1e-9;
 
-/// The parameters of a pose with its deformation: a block of H.
+/// Maximum number of parameters of a pose with its deformation.
 constexpr int kMaxPerPose = 6 + DeformationModes::kMaxCount;
 using PoseVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxPerPose, 1>;
 using PoseMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,
@@ -101,12 +101,12 @@ class NormalEquations {
   virtual ~NormalEquations() = default;
 
   /// Solves with Marquardt damping: lambda times the diagonal of H is added.
-  /// False if the system is not positive definite.
+  /// Returns false if the system is not positive definite.
   virtual bool Solve(double lambda, AdjustmentStep* step) const = 0;
 
   /// Solves H x = right with the same damping for several right-hand sides:
-  /// over all parameters, or over those before the poses, with zeros for the
-  /// poses. *solution has the same rows.
+  /// over all parameters, or over the parameters before the poses, with zeros
+  /// for the poses. *solution has the same rows.
   virtual bool SolveFor(double lambda, const Eigen::MatrixXd& right,
                         Eigen::MatrixXd* solution) const = 0;
   /// SolveFor() that also returns the residual of the solution, *rest = right -
@@ -117,7 +117,7 @@ class NormalEquations {
     rest->setZero(right.rows(), right.cols());
     return SolveFor(lambda, right, solution);
   }
-  /// The number of right-hand sides that cost about as much as one Solve().
+  /// Returns the number of right-hand sides that cost about one Solve().
   virtual int MaxNumRightSides() const = 0;
 };
 

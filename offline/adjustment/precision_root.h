@@ -14,12 +14,12 @@ class PrecisionRoot {
  public:
   explicit PrecisionRoot(const Eigen::SparseMatrix<double>& precision);
 
-  /// The number of columns of B.
+  /// Returns the number of columns of B.
   Eigen::Index size() const {
     return static_cast<Eigen::Index>(parameters_.size());
   }
 
-  /// B own, for the first num_parameters parameters.
+  /// Returns B own, restricted to the first num_parameters parameters.
   Eigen::VectorXd Times(const Eigen::VectorXd& own,
                         Eigen::Index num_parameters) const;
 
@@ -28,7 +28,7 @@ class PrecisionRoot {
   Eigen::SparseMatrix<double> root_;
 };
 
-/// Random signs (Rademacher): a vector with identity covariance.
+/// Draws random signs (Rademacher): a vector with identity covariance.
 Eigen::VectorXd RandomSigns(Eigen::Index size, std::mt19937* random_bits);
 
 }  // namespace raygrid

@@ -12,9 +12,8 @@
 
 namespace raygrid {
 
-/// The evidence for a group's precision: its number of parameters, the
-/// effective number, and the squared distance from the prior mean (in K's
-/// metric).
+/// The evidence for a group's precision: number of parameters, effective
+/// number, and squared distance from the prior mean (in K's metric).
 struct GroupEvidence {
   double count = 0, effective_parameters = 0, squared_distance = 0;
 };
@@ -31,30 +30,30 @@ std::vector<CameraGroup> MakeCameraGroups(GaussianPrior* prior);
 
 /// The evidence for each group of the prior.
 struct PriorEvidence {
-  std::vector<GroupEvidence> groups;  ///< of cameras
-  GroupEvidence points;               ///< observed ones only
+  std::vector<GroupEvidence> groups;  ///< by camera group
+  GroupEvidence points;               ///< observed points only
   std::array<GroupEvidence, kNumDeformationOrders> flex;
 };
 
-/// The number of points that are observed in any view.
+/// Returns the number of points that are observed in any view.
 int CountObservedPoints(const std::vector<View>& views, size_t num_points);
 
 /// Computes the evidence for the prior precisions (MacKay, "Bayesian
-/// Interpolation", 1992). equations: of the views, damped by lambda. Returns
-/// nothing if the system is singular.
+/// Interpolation", 1992). equations: normal equations of the views, damped by
+/// lambda. Returns nullopt if the system is singular.
 std::optional<PriorEvidence> ComputeEvidence(
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const std::vector<View>& views, const NormalEquations& equations,
     const ParameterLayout& layout, double lambda, const AdjustmentState& state);
 
-/// Whether the effective number of parameters of a group is near zero.
+/// Returns whether a group's effective number of parameters is near zero.
 bool IsUndetermined(const GroupEvidence& evidence);
 
-/// Whether the evidence increases with the prior variance.
+/// Returns whether the evidence increases with the prior variance.
 bool FavorsLargerVariance(const GroupEvidence& evidence, double prior_variance);
 
-/// Whether the parameters' departure from the prior mean is insignificant (p >=
-/// 0.02).
+/// Returns whether the parameters' departure from the prior mean is
+/// insignificant (p >= 0.02).
 bool IsInsignificant(const GroupEvidence& evidence, double prior_variance);
 
 /// Updates a precision iteratively towards its fixed point.

@@ -28,8 +28,8 @@ struct LinearizedResidual {
   /// rig_from_pattern and target_from_board, the last if the view has a place.
   Eigen::Matrix<double, 2, 6> J_camera_pose, J_pose, J_place;
   Eigen::Matrix<double, 2, 3> J_point;
-  /// With respect to the per-view deformation. For static deformation, which
-  /// moves the point, it is J_point times DeformationModes::J_point.
+  /// Jacobian with respect to the per-view deformation. For static deformation,
+  /// which moves the point, it is J_point times DeformationModes::J_point.
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, DeformationModes::kMaxCount>
       J_deformation;
   LinearizedProjection projection;  ///< with the Jacobian of the intrinsics
@@ -43,16 +43,16 @@ std::vector<Residual> ComputeResiduals(const AdjustmentState& state,
 std::vector<LinearizedResidual> LinearizeView(const AdjustmentState& state,
                                               const View& view);
 
-/// The Huber loss of a residual of this norm, and its weight d loss / d(norm^2
-/// / 2).
+/// Returns the Huber loss of a residual with this norm, and its weight d loss /
+/// d(norm^2 / 2).
 double HuberLoss(double norm_px, double huber_px);
 double HuberWeight(double norm_px, double huber_px);
 
-/// The variance of a residual's coordinate, with Huber weights.
+/// Returns the variance of a residual's coordinate, with Huber weights.
 double ResidualVariance(const std::vector<Residual>& residuals, double huber_px,
                         double num_parameters);
 
-/// The costs of two states over the residuals that are valid in both (paper,
+/// Costs of two states over the residuals that are valid in both (paper,
 /// "Bundle Adjustment"): otherwise, a state with fewer valid residuals would be
 /// preferred.
 struct ComparableCosts {

@@ -74,7 +74,7 @@ class ResidualProduct {
   }
 
  private:
-  // The entries of a parameter, followed by those of the next ones.
+  // Returns the entries of a parameter and the following ones.
   template <int kNum>
   static const double* At(const Columns<kNum>& x, int parameter) {
     return x.data() + static_cast<Eigen::Index>(kNum) * parameter;
@@ -84,7 +84,7 @@ class ResidualProduct {
     return y.data() + static_cast<Eigen::Index>(kNum) * parameter;
   }
 
-  // Calls body with each Jacobian except that of the control points, and with
+  // Calls body with each Jacobian except the control points' Jacobian, and with
   // the index of its first parameter.
   template <typename Body>
   void ForEachOther(int i, const Body& body) const {

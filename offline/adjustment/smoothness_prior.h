@@ -38,9 +38,9 @@ CameraPrior SmoothnessPrior(const CentralGeneric& base,
 /// point: that is not observable, since each observation has its own pose.
 CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 
-/// Makes the prior of a non-central grid: that of its directions and, as a
-/// second group, three smooth fields about zero for the points of the lines, in
-/// the pixels by which their displacement across the line moves a point's image
+/// Makes the prior of a non-central grid: for the directions as above and, as a
+/// second group, three smooth zero-mean fields for the points of the lines, in
+/// the pixels by which displacement across a line moves an image at distance_m.
 /// at distance_m.
 ///
 /// A common shift of all points is compensated by the poses and thus not

@@ -23,7 +23,7 @@ class StaticDeformation {
   /// layout if that has no static deformation.
   const ParameterLayout& moved() const { return moved_; }
 
-  /// T x, from rows of the layout (before the poses) to rows of moved().
+  /// Returns T x: rows of the layout (before the poses) to rows of moved().
   template <typename Matrix>
   Matrix MapToPoints(const Matrix& x) const {
     if (boards_.empty()) return x;
@@ -37,10 +37,10 @@ class StaticDeformation {
           board.modes * x.middleRows(board.shape, board.modes.cols());
     return y;
   }
-  /// T times a basis of the layout.
+  /// Returns T times a basis of the layout.
   CoarseBasis MapToPoints(const CoarseBasis& basis) const;
 
-  /// T^T y, from rows of moved() to rows of the layout.
+  /// Returns T^T y: from rows of moved() to rows of the layout.
   template <typename Matrix>
   Matrix MapToModes(const Matrix& y) const {
     if (boards_.empty()) return y;
@@ -53,7 +53,7 @@ class StaticDeformation {
     return x;
   }
 
-  /// The rows of T^T y for the deformation only, from the points' rows of y.
+  /// Returns the deformation's rows of T^T y, from the points' rows of y.
   template <typename Derived>
   Eigen::MatrixXd ComputeModeGradient(
       const Eigen::MatrixBase<Derived>& y) const {

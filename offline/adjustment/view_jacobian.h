@@ -14,7 +14,7 @@ namespace raygrid {
 /// parameters is a column of 2 k numbers.
 struct ViewJacobian {
   int camera = 0, pose = 0, place = -1;
-  /// The counts and indices of parameters, as in LinearizedProjection.
+  /// Counts and indices of parameters, as in LinearizedProjection.
   int num_nodes = 0, num_per_node = 0, num_global = 0, first_global = 0;
 
   std::vector<int> points;
@@ -33,14 +33,14 @@ struct ViewJacobian {
 
   int count() const { return static_cast<int>(points.size()); }
 
-  /// The Jacobian in a column, 2 x N.
+  /// Returns the Jacobian in a column, 2 x N.
   template <int N, typename Derivatives>
   static Eigen::Map<const Eigen::Matrix<double, 2, N>> Block(
       const Derivatives& derivatives, int column) {
     return Eigen::Map<const Eigen::Matrix<double, 2, N>>(
         derivatives.col(column).data());
   }
-  /// The Jacobian in a column, with the size as an argument.
+  /// Returns the Jacobian in a column, with N as an argument.
   static Eigen::Map<const Eigen::Matrix2Xd> Block(
       const Eigen::MatrixXd& derivatives, int column) {
     return {derivatives.col(column).data(), 2, derivatives.rows() / 2};

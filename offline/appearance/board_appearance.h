@@ -1,5 +1,5 @@
-/// The look of a board: where the ink is. The printed page, the rendered image
-/// and the template that is matched are all made from it.
+/// The appearance of a board, i.e. its printed areas. The printed page, the
+/// rendered image and the template for matching are all made from it.
 #ifndef RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 #define RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 
@@ -21,28 +21,28 @@ struct InkLayer {
 /// A marker on a board: bits.size x bits.size cells, the first at corner.
 struct PlacedMarker {
   int id = 0;
-  Eigen::Vector2d corner;  ///< of the outermost cell, metres
+  Eigen::Vector2d corner;  ///< position of the outermost cell, m
   double cell_m = 0;
   MarkerBits bits;
 
   double side_m() const { return bits.size * cell_m; }
 };
 
-/// Ink on white, in the board's plane: metres, x along the columns, y down the
-/// rows, feature (0, 0) of star boards, chessboards and AprilGrids at the
-/// origin.
+/// Printed areas of a board on white paper, in the board's plane: metres, x
+/// along the columns, y down the rows, feature (0, 0) of star boards,
+/// chessboards and AprilGrids at the origin.
 ///
-/// Stars (paper, "Calibration Pattern"): around every lattice point a star
-/// fills its square, clipped to the rectangle one square beyond the outermost
-/// features. Segment k spans the angles 2 pi k / n to 2 pi (k + 1) / n, counted
-/// from up counter-clockwise as seen on the page; even segments are black.
+/// Stars (paper, "Calibration Pattern"): the star at each lattice point fills a
+/// square, clipped to the rectangle one square beyond the outermost features.
+/// Segment k spans the angles 2 pi k / n to 2 pi (k + 1) / n, counter-clockwise
+/// from up as seen on the page; even segments are black.
 class BoardAppearance {
  public:
-  /// Throws InputError: kinds that cannot be drawn, unknown dictionaries and
-  /// markers.
+  /// Throws InputError for kinds that cannot be drawn, and for unknown
+  /// dictionaries and markers.
   explicit BoardAppearance(const Board& board);
 
-  /// The smallest rectangle that holds all ink; around it is white paper.
+  /// Returns the bounding rectangle of all ink; the paper around it is white.
   const Area& extent_m() const { return extent_m_; }
   const std::vector<PlacedMarker>& markers() const { return markers_; }
 

@@ -8,14 +8,14 @@
 
 namespace raygrid {
 
-/// A calibration without its figures.
+/// Result of a bundle adjustment, without metrics.
 struct AdjustmentResult {
   CalibrationProblem problem;
   AdjustmentState state;
   AdjustmentSummary summary;
-  GaussianPrior prior;  ///< as it was learned
-  /// The lenses that grids lie around, by camera; empty if they were not fitted
-  /// to the features.
+  GaussianPrior prior;  ///< learned
+  /// Base models of the grids, by camera; empty unless they were fitted to the
+  /// features.
   std::vector<BaseModel> base_lenses;
   std::vector<RejectedImage> rejected_images;
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera

@@ -7,16 +7,16 @@
 
 namespace raygrid {
 
-/// The model of the lenses that grids best lie around, and go on as where
-/// nothing is seen: thin-prism-fisheye; or opencv, if the starting lenses
-/// are of it and grids around it predict the features clearly better
+/// Returns the name of the base model of grids, which determines their
+/// extrapolation: thin-prism-fisheye; or opencv, if the initial cameras are
+/// opencv and grids around it predict the features clearly better
 /// (offline/calibration/DESIGN.md, "Extrapolation").
 std::string ChooseBaseModel(const AdjustmentOptions& options,
                             const AdjustmentResult& adjusted);
 
-/// Goes on from starting lenses to those that grids lie around, of the
-/// problem's base model, which is chosen if it was not. Where these leave far
-/// more than the starting lenses do, the starting lenses stay.
+/// Fits base models to the features, starting from the initial cameras. The
+/// problem's base model is chosen first if it is not set. An initial camera is
+/// kept if the residuals of the fitted model are far larger.
 void FitBaseModels(const AdjustmentOptions& options,
                    AdjustmentResult* adjusted);
 

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// How far the points of one board are displaced in its plane, in an image: two
-// numbers a point, 0 where it is not seen.
+// In-plane displacements of one board's points in an image: two numbers per
+// point, 0 for points without a feature.
 struct Displacements {
   std::string image;
   Eigen::VectorXd metres;
@@ -20,7 +20,7 @@ struct Displacements {
   int num_points() const { return static_cast<int>(is_seen.sum() / 2); }
 };
 
-// Displacements that a point of this index has after a turn of the board.
+// Displacement of the point with this index after a rotation of the board.
 Displacements Rotated(const Displacements& before, const Board& board,
                       int turn) {
   Displacements after = before;
@@ -38,7 +38,7 @@ Displacements Rotated(const Displacements& before, const Board& board,
   return after;
 }
 
-// Adds the displacements that a view's residuals ask for.
+// Adds the displacements indicated by a view's residuals.
 void AddView(const AdjustmentResult& adjusted, const View& view,
              int first_point, Displacements* sum, Eigen::VectorXd* weights) {
   constexpr double kLeastSine = 0.15;  // of the angle that points are seen at
@@ -90,8 +90,8 @@ std::vector<Displacements> ComputeDisplacements(
   return all;
 }
 
-// The displacements of a board in some images, each with all of its turns, and
-// the turns that let them agree.
+// Displacements of a board in some images, for each of its rotations, and the
+// rotations for which they agree.
 class TurnSearch {
  public:
   TurnSearch(const std::vector<Displacements>& images, const Board& board)
@@ -103,7 +103,7 @@ class TurnSearch {
     }
   }
 
-  // From the turns as they are, and from the images with most points.
+  // Starts from the current rotations, and from the images with most points.
   void Run() {
     constexpr size_t kStarts = 8;
     turns_.assign(turned_.size(), 0);
@@ -131,8 +131,8 @@ class TurnSearch {
 
   const std::vector<int>& turns() const { return turns_; }
 
-  // Whether the other images show that a turn matters, but not this one which
-  // it has.
+  // Whether a rotation matters according to the other images, but is ambiguous
+  // in this image.
   bool IsTurnDoubtful(size_t image, double sureness) const {
     const Displacements mean =
         MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]);
@@ -143,7 +143,7 @@ class TurnSearch {
     return false;
   }
 
-  // How surely an image is turned so rather than not at all, in standard
+  // Significance of an image's rotation compared with none, in standard
   // deviations.
   double Sureness(size_t image) const {
     return Advantage(
@@ -154,8 +154,8 @@ class TurnSearch {
  private:
   using Turns = std::vector<int>;
 
-  // Without the points that are not seen after each turn as well: turns are
-  // compared by the same points of an image.
+  // Omits points that are not visible after every rotation, so that rotations
+  // are compared by the same points of an image.
   Displacements Symmetric(Displacements all) const {
     Eigen::VectorXd is_seen = all.is_seen;
     for (int turn = 1; turn < num_turns_; ++turn)
@@ -165,7 +165,7 @@ class TurnSearch {
     return all;
   }
 
-  // The weighted sum of all images, each with its turn.
+  // Weighted sum over all images, each with its rotation.
   struct Sum {
     Eigen::VectorXd metres, weights, counts;
   };
@@ -194,7 +194,7 @@ class TurnSearch {
     return MeanOf(sum);
   }
 
-  // The image's turn that leaves least between it and others.
+  // The image's rotation with the least difference from other images.
   int BestTurn(size_t image, const Displacements& others) const {
     int best = 0;
     double most = -INFINITY;
@@ -227,7 +227,7 @@ class TurnSearch {
     }
   }
 
-  // The weighted squares that the common mean explains.
+  // Weighted squares explained by the common mean.
   double Agreement(const Turns& turns) const {
     const Displacements mean = MeanOf(SumLanes(turns));
     double sum = 0;
@@ -247,8 +247,8 @@ class TurnSearch {
     for (int& turn : turns_) turn = (turn - most + num_turns_) % num_turns_;
   }
 
-  // Whether the board is displaced otherwise after a turn, by more than the
-  // mean of images is uncertain and than matters.
+  // Whether the board's displacement differs after a rotation by more than the
+  // uncertainty of the mean over images and a relevant amount.
   bool DoesTurnMatter(size_t image, int other,
                       const Displacements& mean) const {
     constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
@@ -262,7 +262,7 @@ class TurnSearch {
     };
     const double variance_px2 = square(chosen.metres - mean.metres);
     const double num_images = static_cast<double>(turned_.size());
-    // The errors of the mean and of the turned mean add up.
+    // The errors of the mean and the rotated mean add up.
     return square(after.metres - mean.metres) >
            std::max(kMattersPx2,
                     kManyVariances * 2 * variance_px2 / num_images);
@@ -374,8 +374,8 @@ Pose ComputeRotation(const Board& board, int turn) {
 
 GeometricRotations ResolveRotationsByGeometry(
     const std::vector<AdjustmentResult>& cameras, const Pattern& pattern) {
-  // Errors of neighbours are alike, so that chance goes further than the
-  // deviations say.
+  // Neighbouring errors are correlated, so that chance exceeds the standard
+  // deviations.
   constexpr double kSurely = 5;
   constexpr size_t kFewParts = 3;
   GeometricRotations found;
@@ -394,7 +394,7 @@ GeometricRotations ResolveRotationsByGeometry(
         found.turns[view] = search.turns()[i];
       if (search.IsTurnDoubtful(i, kSurely)) doubtful.push_back(view);
     }
-    // Noise hides whatever the board has where many views are doubtful.
+    // With many doubtful views, noise hides the displacements of the board.
     if (kFewParts * doubtful.size() <= images.size())
       found.doubtful.insert(found.doubtful.end(), doubtful.begin(),
                             doubtful.end());

@@ -11,46 +11,46 @@
 
 namespace raygrid {
 
-/// How boards are turned against how detection numbered their features, by
-/// image and board id: steps of Board::Rotated(). Those that are not turned are
-/// left out.
+/// Rotations of boards relative to the feature numbering of the detection, by
+/// image and board id, in steps of Board::Rotated(). Boards without rotation
+/// are omitted.
 using BoardRotations = std::map<std::pair<std::string, int>, int>;
 
-/// Whether a board of the pattern looks alike after a turn.
+/// Returns whether any board of the pattern has a rotational symmetry.
 bool HasSymmetricBoards(const Pattern& pattern);
 
-/// A dataset with the features of turned boards renumbered.
+/// Returns the dataset with the features of rotated boards renumbered.
 Dataset Rotated(const Dataset& dataset, const Pattern& pattern,
                 const BoardRotations& turns);
 
-/// A turn by first, then by second, in each image.
+/// Composes rotations: first, then second, in each image.
 BoardRotations ComposeRotations(const BoardRotations& first,
                                 const BoardRotations& second,
                                 const Pattern& pattern);
 
-/// The views of a dataset that a camera localises, with their poses.
+/// Localizes the views of a dataset; returns the views with their poses.
 AdjustmentResult LocalizeDatasetViews(const CameraModel& camera,
                                       const Dataset& dataset,
                                       const Pattern& pattern, int num_threads);
 
-/// Adds views with their poses to a camera's own, each with a pose of its own.
+/// Appends views and their poses; poses are not shared with existing views.
 void AddViews(const AdjustmentResult& views, AdjustmentResult* camera);
 
-/// The rotation about a board's middle, board_from_board, that brings the
-/// points of features to where those are that they become by a turn.
+/// Returns the rotation about the board centre, board_from_board, that maps
+/// each feature's point to the point that it is renumbered to by the rotation.
 Pose ComputeRotation(const Board& board, int turn);
 
 struct GeometricRotations {
   BoardRotations turns;
-  /// Views, by image and board id, of a board whose points are displaced as no
-  /// turn of it is, by so little that these may be turned otherwise.
+  /// Views, by image and board id, of boards whose estimated points match no
+  /// rotation; their displacements are too small to exclude another rotation.
   std::vector<std::pair<std::string, int>> doubtful;
 };
 
-/// The turns by which the displacements of a board's points agree best over all
-/// its views. Cameras that were adjusted with nominal points, each on its own
-/// images; views in images of one name share their turn. Only views that are
-/// surely otherwise than most are turned.
+/// Estimates the rotations for which the displacements of a board's points are
+/// most consistent over all its views. Each camera was adjusted alone, with
+/// nominal points; views in images of the same name share a rotation. Only
+/// views that differ significantly from the majority are rotated.
 GeometricRotations ResolveRotationsByGeometry(
     const std::vector<AdjustmentResult>& cameras, const Pattern& pattern);
 

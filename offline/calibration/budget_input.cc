@@ -15,7 +15,7 @@ namespace {
 
 using PosesOfBoards = std::map<std::pair<std::string, int>, Pose>;
 
-// The points of all boards, one after the other, and how they may bend.
+// The points of all boards, in sequence, and their deformation modes.
 void AddPoints(const Pattern& pattern, BudgetInput* input,
                std::map<int, int>* first_of_board) {
   std::vector<BoardPoints> boards;
@@ -35,8 +35,8 @@ void AddPoints(const Pattern& pattern, BudgetInput* input,
     input->bends.emplace_back(displacement);
 }
 
-// How a residual depends on its point and its board's pose; false where the
-// camera does not project it.
+// Computes a residual's Jacobians with respect to its point and its board's
+// pose; false if the camera does not project the point.
 bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
                     const Eigen::Vector3d& point, BudgetFeature* feature) {
   LinearizedProjection projection;
@@ -62,7 +62,7 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
   input.image_size = camera.image_size();
   std::map<int, int> first_of_board;
   AddPoints(pattern, &input, &first_of_board);
-  // The residuals of a view stand together, views in the order of time.
+  // Residuals are contiguous by view, and views are sorted by time.
   std::map<std::pair<std::string, int>, std::vector<const FeatureResidual*>>
       views;
   for (const FeatureResidual& residual : residuals)

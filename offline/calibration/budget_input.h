@@ -7,15 +7,15 @@
 
 namespace raygrid {
 
-/// The training residuals of a calibration, with what they depend on.
+/// Collects the training residuals of a calibration and their covariates.
 BudgetInput MakeBudgetInput(const CalibrationResult& result,
                             const BudgetFacts& facts);
 
-/// The steps that a calibration with these options has done.
+/// Lists the calibration steps that were enabled by the options.
 BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
                             const CalibrationOptions& options);
 
-/// The residuals of images that a camera localises as it is.
+/// Collects the residuals of images localized with a fixed camera.
 BudgetInput MakeBudgetInput(const CameraModel& camera, const Dataset& dataset,
                             const Pattern& pattern, int num_threads);
 

@@ -35,14 +35,14 @@
 namespace raygrid {
 namespace {
 
-// A stage's name, and the part of the whole that it takes.
+// Name of a stage, and the range of total progress that it covers.
 struct Stage {
   const char* name;
   double begin, end;
 };
 
-// Whether the images that stand for others, without those held out, are enough
-// to calibrate each camera with.
+// Whether there are enough images for each camera without near-duplicates and
+// held-out images.
 bool HasEnoughViews(const std::vector<Dataset>& cameras,
                     const std::vector<NearDuplicates>& groups,
                     const std::vector<std::string>& held_out) {
@@ -58,8 +58,8 @@ bool HasEnoughViews(const std::vector<Dataset>& cameras,
       });
 }
 
-// How far points of a board were estimated from where the pattern says, within
-// its plane, after the best motion and scale, RMS.
+// In-plane RMS distance of a board's estimated points from the pattern, after
+// the best similarity transform.
 double MovedM(const Board& given, const Board& found) {
   const auto count = static_cast<Eigen::Index>(given.points.size());
   if (count < 3 || found.points.size() != given.points.size()) return 0;
@@ -77,8 +77,8 @@ double MovedM(const Board& given, const Board& found) {
          std::sqrt(static_cast<double>(count));
 }
 
-// Warns of boards whose points are estimated far from where the pattern says:
-// no printer is off by as much, and the estimate holds on to the pattern.
+// Warns of boards whose estimated points are far from the pattern: no printer
+// is as inaccurate, and the prior keeps estimates near the pattern.
 void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
                              Assessment* assessment) {
   constexpr double kMostPart = 0.01;  // of a square
@@ -96,41 +96,41 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
   }
 }
 
-// The steps of a calibration, in this order. Each goes over all cameras.
+// The steps of a calibration, in this order, each for all cameras.
 class Calibration {
  public:
   Calibration(const std::vector<CalibrationInput>& inputs,
               const Pattern& pattern, const CalibrationOptions& options);
 
-  // A parametric lens for each camera, from its own images.
+  // A parametric model for each camera, from its own images.
   void Start();
 
-  // Features measured through that lens, and a start from them.
+  // Features refined with that model, and a new initialization from them.
   void RefineFeaturesCallback();
 
-  // Boards that look alike after a turn, all the same way round.
+  // Consistent rotations of rotationally symmetric boards.
   void RotateBoards();
 
   void CompensateRollingShutter();
   void CompensateRollingShutter(CameraInProgress* camera) const;
 
-  // The resolution of each camera's grid.
+  // The knot spacing of each camera's grid.
   void ChooseGrids();
 
-  // All cameras together, their poses and the boards.
+  // Joint adjustment of all cameras, their poses and the boards.
   void OptimizeCameras();
 
-  // Held-out errors. A camera that is worse than those of the folds is adjusted
-  // again, from theirs.
+  // Held-out errors. A camera that is worse than the cameras of the folds is
+  // adjusted again, initialized from these.
   void EvaluateHeldOutImages();
   void RestartFromFolds();
 
   void EstimateLineDelays();
 
-  // Whether another camera explains the images better.
+  // Comparison with other models.
   void CompareWithOthers();
 
-  // Verdicts; the result is handed over.
+  // Assessment; the result is handed over.
   RigResult Assess();
 
  private:
@@ -157,20 +157,20 @@ class Calibration {
   std::vector<Split> Splits() const;
   std::vector<const CameraModel*> StartingLenses() const;
   std::vector<double> CellsPx() const;
-  // A rig's boards bend where most cameras say so.
+  // In a rig, boards deform if they do so for most cameras.
   bool DoBoardsBend() const;
   bool AreLineDelaysRequested() const;
-  // Boards of bodies do not bend: they have no pose of their own to bend at.
+  // Boards of rigid targets are not deformed: they have no own pose.
   bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
   AdjustmentResult AdjustTogether(
       const std::vector<int>& cameras,
       std::vector<std::vector<RejectedImage>>* rejected);
-  // Looks for boards that are fixed to each other; adjusts with them.
+  // Detects rigid multi-board targets, and adjusts with them.
   void OptimizeWithRigidTargets(
       std::vector<std::vector<RejectedImage>>* rejected);
 
-  // Takes a step with one camera after the other, and lets it report its
-  // progress. A rig's progress and errors name the camera.
+  // Runs a step for one camera after the other, with its progress. In a rig,
+  // progress and errors name the camera.
   template <typename Step>
   void ForEachCamera(const Stage& stage, const Step& step) {
     const auto count = static_cast<double>(cameras_.size());
@@ -219,9 +219,9 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
   DetectNearDuplicates();
 }
 
-// A camera predicts copies of views that it was calibrated with well, whatever
-// it is worth. So images of one view are one from here on. If too few are left,
-// all stay, since the verdict then says that they are alike.
+// Near-duplicates of training images are predicted well by any camera, so that
+// they count as one image from here on. If too few images remain, all are kept,
+// since the assessment then reports that they are similar.
 void Calibration::DetectNearDuplicates() {
   std::vector<Dataset> datasets;
   for (const CameraInProgress& camera : cameras_)
@@ -279,10 +279,10 @@ bool Calibration::DoBoardsBend() const {
   return 2 * static_cast<size_t>(count) > cameras_.size();
 }
 
-// ---- Start -----------------------------------------------------------------
+// ---- Initialization --------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
-  // One of the features before they were measured again.
+  // The camera from before the refinement of features, if any.
   const auto& known = camera->lens.state.cameras;
   const std::string base_model = camera->lens.problem.base_model;
   try {
@@ -315,7 +315,7 @@ void Calibration::Start() {
       });
 }
 
-// ---- Measure again ---------------------------------------------------------
+// ---- Feature refinement ----------------------------------------------------
 
 void Calibration::RefineFeaturesCallback() {
   if (std::none_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
@@ -337,9 +337,9 @@ void Calibration::RefineFeaturesCallback() {
   });
 }
 
-// ---- Turn boards -----------------------------------------------------------
+// ---- Board rotations -------------------------------------------------------
 
-// Adds turns to those of a camera, and starts it anew.
+// Adds rotations to a camera's, and initializes it again.
 void Calibration::RotateBoards(const BoardRotations& turns,
                                CameraInProgress* camera) const {
   BoardRotations own;  // of images that this camera has
@@ -369,7 +369,7 @@ void Calibration::RotateBoardsAcrossCameras() {
   result_.ambiguous_pairs = std::move(found.ambiguous);
 }
 
-// Nominal points are the same after a turn, so only others reveal one.
+// Nominal points are invariant to a rotation; only estimated ones reveal it.
 void Calibration::RotateBoardsByGeometry() {
   CalibrationOptions nominal = options_;
   nominal.fix_target_geometry = true;
@@ -386,7 +386,7 @@ void Calibration::RotateBoardsByGeometry() {
   const auto [turns, doubtful] = ResolveRotationsByGeometry(cameras, pattern_);
   NameDoubtfulTurns(doubtful);
   if (turns.empty()) return;
-  // Errors of a lens may look like those of a board: free points decide.
+  // Errors of the model may resemble board errors: estimated points decide.
   struct AsBefore {
     BoardRotations turns;
     Dataset dataset;
@@ -443,8 +443,8 @@ bool Calibration::AreLineDelaysRequested() const {
   });
 }
 
-// A first camera is bent by the motions, and so is its board, and both lessen
-// the row time. Of features without most of the motion they tell the rest.
+// A first camera and its board partly absorb the motion, and reduce the line
+// delay. It is estimated again from features without most of the motion.
 void Calibration::CompensateRollingShutter(CameraInProgress* camera) const {
   constexpr int kMaxRounds = 6;
   double before_s = 0;
@@ -485,7 +485,7 @@ void Calibration::EstimateLineDelays() {
   }
 }
 
-// ---- Choose the grid -------------------------------------------------------
+// ---- Knot spacing ----------------------------------------------------------
 
 void Calibration::ChooseGrids() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
@@ -512,7 +512,7 @@ void Calibration::ChooseGrids() {
   }
 }
 
-// ---- Adjust ----------------------------------------------------------------
+// ---- Adjustment ------------------------------------------------------------
 
 AdjustmentResult Calibration::AdjustTogether(
     const std::vector<int>& cameras,
@@ -612,13 +612,13 @@ void Calibration::FillResults() {
   result_.converged = adjusted_.summary.converged;
 }
 
-// ---- Evaluate --------------------------------------------------------------
+// ---- Evaluation ------------------------------------------------------------
 
 void Calibration::EvaluateHeldOutImages() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   CameraInProgress& first = cameras_.front();
   std::vector<Trial> not_kept;
-  // Trials that are kept are those of a given model.
+  // Stored trials belong to a given model.
   const bool is_kept =
       !IsRig() &&
       !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
@@ -629,7 +629,7 @@ void Calibration::EvaluateHeldOutImages() {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
   if (!IsRig()) validation.on_done = [&first] { first.Save(); };
-  // Folds of single cameras were started before bodies were known.
+  // Folds of single cameras were initialized before rigid targets were known.
   const bool is_anew = IsRig() || !bodies_.empty();
   Folds anew;
   if (is_anew) anew = MakeFolds(Splits(), StartingLenses());
@@ -647,7 +647,7 @@ void Calibration::EvaluateHeldOutImages() {
           ComputeErrorMetrics(held_out.flexed[c]);
     cameras_[c].result.cross_validated = result_.cross_validated;
   }
-  // Cells that were given are listed as those to choose from are.
+  // A given knot spacing is listed like the candidates for selection.
   if (!IsRig() && first.result.cross_validated &&
       options_.knot_spacing_px > 0 && first.result.knot_spacing_px > 0)
     first.result.knot_spacing_candidates = {SummarizeCandidate(
@@ -668,8 +668,7 @@ void Calibration::RestartFromFolds() {
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
 }
 
-// A grid has no larger errors than a lens of few parameters, but where it was
-// led astray.
+// A grid has no larger errors than a parametric model, unless it diverged.
 void Calibration::RestartFromComparison() {
   CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||
@@ -682,7 +681,7 @@ void Calibration::RestartFromComparison() {
   ReportUncertainty(&camera, options_.num_threads);
 }
 
-// The cameras of a rig are told apart by those who give them.
+// Mixed images are detected for single cameras only: a rig's are separate.
 void Calibration::LookForTwoCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
@@ -701,7 +700,7 @@ void Calibration::ReportUncertainty(CameraInProgress* camera,
                   &camera->result);
 }
 
-// Uncertainty is told beside other models: it hardly needs a second thread.
+// Estimated concurrently with other models: it hardly needs a second thread.
 void Calibration::CompareModels() {
   if (!options_.compare_models || options_.ShouldStop()) {
     const Stopwatch stopwatch(&result_.seconds["uncertainty"]);
@@ -710,7 +709,7 @@ void Calibration::CompareModels() {
     return;
   }
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
-  // Boards are as flat with any model.
+  // The flatness of boards does not depend on the model.
   CalibrationOptions options = options_;
   options.fix_target_geometry =
       options.fix_target_geometry ||
@@ -734,7 +733,7 @@ void Calibration::CompareWithOthers() {
   CompareModels();
 }
 
-// ---- Judge -----------------------------------------------------------------
+// ---- Assessment ------------------------------------------------------------
 
 // Splits the residuals of each camera by cause.
 void Calibration::SplitResiduals() {
@@ -744,7 +743,7 @@ void Calibration::SplitResiduals() {
         camera.result, MakeBudgetFacts(camera.result, options_)));
 }
 
-// Boards in the images that others stand for, which the cameras localise.
+// Boards in near-duplicates, localized with the cameras.
 void Calibration::LocalizeDuplicates() {
   RigModel rig = {{}, result_.camera_from_rig, {}};
   std::vector<Dataset> others;
@@ -766,7 +765,7 @@ void Calibration::LocalizeDuplicates() {
                                     poses[c].begin(), poses[c].end());
 }
 
-// Boards that were taken for flat are looked at once more, free.
+// Estimates the deformation of boards that were assumed flat.
 void Calibration::ReportFlatBoards() {
   const double height_m = EstimateFlatnessError(
       pattern_, MakeStoppableOptions(options_), adjusted_);

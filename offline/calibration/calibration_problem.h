@@ -14,62 +14,62 @@
 
 namespace raygrid {
 
-/// The observations as adjustment wants them, and what they came from.
+/// The observations in the form of bundle adjustment, and their origin.
 struct CalibrationProblem {
-  std::vector<ImageSize> image_sizes;  ///< of each camera
+  std::vector<ImageSize> image_sizes;  ///< sizes by camera
   AreaChoice area = AreaChoice::kWholeImage;
-  /// The model of the lenses that grids lie around, once ChooseBaseModel() has
-  /// chosen it.
+  /// Name of the base model of grids, set by ChooseBaseModel().
   std::string base_model = {};
-  /// A camera of a like lens, which grids lie around; or none.
+  /// Prior camera that the grids' prior is centred on, or null.
   std::shared_ptr<const CameraModel> like = {};
-  /// How lenses differ from it, if that is known.
+  /// Variation over the fleet of the prior camera, or null.
   std::shared_ptr<const LensSpread> prior_spread = {};
   std::vector<View> views;
-  std::vector<std::string> images;  ///< of each view
-  std::vector<int> boards;          ///< index in the pattern, of each view
-  int num_poses = 0;                ///< of one body at one instant each
-  std::vector<int> first_points;    ///< of each board
-  /// Of boards that are fixed to others (JoinBoards()): the board whose frame
-  /// is that of the body, and its place on it. Empty if none are.
+  std::vector<std::string> images;  ///< image name of each view
+  std::vector<int> boards;          ///< pattern index of each view's board
+  int num_poses = 0;                ///< one per target and frame
+  std::vector<int> first_points;    ///< index of each board's first point
+  /// For boards of rigid targets (JoinBoards()): the board that defines the
+  /// target's frame, and the index into target_from_board. Empty if there are
+  /// none.
   std::vector<int> frames, places;
   std::vector<Eigen::Vector3d> nominal;
 
-  /// The feature that a view's observation was made of.
+  /// Returns the feature that an observation of a view was made from.
   Feature GetFeature(const Pattern& pattern, int view,
                      const Observation& observation) const;
 };
 
-/// The fewest features of one board in one image that are used.
+/// Minimum number of features of one board in one image.
 constexpr size_t kMinViewFeatures = 8;
 
-/// One view for each board in each image of each camera. Images of one name are
-/// one instant: their views of a board share its pose.
+/// Creates one view per board, image and camera. Images of the same name are
+/// one frame: views of a board in it share the board's pose.
 CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
                                 const Pattern& pattern,
                                 std::vector<RejectedImage>* rejected);
 
-/// Removes views, and poses that none is left of.
+/// Removes views, and poses without remaining views.
 void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem);
 
-/// The rectangle of a camera's features, rounded outwards to what a blob can
-/// say.
+/// Returns the bounding rectangle of a camera's features, rounded outwards to
+/// the resolution of a blob.
 Area FeatureArea(const CalibrationProblem& problem, int camera);
-/// A camera's observations.
+/// Returns all observed pixels of a camera.
 std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
                                             int camera);
 
-/// The area that a camera is calibrated over.
+/// Returns the calibrated area of a camera.
 Area CalibratedArea(const CalibrationProblem& problem, int camera);
 
-/// The modes in which the boards may bend from view to view.
+/// Returns the deformation modes of the boards, per view.
 DeformationModes GetDeformationModes(const CalibrationProblem& problem);
 
 std::vector<PointPixelMatch> MakeMatches(
     const View& view, const std::vector<Eigen::Vector3d>& points);
 
-/// camera_from_pattern of each view of a camera, with the nominal points;
-/// nothing for other cameras' views.
+/// Computes camera_from_pattern of each view of a camera with the nominal
+/// points; nullopt if localization fails and for views of other cameras.
 std::vector<std::optional<Pose>> LocalizeViews(
     const CameraModel& camera, int camera_index,
     const CalibrationProblem& problem, int num_threads);

@@ -17,17 +17,17 @@
 namespace raygrid {
 namespace {
 
-// The pattern's points stay where they are nominally.
+// Keeps the points of the pattern at their nominal positions.
 AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
   options.fix_points = true;
   options.should_accept = {};
   return options;
 }
 
-// First with fixed points, a small problem from a rough start; then, if they
-// may move, with all of them, from a good start. Grids would follow what is
-// wrong with fixed points: for them this start ends early. Lenses cannot, and
-// need it good.
+// First with fixed points, a small problem, from a rough initialization; then,
+// if they may be estimated, with all points, from a good one. Grids would fit
+// the errors of fixed points, so their first stage ends early. Parametric
+// models cannot, and require a good initialization.
 AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    GaussianPrior* prior,
@@ -52,7 +52,7 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
   return static_cast<int>(count);
 }
 
-// The prior of a camera from where it is.
+// The prior of a camera centred on its current parameters.
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
   if (const ParametricModel* lens = camera.Parametric())
@@ -62,7 +62,7 @@ CameraPrior PriorAround(const CameraModel& camera,
                          ObservedPixels(problem, index));
 }
 
-// Cameras from where the state is.
+// Optimizes cameras from the current state.
 AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
                                             const AdjustmentOptions& options,
                                             GaussianPrior* prior,
@@ -74,15 +74,15 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// A radial spline has as many knots as the features determine. Its
-// prior keeps those smooth that are not needed (offline/calibration/DESIGN.md).
+// Makes a radial spline with as many control points as the features determine.
+// Its prior smooths superfluous ones (offline/calibration/DESIGN.md).
 int NumKnots(int num_features) {
   constexpr int kLeast = 24, kMost = 96, kFeaturesPerKnot = 20;
   return std::clamp(num_features / kFeaturesPerKnot, kLeast, kMost);
 }
 
-// A parametric camera instead of a starting lens. A start of no kind of lens
-// has no axis: the model finds its own, and what the camera sees turns with it.
+// Replaces an initial camera by a parametric one. If it has no axis, the fit
+// finds one, and the camera's poses are rotated with it.
 void SetLens(const std::string& model, const CameraModel& lens,
              const CalibrationProblem& problem, int camera,
              AdjustmentState* state) {
@@ -98,8 +98,8 @@ void SetLens(const std::string& model, const CameraModel& lens,
   state->MoveRigToFirstCamera();
 }
 
-// A grid that starts as a lens is expected to lie around it. A start of no kind
-// of lens was fitted to the same features, and tells how they err.
+// A grid's prior is centred on its parametric initial camera. Others were
+// fitted to the same features, and contain their errors.
 CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
                             const CameraModel& lens,
                             const CentralGeneric& start) {
@@ -108,8 +108,8 @@ CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
              : FitPolynomialGrid(start);
 }
 
-// Lines, which start from adjusted central grids. Their points stay where they
-// are nominally: free, they would take on what is not central.
+// Non-central cameras, initialized from adjusted central grids. Points are
+// fixed at nominal positions: free points would absorb non-central effects.
 AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
                               const InitialValues& starts,
                               const AdjustmentOptions& options,
@@ -156,8 +156,8 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
   return OptimizeWithLearnedPrior(problem.views, options, prior, state);
 }
 
-// Whether poses and points are those of the problem: images that were rejected
-// take their poses with them.
+// Whether poses and points match the problem: rejected images remove their
+// poses.
 bool IsOfSameImages(const AdjustmentResult* adjusted,
                     const AdjustmentState& state) {
   return adjusted && adjusted->state.rig_from_pattern.size() ==
@@ -226,7 +226,7 @@ AdjustmentSummary OptimizeParametricCameras(const std::string& model,
                                             AdjustmentState* state) {
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
-    // A radial lens may start with fewer knots than it is to have.
+    // A radial model may be initialized with fewer control points.
     if (lenses[c]->Name() != model || model == models::kCentralRadial)
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }

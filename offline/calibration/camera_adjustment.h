@@ -16,20 +16,19 @@ using CameraModels = std::vector<std::unique_ptr<CameraModel>>;
 CameraModels CopyCameras(const AdjustmentState& state);
 bool AreParametric(const CameraModels& lenses);
 
-/// The options with fixed points, and with no more steps than it takes to learn
-/// the prior.
+/// Returns the options with fixed target points, and with only the iterations
+/// needed to learn the prior.
 AdjustmentOptions MakeInitializationOptions(AdjustmentOptions options);
 
-/// Infinite residuals, of features that are not projected, count.
+/// Includes the infinite residuals of features without a projection.
 double ComputeMedianErrorPx(const std::vector<Residual>& residuals);
 
-/// The cameras that an adjustment starts from, or that grids lie around, and
-/// the grids' cells.
+/// Initial values of an adjustment: cameras, knot spacings and base models.
 struct InitialValues {
   const CameraModels& lenses;
   const std::vector<double>& knot_spacings_px;
-  const std::vector<BaseModel>& bases;  ///< empty: of no parametric model
-  /// Grids of other knot spacings, adjusted to the same images: a warm start.
+  const std::vector<BaseModel>& bases;  ///< empty: no parametric base models
+  /// Warm start: grids of other knot spacings, adjusted to the same images.
   const AdjustmentResult* adjusted = nullptr;
 
   BaseModel GetBaseModel(size_t camera) const {
@@ -37,16 +36,16 @@ struct InitialValues {
   }
 };
 
-/// A grid that starts as a camera's lens.
+/// Fits an initial grid to a camera's initial model.
 CentralGeneric MakeInitialGrid(const CalibrationProblem& problem, size_t camera,
                                const InitialValues& starts);
 
-/// The mean distance of the points that a camera sees, metres.
+/// Returns the mean distance of the points observed by a camera, in metres.
 double ComputeMeanDistance(const CalibrationProblem& problem, size_t camera,
                            const AdjustmentState& state);
 
-/// Adjusts parametric cameras of a model, from lenses of any model. *prior is
-/// as it was learned.
+/// Optimizes parametric cameras of the given model, initialized from cameras of
+/// any model. *prior receives the learned prior.
 AdjustmentSummary OptimizeParametricCameras(const std::string& model,
                                             const CalibrationProblem& problem,
                                             const CameraModels& lenses,
@@ -54,21 +53,21 @@ AdjustmentSummary OptimizeParametricCameras(const std::string& model,
                                             GaussianPrior* prior,
                                             AdjustmentState* state);
 
-/// Adjusts central grids, each around a lens.
+/// Optimizes central grids, each initialized from a camera.
 AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
                                 const InitialValues& starts,
                                 const AdjustmentOptions& options,
                                 GaussianPrior* prior, AdjustmentState* state);
 
-/// Adjusts cameras of any model.
+/// Optimizes cameras of any model.
 AdjustmentSummary OptimizeCameras(const std::string& model,
                                   const CalibrationProblem& problem,
                                   const InitialValues& starts,
                                   const AdjustmentOptions& options,
                                   GaussianPrior* prior, AdjustmentState* state);
 
-/// Adjusts cameras from where the state is: parametric ones, or grids, which
-/// scatter smoothly around where they are.
+/// Optimizes cameras from the current state: parametric cameras, or grids with
+/// a smoothness prior centred on the current grid.
 AdjustmentSummary RefineCameras(const CalibrationProblem& problem,
                                 const AdjustmentOptions& options,
                                 AdjustmentState* state);

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// Pixels by which the middle of the area moves for a radian.
+// Displacement in pixels of the area's centre per radian of rotation.
 double FocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 2;
   const Eigen::Vector2d middle = camera.area().center();
@@ -68,7 +68,7 @@ ProjectedView Place(const CameraModel& camera, const Pose& pose,
 
 using FeaturePlace = std::tuple<std::string, int, int, int>;
 
-// Errors of features that other cameras have predicted.
+// Prediction errors of features by cameras that did not use them.
 using PredictionErrors = std::map<FeaturePlace, Eigen::Vector2d>;
 
 Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
@@ -89,7 +89,7 @@ Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
 
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads) {
-  // Photographs of one view differ by their noise, and by more than this.
+  // Photographs of the same view differ by more than this, due to noise.
   constexpr double kCopyPx = 0.01;
   const ReferenceCamera known = Known(file);
   CameraCheck check;

@@ -16,18 +16,18 @@ struct CameraCheck {
   std::vector<RejectedImage> rejected_images;
 };
 
-/// Whether the camera still sees a board as when it was calibrated: its images
-/// are localised, then tested (evaluation/camera_change.h). Copies of an image
-/// tell nothing more than it does, and are rejected. Throws InputError
-/// if the file says nothing of the camera's errors, Error(kTooFew).
+/// Tests whether a camera has changed since its calibration: its images are
+/// localized, then tested (evaluation/camera_change.h). Near-duplicates are
+/// rejected, as they add no information. Throws InputError if the file has no
+/// uncertainty, Error(kTooFew).
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 
-/// The errors that the images of a camera show beyond those that its file
-/// states (evaluation/camera_change.h, ComputeExcessErrors), by how the images
-/// were predicted without having calibrated the camera: each by a camera that
-/// as large a part of the images as training_share has calibrated. Zeros if the
-/// file states nothing, and for fewer than eight images.
+/// Estimates the errors that a camera's images show in excess of the
+/// uncertainty stated in its file (evaluation/camera_change.h,
+/// ComputeExcessErrors), from held-out residuals: each image is predicted by a
+/// camera calibrated with the fraction training_share of the images. Zeros if
+/// the file states no uncertainty or for fewer than eight images.
 MovementErrors EstimateExcessErrors(
     const CameraFile& file, const std::vector<FeatureResidual>& held_out,
     double training_share, const Pattern& pattern, int num_threads);

@@ -14,15 +14,15 @@ struct CalibrationProblem;
 struct Evaluation {
   std::vector<FeatureResidual> residuals;
   std::vector<RejectedImage> rejected_images;
-  int outside_area = 0;  ///< features that the camera is not calibrated for
+  int outside_area = 0;  ///< features outside the calibrated area
 };
 
-/// The residuals of a view that stands at a pose.
+/// Adds the residuals of a view at the given pose.
 void AddResiduals(const CameraModel& camera, const Pose& camera_from_pattern,
                   const Pattern& pattern, const CalibrationProblem& problem,
                   int view, Evaluation* evaluation);
 
-/// Localises each image with the camera and the pattern as they are.
+/// Localizes each image with fixed camera and pattern; returns the residuals.
 Evaluation EvaluateCamera(const CameraModel& camera, const Dataset& dataset,
                           const Pattern& pattern, int num_threads);
 

@@ -8,39 +8,39 @@
 
 namespace raygrid {
 
-/// A camera that is being calibrated.
+/// State of a camera during its calibration.
 struct CameraInProgress {
   const CalibrationInput* input = nullptr;
-  Dataset dataset;  ///< as given, without images of the same view
-  /// The features of all images as if frames were read at once, if motion was
-  /// taken out.
+  Dataset dataset;  ///< input without near-duplicates
+  /// Features of all images with rolling shutter compensated; nullopt if it was
+  /// not.
   std::optional<Dataset> still;
-  BoardRotations turns;   ///< of boards, against the features as given
-  Split split;            ///< features as measured last
-  AdjustmentResult lens;  ///< parametric, by its own training images
-  Folds folds;            ///< of its training images
-  bool per_view_deformation = false;  ///< from image to image
-  double grid_knot_spacing_px =
-      0;                     ///< of the central grid, where "auto" tried one
-  Checkpoint checkpoint;     ///< what is done so far
-  CalibrationResult result;  ///< what is known so far
+  BoardRotations turns;  ///< relative to the feature numbering of the input
+  Split split;           ///< refined features, if any
+  AdjustmentResult
+      lens;     ///< parametric camera fitted to its own training images
+  Folds folds;  ///< folds of its training images
+  bool per_view_deformation = false;  ///< deformation may differ between images
+  double grid_knot_spacing_px = 0;    ///< central grid tried by "auto"
+  Checkpoint checkpoint;              ///< completed steps
+  CalibrationResult result;           ///< results so far
 
   void Save() const {
     if (input->keep) input->keep(checkpoint);
   }
 };
 
-/// The features of all images, those among them that others stand for, as they
-/// were measured last, with boards turned.
+/// Returns the latest features of all images, including near-duplicates, with
+/// board rotations applied.
 Dataset CollectFeatures(const CameraInProgress& camera, const Pattern& pattern);
 
-/// The options of adjustments that run to their end.
+/// Returns options of adjustments that run to completion.
 AdjustmentOptions MakeAdjustmentOptions(const CalibrationOptions& options);
 
-/// The options of adjustments that end when the calibration is told to stop.
+/// Returns options of adjustments that end when the calibration is stopped.
 AdjustmentOptions MakeStoppableOptions(const CalibrationOptions& options);
 
-/// The options of a cross-validation without progress.
+/// Returns cross-validation options without progress reports.
 ValidationOptions MakeValidationOptions(const CalibrationOptions& options);
 
 }  // namespace raygrid

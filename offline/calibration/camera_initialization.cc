@@ -19,8 +19,8 @@
 namespace raygrid {
 namespace {
 
-// A view whose median error is a larger part of the image's width has not been
-// localised.
+// A view whose median error is a larger fraction of the image's width is not
+// localized.
 constexpr double kMaxMedianPart = 0.02;
 
 double MedianError(const AdjustmentState& state, const View& view,
@@ -35,8 +35,7 @@ double MedianError(const AdjustmentState& state, const View& view,
   return Quantile(norms, 0.5);
 }
 
-// All views that a lens can localise, with their poses; the others are left
-// out.
+// Returns the views that can be localized with a camera, with their poses.
 AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
                            int num_threads) {
   AdjustmentResult localized = all;
@@ -58,7 +57,7 @@ AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
       kept.push_back(*poses[v]);
   }
   RemoveViews(remove, &problem);
-  // The poses are in the order of the views, each of which has its own.
+  // The poses are in the order of the views; each view has a separate pose.
   state.rig_from_pattern = kept;
   return localized;
 }
@@ -69,10 +68,9 @@ int NumImages(const CalibrationProblem& problem) {
           .size());
 }
 
-// Features that are nowhere near where their views have them leave the problem:
-// in a narrow field of view, few of them bend the lens, even under Huber's
-// loss. The rule of the paper's supplement, far more lenient, since the lens is
-// rough.
+// Removes features far from their predictions: in a narrow field of view, a few
+// of them distort the model, even with Huber loss. The criterion of the paper's
+// supplement, with a far larger limit, as the model is rough.
 void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
                          AdjustmentResult* adjusted) {
   constexpr double kRanges = 30;
@@ -103,8 +101,8 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
-// The views and features that are enough to tell the dozen parameters of a
-// lens.
+// Selects enough views and features to determine the dozen parameters of a
+// parametric model.
 AdjustmentResult Thinned(const AdjustmentResult& all) {
   constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
   AdjustmentResult thinned = all;
@@ -119,7 +117,7 @@ AdjustmentResult Thinned(const AdjustmentResult& all) {
   return thinned;
 }
 
-// Twice: a better lens localises more views, and those it has better.
+// Twice: a better camera localizes more views, more accurately.
 std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
                                            const Pattern& pattern,
                                            const AdjustmentResult& all,
@@ -140,15 +138,15 @@ std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
   return adjusted;
 }
 
-// The part of all features that a lens leaves unexplained: its views cannot be
-// localised, it does not project their points, or gives them no direction.
+// Fraction of all features without an explanation by a camera: their views
+// cannot be localized, or they have no projection or direction.
 struct Misfit {
   double unexplained_part = 0;
   double mean_px = 0;  ///< over all features, each no more than the cap
 };
 
-// The size of a pixel in images of 640 pixels' width, which what follows was
-// found with: the more pixels a lens's image has, the more it is off.
+// Size of a pixel of a 640 px wide image, for which the limits below were
+// chosen: errors in pixels grow with the image size.
 double LensPx(const CalibrationProblem& problem) {
   constexpr double kWidth = 640;
   const ImageSize& size = problem.image_sizes[0];
@@ -174,14 +172,14 @@ Misfit MisfitOf(const AdjustmentResult& adjusted, size_t num_features) {
   return {unexplained / count, (sum + cap_px * unexplained) / count};
 }
 
-// The factor of a start's error before it is compared.
+// Factors of the errors of initial cameras in their comparison.
 double HandicapOf(const CameraModel& start) {
-  // A pinhole's distortion is taken where it fits nearly as well: beyond the
-  // outermost features, in the image's corners, it goes on more tamely than a
-  // polynomial of the angle (simulated lens of 62 degrees: 0.10 px off in the
-  // worst corner, where that was 0.21 px).
+  // A pinhole with distortion is preferred if the error is similar: beyond the
+  // outermost features, in the image's corners, it extrapolates better than a
+  // polynomial of the angle (simulated lens of 62 degrees: 0.10 px instead of
+  // 0.21 px in the worst corner).
   constexpr double kPinholeFavour = 0.8;
-  // A grid follows any lens, but knows nothing of where no feature was seen.
+  // A grid fits any lens, but extrapolates poorly.
   constexpr double kGridHandicap = 2;
   if (start.Name() == models::kOpenCv) return kPinholeFavour;
   return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
@@ -193,8 +191,8 @@ size_t NumFeatures(const CalibrationProblem& problem) {
   return count;
 }
 
-// Starts from linear equations for pinholes, and for radially symmetric lenses
-// of any field of view.
+// Initial cameras from linear equations for pinholes, and for radially
+// symmetric lenses with any field of view.
 std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
     const Dataset& dataset, const Pattern& pattern) {
   std::vector<std::unique_ptr<CameraModel>> starts;
@@ -205,7 +203,7 @@ std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
   return starts;
 }
 
-// The start for any central lens, over the area that is calibrated.
+// The initial camera for any central lens, over the calibrated area.
 std::optional<CentralGeneric> MakeInitialGenericGrid(
     const Dataset& dataset, const Pattern& pattern,
     const CalibrationProblem& problem, int num_threads) {
@@ -217,7 +215,7 @@ std::optional<CentralGeneric> MakeInitialGenericGrid(
   return generic->camera;
 }
 
-// The starts adjusted to a part of the features, of which the best is kept.
+// Initial cameras, adjusted to some of the features; the best one is kept.
 class StartTrials {
  public:
   StartTrials(const Pattern& pattern, const AdjustmentResult& all,
@@ -241,18 +239,18 @@ class StartTrials {
     least_weighted_ = weighted;
   }
 
-  // Whether a lens with local distortion at most can be behind it.
+  // Whether the error is consistent with a lens with local distortion.
   bool IsNear() const {
     return best_ && least_.mean_px < LensPx(thinned_.problem);
   }
 
-  // Whether calibration can go on from the best.
+  // Whether the best one is good enough for calibration.
   bool IsEnough() const {
     constexpr double kMaxUnexplainedPart = 0.25;
     return best_ && least_.unexplained_part <= kMaxUnexplainedPart;
   }
 
-  // Throws if it cannot.
+  // Throws if it is not.
   const AdjustmentResult& Best() const {
     if (IsEnough()) return *best_;
     if (!best_)
@@ -278,7 +276,7 @@ class StartTrials {
   double least_weighted_ = INFINITY;
 };
 
-// The lenses that need no other to start from.
+// Initial cameras that do not depend on another one.
 void TryAll(const Dataset& dataset, const Pattern& pattern,
             const CalibrationProblem& problem, int num_threads,
             StartTrials* trials) {

@@ -6,13 +6,13 @@
 
 namespace raygrid {
 
-/// The fewest images that tell a lens.
+/// Minimum number of images to initialize a camera.
 constexpr int kMinImages = 3;
 
-/// A starting lens from nothing but the observations, adjusted; area is what
-/// the camera is to be calibrated over. If the lens is already known of nearly
-/// the same observations, it is adjusted instead of looked for. Throws Error:
-/// kTooFew, kInitialization.
+/// Initializes and optimizes a parametric camera from the observations alone;
+/// area is the calibrated area. If `known`, a camera of almost the same
+/// observations, is given, it is the initial value. Throws Error: kTooFew,
+/// kInitialization.
 AdjustmentResult InitializeCamera(const Dataset& dataset,
                                   const Pattern& pattern,
                                   const AdjustmentOptions& options,

@@ -69,7 +69,7 @@ std::optional<BoardDeformation> BendsOf(const Pattern& pattern,
   return bends;
 }
 
-// The direction across a flat board; nothing for points in space.
+// The normal of a flat board; nullopt for point sets.
 std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   constexpr double kFlatPart = 0.02;  // of its extent
   if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
@@ -84,7 +84,7 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   return solver.eigenvectors().col(0);
 }
 
-// Normals of all boards seen, in the camera's frame.
+// Normals of all observed boards, in the camera's frame.
 std::vector<Eigen::Vector3d> SeenNormals(const CalibrationResult& result) {
   std::map<int, std::optional<Eigen::Vector3d>> normals;
   for (const Board& board : result.pattern.boards)
@@ -105,7 +105,7 @@ double TiltOf(const std::vector<Eigen::Vector3d>& normals) {
   return std::acos(least_cosine);
 }
 
-// Points alone have no sides.
+// Point sets have no front.
 bool HasSides(const Board& board) { return !board.IsPointSet(); }
 
 bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
@@ -125,7 +125,7 @@ void AddSides(const CalibrationResult& result, CalibrationMetrics* metrics) {
   }
 }
 
-// A view of a board, and its features in the image, rejected ones too.
+// A view of a board with all features in the image, also rejected ones.
 struct SeenBoard {
   const BoardPose* pose;
   std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by column, row
@@ -154,8 +154,8 @@ bool IsPoseAlike(const Pose& a, const Pose& b) {
              kAlikePart * b.translation.norm();
 }
 
-// Whether a board stands in the same place of two images. Where all images are
-// alike nothing tells the poses, which may be any.
+// Whether a board has the same pose in two images. If all images are
+// near-duplicates, poses are not observable.
 bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
                   const ImageSize& size) {
   constexpr double kAlikePart = 0.005;
@@ -170,7 +170,7 @@ bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
   return have_common;
 }
 
-// How many views of boards differ from those before them.
+// Counts the views of boards that differ from all previous views.
 int CountDifferent(const CalibrationResult& result) {
   std::vector<SeenBoard> different;
   for (const SeenBoard& seen : SeenBoards(result)) {
@@ -201,9 +201,9 @@ std::vector<FeatureResidual> WithoutImages(
   return residuals;
 }
 
-// How far errors of neighbours are alike that are not what the images leave
-// open: a camera that few have calibrated errs smoothly over the image, and so
-// do its predictions; the errors of the features that calibrated it do not.
+// Correlation of neighbouring errors without the part due to the uncertainty of
+// the camera: a camera from few images has smooth errors, as have its
+// predictions, but not its training residuals.
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
   const auto held_out =
@@ -220,7 +220,7 @@ bool PredictsBetter(const ModelMetrics& other,
              .Better() == std::string("second");
 }
 
-// A ninth of the image, in words.
+// Name of a ninth of the image.
 std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
   const auto third = [](double at, int extent) {
     return std::clamp(static_cast<int>(3 * at / extent), 0, 2);
@@ -233,8 +233,8 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
   return row == 1 ? side : rows[row] + " " + side;
 }
 
-// Images that lost more features to rejection than chance, or a corner at the
-// board's edge, explains.
+// Images with more outliers than expected by chance, or for a corner at the
+// board's edge.
 void FindMisreadImages(const CalibrationResult& result,
                        CalibrationMetrics* metrics) {
   constexpr int kLeast = 5;
@@ -254,8 +254,8 @@ void FindMisreadImages(const CalibrationResult& result,
   }
 }
 
-// Images apart that are alone do not count as such; where most of their worst
-// features are.
+// Images with unique coverage are not outliers; finds the regions with most of
+// their largest errors.
 void SeparateOutlierImages(const CalibrationResult& result,
                            const std::set<std::string>& apart,
                            CalibrationMetrics* metrics) {
@@ -291,7 +291,7 @@ void AddWhatWasTried(const CalibrationResult& result,
   tried.model = result.camera.camera->Name();
   tried.mixed_cameras = result.mixed_cameras.has_value();
   constexpr double kBetterPart = 0.99;
-  // Boards are rigid in these residuals, of each model.
+  // Boards are rigid in these residuals of all models.
   const double own_px =
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kBetterPart * own_px;
@@ -307,7 +307,7 @@ void AddWhatWasTried(const CalibrationResult& result,
   }
 }
 
-// Pixels' width by their height, in radians, in the middle of the area.
+// Pixel width / height, in radians, at the area's centre.
 std::optional<double> PixelAspect(const CameraModel& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto line = camera.Line(pixel);
@@ -470,8 +470,8 @@ void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
 
 void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
                               int num_threads, CalibrationResult* result) {
-  // Three, and twice that since lenses are less smooth beyond the features than
-  // the prior has it.
+  // Three standard deviations, and twice that, since lenses are less smooth
+  // beyond the features than the prior assumes.
   constexpr double kMuchMore = 6;
   std::set<std::string> apart = FindOutlierImages(result->held_out);
   for (const std::string& image : FindOutlierImages(result->training))

@@ -7,53 +7,52 @@
 
 namespace raygrid {
 
-/// The residuals of the features that a camera was adjusted to.
+/// Computes the residuals of a camera's training features.
 std::vector<FeatureResidual> ComputeTrainingResiduals(
     const Pattern& pattern, const AdjustmentResult& adjusted, int camera,
     int num_threads);
 
-/// Fills in the adjusted camera, which has the image circle if that is known,
-/// and the figures of its training features.
+/// Fills in the adjusted camera, with the image circle if known, and the
+/// metrics of its training features.
 void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
                 int camera, const std::optional<ImageCircle>& image_circle,
                 int num_threads, CalibrationResult* result);
 
-/// Fills in the predicted uncertainty, the valid region and what is
-/// extrapolated (EstimateUncertainty()). What FillResult() fills in is there,
-/// and is left alone.
+/// Fills in the predicted uncertainty, the valid region and the extrapolated
+/// region (EstimateUncertainty()). Requires the results of FillResult() and
+/// does not change them.
 void FillUncertainty(const AdjustmentResult& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
                      const std::optional<double>& valid_limit_px,
                      int num_threads, CalibrationResult* result);
 
-/// Names the images whose held-out errors are large because they alone show
-/// some places: their own training errors are no larger than those of others,
-/// and their held-out errors no larger than the equations say.
+/// Lists images with large held-out errors that alone cover some region of the
+/// image: their training errors are no larger than the errors of other images,
+/// and their held-out errors are within the predicted uncertainty.
 void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
                               int num_threads, CalibrationResult* result);
 
-/// Adds to the rejected images those measured that are neither used nor held
-/// out nor rejected already, and those skipped: each that was given is in one
+/// Adds to the rejected images the skipped images and all detected images that
+/// are neither used, held out nor rejected, so that each input image is in one
 /// of the lists.
 void ListUnusedImages(const Dataset& measured,
                       const std::vector<RejectedImage>& skipped,
                       CalibrationResult* result);
 
-/// Fills in how far the camera lies from a fleet's middle, where it has
-/// features.
+/// Fills in the distance of the camera from a fleet's population mean, over the
+/// area with features.
 void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
                        CalibrationResult* result);
 
-/// Figures of the held-out residuals, if there are any, what they show beyond
-/// the camera's modes, and the verdict.
+/// Fills in the metrics of held-out residuals, if any, their part outside the
+/// camera's uncertainty modes, and the assessment.
 void AssessResult(int num_threads, CalibrationResult* result);
 
-/// Whether there is more than noise in the errors, and so much that a verdict
-/// will say it.
+/// Returns whether the errors exceed noise enough for a warning.
 bool HasSystematicErrors(const CalibrationResult& result);
 
-/// Whether neighbours err alike neither in images that the camera is adjusted
-/// to nor in those held out: no camera fits the images of two.
+/// Returns whether residuals are uncorrelated in both training and held-out
+/// images, which excludes images of two cameras.
 bool IsSingleCamera(const CalibrationResult& result);
 
 }  // namespace raygrid

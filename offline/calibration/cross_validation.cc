@@ -35,8 +35,8 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
   return nullptr;
 }
 
-// The names of the cameras' training images, each once: of one camera in the
-// order of its images, of a rig's in the order of names.
+// Unique names of the cameras' training images: in the order of images for one
+// camera, sorted for a rig.
 std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   std::vector<std::string> instants;
   for (const Split& camera : cameras)
@@ -47,9 +47,8 @@ std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   return {sorted.begin(), sorted.end()};
 }
 
-// The instants, those that nearly show one view together: a camera predicts
-// such neighbours of its own images well, whatever it is worth. In the order of
-// each view's first instant.
+// Frames, grouped by near-duplicates, which a camera predicts well from each
+// other, however poor it is. Sorted by the first frame of each group.
 std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
   std::vector<Dataset> datasets;
   double near_px = 0;
@@ -102,8 +101,8 @@ AdjustmentResult StartCameras(const std::vector<Split>& cameras,
   return InitializeRig(names, lenses, rigid_targets, options, &rejected);
 }
 
-// A rig that hangs together by few views may fall apart without some of them:
-// then the rest of the work is left out.
+// A rig with few connecting views may be disconnected without some of them;
+// then the remaining work is skipped.
 template <typename Work>
 void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
   try {
@@ -115,7 +114,7 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
   }
 }
 
-// The first folds of a cross-validation of num_folds.
+// The first folds of a cross-validation with num_folds.
 Folds FoldsOf(const std::vector<std::vector<std::string>>& views,
               const std::vector<Split>& cameras,
               const std::vector<const CameraModel*>& known, size_t count,
@@ -134,7 +133,7 @@ Folds FoldsOf(const std::vector<std::vector<std::string>>& views,
   return folds;
 }
 
-// The options of each of some adjustments that share the threads.
+// Options of each of several adjustments that share the threads.
 AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
                                        const ValidationOptions& options) {
   AdjustmentOptions adjustment;
@@ -144,7 +143,7 @@ AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
   return adjustment;
 }
 
-// Starts the folds that trials are to be made in.
+// Initializes the folds of the trials.
 void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
                 const ValidationOptions& options, Folds* folds) {
   const bool is_grid = !IsParametricModel(options.model);
@@ -177,7 +176,7 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
   });
 }
 
-// The knot spacing that a grid starts from, if it is not the lens.
+// The next coarser spacing of the ladder, whose grid is the warm start, if any.
 std::optional<double> SpacingBefore(
     const std::vector<double>& ladder_px,
     const std::vector<double>& knot_spacings_px) {
@@ -189,8 +188,8 @@ std::optional<double> SpacingBefore(
   return *(found - 1);
 }
 
-// The cameras of a fold; nothing if they could not be started. What is not kept
-// is adjusted again, so that a resumed calibration has the same result.
+// The cameras of a fold; nullopt if initialization failed. Results that are not
+// stored are computed again, so that a resumed calibration is identical.
 std::optional<AdjustmentResult> RigidlyAdjusted(
     const Folds::Fold& fold, const std::vector<double>& ladder_px,
     const Pattern& pattern, const std::string& model,
@@ -211,7 +210,7 @@ std::optional<AdjustmentResult> RigidlyAdjusted(
   return adjusted;
 }
 
-// Tests adjusted cameras with their test images.
+// Evaluates adjusted cameras with their test images.
 HeldOutResiduals TestCameras(const AdjustmentResult& adjusted,
                              const Pattern& pattern,
                              const std::vector<Split>& cameras,

@@ -16,62 +16,61 @@
 
 namespace raygrid {
 
-/// A camera's images to calibrate with, and those to test with.
+/// Training and test images of a camera.
 struct Split {
-  std::string camera;  ///< its name in a rig
+  std::string camera;  ///< camera name in a rig
   Dataset training, test;
 };
 Split SplitImages(const std::string& camera, const Dataset& dataset,
                   const std::vector<std::string>& test_images);
 
-/// The part of the images that each camera is calibrated with.
+/// Fraction of the images used to calibrate in each fold.
 constexpr double kTrainingShare = 0.75;
 
-/// The folds of a cross-validation, of the training images of one camera or of
-/// a rig: four, one for many images, which take long and need no more, or none
-/// for few.
+/// Folds of a cross-validation over the training images of a camera or rig:
+/// four, one if there are many images, where calibration is slow and one
+/// suffices, or none if there are few.
 struct Folds {
-  /// One of them, and what trials in it have in common: found once, kept for
-  /// those to come.
+  /// A fold, with intermediate results that all its trials share; they are
+  /// computed once.
   struct Fold {
     std::vector<Split> cameras;
-    std::optional<AdjustmentResult> start;   ///< with starting lenses
-    std::optional<AdjustmentResult> lenses;  ///< those that grids lie around
+    std::optional<AdjustmentResult> start;   ///< initial cameras
+    std::optional<AdjustmentResult> lenses;  ///< base models of the grids
     std::vector<std::pair<std::vector<double>, AdjustmentResult>>
-        rigid;  ///< by cells
+        rigid;  ///< results by knot spacings
   };
   std::vector<Fold> folds;
-  /// Starting lenses of all training images, which each fold adjusts to its
-  /// own.
+  /// Initial cameras of all training images, optimized in each fold.
   std::vector<std::shared_ptr<const CameraModel>> known;
-  /// CalibrationProblem::base_model, found with all training images.
+  /// CalibrationProblem::base_model, chosen with all training images.
   std::string base_model;
-  /// Knot spacings of one camera's central grid, each of which but the first
-  /// starts from the one before it, in every fold.
+  /// Knot spacings of a single camera's central grid; in each fold, every grid
+  /// but the first is initialized from the previous one.
   std::vector<double> ladder_px;
 
   int count() const { return static_cast<int>(folds.size()); }
 };
-/// known are lenses of all training images of each camera.
+/// `known` has an initial camera per camera, from all training images.
 Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known);
-/// A fold for each view, of fewer views than MakeFolds() has folds for; none
-/// for fewer than four.
+/// Returns a fold per view if there are too few views for MakeFolds(); none for
+/// fewer than four.
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
                            const std::vector<const CameraModel*>& known);
 
 struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
-  /// Those of CalibrationOptions.
+  /// See CalibrationOptions.
   std::shared_ptr<const CameraModel> like = {};
   std::shared_ptr<const LensSpread> prior_spread = {};
   bool fix_target_geometry = false;
-  bool rigid_boards = true;  ///< in calibrating
-  /// Whether to keep what is adjusted with rigid boards, for trials of the same
-  /// model with boards that bend.
+  bool rigid_boards = true;  ///< in calibration
+  /// Keeps the results with rigid boards, for trials of the same model with
+  /// board deformation.
   bool keep_rigid = false;
-  int num_folds = 0;  ///< the first ones; 0: all
+  int num_folds = 0;  ///< uses the first folds only; 0: all
   RigidTargets rigid_targets;
   int num_threads = 0;
   std::function<void(double)> progress;
@@ -80,17 +79,17 @@ struct ValidationOptions {
   std::function<void()> on_done;
 };
 
-/// Candidates, the cells of each camera, in every fold of the training images,
-/// in parallel: the images whose turn it is are localised with cameras
-/// calibrated without them. Leaves out what is in *done already, and adds to
-/// it; some is missing after a stop. Only the model and whether boards are
-/// rigid may change between calls with one *folds.
+/// Evaluates candidates (knot spacings by camera) in every fold, in parallel:
+/// the held-out images are localized with cameras calibrated without them.
+/// Skips trials that are already in *done and appends new ones; after a stop
+/// some are missing. Between calls with the same *folds, only the model and
+/// rigid_boards may change.
 void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
                    const std::vector<std::vector<double>>& candidates,
                    Folds* folds, std::vector<Trial>* done);
 
-/// Tests adjusted cameras with their test images or, where no camera has any,
-/// cells by cross-validation, with what is done of it.
+/// Evaluates adjusted cameras with their test images or, if no camera has any,
+/// their knot spacings by cross-validation, reusing trials in *done.
 HeldOutResiduals EvaluateHeldOut(const AdjustmentResult& adjusted,
                                  const Pattern& pattern,
                                  const std::vector<Split>& cameras,
@@ -98,7 +97,7 @@ HeldOutResiduals EvaluateHeldOut(const AdjustmentResult& adjusted,
                                  const std::vector<double>& knot_spacings_px,
                                  Folds* folds, std::vector<Trial>* done);
 
-/// The residuals over all folds of one candidate; nothing if a fold is missing.
+/// Joins a candidate's residuals of all folds; empty if a fold is missing.
 HeldOutResiduals JoinFolds(const std::vector<Trial>& done, int num_folds,
                            const std::vector<double>& knot_spacings_px,
                            bool rigid_boards, bool has_rigid_targets = false);

@@ -15,7 +15,7 @@ bool IsEven(const Feature& feature) {
   return (feature.column + feature.row) % 2 == 0;
 }
 
-// The features of one half of the places.
+// The features of one half of the lattice positions.
 Dataset Half(const Dataset& dataset, bool is_even) {
   Dataset half;
   half.image_size = dataset.image_size;
@@ -38,7 +38,7 @@ std::vector<Dataset> Halves(const std::vector<Dataset>& datasets,
   return halves;
 }
 
-// A view of the other half stands where that of the first does.
+// A view of the other half has the pose of the first half's view.
 using Places = std::map<std::pair<std::string, int>, int>;
 
 Places CollectFeaturePositions(const CalibrationProblem& problem) {

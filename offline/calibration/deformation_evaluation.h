@@ -7,12 +7,12 @@
 
 namespace raygrid {
 
-/// The residuals of each camera where boards may bend from view to view: half
-/// of a view's features, in even places of the lattice, tell how its board
-/// stands and bends; the residuals are those of the other half. The cameras and
-/// the pattern stay as they are, and all views together tell how far boards
-/// bend. Views with fewer than kMinViewFeatures in a half have no residuals,
-/// and none has any where no board is flat. A single camera is a rig of one.
+/// Computes the residuals of each camera with per-view board deformation: pose
+/// and deformation are estimated from half of a view's features (even lattice
+/// positions), the residuals from the other half. Cameras and pattern are
+/// fixed; all views determine the deformation's variance. Views with fewer than
+/// kMinViewFeatures in either half have no residuals; all are empty if no board
+/// is flat. A single camera is a rig of one.
 std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
     const RigModel& rig, const std::vector<Dataset>& datasets,
     const Pattern& pattern, int num_threads);

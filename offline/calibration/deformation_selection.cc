@@ -9,8 +9,8 @@
 namespace raygrid {
 namespace {
 
-// Whether bends could lower squared errors by a part, as far as the residuals
-// of cameras with rigid boards tell.
+// Whether deformation may lower squared errors by a fraction, according to the
+// residuals of cameras with rigid boards.
 bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
                double part) {
   double sum = 0, count = 0;
@@ -24,8 +24,8 @@ bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
   return sum > part * count;
 }
 
-// Cells that rigid boards chose coarser than the medium ones stay so if they
-// surely predict flexed boards better, too: bends are noise to rigid boards.
+// A knot spacing coarser than the medium one is kept if it also predicts
+// deformed boards significantly better: deformation is noise to rigid boards.
 void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
                      const ValidationOptions& validation,
                      CameraInProgress* camera) {
@@ -54,7 +54,7 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
 
 bool IsDeformationBetter(const HeldOutResiduals& bent,
                          const HeldOutResiduals& rigid) {
-  // In deviations. An image that alone tells all of a gain makes it 1.
+  // In standard deviations; 1 if a single image causes all of the gain.
   constexpr double kWorse = -1.5, kBetter = 1;
   const double alone = ComputeLossGain(rigid.alone.front(), bent.alone.front());
   const double flexed =
@@ -65,7 +65,7 @@ bool IsDeformationBetter(const HeldOutResiduals& bent,
 void SelectDeformation(const Pattern& pattern,
                        const CalibrationOptions& options,
                        CameraInProgress* camera) {
-  // Bends take more of the residuals that they are adjusted to than of others.
+  // Deformation explains more of training than of held-out residuals.
   constexpr double kLeastShare = 0.01;
   camera->per_view_deformation = false;
   if (options.rigid_board || options.fix_target_geometry ||

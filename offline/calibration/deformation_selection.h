@@ -5,20 +5,19 @@
 
 namespace raygrid {
 
-/// Whether a camera of boards that bend predicts held-out images better than
-/// one of rigid boards: where their boards may bend, and in the sum of that
-/// gain and the one where they may not, which must not surely be a loss. These
-/// errors are mostly the boards' own bends, so they differ by chance.
-/// HeldOutResiduals is of one camera.
+/// Returns whether a camera calibrated with board deformation predicts held-out
+/// images better than one with rigid boards: better if the held-out boards may
+/// deform, and also in the sum with the gain for rigid held-out boards, which
+/// must not be a significant loss. Errors are dominated by the boards'
+/// deformation, so they vary by chance. For a single camera.
 bool IsDeformationBetter(const HeldOutResiduals& bent,
                          const HeldOutResiduals& rigid);
 
-/// Decides whether boards may bend from image to image while a camera is
-/// adjusted, by how that camera and one of rigid boards predict held-out
-/// images. They may not with a parametric model, nor with fewer images than
-/// cross-validation needs. Sets camera->per_view_deformation. If they may,
-/// cells of the grid that rigid boards chose coarser than the medium ones are
-/// chosen again.
+/// Decides from held-out errors whether boards may deform from image to image
+/// during adjustment, and sets camera->per_view_deformation. False for
+/// parametric models, and for fewer images than cross-validation needs. If true
+/// and rigid boards led to a coarser knot spacing than the medium one, the knot
+/// spacing is selected again.
 void SelectDeformation(const Pattern& pattern,
                        const CalibrationOptions& options,
                        CameraInProgress* camera);

@@ -5,11 +5,11 @@
 
 namespace raygrid {
 
-/// The part of the squared residuals of cameras with rigid boards that bends of
-/// each view's board would take away, to first order, beyond what they take of
-/// noise that features do not share. About 0, and a little below it by chance,
-/// if boards do not bend. Told by views of at least 18 features, one for each
-/// parameter of their poses and bends; 1 if there are none.
+/// Computes the fraction of the squared residuals of cameras with rigid boards
+/// that per-view deformation would explain, to first order, beyond its expected
+/// fraction of white noise. About 0, or slightly negative, without deformation.
+/// Uses views with at least 18 features, the number of pose and deformation
+/// parameters; 1 if there are none.
 double ComputeDeformationShare(const AdjustmentResult& adjusted,
                                int num_threads);
 

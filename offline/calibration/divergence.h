@@ -5,24 +5,23 @@
 
 namespace raygrid {
 
-/// The largest error that counts where adjustments are compared: 1/128 of the
-/// image's longer side.
+/// Limit of errors in comparisons of adjustments: 1/128 of the longer side of
+/// the image.
 double ErrorCapPx(const ImageSize& size);
 
-/// The mean reprojection error over all features of a start, each no more than
-/// ErrorCapPx(), which those have that an adjustment lost.
+/// Returns the mean over all features of `start` of the reprojection error, at
+/// most ErrorCapPx(), which is also the error of features lost in `adjusted`.
 double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
                           const AdjustmentResult& start);
 
-/// The ratio of errors from which on a calibration is taken to have been led
-/// astray.
+/// Error ratio above which a calibration is considered to have diverged.
 constexpr double kDivergenceRatio = 1.2;
 
-/// Whether a mean or median error is more than kDivergenceRatio of another one,
-/// and not by next to nothing.
+/// Returns whether a mean or median error exceeds another one by more than
+/// kDivergenceRatio and by a relevant amount.
 bool ExceedsDivergenceRatio(double error_px, double other_px);
 
-/// Whether an adjustment went from a start to something that is much worse.
+/// Returns whether an adjustment is much worse than its initial state.
 bool HasDiverged(const AdjustmentResult& adjusted,
                  const AdjustmentResult& start);
 

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// Every so many of a list, so that no more than max_count are left.
+/// Selects elements with a constant stride, max_count at most.
 template <typename T>
 std::vector<T> SelectEvenly(const std::vector<T>& all, size_t max_count) {
   const size_t step =

@@ -5,11 +5,11 @@
 
 namespace raygrid {
 
-/// A grid over an area, closest to a lens as far as it has directions, up to
-/// 130 degrees from its axis. Farther out, as in the corners around a fisheye's
-/// image circle, there is nothing to see and a polynomial goes astray: the grid
-/// goes on smoothly there, drawn towards where the lens would with the slope
-/// that it ends with, which fades away towards 132 degrees.
+/// Fits a grid over an area to a camera, up to 130 degrees from its axis or as
+/// far as it has directions. Farther out, as in the corners around a fisheye's
+/// image circle, there are no observations and polynomials diverge: the grid is
+/// extrapolated smoothly, weakly attracted to a continuation of the camera
+/// whose slope decays towards 132 degrees.
 CentralGeneric FitExtrapolatedGrid(const CameraModel& lens, const Area& area,
                                    int columns, int rows);
 

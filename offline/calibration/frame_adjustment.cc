@@ -11,11 +11,11 @@
 namespace raygrid {
 namespace {
 
-// A fiftieth of the turn that a frame may need.
+// 1/50 of the maximum acceptable rotation of a frame.
 constexpr double kStillRad = kMaxFrameRotationRad / 50;
 
-// The prior of a grid that is turned: around the turned mean, as strong as it
-// was. The lines' points are believed to lie around the origin in any frame.
+// Rotates the prior of a grid: same precision, rotated mean. Points of lines
+// have the prior mean 0 in any frame.
 CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& observed_px,
                         const Eigen::Quaterniond& rotated_from_camera,
@@ -36,9 +36,9 @@ CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
   return turned;
 }
 
-// Turned surfaces are fitted anew, and what nothing is seen of, as corners
-// behind a fold, then lies anywhere: only the state's own orientation is one
-// that can be held.
+// Rotated surfaces are fitted anew; parts without observations, such as corners
+// behind a fold, are then arbitrary, so the orientation is fixed relative to
+// the state's own.
 void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
                 AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
@@ -55,7 +55,7 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
       state.camera_from_rig[camera];
 }
 
-// Returns whether any camera had to be turned.
+// Returns whether any camera was rotated.
 bool TurnCameras(AdjustmentResult* adjusted) {
   bool have_turned = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {

@@ -5,12 +5,12 @@
 
 namespace raygrid {
 
-/// Brings adjusted cameras into the frames that they ought to have
-/// (camera/camera_frame.h), with their priors, poses, and relative poses, and
-/// adjusts all once more there, since a turned surface is not quite a surface
-/// of the same grid; again where cameras then need a turn, and at last, when
-/// that is small, without their shapes. Parametric cameras have their frames
-/// already.
+/// Transforms adjusted cameras to their canonical frames
+/// (camera/camera_frame.h), with priors, poses and relative poses, and
+/// optimizes everything again, because a rotated spline is not exactly
+/// representable on the same grid. Repeats this while cameras still need a
+/// rotation; the last, small one does not change their shapes. Parametric
+/// cameras are in their canonical frames already.
 void OptimizeInCameraFrames(const AdjustmentOptions& options,
                             AdjustmentResult* adjusted);
 

@@ -18,8 +18,7 @@
 namespace raygrid {
 namespace {
 
-// Other parametric models have no prior yet that holds what observations do not
-// tell.
+// Other parametric models have no prior for unobservable parameters yet.
 void RequireKnownModel(const std::string& model) {
   std::vector<std::string> known = CalibratedModels();
   known.insert(known.begin(), kAutoModel);
@@ -47,8 +46,8 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
                               cameras.size() > 1 ? "a frame" : "an image"));
 }
 
-// By boards that both see at one instant or, if boards may be fixed to each
-// other, by such boards.
+// Connected by boards that both observe in one frame, or by boards of possible
+// rigid targets.
 void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
                              const Pattern& pattern, bool independent_boards) {
   std::vector<std::string> names;
@@ -69,7 +68,7 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   RequireConnected(names, problem);
 }
 
-// One camera that is given as two would be a rig without a baseline.
+// One camera given as two would be a rig without a baseline.
 void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
   for (size_t c = 1; c < cameras.size(); ++c)
     for (size_t other = 0; other < c; ++other) {

@@ -8,16 +8,16 @@
 
 namespace raygrid {
 
-/// Checks what can be told before anything that takes long. Throws Error:
-/// kUsage for no camera, an unknown model, images to hold out that there are
-/// not, and two cameras of one name; kInitialization for a rig that does not
-/// hang together.
+/// Checks the input before any expensive step. Throws Error: kUsage for no
+/// camera, an unknown model, unknown held-out images, and two cameras of one
+/// name; kInitialization for a rig whose cameras are not connected by shared
+/// views.
 void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options);
 
-/// Boards that are mostly far away have their lengths in another unit: the
-/// images do not tell. Throws Error(kUsage).
+/// Checks the distances of boards: if most are far away, lengths are probably
+/// in the wrong unit, which images cannot determine. Throws Error(kUsage).
 void RequirePlausibleDistances(const AdjustmentResult& adjusted);
 
 }  // namespace raygrid

@@ -10,35 +10,35 @@
 
 namespace raygrid {
 
-/// By how much the mean Huber loss of residuals is below that of others, of the
-/// same features: in standard deviations of that difference, as images differ
-/// in it. A feature that only one of both has is huber_px off in the other. 0
-/// for fewer than two images.
+/// Computes the decrease of the mean Huber loss from `others` to `residuals` in
+/// standard deviations, estimated from its variation between images. Features
+/// missing in one of the lists have an error of huber_px there. 0 for fewer
+/// than two images.
 double ComputeLossGain(const std::vector<FeatureResidual>& others,
                        const std::vector<FeatureResidual>& residuals,
                        double huber_px = 1);
 
-/// A prior holds what a grid has too many of, at little loss; what it has too
-/// few of is lost. So a coarser one has to gain something: ComputeLossGain()
-/// the finer one.
+/// Minimum ComputeLossGain() of a coarser grid over a finer one. Superfluous
+/// control points cost little, as the prior constrains them; missing ones
+/// cannot be compensated.
 constexpr double kCoarserGain = 1;
 
-/// Which of a list of resolutions of a grid, from coarse to fine, to take.
+/// Search over the resolutions of a grid, from coarse to fine.
 struct KnotSpacingSearch {
   int chosen = 0;
   std::map<int, std::vector<FeatureResidual>> tried;  ///< held-out, by index
 
-  /// Held-out residuals with some resolutions; fewer after a stop.
+  /// Computes held-out residuals by resolution; fewer after a stop.
   using Measure = std::function<std::vector<std::vector<FeatureResidual>>(
       const std::vector<int>&)>;
 
-  /// Held-out residuals of some of the images with a resolution.
+  /// Computes held-out residuals of some of the images for a resolution.
   using Probe = std::function<std::vector<FeatureResidual>(int resolution)>;
 
-  /// Goes from a medium resolution to coarser or to finer ones as long as the
-  /// held-out loss surely falls. One whose loss does not fall in the images
-  /// that probe is given, if it is, is not measured with all. Nothing after a
-  /// stop.
+  /// Searches from a medium resolution to coarser or finer ones while the
+  /// held-out loss decreases significantly. If `probe` is given, a resolution
+  /// whose loss does not decrease in the probe's images is not measured with
+  /// all. Returns nullopt after a stop.
   static std::optional<KnotSpacingSearch> Run(int num_resolutions, int medium,
                                               const Measure& measure,
                                               const Probe& probe = {});

@@ -73,14 +73,14 @@ void SelectKnotSpacing(const Pattern& pattern,
   const int num_folds = camera->folds.count();
   if (num_folds == 0) return;
 
-  // Others start from the lens: they are coarser, or measured first.
+  // Others are initialized from the camera: they are coarser, or come first.
   if (kMedium < static_cast<int>(cells.size()))
     camera->folds.ladder_px.assign(cells.begin() + kMedium, cells.end());
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = MakeValidationOptions(options);
   validation.keep_rigid = true;
   validation.on_done = [camera] { camera->Save(); };
-  // Nobody knows how many candidates it takes.
+  // The number of candidates is not known in advance.
   double done = 0;
   const auto measure = [&](const std::vector<int>& which) {
     const double left = 1 - done;

@@ -9,20 +9,20 @@
 
 namespace raygrid {
 
-/// Cells as parts of the longer side, from coarse enough for a handful of
-/// images to as fine as the features have equations for.
+/// Lists knot spacings as fractions of the longer side, from coarse (for a
+/// handful of images) to the finest that the number of features supports.
 std::vector<double> ListKnotSpacings(const Dataset& dataset,
                                      const std::string& model);
 
-/// Cells of a medium candidate, where none is chosen yet.
+/// Returns the medium knot spacing, the default before selection.
 double MediumKnotSpacingPx(const Dataset& dataset, const std::string& model);
 
-/// The loss of cells by the held-out residuals over all folds.
+/// Computes a candidate's loss from held-out residuals over all folds.
 KnotSpacingCandidate SummarizeCandidate(
     double knot_spacing_px, const std::vector<FeatureResidual>& held_out);
 
-/// Chooses the resolution of a camera's grid by the held-out loss of
-/// cross-validation. The coarsest of all for few images, and after a stop.
+/// Selects a camera's knot spacing by the held-out loss of cross-validation.
+/// Uses the coarsest one for few images, and after a stop.
 void SelectKnotSpacing(const Pattern& pattern,
                        const CalibrationOptions& options,
                        const std::function<void(double)>& progress,

@@ -19,8 +19,8 @@ namespace {
 
 constexpr size_t kMinPartImages = 4;  // of each camera
 constexpr size_t kMaxFeatures = 60;   // of an image, to look for parts
-// Two cameras leave less than this part of one camera's RMS residual. Chance,
-// or one lens that bends, lowers it far less.
+// Maximum ratio of the RMS residuals of two cameras and one. Random splits, or
+// a single lens with local distortion, reduce the residuals far less.
 constexpr double kMuchBetter = 0.8;
 constexpr size_t kNumChanceSplits = 2;
 
@@ -51,7 +51,7 @@ bool HasCorrelatedErrors(const std::vector<FeatureResidual>& residuals) {
                              ComputeErrorMetrics(residuals));
 }
 
-// A name without its digits.
+// Returns a name without its digits.
 std::string Stem(const std::string& name) {
   std::string stem;
   for (const char c : name)
@@ -111,7 +111,7 @@ std::vector<Names> SplitsByResiduals(
   return splits;
 }
 
-// The first half by their names: files of two cameras in one folder.
+// The first half of the sorted images: files of two cameras in one folder.
 Names FirstHalf(const Dataset& dataset) {
   Names all;
   for (const ImageFeatures& image : dataset.images) all.insert(image.image);
@@ -164,7 +164,7 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
   return names;
 }
 
-// The cells of a starting lens that is a grid.
+// The knot spacing of an initial camera that is a grid.
 double CellPxOf(const CameraModel& lens) {
   const BSplineSurface* grid = lens.DirectionGrid();
   return grid ? std::max(grid->cell_width(), grid->cell_height()) : 0;
@@ -187,7 +187,7 @@ std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
   }
 }
 
-// The views of some images, or of all others.
+// Returns the views of some images, or of all others.
 AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
                         bool is_first) {
   AdjustmentResult part = joint;
@@ -195,7 +195,7 @@ AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
   std::vector<Pose> kept;
   for (size_t v = 0; v < joint.problem.views.size(); ++v) {
     remove.push_back((names.count(joint.problem.images[v]) > 0) != is_first);
-    // Each view has a pose of its own, in the order of the views.
+    // Each view has a separate pose, in the order of the views.
     if (!remove.back()) kept.push_back(joint.state.rig_from_pattern[v]);
   }
   RemoveViews(remove, &part.problem);
@@ -203,8 +203,7 @@ AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
   return part;
 }
 
-// Two cameras, each adjusted to its part of the views from where the one stands
-// that is adjusted to all.
+// Two cameras, each optimized for its views, initialized from the joint camera.
 class TwoFits {
  public:
   TwoFits(const AdjustmentResult& joint, const Pattern& pattern,
@@ -255,8 +254,8 @@ class TwoFits {
   std::vector<std::vector<FeatureResidual>> residuals_;
 };
 
-// A part of the features that suffices to tell the dozen parameters of two
-// lenses.
+// A part of the features that suffices to determine the dozen parameters of two
+// cameras.
 Dataset Thinned(const Dataset& all) {
   constexpr size_t kMaxImages = 40;
   Dataset thinned = all;
@@ -275,15 +274,15 @@ AdjustmentResult OnlyOf(const AdjustmentResult& joint, const Dataset& thinned) {
   return only;
 }
 
-// The split of all images whose two cameras fit some of them best, if it is
-// worth a closer look.
+// The split of all images whose two cameras fit some images best, if it is
+// worth a full adjustment.
 std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
                                const AdjustmentResult& joint,
                                const std::vector<FeatureResidual>& residuals,
                                const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
   constexpr double kWorthAnotherLook = 0.9;
-  // A linear step predicts what adjusted cameras leave to 0.003.
+  // A linear step predicts the remaining share of an adjustment to 0.003.
   constexpr double kWorthAdjusting = 0.92;
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
@@ -327,9 +326,9 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
   return MeanSquareOfBoth(residuals[0], residuals[1]);
 }
 
-// The smallest mean square of parts as large as two, whose images stand at
-// equal distances in the order of names. A lens that no camera follows is
-// followed better in parts, whichever they are.
+// The smallest mean square of two parts of the same sizes, with images at equal
+// intervals in the order of names. If the model does not fit the lens, any two
+// parts are fitted better.
 double MeanSquareByChance(const Dataset& dataset, size_t num_first,
                           const Pattern& pattern, const CameraModel& joint,
                           const AdjustmentOptions& options) {
@@ -355,7 +354,7 @@ std::optional<MixedCameras> DetectMixedCameras(
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
-  // Points that are free in each part would take up more than lenses can.
+  // Points that are free in each part would absorb more than camera models can.
   AdjustmentOptions fixed = options;
   fixed.fix_points = true;
   const auto first = BestSplit(training, pattern, joint, residuals, fixed);

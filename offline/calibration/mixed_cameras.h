@@ -8,13 +8,13 @@
 
 namespace raygrid {
 
-/// Whether images taken for one camera's are those of two: neighbouring
-/// features err alike with the one parametric camera, and no longer with two,
-/// each adjusted to a part of the images. The parts are those of two kinds of
-/// names (left01.jpg, right01.jpg), or else what residuals suggest. A lens that
-/// a parametric camera does not follow errs alike in parts, too, and is
-/// followed better in any parts: two cameras do much better than parts by
-/// chance.
+/// Detects images of two cameras that were given as one: residuals of
+/// neighbouring features are correlated with a single parametric camera, but
+/// not with two, each fitted to a part of the images. The parts follow from two
+/// kinds of names (left01.jpg, right01.jpg), or else from the residuals. A lens
+/// that a parametric camera cannot model also has correlated residuals, which
+/// any split reduces, so the gain must be much larger than for random parts.
+/// Returns nullopt if it is one camera.
 std::optional<MixedCameras> DetectMixedCameras(
     const Dataset& training, const Pattern& pattern,
     const AdjustmentResult& joint, const AdjustmentOptions& options);

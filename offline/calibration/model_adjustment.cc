@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-// The frame of a camera whose lines do not meet has its origin at the point
-// nearest to all of them; observations cannot tell.
+// The origin of a non-central camera's frame is the point nearest to all lines,
+// since it is not observable.
 void CenterLines(AdjustmentState* state) {
   bool have_moved = false;
   for (size_t c = 0; c < state->cameras.size(); ++c) {
@@ -38,7 +38,7 @@ void CenterLines(AdjustmentState* state) {
   if (have_moved) state->MoveRigToFirstCamera();
 }
 
-// Without outliers boards may have shapes that were not told before.
+// Without outliers, board deformation may become observable.
 void EstimateStaticDeformation(AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   state.ApplyStaticDeformation();
@@ -51,8 +51,8 @@ void AdjustAgain(const AdjustmentOptions& options, AdjustmentResult* adjusted) {
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
 }
 
-// Grids around the lenses that they start from, before anything is adjusted,
-// with a prior that is as strong as the residuals are large.
+// Initial grids with the base models as prior mean, and a prior precision
+// according to the residuals.
 void PutGridsAroundLenses(const std::string& model, const InitialValues& starts,
                           const AdjustmentOptions& options,
                           AdjustmentResult* adjusted) {
@@ -82,7 +82,7 @@ void PutGridsAroundLenses(const std::string& model, const InitialValues& starts,
     for (PriorGroup& group : prior.groups) group.SetPrecision(1, variance);
 }
 
-// The steps of OptimizeWithRigidBoards() from where the state is.
+// The steps of OptimizeWithRigidBoards() from the current state.
 void AdjustFromLenses(const Pattern& pattern, const std::string& model,
                       const std::vector<double>& knot_spacings_px,
                       const AdjustmentOptions& options,
@@ -96,7 +96,7 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
         {lenses, knot_spacings_px, adjusted->base_lenses, other_spacing}, with,
         &adjusted->prior, &adjusted->state);
   };
-  // Once there are outliers, no more than they are asked for.
+  // Stop early if there are outliers, which are removed first.
   AdjustmentOptions first = options;
   if (!IsParametricModel(model))
     first.should_accept = [adjusted](const std::vector<Residual>& residuals) {
@@ -111,7 +111,7 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
       AdjustAgain(options, adjusted);
       break;
     case RemovalResult::kPartOfArea:
-      // Starts without an axis may have been turned (SetLens()).
+      // Initial cameras without an axis may have been rotated (SetLens()).
       if (!AreParametric(lenses)) adjusted->state = start;
       if (!IsParametricModel(model)) {
         for (size_t c = 0; c < lenses.size(); ++c)
@@ -124,9 +124,9 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
   }
 }
 
-// Adjusts from lenses of other models, where the lens at hand leads nowhere. If
-// all do, a grid stays around the lens at hand, and has not converged, if that
-// has less error.
+// Adjusts from initial cameras of other models if the given one diverges. If
+// all diverge, a grid fitted to the given one is the result, not converged, if
+// it has the smallest error.
 void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                            const std::vector<double>& knot_spacings_px,
                            const AdjustmentOptions& options,
@@ -148,7 +148,7 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     *adjusted = std::move(from);
   }
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
-  // Cells may also be too coarse for the lens: then this is no better.
+  // The knot spacing may be too coarse for the lens: then this is no better.
   AdjustmentResult around = start;
   PutGridsAroundLenses(model, {CopyCameras(start.state), knot_spacings_px, {}},
                        options, &around);
@@ -156,8 +156,8 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     *adjusted = std::move(around);
 }
 
-// Whether cameras were of the model before they were adjusted: others may
-// follow the lens better than the model can.
+// Whether the initial cameras were of the same model: others may fit the lens
+// better than the model can.
 bool CanJudge(const AdjustmentState& start, const std::string& model) {
   return !IsParametricModel(model) ||
          std::all_of(
@@ -242,7 +242,7 @@ void FinalizeCameras(AdjustmentResult* adjusted) {
 
 void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted) {
   const CalibrationProblem& problem = adjusted->problem;
-  // Poses of a body are those of the board that is its frame.
+  // Poses of a rigid target are poses of the board that defines its frame.
   std::vector<std::set<int>> poses(pattern.boards.size());
   std::vector<bool> is_seen(pattern.boards.size());
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -280,7 +280,7 @@ bool HavePointsMoved(const AdjustmentResult& adjusted) {
       from.col(i) = adjusted.problem.nominal[firsts[b] + i];
       to.col(i) = points[firsts[b] + i];
     }
-    // A bent board is aligned with its shape, which moves and scales it.
+    // Alignment includes static deformation, which moves and scales a board.
     if (count >= kLeast)
       from = (Eigen::umeyama(from, to) * from.colwise().homogeneous())
                  .topRows<3>()

@@ -8,52 +8,52 @@
 
 namespace raygrid {
 
-/// Goes on to the model asked for, with boards that are rigid: adjusted,
-/// outliers removed, once more. Grids start from the lenses that they lie
-/// around. Where that diverges, other lenses are tried; if all fail, the camera
-/// is as good as the lens that it started from, and has not converged. Cells
-/// for each camera. Central grids start from those of another knot spacing, if
-/// they are given.
+/// Optimizes the requested model with rigid boards: optimization, outlier
+/// removal, optimization. Grids are initialized from their base models. If this
+/// diverges, other initial cameras are tried; if all fail, the camera is as
+/// good as its initial model, and not converged. Takes one knot spacing per
+/// camera. Central grids are initialized from `other_spacing`, grids of another
+/// knot spacing, if given.
 void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              const std::vector<double>& knot_spacings_px,
                              const AdjustmentOptions& options,
                              AdjustmentResult* adjusted,
                              const AdjustmentResult* other_spacing = nullptr);
 
-/// Goes on to boards that bend, once outliers are gone: bends would follow
-/// them. With few parameters, as parametric models have, bends would take on
-/// what these cannot follow of the lens.
+/// Enables board deformation after outliers were removed, which it would fit
+/// otherwise. With a parametric model, the deformation would absorb the model's
+/// systematic errors.
 void EstimateDeformation(const Pattern& pattern,
                          const AdjustmentOptions& options,
                          AdjustmentResult* adjusted);
 
-/// All steps from starting lenses to the model asked for, with the options'
-/// boards, as far as FinalizeCameras(). Cells for each camera.
+/// Runs all steps from the initial cameras to the requested model, up to
+/// FinalizeCameras(), with one knot spacing per camera.
 void OptimizeModel(const Pattern& pattern, const std::string& model,
                    const std::vector<double>& knot_spacings_px,
                    const AdjustmentOptions& options,
                    AdjustmentResult* adjusted);
 
-/// Settles after an adjustment what no feature tells: parametric cameras over
-/// the calibrated area, unseen control points within what a blob can hold, the
-/// origin of lines that do not meet at the point nearest to them.
+/// Fixes what no feature determines: the area of parametric cameras, control
+/// points without observations (to what a blob can represent), and the origin
+/// of non-central cameras (the point nearest to all observation lines).
 void FinalizeCameras(AdjustmentResult* adjusted);
 
-/// Brings boards whose points were free to where they are nominally.
+/// Aligns boards with estimated points to their nominal geometry.
 void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted);
 
-/// How far the boards of grids are from flat that were taken for flat: RMS of
-/// the one that is farthest, metres, once they may bend. 0 unless they bend
-/// more than chance would have it.
+/// Estimates the flatness error of boards assumed flat in a calibration of
+/// grids: the RMS of the least flat board, in metres, if they may deform. 0
+/// unless the deformation is significant.
 double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted);
 
-/// False where the prior's strength kept the points as they are; then they were
-/// no more than aligned.
+/// Returns whether the estimated points differ from the nominal points beyond
+/// alignment; false if the prior kept them.
 bool HavePointsMoved(const AdjustmentResult& adjusted);
 
-/// The pattern with its points where they were found to be.
+/// Returns the pattern with its estimated points.
 Pattern MakeEstimatedPattern(const Pattern& pattern,
                              const AdjustmentResult& adjusted);
 

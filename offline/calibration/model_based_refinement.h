@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// A first camera of medium resolution, and the pattern as it was found.
+/// A first camera of medium resolution, and the estimated pattern.
 struct FirstCamera {
   AdjustmentResult adjusted;
   Pattern pattern;
@@ -17,22 +17,22 @@ FirstCamera EstimateFirstCamera(const Pattern& pattern,
                                 const CalibrationOptions& options,
                                 const CameraInProgress& camera);
 
-/// The boards of all images, those held out among them, where a camera
-/// localises them.
+/// Localizes the boards of all images, including held-out ones; images that
+/// cannot be localized are omitted.
 std::vector<BoardPose> LocalizeAllBoards(const CameraModel& camera,
                                          const Dataset& dataset,
                                          const Pattern& pattern,
                                          int num_threads);
 
-/// Measures a camera's features again, through a first camera: what bends the
-/// mapping within a window is mostly the lens's distortion. Nothing if it is
-/// told to stop first.
+/// Refines a camera's features with a first camera model: the mapping within a
+/// window is non-linear mostly because of lens distortion. Returns nullopt if
+/// stopped before.
 std::optional<Dataset> RefineFeaturesWithModel(
     const Pattern& pattern, const CalibrationOptions& options,
     const CameraInProgress& camera);
 
-/// The RMS distance between features before and after; both datasets have the
-/// same features.
+/// Returns the RMS distance between the features of two datasets, which must
+/// have the same features.
 double ComputeRmsShiftPx(const Dataset& before, const Dataset& after);
 
 }  // namespace raygrid

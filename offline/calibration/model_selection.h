@@ -8,15 +8,14 @@
 
 namespace raygrid {
 
-/// CalibrationOptions::model for the model that predicts held-out images best.
+/// Value of CalibrationOptions::model for selection by held-out error.
 constexpr char kAutoModel[] = "auto";
 
-/// Chooses between the central grid whose cells are chosen and parametric
-/// models, by cross-validation: one parametric model for all cameras, if it
-/// predicts held-out features better than the grid for each of them, by a
-/// standard error; with
-/// options.allow_noncentral the non-central grid, if it is better by two
-/// standard errors. Lists what was tried in each camera's result.
+/// Selects by cross-validation between the central grid with its selected knot
+/// spacing and parametric models: one parametric model for all cameras, if it
+/// predicts held-out features of each camera better than the grid, by a
+/// standard error; with options.allow_noncentral the non-central grid, if it is
+/// better by two standard errors. Adds all candidates to each camera's result.
 std::string SelectModel(const Pattern& pattern,
                         const CalibrationOptions& options,
                         std::vector<CameraInProgress>* cameras);

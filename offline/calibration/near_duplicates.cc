@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// A board in one camera's image at an instant.
+// A board in one camera's image of a frame.
 struct SeenPart {
   size_t camera;
   int board;
@@ -40,7 +40,7 @@ void AddImage(const ImageFeatures& image, size_t camera, FrameSet* instant) {
   }
 }
 
-// In the order in which they may stand for others.
+// Sorted by priority as a representative.
 std::vector<FrameSet> SortedInstants(const std::vector<Dataset>& cameras,
                                      const std::vector<std::string>& held_out) {
   std::vector<FrameSet> instants;
@@ -69,7 +69,7 @@ std::vector<FrameSet> SortedInstants(const std::vector<Dataset>& cameras,
   return instants;
 }
 
-// Whether a part tells nothing that the other one does not.
+// Whether a part adds no information to the other one.
 bool IsDetermined(const SeenPart& part, const SeenPart& other,
                   double duplicate_px) {
   constexpr double kCommonPart = 0.5, kMovedPart = 0.1;
@@ -80,7 +80,7 @@ bool IsDetermined(const SeenPart& part, const SeenPart& other,
     if (found == other.pixels.end()) continue;
     ++num_common;
     if ((found->second - pixel).norm() < duplicate_px) continue;
-    // Most views differ, which a few features tell.
+    // Most views differ, which a few features show.
     if (static_cast<double>(++num_moved) > kMovedPart * size) return false;
   }
   const auto common = static_cast<double>(num_common);
@@ -166,7 +166,7 @@ std::vector<NearDuplicates> FindNearDuplicates(
   groups.erase(std::remove_if(groups.begin(), groups.end(),
                               [](const auto& g) { return g.others.empty(); }),
                groups.end());
-  // In the order of names, whichever has most features.
+  // Sorted by name, whichever has the most features.
   for (NearDuplicates& group : groups)
     std::sort(group.others.begin(), group.others.end());
   std::sort(groups.begin(), groups.end(),

@@ -10,45 +10,45 @@
 
 namespace raygrid {
 
-/// How far features may move between images of one view, if nothing else is
-/// asked for: 0.1 % of the longer side, but a pixel at least.
+/// Default limit of feature motion between duplicates: 0.1 % of the longer side
+/// of the image, but at least one pixel.
 double DefaultDuplicatePx(const ImageSize& size);
 
-/// How far features may move between images that are nearly one view: 0.5 % of
-/// the longer side, but two pixels at least.
+/// Limit of feature motion between images that are nearly duplicates: 0.5 % of
+/// the longer side, but at least two pixels.
 double NearDuplicatePx(const ImageSize& size);
 
-/// The groups of images, or of a rig's instants, that show the same view: an
-/// image tells nothing new beside another one that shows half of its features
-/// of each board or more, nine in ten of them less than duplicate_px away. Of a
-/// rig this holds in all its cameras. Groups do not chain: all images of one
-/// are like the one that stands for it, which is the one with most features, or
-/// the first of these. Images held out have groups of their own. Groups of one
-/// image are left out; none is the same where duplicate_px is 0.
+/// Groups images, or frames of a rig, that show the same view: an image is a
+/// duplicate of another one that shows at least half of its features of each
+/// board, 90 % of them less than duplicate_px away; for a rig, in all its
+/// cameras. Groups are not chained: each image of a group is a duplicate of its
+/// representative, the first of the images with the most features. Held-out
+/// images have separate groups. Groups of one image are omitted; there are none
+/// if duplicate_px is 0.
 std::vector<NearDuplicates> FindNearDuplicates(
     const std::vector<Dataset>& cameras,
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px);
 
-/// The images held out that show a view of one that is not, in the order of
-/// their names: what a camera predicts of them means little.
+/// Lists held-out images that duplicate a training image, sorted by name: their
+/// held-out errors are hardly meaningful.
 std::vector<std::string> FindHeldOutDuplicates(
     const std::vector<Dataset>& cameras,
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px);
 
-/// The groups that several of a dataset's images are in, with these alone.
+/// Returns the groups restricted to a dataset's images, if two or more.
 std::vector<NearDuplicates> FilterGroups(
     const Dataset& dataset, const std::vector<NearDuplicates>& groups);
 
-/// The images that others stand for, in all groups.
+/// Returns the number of duplicates, without representatives, of all groups.
 size_t CountDuplicates(const std::vector<NearDuplicates>& groups);
 
-/// The images that stand for others, and those that are like no other.
+/// Returns the dataset without duplicates; representatives are kept.
 Dataset RemoveDuplicates(const Dataset& dataset,
                          const std::vector<NearDuplicates>& groups);
 
-/// The images that others stand for.
+/// Returns the duplicates, without representatives.
 Dataset SelectDuplicates(const Dataset& dataset,
                          const std::vector<NearDuplicates>& groups);
 

@@ -28,8 +28,8 @@
 namespace raygrid {
 namespace {
 
-// The part of the squared spread of one condition that does not go with the
-// other one.
+// Fraction of the variance of one variable that is uncorrelated with the other
+// one.
 double PartBeside(const Eigen::MatrixX2d& values) {
   const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
   const Eigen::Vector2d squares = centered.colwise().squaredNorm();
@@ -37,8 +37,8 @@ double PartBeside(const Eigen::MatrixX2d& values) {
   return 1 - product * product / (squares[0] * squares[1]);
 }
 
-// Throws where all images have one value of a condition, or one condition says
-// the other one.
+// Throws if all images have one value of a variable, or the two variables are
+// correlated.
 void RequireSpread(const ImageOperatingPoints& conditions,
                    const std::vector<OperatingPoint>& values) {
   for (size_t k = 0; k < conditions.conditions.size(); ++k) {
@@ -69,7 +69,7 @@ void RequireSpread(const ImageOperatingPoints& conditions,
                                                : std::string("--vary-with")));
   }
   if (conditions.conditions.size() < 2) return;
-  // Below this, a change is as well one of either condition.
+  // Below this, changes cannot be attributed to one of the variables.
   constexpr double kLeastPart = 0.05;
   Eigen::MatrixX2d both(values.size(), 2);
   for (size_t i = 0; i < values.size(); ++i)
@@ -81,10 +81,10 @@ void RequireSpread(const ImageOperatingPoints& conditions,
                 "combinations, or calibrate over one of them");
 }
 
-// The largest value that blobs can have: formats/SPEC.md, "Operating points".
+// Maximum value in a blob: formats/SPEC.md, "Operating points".
 constexpr double kMostValue = 1024;
 
-// An image has been taken at one value.
+// Requires equal values of images that are copies of each other.
 void RequireOneValueOfCopies(const Dataset& dataset,
                              const ImageOperatingPoints& conditions) {
   const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
@@ -188,7 +188,7 @@ AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
   return adjusted;
 }
 
-// Goes on to all images at their conditions.
+// Continues with all images at their operating points.
 void OptimizeOperatingPointModel(const CalibrationResult& result,
                                  const Pattern& pattern,
                                  const CalibrationOptions& options,
@@ -216,7 +216,7 @@ void OptimizeOperatingPointModel(const CalibrationResult& result,
   AlignBoards(pattern, adjusted);
 }
 
-// All tuples of so many values of each range, ascending.
+// Returns all tuples of evenly spaced values of the ranges, ascending.
 std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
   // The second condition changes the camera little, and each value takes time
   // and room.
@@ -235,7 +235,7 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
   return all;
 }
 
-// The standard deviations of the stack's cameras at values over its ranges.
+// Computes the model's standard deviations at values over its ranges.
 std::vector<OperatingPointUncertainty> StackDeviations(
     const AdjustmentResult& adjusted, int num_threads) {
   const OperatingPointModel& stack = *adjusted.state.camera().Stack();
@@ -251,7 +251,7 @@ std::vector<OperatingPointUncertainty> StackDeviations(
   return deviations;
 }
 
-// The RMS of t^(order + 1) that no polynomial of the order has.
+// RMS of the part of t^(order + 1) that polynomials of this order cannot fit.
 double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
   Eigen::MatrixXd powers(t.size(), order + 1);
   for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);
@@ -261,7 +261,7 @@ double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
   return std::sqrt(beyond.squaredNorm() / static_cast<double>(t.size()));
 }
 
-// The middle of the widest gap between values.
+// Returns the centre of the widest gap between values.
 double MiddleOfGap(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   size_t widest = 1;
@@ -271,8 +271,8 @@ double MiddleOfGap(std::vector<double> values) {
   return (values[widest - 1] + values[widest]) / 2;
 }
 
-// Two positions fit any line: images there show no error of the cameras
-// between them.
+// A line fits any two values: images there show no error of the cameras between
+// them.
 std::vector<std::string> FindUntestedConditions(
     const OperatingPointModel& stack, const AdjustmentResult& adjusted) {
   constexpr double kLeastPart = 0.3;  // of what evenly spread values show
@@ -325,8 +325,8 @@ void WarnOf(const OperatingPointCheck& check, Assessment* assessment) {
   Warn(names + ": correct the values, or remove these images", assessment);
 }
 
-// Adjusts a stack to the images of a problem from their features alone: what it
-// was before may have been bent by images that left.
+// Adjusts a model to the images of a problem from their features alone: its
+// previous state may have been distorted by images that were removed.
 void StartAnew(const ImageOperatingPoints& conditions, const Pattern& pattern,
                const CalibrationOptions& options, AdjustmentResult* adjusted) {
   CalibrationProblem& problem = adjusted->problem;
@@ -360,7 +360,7 @@ void StartAnew(const ImageOperatingPoints& conditions, const Pattern& pattern,
                                                &adjusted->prior, &state);
 }
 
-// The result of all images in place of that of the camera in the middle.
+// Replaces the result of the mid-range camera by the result of all images.
 void PutResult(const CalibrationInput& input,
                const ImageOperatingPoints& conditions, const Pattern& pattern,
                const CalibrationOptions& options,
@@ -387,7 +387,7 @@ void PutResult(const CalibrationInput& input,
       adjusted, BuildProblem({input.dataset}, pattern, &rejected), readjust,
       options.num_threads);
   if (!check.unexplained.empty()) {
-    // Residuals of wrong values look like errors of boards, motion or focus.
+    // Residuals of wrong values resemble board, motion or focus errors.
     result->budget.reset();
     result->mixed_cameras.reset();
     result->flatness_error_m = 0;
@@ -444,11 +444,10 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   };
   RigResult result = Calibrate({in_middle}, pattern, of_middle);
   CalibrationResult& camera = result.cameras.front();
-  // Features as given, but with boards turned as poses have them.
+  // Features as given, but with boards rotated according to their poses.
   const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
   if (options.ShouldStop()) {
-    // The camera is that of the middle, but files tell where images show
-    // features.
+    // The camera is the mid-range camera, but files list the observed features.
     camera.features = UsedOf(turned, camera);
     return result;
   }

@@ -14,15 +14,15 @@
 namespace raygrid {
 namespace {
 
-// Nothing is said of less than this part of the range.
+// Minimum reported error, as a fraction of the range.
 constexpr double kLeastPart = 0.05;
 constexpr double kStatedPart = 0.02;   // of the range, that decimals show
 constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
-// A calibration without any wrong value names an image as rarely as this.
+// Probability that a calibration without wrong values names any image.
 constexpr double kChance = 1e-3;
-// Values that may be wrong by this part of the range unnoticed are said to be.
+// Reported if errors up to this fraction of the range are undetectable.
 constexpr double kHardlyNoticed = 0.5;
-// Values belong to none of the images if more of these are to be left out.
+// Maximum fraction of wrong values; beyond it, the variable is unexplained.
 constexpr double kMostLeftOut = 1.0 / 3;
 
 const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
@@ -31,7 +31,7 @@ const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
 
 double WidthOf(const OperatingRange& range) { return range.high - range.low; }
 
-// The standard normal number as rare as a number of Student's distribution
+// Converts a quantile of Student's distribution to the normal distribution
 // (Wallace, "Bounds on normal approximations to Student's and the chi-square
 // distributions", 1959).
 double NormalScore(double student, double freedom) {
@@ -39,14 +39,14 @@ double NormalScore(double student, double freedom) {
          std::sqrt(freedom * std::log1p(student * student / freedom));
 }
 
-// Whether chance makes one of n scores as large.
+// Whether the maximum of n random scores may be as large.
 bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
          kChance;
 }
 
-// Judges by how much values are off.
+// Detects wrong values by their deviations.
 class StepJudge {
  public:
   StepJudge(const AdjustmentResult& adjusted, const ValueEquations& equations)
@@ -57,7 +57,7 @@ class StepJudge {
       scatters_.push_back(ScatterOf(r, equations));
   }
 
-  // The least error of a value with a deviation that is doubtful.
+  // The smallest error of a value with a given deviation that is doubtful.
   double LeastDoubtful(double deviation, int range) const {
     constexpr double kStep = 1.05;
     double error = kLeastPart * WidthOf(ranges_[range]);
@@ -71,8 +71,8 @@ class StepJudge {
   }
 
  private:
-  // How far the steps of a range scatter, in their deviations: what else is
-  // wrong with the model shifts values, too.
+  // Scatter of the steps of a range in units of their deviations: other model
+  // errors shift values, too.
   static double ScatterOf(int range, const ValueEquations& equations) {
     std::vector<double> scores;
     for (Eigen::Index i = range; i < equations.count();
@@ -87,7 +87,7 @@ class StepJudge {
   Eigen::Index count_;
 };
 
-// The images whose values are doubtful by the equations of an adjustment.
+// Returns the images whose values are doubtful by the normal equations.
 std::set<std::string> FindDoubtfulImages(const AdjustmentResult& adjusted,
                                          const ValueEquations& equations) {
   const StepJudge judge(adjusted, equations);
@@ -98,7 +98,7 @@ std::set<std::string> FindDoubtfulImages(const AdjustmentResult& adjusted,
   return images;
 }
 
-// The images' views leave, each of which has a pose of its own.
+// Removes the images' views; each view has a separate pose.
 void RemoveImages(const std::set<std::string>& images,
                   AdjustmentResult* adjusted) {
   std::vector<bool> remove;
@@ -117,8 +117,8 @@ void RemoveImages(const std::set<std::string>& images,
   if (state.HasPerViewDeformation()) adjusted->state.flex = std::move(flex);
 }
 
-// The views of an image with all of its features: those that fit the stated
-// value least were rejected as outliers.
+// The views of an image with all of its features: features that are least
+// consistent with the stated value were rejected as outliers.
 std::vector<View> ViewsOf(const std::string& image,
                           const CalibrationProblem& problem,
                           const CalibrationProblem& given) {
@@ -133,8 +133,8 @@ std::vector<View> ViewsOf(const std::string& image,
   return views;
 }
 
-// Whether images differ by far more than noise, and stated values explain that
-// no better than random ones would, or leave much of it.
+// Whether images differ significantly, but stated values explain the
+// differences no better than random ones, or leave most unexplained.
 bool AreUnexplained(const ValueRegression& regression,
                     const OperatingRange& range) {
   constexpr double kManyDeviations = 3, kLikely = 0.01, kLeftPart = 0.15;
@@ -144,8 +144,7 @@ bool AreUnexplained(const ValueRegression& regression,
           regression.left > kLeftPart * WidthOf(range));
 }
 
-// The images whose fitted values are off what they depend on the stated ones
-// by.
+// Images whose fitted values deviate from the regression on stated values.
 std::set<std::string> FindApart(const std::vector<FittedValue>& values,
                                 const ValueRegression& regression) {
   const size_t count = regression.scores.size();
@@ -158,7 +157,7 @@ std::set<std::string> FindApart(const std::vector<FittedValue>& values,
 }
 
 // How well an image's features determine the value of a range: where the camera
-// hardly changes with it, wrong values cannot show.
+// hardly depends on it, wrong values cannot be detected.
 UncertainOperatingParameter UncertaintyOf(
     const std::vector<FittedValue>& values, const OperatingRange& range,
     int index, const StepJudge& judge) {
@@ -178,7 +177,7 @@ UncertainOperatingParameter UncertaintyOf(
   return uncertainty;
 }
 
-// Fits the values of images to a stack that was adjusted without them.
+// Fits the values of images to a model that was adjusted without them.
 std::vector<SuspectOperatingPoint> PredictValues(
     const std::set<std::string>& images, const AdjustmentResult& all,
     const CalibrationProblem& given, const AdjustmentResult& without,
@@ -258,8 +257,8 @@ OperatingPointCheck CheckOperatingPoints(
                             adjusted.problem.images.end())
           .size();
   OperatingPointCheck check;
-  // Wrong values bend the stack, which hides them and casts doubt on others: so
-  // it is adjusted without them, and again without those that show then.
+  // Wrong values distort the model, which hides them and makes others doubtful:
+  // it is adjusted without them, and again without images detected then.
   AdjustmentResult without = adjusted;
   std::set<std::string> left_out;
   for (int round = 0; round < kMaxRounds; ++round) {

@@ -10,52 +10,51 @@
 
 namespace raygrid {
 
-/// An image whose stated value of a condition differs by more than chance from
-/// the one that is predicted from its features and from the other images.
+/// An image whose stated value is significantly different from the prediction
+/// by its features and the other images.
 struct SuspectOperatingPoint {
   std::string image;
   OperatingParameter condition = OperatingParameter::kLensPosition;
   double stated = 0;
-  double predicted = 0;  ///< within the range
-  int num_decimals = 0;  ///< of the prediction
+  double predicted = 0;  ///< within the operating range
+  int num_decimals = 0;  ///< decimals of the prediction
 
   /// "front_07.png is stated at 9 dioptres, but its features fit 4.2".
   std::string Text() const;
 };
 
-/// A condition whose values do not go with how the images differ.
+/// A variable whose stated values do not explain the differences of images.
 struct UnexplainedOperatingParameter {
   OperatingParameter condition = OperatingParameter::kLensPosition;
 
   std::string Text() const;
 };
 
-/// A condition whose values hardly show in the images.
+/// A variable with hardly any observable effect on the images.
 struct UncertainOperatingParameter {
   OperatingParameter condition = OperatingParameter::kLensPosition;
-  double width = 0;      ///< of the range
-  double deviation = 0;  ///< of the value that one image's features fit, 1 σ
-  double noticed = 0;    ///< the least error of one image's value that shows
-  /// How many standard deviations the change over the stated values is away
-  /// from none.
+  double width = 0;      ///< width of the range
+  double deviation = 0;  ///< 1 σ of the value fitted to one image's features
+  double noticed = 0;    ///< smallest detectable error of one image's value
+  /// Significance of the change over the stated values, in standard deviations.
   double change_score = 0;
 
-  /// Whether the images show no change that belongs to the values.
+  /// Returns whether the images show no change that depends on the values.
   bool IsUnobservable() const;
   std::string Text() const;
 };
 
-/// The check of stated values against what the images' features fit. Where
-/// values do not explain the images, none is doubtful by itself.
+/// Result of comparing stated values with the images' features. If an
+/// operating-point variable is unexplained, no single image is doubtful.
 struct OperatingPointCheck {
   std::vector<SuspectOperatingPoint> doubtful;
   std::vector<UnexplainedOperatingParameter> unexplained;
   std::vector<UncertainOperatingParameter> uncertain;
 };
 
-/// Checks the stated values of an adjusted stack. given has all features of the
-/// images, those that were rejected, too. readjust adjusts the stack once more,
-/// to fewer images than before, from where it is.
+/// Checks the stated values of an adjusted operating-point model. `given` has
+/// all features, including rejected images. `readjust` optimizes the model
+/// again from its current state, with fewer images.
 OperatingPointCheck CheckOperatingPoints(
     const AdjustmentResult& adjusted, const CalibrationProblem& given,
     const std::function<void(AdjustmentResult* fewer)>& readjust,

@@ -16,10 +16,10 @@
 namespace raygrid {
 namespace {
 
-// Images whose values of the first condition are nearest to each other, enough
-// for a lens; and all others with the same values. Of several such, those in
-// the middle. A second condition, a temperature, changes a lens by less than
-// this takes for alike.
+// Selects images with the closest values of the first variable, enough for a
+// camera, and all others with the same values; of several such groups, the most
+// central one. A second variable, temperature, changes a lens by less than the
+// differences accepted here.
 Dataset ImagesOfLikeValue(const Dataset& dataset,
                           const ImageOperatingPoints& conditions) {
   constexpr size_t kEnough = 12;
@@ -47,7 +47,7 @@ Dataset ImagesOfLikeValue(const Dataset& dataset,
   return like;
 }
 
-// The different values of a condition, ascending.
+// Returns the different values of a variable, ascending.
 std::set<double> ValuesOfCondition(const Dataset& dataset,
                                    const ImageOperatingPoints& conditions,
                                    size_t condition) {
@@ -57,9 +57,9 @@ std::set<double> ValuesOfCondition(const Dataset& dataset,
   return values;
 }
 
-// Adjusts stacks of one term more each time, of one condition after the other,
-// from linear ones on, as long as that predicts better: Akaike's criterion. A
-// term has at least as many parameters as its prior leaves free.
+// Adds polynomial terms of one variable after the other, starting with linear
+// ones, while that improves Akaike's criterion. A term has at least the number
+// of parameters that its prior leaves free.
 class OrderChoice {
  public:
   OrderChoice(const CentralGeneric& base, const CalibrationProblem& problem,
@@ -83,7 +83,7 @@ class OrderChoice {
   }
 
  private:
-  // Returns the cost, and by how much it must fall to be worth a term.
+  // Returns the cost, and the decrease required for another term.
   double OptimizeCameras(OperatingPointModel* stack, double* needed) {
     state_->SetCamera(StackedGrid(*stack, stack->Middle()));
     GaussianPrior prior;
@@ -180,9 +180,9 @@ Dataset MapFeaturesToReference(const Dataset& dataset,
 
 namespace {
 
-// Puts the terms of one range on a grid: those of the polynomials through the
-// stack's directions at as many values as they have terms, with the other
-// conditions in the middle.
+// Transfers the terms of one range to a grid: polynomials through the model's
+// directions at as many values as there are terms, with the other variable at
+// mid-range.
 void PutTermsOnGrid(const OperatingPointModel& stack, size_t range,
                     const Eigen::Matrix3d& turn,
                     const std::vector<Eigen::Vector2d>& pixels,

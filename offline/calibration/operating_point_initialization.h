@@ -5,21 +5,21 @@
 
 namespace raygrid {
 
-/// A coarse stack from nothing but the observations: a lens from images whose
-/// lens positions are near each other, or temperatures, then all images, with
-/// the board as it is given.
+/// Estimates a coarse operating-point model from the observations alone: a
+/// camera from images with similar lens positions or temperatures, then all
+/// images, with the nominal target geometry.
 OperatingPointModel InitializeOperatingPointModel(
     const Dataset& dataset, const ImageOperatingPoints& conditions,
     const Pattern& pattern, const CalibrationOptions& options);
 
-/// The features where they would be in the middle of the stack's ranges. Those
-/// that the camera there does not see are left out.
+/// Maps features to where they would be at the mid-range of the model. Features
+/// that the mid-range camera cannot observe are omitted.
 Dataset MapFeaturesToReference(const Dataset& dataset,
                                const ImageOperatingPoints& conditions,
                                const OperatingPointModel& stack);
 
-/// A stack on the grid of a camera, and in its frame, that changes with the
-/// conditions as another one does. In the middle it is the camera.
+/// Returns a model on the grid and in the frame of `camera`, with the
+/// operating-point dependence of `stack`; it equals `camera` at the mid-range.
 OperatingPointModel TransferChanges(const OperatingPointModel& stack,
                                     const CentralGeneric& camera);
 

@@ -7,16 +7,16 @@
 
 namespace raygrid {
 
-/// Outliers are residuals beyond the third quartile + 6 interquartile ranges of
-/// their camera's (paper's supplement, "Bundle adjustment details"), and
-/// features that do not project.
+/// Returns whether there are outliers: residuals above the third quartile + 6
+/// interquartile ranges of their camera (paper's supplement, "Bundle adjustment
+/// details"), or features without a projection.
 bool HasOutliers(const std::vector<Residual>& residuals,
                  const CalibrationProblem& problem);
 
 enum class RemovalResult { kNone, kSome, kPartOfArea };
 
-/// Removes the outliers of the last adjustment from the problem, for good.
-/// kPartOfArea: the area of the grids has changed, which features may span.
+/// Removes the outliers of the last adjustment from the problem permanently.
+/// kPartOfArea: the area of the grids changed, as it depends on the features.
 RemovalResult RemoveOutliers(const Pattern& pattern,
                              AdjustmentResult* adjusted);
 

@@ -21,7 +21,7 @@ struct Candidate {
   double knot_spacing_px = 0;  // of grids
 };
 
-// A model that is measured in two parts, at one time.
+// A model whose two parts are computed concurrently.
 struct Measurement {
   Candidate candidate;
   ModelMetrics metrics;  // of all training images
@@ -94,7 +94,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
   const int num_beside = beside ? 1 : 0;
   ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
     if (i < num_beside) return beside(std::max(1, num_threads / 2));
-    // The last models have the most parameters and take longest: first.
+    // The last models have the most parameters, so the slowest start first.
     const int from_last = (i - num_beside) / 2, part = (i - num_beside) % 2;
     Measurement& measurement = measurements[candidates.size() - 1 - from_last];
     ValidationOptions validation = MakeValidationOptions(options);

@@ -9,28 +9,28 @@
 
 namespace raygrid {
 
-/// Every parametric model but the one that options are for, adjusted to the
-/// training images from a parametric start, and tested with the images held
-/// out; without such, by cross-validation. Models that cannot be adjusted are
-/// left out. Other work for the camera is done beside them, with half of the
-/// threads: beside(num_threads) is called once.
+/// Fits all parametric models other than the options' model to the training
+/// images, and evaluates them with the held-out images or, without any, by
+/// cross-validation. Models whose optimization fails are omitted. Other work
+/// for the camera runs concurrently, with half of the threads:
+/// beside(num_threads) is called once.
 std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options,
     const std::function<void(int num_threads)>& beside);
 
-/// noncentral-generic beside a central grid, and central-generic beside a
-/// parametric model, likewise: with cells of the same size, or larger where the
-/// features do not tell so many parameters. Nothing if it cannot be adjusted.
+/// Likewise compares noncentral-generic with a central grid, or central-generic
+/// with a parametric model, with the same knot spacing, or a larger one if
+/// there are too few features. Returns nullopt if the optimization fails.
 std::optional<ModelMetrics> CompareAlternativeGrid(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options);
 
-/// The part of the median held-out error that a richer model, a grid beside a
-/// parametric model or a non-central one beside a central one, does not have:
-/// the root of the difference of squares. Nothing if none is better by two
-/// standard errors. Standard deviations do not contain it, since all images
-/// share it.
+/// Estimates the model error: the part of the median held-out error that a
+/// richer model (a grid instead of a parametric model, or a non-central instead
+/// of a central one) removes, as the root of the difference of squares.
+/// Predicted uncertainties do not include it, since it is common to all images.
+/// Returns nullopt if no model is better by two standard errors.
 std::optional<double> EstimateModelErrorPx(const CalibrationResult& result);
 
 }  // namespace raygrid

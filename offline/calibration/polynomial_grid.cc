@@ -6,13 +6,13 @@
 namespace raygrid {
 namespace {
 
-// Lenses without an axis, by the degree: 3 leaves more in corners that nothing
-// was seen in, and more elsewhere, than 5 (offline/calibration/DESIGN.md).
+// Degree for cameras without an axis: degree 3 has larger errors than 5, in
+// corners without features and elsewhere (offline/calibration/DESIGN.md).
 constexpr int kDegree = 5;
 constexpr int kNumPolynomials = (kDegree + 1) * (kDegree + 2) / 2;
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 
-// Products of Chebyshev polynomials, of a pixel within [-1, 1]^2.
+// Products of Chebyshev polynomials of a pixel within [-1, 1]^2.
 Polynomials EvaluatePolynomials(const Eigen::Vector2d& pixel,
                                 const Area& area) {
   const double at[2] = {(pixel.x() - area.center().x()) / (area.width() / 2),

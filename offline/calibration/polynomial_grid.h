@@ -5,10 +5,10 @@
 
 namespace raygrid {
 
-/// The grid of the same control points that is closest to a polynomial of the
-/// pixel, of fifth degree, in chart coordinates: what a lens of no kind is
-/// expected to be around. A grid's details are what its features' errors made
-/// of it, too. So a prior around the grid itself would hold these errors.
+/// Fits a fifth-degree polynomial of the pixel, in chart coordinates, on the
+/// same control points. It is the prior mean without a parametric model: the
+/// details of a grid contain the feature noise that it was fitted to, so a
+/// prior centred on the grid itself would preserve the noise.
 CentralGeneric FitPolynomialGrid(const CentralGeneric& grid);
 
 }  // namespace raygrid

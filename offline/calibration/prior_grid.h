@@ -5,10 +5,10 @@
 
 namespace raygrid {
 
-/// A grid over an area that sees what another camera sees, of a like lens,
-/// turned to where a first lens looks: a camera file may have any frame, but
-/// boards were localised with the first lens. Beyond the other camera's area
-/// the grid goes on as FitExtrapolatedGrid() does.
+/// Fits a grid over an area to a prior camera, rotated to the frame of a first
+/// camera: a camera file may have any frame, but boards were localized with the
+/// first camera. Beyond the prior camera's area the grid is extrapolated as by
+/// FitExtrapolatedGrid().
 CentralGeneric FitGridToPrior(const CameraModel& like,
                               const CameraModel& first_lens, const Area& area,
                               int columns, int rows);

@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// How one board stands to another at one instant: the second in the frame of
+/// Relative pose of two boards in one frame: the second board in the frame of
 /// the first.
 struct RelativeBoardPose {
   static constexpr int kDimensions = 6;
@@ -22,25 +22,25 @@ struct RelativeBoardPose {
   int first_pose = 0, second_pose = 0;
   Pose rig_from_first;
   Eigen::Quaterniond turn;
-  Eigen::Vector3d middle;           ///< of the second board
-  Vector J_scale = Vector::Zero();  ///< of the second board, if it is free
-  /// Of turn and middle, by UpdatedPose()'s updates.
+  Eigen::Vector3d middle;           ///< centre of the second board
+  Vector J_scale = Vector::Zero();  ///< Jacobian with respect to the second
+                                    ///< board's scale, if it is free
+  /// Jacobians of rotation and centre with respect to UpdatedPose()'s updates.
   Matrix J_first = Matrix::Zero(), J_second = Matrix::Zero();
   Matrix covariance = Matrix::Zero(), information = Matrix::Zero();
 };
 
-/// The second board's place on the average; how much larger than the second's
-/// own scale that of the first is.
+/// Mean pose of the second board; scale of the first board relative to the
+/// second board's.
 struct MeanRelativePose {
   Eigen::Quaterniond turn;
   Eigen::Vector3d middle;
   double scale = 0;
 };
 
-/// A squared deviation in units of its variance beyond which a relation is far
-/// off: 99.9 % of chi-square with six degrees of freedom, times two, since
-/// covariances are no more than roughly known. A grid that is too coarse for
-/// its lens adds to them.
+/// Squared Mahalanobis distance beyond which a relative pose is an outlier: the
+/// 99.9 % quantile of chi-square with six degrees of freedom, times two, since
+/// covariances are only approximate, e.g. if a grid is too coarse for its lens.
 constexpr double kRoughly = 2, kMaxSquaredMahalanobis = kRoughly * 22.458;
 
 RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
@@ -48,40 +48,40 @@ RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
 double SquaredMahalanobis(const MeanRelativePose& mean,
                           const RelativeBoardPose& relation);
 
-/// The mean by the relations' information; those that are far off count less.
+/// Computes the mean weighted by information; outliers have less weight.
 MeanRelativePose ComputeRobustMean(
     const std::vector<RelativeBoardPose>& relations);
 
-/// Relations that hardly tell how the boards are turned leave: one row of a
-/// board leaves its turn around the row open, and a start may be anywhere.
+/// Removes relative poses with a poorly determined rotation: a single row of
+/// features leaves the rotation about the row open.
 void RemoveUndetermined(std::vector<RelativeBoardPose>* relations);
 
-/// The relations of two boards in an adjustment, without covariances; evenly
-/// chosen where they are too many.
-/// @param middle of the second board, in its frame
+/// Computes the relative poses of two boards in an adjustment, without
+/// covariances; an even selection of max_count at most.
+/// @param middle centre of the second board, in its frame
 std::vector<RelativeBoardPose> ComputeRelativePoses(
     const AdjustmentResult& adjusted, int first, int second,
     const Eigen::Vector3d& middle, size_t max_count);
 
-/// How well an adjustment's poses are known: besides noise, the camera and the
-/// points may be off, and all their priors may hold.
+/// Covariances of the poses of an adjustment, including the uncertainty of the
+/// camera and the points and all their priors.
 class PoseEquations {
  public:
   PoseEquations(const AdjustmentResult& adjusted, const Pattern& pattern,
                 int num_threads);
 
-  /// How many relations of two poses can be afforded.
+  /// Returns how many relative poses of two boards are affordable.
   size_t MaxNumRelations() const { return response_.IsExact() ? 60 : 16; }
 
-  /// The covariances of relations. Errors that neighbours still share are no
-  /// smaller for the number of features: those of n count as if each was n / 3
-  /// times as large. False if the equations are singular.
+  /// Computes the covariances of relative poses. Correlated noise is not
+  /// averaged: n features with residual correlation c multiply covariances by 1
+  /// + c n / 3. Returns false if the equations are singular.
   bool AddCovariances(std::vector<RelativeBoardPose>* relations) const;
 
  private:
   LinearResponse response_;
   double variance_, correlation_ = 0;
-  std::vector<double> num_features_;  // of each pose
+  std::vector<double> num_features_;  // by pose
 };
 
 }  // namespace raygrid

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// The model that was asked for, around a lens of another model.
+// The requested model, initialized from a camera of another model.
 AdjustmentResult AdjustAround(const std::string& other, const Pattern& pattern,
                               const CalibrationOptions& calibration,
                               bool are_boards_rigid, double knot_spacing_px,
@@ -89,7 +89,7 @@ bool RestartFromComparison(const Pattern& pattern,
                            bool are_boards_rigid, CameraInProgress* camera,
                            AdjustmentResult* adjusted) {
   const double own_px = camera->result.camera.training->median_px;
-  // With few images there are no folds to choose the cells by.
+  // Few images have no folds to select the knot spacing with.
   std::vector<double> knot_spacings_px = {camera->result.knot_spacing_px};
   if (camera->folds.count() == 0 && options.knot_spacing_px == 0)
     knot_spacings_px.push_back(

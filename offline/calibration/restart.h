@@ -8,26 +8,26 @@
 
 namespace raygrid {
 
-/// Restarts of a single camera whose adjustment was led astray: from the lenses
-/// of the folds of its cross-validation, or around a parametric model that it
-/// is compared with. Errors are compared as ComputeMeanErrorPx() counts them.
+/// Restarts of a single camera whose adjustment diverged: from the initial
+/// cameras of its cross-validation folds, or from a parametric model of the
+/// comparison. Errors are defined as in ComputeMeanErrorPx().
 
-/// Whether the adjustment has much more error than the features that the folds
-/// held out, which is but by divergence. knot_spacings_px are those of the
+/// Returns whether the training error is much larger than the cross-validation
+/// error, which indicates divergence. knot_spacing_px is the spacing of the
 /// result.
 bool IsWorseThanFolds(const CameraInProgress& camera,
                       const AdjustmentResult& adjusted, bool are_boards_rigid,
                       double knot_spacing_px);
 
-/// Adjusts from each fold's lens, which adjust takes from camera->lens. The
-/// best stays, with its lens.
+/// Runs adjust, which uses camera->lens, from the initial camera of each fold.
+/// Keeps the best result and its initial camera.
 void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
                       const std::function<AdjustmentResult()>& adjust,
                       CameraInProgress* camera, AdjustmentResult* adjusted);
 
-/// Adjusts a grid around the parametric models that it is compared with and
-/// that have much less error. Returns whether one was better: that stays, and
-/// its cells are those of camera->result.
+/// Optimizes a grid from each parametric model of the comparison with a much
+/// smaller error. Returns whether one was better; its result is then kept, and
+/// its knot spacing is set in camera->result.
 bool RestartFromComparison(const Pattern& pattern,
                            const CalibrationOptions& options,
                            bool are_boards_rigid, CameraInProgress* camera,

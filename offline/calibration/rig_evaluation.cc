@@ -21,7 +21,7 @@ AdjustmentState StateOf(const RigModel& rig,
   return state;
 }
 
-// camera_from_pattern of each view by its own camera.
+// camera_from_pattern of each view, estimated by its camera alone.
 std::vector<std::optional<Pose>> LocalizeAlone(
     const RigModel& rig, const CalibrationProblem& problem, int num_threads) {
   std::vector<std::optional<Pose>> poses(problem.views.size());
@@ -43,8 +43,8 @@ double LossOf(const AdjustmentState& state, const std::vector<View>& views) {
   return loss;
 }
 
-// The best of what the views say one by one, then the least robust error over
-// all of them.
+// Selects the best of the single views' poses, then minimizes the robust cost
+// over all views.
 std::optional<Pose> LocalizeTogether(
     const AdjustmentState& rig, const std::vector<View>& views,
     const std::vector<Pose>& rig_from_pattern) {
@@ -65,7 +65,7 @@ std::optional<Pose> LocalizeTogether(
   return best.rig_from_pattern.front();
 }
 
-// rig_from_pattern of each pose.
+// Returns rig_from_pattern of each pose.
 std::vector<std::optional<Pose>> LocalizeRig(
     const RigModel& rig, const CalibrationProblem& problem, int num_threads,
     const std::vector<Pose>& target_from_board = {}) {

@@ -10,28 +10,28 @@
 
 namespace raygrid {
 
-/// Cameras that do not move against each other.
+/// Cameras with constant relative poses.
 struct RigModel {
   std::vector<const CameraModel*> cameras;
   std::vector<Pose> camera_from_rig;
-  RigidTargets rigid_targets = {};  ///< that boards in front of it belong to
+  RigidTargets rigid_targets = {};  ///< rigid targets of the boards
 };
 
-/// Each body, or board, localised once for an instant, by all cameras that see
-/// it, with the rig as it is; what each camera's residuals are then. Datasets
-/// by camera; images of one name are one instant.
+/// Localizes each rigid target or board once per frame, from all cameras that
+/// observe it, with a fixed rig; returns the residuals of each camera. Datasets
+/// by camera; images of the same name are one frame.
 std::vector<Evaluation> EvaluateRig(const RigModel& rig,
                                     const std::vector<Dataset>& datasets,
                                     const Pattern& pattern, int num_threads);
 
-/// camera_from_board of the boards in each camera's images, which are localised
+/// Returns camera_from_board of the boards in each camera's images, localized
 /// likewise.
 std::vector<std::vector<BoardPose>> LocalizeBoards(
     const RigModel& rig, const std::vector<Dataset>& datasets,
     const Pattern& pattern, int num_threads);
 
-/// The rig with a pose for each board at each instant, as EvaluateRig()
-/// localises them. Views that cannot be localised leave the problem.
+/// Returns the rig with a pose per board and frame, localized as by
+/// EvaluateRig(). Views that cannot be localized are removed from the problem.
 AdjustmentState LocalizeRigViews(const RigModel& rig,
                                  CalibrationProblem* problem, int num_threads);
 

@@ -17,25 +17,25 @@
 namespace raygrid {
 namespace {
 
-// A relative pose of two cameras that is further off than this part of the
-// image's width in half of the views that they share is none.
+// A relative pose is invalid if its error exceeds this fraction of the image's
+// width in half of the shared views.
 constexpr double kMaxDisagreementPart = 0.05;
 constexpr double kUnseenPx = 1e4;  // the error of a point that is not projected
 constexpr int kMaxCandidates = 40;
-// A view that is less off than this is left to the removal of outliers.
+// Views with smaller errors are left to outlier removal.
 constexpr double kMinViewErrorPx = 1;
 
 using Views = std::vector<int>;
 
-// A rig's problem, and camera_from_pattern of each view by its camera alone:
-// the pattern's frame is that of the body.
+// A rig's problem, and camera_from_pattern of each view by its camera alone, in
+// the frame of the rigid target.
 struct Joined {
   CalibrationProblem problem;
   std::vector<Pose> camera_from_pattern;
   std::vector<Pose> target_from_board;
 };
 
-// Views of a body in images of one name share a pose.
+// Views of a rigid target in images of the same name share a pose.
 Joined Join(const std::vector<AdjustmentResult>& cameras,
             const RigidTargets& rigid_targets) {
   Joined joined;
@@ -81,7 +81,7 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
   return views;
 }
 
-// The pairs of views in which two cameras saw a body at one instant.
+// The pairs of views in which two cameras observed a target in one frame.
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
@@ -94,7 +94,7 @@ std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
   return shared;
 }
 
-// The median distance of a view's features from where a pose projects them.
+// Median distance of a view's features from their projections.
 double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
                    const View& view,
                    const std::vector<Eigen::Vector3d>& points) {
@@ -108,7 +108,7 @@ double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
   return Quantile(errors, 0.5);
 }
 
-// A view's camera_from_board by that of its body.
+// Returns a view's camera_from_board from its target's pose.
 Pose OnRigidTarget(const Joined& joined, int view,
                    const Pose& camera_from_body) {
   return ComputeBoardPose(joined.problem.views[view], camera_from_body,
@@ -120,8 +120,8 @@ struct RelativePose {
   double error_px = INFINITY;  // in half of the shared views at most
 };
 
-// The error of a view by a pose of its body, and the turn of the board that
-// makes it least; boards are turned only if that is asked for.
+// The error of a view for a pose of its target, minimized over the board's
+// rotations if these are to be resolved.
 struct TurnedView {
   double error_px = INFINITY;
   int turn = 0;
@@ -145,8 +145,8 @@ TurnedView BestTurn(const Joined& joined, const CameraModel& camera, int view,
   return best;
 }
 
-// The relative poses that the shared views give one by one, with each turn of
-// their boards that is asked for.
+// The relative poses from single shared views, for each of the boards'
+// rotations that are to be resolved.
 std::vector<RelativePose> RelativePoses(
     const Joined& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads,
@@ -187,15 +187,14 @@ const RelativePose& BestOf(const std::vector<RelativePose>& candidates) {
                            });
 }
 
-// The best of the relative poses that the shared views give one by one.
+// Returns the best of the relative poses from single shared views.
 RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
                               const std::vector<std::pair<int, int>>& shared,
                               int num_threads) {
   return BestOf(RelativePoses(joined, second, shared, num_threads, nullptr));
 }
 
-// Whether a relative pose that is turned far from the best one is about as
-// good.
+// Whether a relative pose with a very different rotation is about equally good.
 bool IsAsGood(const RelativePose& other, const RelativePose& best) {
   constexpr double kMuchWorse = 3;
   return other.error_px < kMuchWorse * best.error_px + kMinViewErrorPx;
@@ -212,7 +211,7 @@ bool IsAmbiguous(const std::vector<RelativePose>& candidates,
                      });
 }
 
-// The pair of a camera that is reached and one that is not that shares most.
+// Returns the pair of a reached and an unreached camera with most shared views.
 std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
                              const std::vector<bool>& reached) {
   std::pair<int, int> best = {-1, -1};
@@ -226,7 +225,7 @@ std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
   return best;
 }
 
-// The cameras that shared views lead to from one of them.
+// Returns the cameras connected to one of them by shared views.
 std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
                           int first) {
   std::vector<bool> reached(num_shared.size());
@@ -236,7 +235,7 @@ std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
   return reached;
 }
 
-// Cameras whose poses against each other are known, tree by tree.
+// Groups of cameras with known relative poses, one per tree.
 class PlacedCameras {
  public:
   explicit PlacedCameras(size_t count) : tree_(count, -1), from_first_(count) {}
@@ -354,7 +353,7 @@ std::vector<bool> DisagreeingViews(const CalibrationProblem& problem,
   return disagreeing;
 }
 
-// Views leave the problem, and poses that none is left of leave the state.
+// Removes views from the problem, and poses without views from the state.
 void RemoveViewsAndPoses(const std::vector<bool>& remove,
                          AdjustmentResult* adjusted) {
   std::vector<int> old_pose;
@@ -432,7 +431,7 @@ RigRotations ResolveRotationsAcrossCameras(
       const auto candidates =
           RelativePoses(joined, camera, shared, num_threads, &pattern);
       RelativePose best = BestOf(candidates);
-      // Without agreement InitializeRig() says so.
+      // If they disagree, InitializeRig() reports it.
       if (best.error_px >
           kMaxDisagreementPart * problem.image_sizes[second].width)
         continue;

@@ -11,44 +11,44 @@
 
 namespace raygrid {
 
-/// How often each two cameras see one body at one instant; a square matrix.
+/// Counts the frames with shared targets of each two cameras (square matrix).
 std::vector<std::vector<int>> CountSharedViews(
     const CalibrationProblem& problem);
 
-/// The groups of cameras that such instants connect.
+/// Groups cameras that are connected by such frames.
 std::vector<std::vector<int>> ConnectedGroups(
     const CalibrationProblem& problem);
 
-/// The groups of cameras, adjusted alone, that InitializeRig() can put together
-/// without bodies.
+/// Groups cameras, adjusted alone, that InitializeRig() can connect without
+/// rigid targets.
 std::vector<std::vector<int>> ConnectedGroups(
     const std::vector<AdjustmentResult>& cameras);
 
-/// Throws Error(kInitialization) that names the groups of cameras between which
-/// there is no shared view, not even through other cameras.
+/// Throws Error(kInitialization), naming the groups of cameras, unless all
+/// cameras are connected by shared views, directly or through other cameras.
 void RequireConnected(const std::vector<std::string>& names,
                       const CalibrationProblem& problem);
 
-/// How boards that look alike after a turn are turned in the images of some
-/// cameras, so that the cameras agree, and where two turns agree as well.
+/// Rotations of symmetric boards in the images of each camera for which the
+/// cameras agree, and pairs for which two rotations agree equally well.
 struct RigRotations {
   std::vector<BoardRotations> by_camera;
   std::vector<AmbiguousPair> ambiguous;
 };
-/// Cameras, adjusted alone, whose views' boards may each be turned. Of each
-/// instant, the camera that is connected first says how a board stands.
+/// Estimates rotations for cameras that were adjusted alone. In each frame, the
+/// camera that is connected first determines the rotation of a board.
 RigRotations ResolveRotationsAcrossCameras(
     const std::vector<AdjustmentResult>& cameras, const Pattern& pattern,
     int num_threads);
 
-/// Puts together cameras that were adjusted alone, each on its own images of
-/// the same pattern, and boards into the bodies that they belong to. The first
-/// camera's frame is the rig's. The relative pose of two cameras is the one
-/// that explains most of the views that they share; a tree of the pairs that
-/// share most leads to all of them. Adjusts all together with the points fixed;
-/// views that do not agree with the other cameras', or of other boards of their
-/// body, go to rejected, by camera. A single camera without bodies stays as it
-/// was. Throws Error(kInitialization).
+/// Combines cameras that were adjusted alone, each on its own images of the
+/// same pattern, to a rig, and boards to rigid targets. The rig's frame is the
+/// first camera's. Of two cameras, the relative pose is used that explains most
+/// of their shared views; a tree of the pairs with the most shared views
+/// connects all of them. Optimizes everything with fixed points; views that are
+/// inconsistent with other cameras, or other boards of their target, are added
+/// to rejected, by camera. A single camera without rigid targets is unchanged.
+/// Throws Error(kInitialization).
 AdjustmentResult InitializeRig(
     const std::vector<std::string>& names,
     const std::vector<AdjustmentResult>& cameras,

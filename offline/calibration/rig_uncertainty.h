@@ -8,9 +8,9 @@
 
 namespace raygrid {
 
-/// The baselines of every two cameras. Their standard deviations are those of
-/// the adjustment's equations and residuals, all other parameters being free;
-/// without, if the equations are singular.
+/// Computes the baselines of all pairs of cameras. Their standard deviations
+/// follow from the adjustment's equations and residuals, marginalized over all
+/// other parameters; none if the equations are singular.
 std::vector<Baseline> EstimateBaselines(const AdjustmentResult& adjusted,
                                         const AdjustmentOptions& options);
 

@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-// Fewer instants tell nothing.
+// Minimum number of frames for a decision.
 constexpr size_t kMinInstants = 3;
 // An instant may show something else: a misread board. So many do not.
 constexpr double kMaxApartPart = 0.1;
@@ -31,7 +31,7 @@ Eigen::Vector3d MiddleOf(const Board& board) {
   return sum / static_cast<double>(board.points.size());
 }
 
-// How many instants show the first board in places that differ.
+// Counts the frames with different poses of the first board.
 size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
   constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
   std::vector<const Pose*> different;
@@ -47,7 +47,7 @@ size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
   return different.size();
 }
 
-// The outcome for a pair of boards.
+// The result for a pair of boards.
 struct PairFinding {
   BoardPair told;
   int first = 0, second = 0;  // indices
@@ -115,8 +115,8 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
   for (int first = 0; first < num_boards; ++first)
     for (int second = first + 1; second < num_boards; ++second) {
       const Eigen::Vector3d middle = MiddleOf(pattern.boards[second]);
-      // Groups of cameras that nothing connects have scales of their own: the
-      // one that sees most of two boards tells.
+      // Unconnected groups of cameras have separate scales: the group with most
+      // views of both boards decides.
       std::vector<RelativeBoardPose> most;
       size_t teller = 0;
       for (size_t g = 0; g < adjusted.size(); ++g) {
@@ -143,7 +143,7 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
   return findings;
 }
 
-// Every board in a body of its own.
+// Makes each board an independent target.
 RigidTargets NoRigidTargets(size_t num_boards) {
   RigidTargets rigid_targets;
   for (size_t b = 0; b < num_boards; ++b)
@@ -152,7 +152,7 @@ RigidTargets NoRigidTargets(size_t num_boards) {
   return rigid_targets;
 }
 
-// The bodies of two boards become one.
+// Merges the targets of two boards.
 void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
   const int kept = rigid_targets->frames[finding.first];
   const int joined = rigid_targets->frames[finding.second];
@@ -169,7 +169,7 @@ void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
   }
 }
 
-// Whether two boards that move against each other would be in one body.
+// Whether merging would join two boards with varying relative poses.
 bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
                 const std::vector<PairFinding>& findings) {
   const int a = rigid_targets.frames[finding.first];
@@ -182,8 +182,8 @@ bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
   });
 }
 
-// Images in which a pair of one body is elsewhere: the board that is in most of
-// such pairs stands apart, then the next.
+// In images with an inconsistent relative pose of a target's boards, the board
+// in most of these pairs is separated, then the next one.
 void SetApart(const std::vector<PairFinding>& findings,
               RigidTargets* rigid_targets) {
   std::map<std::string, std::vector<const PairFinding*>> far;
@@ -212,7 +212,7 @@ void SetApart(const std::vector<PairFinding>& findings,
   }
 }
 
-// How many images of a camera show each two of some boards.
+// Counts the images of a camera that show each two of some boards.
 std::map<std::pair<int, int>, size_t> CountTogether(
     const CalibrationProblem& problem) {
   std::map<std::pair<std::string, int>, std::vector<int>> boards;

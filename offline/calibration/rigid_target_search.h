@@ -9,18 +9,17 @@
 
 namespace raygrid {
 
-/// Whether two boards are seen at one instant, by whichever cameras, often
-/// enough to tell whether they are fixed to each other.
+/// Returns whether any two boards are seen in the same frame, by any cameras,
+/// often enough to test whether their relative pose is constant.
 bool CanDetectRigidTargets(const std::vector<AdjustmentResult>& cameras);
 
-/// Bodies of all boards that may be fixed to each other for how often one of
-/// the cameras sees them together; their places are not known.
+/// Proposes rigid targets of all boards that one of the cameras sees together
+/// often enough; their relative poses are not estimated.
 RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
                                  const Pattern& pattern);
 
-/// How the boards stood to each other that were seen at one instant, in
-/// adjustments of boards that move by themselves: each of one camera, or of
-/// cameras whose poses are known.
+/// Compares the relative poses of boards seen in the same frame, in adjustments
+/// of independent boards: each of one camera, or of cameras with known poses.
 std::vector<BoardPair> CompareBoardPoses(
     const std::vector<AdjustmentResult>& adjusted, const Pattern& pattern,
     int num_threads, RigidTargets* rigid_targets);

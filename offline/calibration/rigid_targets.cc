@@ -78,7 +78,7 @@ void JoinBoards(const RigidTargets& rigid_targets, CalibrationProblem* problem,
         rigid_targets.frame_from_board[frame].Inverse() *
         rigid_targets.frame_from_board[b]);
   }
-  // An instant, the board whose frame stands at the pose, whether alone.
+  // Frame, board that defines the pose, and whether it is separated.
   std::map<std::pair<std::string, std::pair<int, bool>>, int> pose_of;
   for (size_t v = 0; v < problem->views.size(); ++v) {
     View& view = problem->views[v];

@@ -10,36 +10,36 @@
 
 namespace raygrid {
 
-/// Which boards of a pattern are fixed to each other, by their indices. The
-/// frame of a body is that of one of its boards.
+/// Rigid multi-board targets of a pattern, by board index. The frame of a
+/// target is the frame of one of its boards.
 struct RigidTargets {
-  /// The board that is the frame of each board's body; a board alone is its own
-  /// frame. Empty if all are alone.
+  /// For each board, the board that defines its target's frame; itself for an
+  /// independent board. Empty if all boards are independent.
   std::vector<int> frames;
   std::vector<Pose> frame_from_board;
-  /// Images, and boards in them that stand elsewhere than on their bodies.
+  /// Images and boards in them whose pose deviates from their target's.
   std::set<std::pair<std::string, int>> apart;
 
   bool empty() const { return frames.empty(); }
-  /// Boards per body of more than one.
+  /// Returns the boards of each target with more than one board.
   std::vector<std::vector<int>> Groups() const;
 };
 
-/// Those that a pattern tells of.
+/// Returns the rigid targets that a pattern defines.
 RigidTargets MakeRigidTargets(const Pattern& pattern);
 
-/// Lets the boards of a body share its pose at each instant. Places are those
-/// of the boards on it, for AdjustmentState::target_from_board. Of each body, a
-/// board that is seen becomes the frame.
+/// Makes the boards of a rigid target share one pose per frame.
+/// *target_from_board receives AdjustmentState::target_from_board. For each
+/// target, a board that is observed defines the frame.
 void JoinBoards(const RigidTargets& rigid_targets, CalibrationProblem* problem,
                 std::vector<Pose>* target_from_board);
 
-/// The bodies with the places that an adjustment found.
+/// Returns the rigid targets with the relative poses of an adjustment.
 RigidTargets UpdateRigidTargets(const RigidTargets& rigid_targets,
                                 const CalibrationProblem& problem,
                                 const std::vector<Pose>& target_from_board);
 
-/// The pose of a view's board by that of its body, and the other way.
+/// Converts a target pose to the pose of a view's board, and vice versa.
 inline Pose ComputeBoardPose(const View& view, const Pose& from_target,
                              const std::vector<Pose>& target_from_board) {
   return view.place < 0 ? from_target

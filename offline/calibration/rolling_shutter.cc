@@ -18,7 +18,7 @@ MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
           &times,    is_final};
 }
 
-// The images that lost all of their features with the motion.
+// Returns the images that lost all features in the compensation.
 std::set<std::string> ImagesLeftOut(const Dataset& measured,
                                     const Dataset& still) {
   std::set<std::string> names;

@@ -8,27 +8,27 @@
 
 namespace raygrid {
 
-/// The features of all images where they would have been seen, had each frame
-/// been read at one instant.
+/// Features of all images with the motion during readout compensated, as if all
+/// rows had been read at the same time.
 struct CompensatedFeatures {
-  LineDelay line_delay;  ///< by which they were moved
+  LineDelay line_delay;  ///< line delay used
   Dataset features;
 };
 
-/// Still features by the row time that a first camera tells. Nothing if it
-/// cannot be told, or may be that of a global shutter, or if the calibration is
-/// told to stop.
+/// Compensates rolling shutter with the line delay estimated with a first
+/// camera. Returns nullopt if it is not observable, not significantly different
+/// from a global shutter's, or if the calibration is stopped.
 std::optional<CompensatedFeatures> ComputeCompensatedFeatures(
     const Pattern& pattern, const CalibrationOptions& options,
     const CameraInProgress& camera);
 
-/// The row time by a calibrated camera, and the pattern as it was found.
+/// Estimates the line delay with the calibrated camera and the pattern found.
 LineDelayEstimate EstimateFinalLineDelay(const CameraInProgress& camera,
                                          const CameraModel& calibrated,
                                          const Pattern& found, int num_threads);
 
-/// Tells of rejected images that they were left out since their motion is not
-/// known, where it is so.
+/// Sets the reason of images that were rejected because their motion is not
+/// known.
 void ReportExcludedImages(const CameraInProgress& camera,
                           const Pattern& pattern,
                           std::vector<RejectedImage>* rejected);

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxParameters = 200;
 
-// The derivatives of a view's residuals by its camera's parameters: two rows a
-// residual.
+// The Jacobian of a view's residuals with respect to its camera's parameters:
+// two rows per residual.
 Eigen::MatrixXd ByCamera(const ViewJacobian& jacobian, int num_parameters) {
   Eigen::MatrixXd by_camera =
       Eigen::MatrixXd::Zero(2 * jacobian.count(), num_parameters);

@@ -10,16 +10,16 @@
 
 namespace raygrid {
 
-/// Predicts how much better two cameras explain a camera's views than this one
-/// does, by a linear step from it: poses eliminated, points fixed. So a split
-/// of the images costs two small systems, not two adjustments.
+/// Predicts how much better two cameras would explain the views of one camera,
+/// by a Gauss-Newton step from it with poses eliminated and points fixed. A
+/// split of the images thus costs two small systems, not two adjustments.
 class SplitGain {
  public:
   SplitGain(const AdjustmentResult& joint, double huber_px, int num_threads);
 
-  /// The part of the squared residuals that is left if the images with these
-  /// names have a camera of their own, and the others another one. 0, which
-  /// excludes nothing, where a camera has too many parameters to be asked.
+  /// Returns the fraction of the squared residuals that remains if the images
+  /// with these names have a separate camera. 0, which excludes no split, if
+  /// the camera has too many parameters.
   double ComputeRemainingShare(const std::set<std::string>& first) const;
 
  private:

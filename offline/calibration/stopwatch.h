@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// Adds the time that it lives to some seconds.
+/// Adds its lifetime in seconds to a variable.
 class Stopwatch {
  public:
   explicit Stopwatch(double* seconds) : seconds_(seconds) {}

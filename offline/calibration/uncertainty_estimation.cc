@@ -10,21 +10,21 @@ namespace raygrid {
 namespace {
 
 // The data determines the camera where its standard deviation is at most this
-// part of the noise's, or this small: there the prior's share is negligible.
+// multiple of the noise's, or this small: there the prior's part is negligible.
 constexpr double kDeterminedPart = 0.5;
 constexpr double kDeterminedPx = 0.025;
 // The default limit of the valid region.
 constexpr double kValidPx = 0.25, kValidPerNoise = 3;
-// Beyond the features lenses are less smooth than the prior has it. Of twelve
-// calibrations of four simulated lenses, seen in the middle 60 % of the width,
-// 90 % of the pixels beyond were within twice a deviation so much larger: 1.0
-// to 1.9, by calibration (benchmarks/README.md).
+// Beyond the features, lenses are less smooth than the prior assumes. In twelve
+// calibrations of four simulated lenses, observed in the central 60 % of the
+// width, 90 % of the pixels beyond were within twice a deviation larger by 1.0
+// to 1.9, depending on the calibration (benchmarks/README.md).
 constexpr double kBeyondFeatures = 2;
 // A cell is extrapolated unless this many features are within this many cells
 // to all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
-// About square, and not more than a blob can hold.
+// About square, and within the limits of a blob.
 UncertaintyOptions LatticeOver(const Area& area) {
   constexpr int kIntervals = 16;
   const double longer = std::max(area.width(), area.height());
@@ -38,7 +38,7 @@ UncertaintyOptions LatticeOver(const Area& area) {
   return options;
 }
 
-// Features in each cell.
+// Number of features in each cell.
 std::vector<int> CountFeatures(const AdjustmentResult& adjusted, int camera,
                                const ValidityMask& mask) {
   std::vector<int> counts(mask.is_trusted.size(), 0);
@@ -62,7 +62,7 @@ int CountNear(const std::vector<int>& counts, const ValidityMask& mask,
   return sum;
 }
 
-// The cells that features were seen near.
+// The cells with features nearby.
 ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
   ValidityMask near =
       ValidityMask::Over(adjusted.state.cameras[camera]->image_size());
@@ -73,7 +73,7 @@ ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
 }
 
 // The strongest modes of a covariance of the lattice's pixels, on a coarser
-// lattice. Pixels that the camera does not tell do not move.
+// lattice. Pixels where the camera is undefined have no displacement.
 ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
                                const UncertaintyOptions& size) {
   constexpr int kMaxModes = 12;
@@ -90,7 +90,7 @@ ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
     rest_px2 -= variance;
     Eigen::VectorXd mode =
         std::sqrt(variance) * solver.eigenvectors().col(last - k);
-    // The sign of a mode is nobody's.
+    // The sign of a mode is arbitrary.
     Eigen::Index largest;
     mode.cwiseAbs().maxCoeff(&largest);
     if (mode[largest] < 0) mode = -mode;

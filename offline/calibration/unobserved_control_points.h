@@ -6,10 +6,10 @@
 
 namespace raygrid {
 
-/// In the corners around a fisheye's image circle, smoothness alone carries a
-/// grid's control points, sometimes to directions almost straight backwards,
-/// which no blob can hold. Those that no feature of the camera depends on are
-/// brought back to 150 degrees from the axis. Leaves other cameras alone.
+/// Limits control points without observations to 150 degrees from the axis. In
+/// the corners around a fisheye's image circle only the smoothness prior
+/// determines them, sometimes with almost backward directions, which a blob
+/// cannot represent. Does not change other camera models.
 void LimitUnobservedControlPoints(const CalibrationProblem& problem,
                                   int camera_index, CameraModel* camera);
 

@@ -11,29 +11,28 @@
 
 namespace raygrid {
 
-/// A step of Gauss-Newton and its standard deviation; that is infinite where
-/// nothing determines the value.
+/// A Gauss-Newton step and its standard deviation, which is infinite if the
+/// value is not determined.
 struct ValueStep {
   double step = 0, deviation = 0;
 
   double Score() const { return std::abs(step) / deviation; }
 };
 
-/// The equations of the stated values of an adjusted stack, were these unknown
-/// as all else is: one step of Gauss-Newton over the values, with cameras,
-/// poses and points eliminated (Schur's complement). Value r of image i is
-/// unknown i * num_ranges + r. Of an unknown that is freed alone, the step is
-/// the difference between the stated value and what the image's features and
-/// all other images predict.
+/// Equations of the stated values of an adjusted operating-point model, if
+/// these were parameters, too: one Gauss-Newton step for the values, with
+/// cameras, poses and points eliminated (Schur complement). Value r of image i
+/// is unknown i * num_ranges + r. The step of a single freed unknown is the
+/// difference between the stated value and the prediction by the image's
+/// features and all other images.
 struct ValueEquations {
   std::vector<std::string> images;
   int num_ranges = 0;
   Eigen::VectorXd gradient;
-  /// The information on each unknown; and, with the cameras as they are, where
-  /// nothing but the image's
-  /// own poses is eliminated.
+  /// Information on each unknown; and with fixed cameras, where only the
+  /// image's own poses are eliminated.
   Eigen::VectorXd information, fixed_camera_information;
-  /// Standard deviation of an image's residuals, of all where that is more.
+  /// Standard deviation of each image's residuals; at least that of all images.
   std::vector<double> noise_px;
 
   Eigen::Index count() const { return gradient.size(); }
@@ -43,17 +42,17 @@ struct ValueEquations {
   int RangeIndex(Eigen::Index unknown) const {
     return static_cast<int>(unknown) % num_ranges;
   }
-  /// The step of an unknown that is freed alone.
+  /// Returns the step of an unknown if it alone is freed.
   ValueStep ComputeStep(Eigen::Index unknown) const;
 };
 
-/// Empty if the equations of the adjustment are singular.
+/// Returns empty equations if the adjustment's equations are singular.
 ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
                                   int num_threads);
 
-/// The value of a range, within limits, that fits the features of one image's
-/// views best with the stack as it is, their poses being free. Infinite
-/// deviation where they do not determine it.
+/// Estimates the value of a range, within limits, that fits the features of one
+/// image's views best, with a fixed operating-point model and free poses. The
+/// deviation is infinite if the features do not determine it.
 ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
                    size_t range, const OperatingRange& limits);
 

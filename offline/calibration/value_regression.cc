@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDeviationPerMedian = 1.4826;  // of normal errors
 
-// The mean and the slope of a power of t, over the values of t.
+// Mean and slope of a power of t, over the values of t.
 Eigen::Vector2d LineOf(const Eigen::ArrayXd& t, int power) {
   Eigen::MatrixX2d line(t.size(), 2);
   line << Eigen::VectorXd::Ones(t.size()), t.matrix();
@@ -29,8 +29,7 @@ void AddTerm(double factor, const BSplineSurface& term, BSplineSurface* sum) {
     sum->points()[k] += factor * term.points()[k];
 }
 
-// The stack of straight lines that is nearest to a stack over the values of
-// views.
+// The linear model that is closest to a model over the values of the views.
 OperatingPointModel StraightStack(const OperatingPointModel& stack,
                                   const std::vector<View>& views) {
   const size_t num_ranges = stack.ranges().size();
@@ -54,8 +53,8 @@ OperatingPointModel StraightStack(const OperatingPointModel& stack,
   return straight;
 }
 
-// Rows of weighted equations: fitted values over powers of stated ones, which
-// are brought to -1 to 1.
+// Weighted equations of fitted values and powers of the stated values, which
+// are scaled to -1 to 1.
 struct Equations {
   Eigen::MatrixXd powers;  // without weights
   Eigen::VectorXd fitted, weight;
@@ -70,7 +69,7 @@ Eigen::MatrixXd PowersOf(const std::vector<double>& values) {
       2 * (Eigen::Map<const Eigen::ArrayXd>(values.data(), count) - *low) /
           std::max(*high - *low, 1e-12) -
       1;
-  // A curve, if there are values left that say how well it fits.
+  // A curve, if enough values remain to test its fit.
   const bool is_line =
       std::set<double>(values.begin(), values.end()).size() < 4;
   Eigen::MatrixXd powers(count, is_line ? 2 : 3);
@@ -85,8 +84,8 @@ struct TrimmedFit {
   Eigen::VectorXd residuals;
 };
 
-// Least trimmed squares: the best of fits through as many images as there are
-// coefficients, each improved by fits to the images that it is nearest to.
+// Least trimmed squares: the best of fits to random subsets with one image per
+// coefficient, each refined by fits to the images closest to it.
 TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
                       std::mt19937* random_bits) {
   constexpr int kNumImprovements = 2;
@@ -131,7 +130,7 @@ TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
   return best;
 }
 
-// The standard deviation of residuals, by their median.
+// Robust standard deviation of residuals, from their median.
 double ScatterOf(const TrimmedFit& fit) {
   const Eigen::VectorXd sizes = fit.residuals.cwiseAbs();
   return kDeviationPerMedian *
@@ -153,7 +152,7 @@ std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
   AdjustmentState state = adjusted.state;
   const OperatingPointModel straight = StraightStack(stack, views);
   state.SetCamera(StackedGrid(straight, straight.Middle()));
-  // Wide limits: values that are wrong make the change seem small.
+  // Wide limits: wrong values make the change seem small.
   OperatingRange limits = stack.ranges()[range];
   const double width = limits.high - limits.low;
   limits.low -= 2 * width;

@@ -39,11 +39,11 @@ struct Area {
   }
 };
 
-/// The area that a camera is calibrated over: the image, or the rectangle of
-/// the features that were seen.
+/// Choice of the calibrated area: the whole image, or the bounding rectangle of
+/// the observed features.
 enum class AreaChoice { kWholeImage, kFeatures };
 
-/// The whole image, from the first pixel's centre to the last one's.
+/// Returns the whole image, from the first pixel's centre to the last pixel's.
 inline Area WholeImage(const ImageSize& size) {
   return {0, 0, size.width - 1.0, size.height - 1.0};
 }

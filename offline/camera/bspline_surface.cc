@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// The cell and the position in it, along one axis.
+// The cell and the position within it, along one axis.
 struct CellPosition {
   int cell;
   double t;
@@ -35,9 +35,9 @@ std::array<double, 4> WeightDerivatives(double t, double cell_size) {
           (-3 * t * t + 2 * t + 1) / 2 / cell_size, t * t / 2 / cell_size};
 }
 
-// The normal matrix of a surface's control points. A sample couples points that
-// are at most three columns and rows apart, so that each point has 7 x 7
-// partners.
+// Normal matrix of a surface's control points. A sample couples points that are
+// at most three columns and rows apart, so that each point is coupled with 7 x
+// 7 points.
 class SurfaceNormalMatrix {
  public:
   SurfaceNormalMatrix(int columns, int rows)
@@ -96,7 +96,7 @@ void AddSmoothness(int columns, int rows, double weight,
   }
 }
 
-// Whether the surface is folded at a control point, by those around it.
+// Whether the surface is folded at a control point, judged by its neighbours.
 bool IsFoldedAt(const BSplineSurface& surface, int index,
                 const UnfoldedSide& side) {
   const int columns = surface.columns();
@@ -144,7 +144,7 @@ SplineSupport BSplineSurface::Support(const Eigen::Vector2d& pixel) const {
           WeightDerivatives(y.t, cell_height())};
 }
 
-// The other one's value to the bit, in half of its time.
+// Bit-identical to the other overload's value, in half of the time.
 Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel) const {
   const CellPosition x =
       Locate(pixel.x(), area_.x0, cell_width(), columns_ - 3);

@@ -10,13 +10,13 @@
 
 namespace raygrid {
 
-/// No observation tells how a grid's frame is turned against the camera's body:
-/// all poses would turn with it. By convention it is the frame of the
-/// parametric lens nearest to the grid, so that z looks out of the lens's
-/// centre, about the middle of the image, and x goes along the rows. A lens has
-/// a frame by its equations.
+/// Canonical frame of a camera. The rotation of a grid's frame is a gauge
+/// freedom: all poses compensate for it. By convention it is the frame of the
+/// parametric model nearest to the grid, so that z is the optical axis, near
+/// the image centre, and x points along the rows. The equations of a parametric
+/// model define its frame.
 struct CameraFrame {
-  std::string lens;  ///< model of the nearest one
+  std::string lens;  ///< name of the nearest parametric model
   Eigen::Quaterniond frame_from_camera = Eigen::Quaterniond::Identity();
 
   double AngleRad() const {
@@ -24,28 +24,27 @@ struct CameraFrame {
   }
 };
 
-/// A frame that is turned by less than this is as good as the right one: a
-/// fiftieth of a degree.
+/// Rotations below this, a fiftieth of a degree, are considered identity.
 constexpr double kMaxFrameRotationRad = 0.02 * M_PI / 180;
 
-/// The frame that a camera ought to have; that of a parametric one is its own.
-/// Among lenses that are as near to it but for 2 %, the first of those that are
-/// compared (camera/lens_models.h) counts. Given a lens, only that one is
-/// fitted.
+/// Returns the canonical frame of a camera; identity for a parametric model. Of
+/// the models that are compared (camera/lens_models.h), a later one is chosen
+/// only if its RMS error is at least 2 % smaller. If `lens` is given, only this
+/// model is fitted.
 CameraFrame FindCameraFrame(const CameraModel& camera,
                             const std::string& lens = "");
 
-/// A grid in a turned frame, with as many control points. Turning is no linear
-/// map of a surface in the chart: the grid is fitted anew, which moves rays by
-/// 1e-5 px or so where cells are a tenth of the image. Other cameras are
-/// wrapped (camera/rotated_camera.h).
+/// Returns a grid in a rotated frame, with the same number of control points.
+/// Rotation is not linear in the chart, so the grid is fitted anew, which
+/// changes rays by about 1e-5 px for cells of a tenth of the image. Other
+/// cameras are wrapped (camera/rotated_camera.h).
 std::unique_ptr<CameraModel> Rotated(
     const CameraModel& camera, const Eigen::Quaterniond& rotated_from_camera);
 
-/// Turns a grid that looks more than a degree off its lens's axes, as earlier
-/// calibrations left some, into the frame of its nearest lens. Local distortion
-/// moves that frame by less, so that known cameras stay as they are. Returns
-/// the rotation of the new frame from the old one, if there was any need.
+/// Rotates a grid to its canonical frame if it is more than a degree away, as
+/// after some earlier calibrations. Local distortion rotates that frame by
+/// less, so other calibrated cameras are unchanged. Returns new_from_old, or
+/// nullopt if the camera is unchanged.
 std::optional<Eigen::Quaterniond> AlignToCameraFrame(
     std::shared_ptr<const CameraModel>* camera);
 

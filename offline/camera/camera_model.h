@@ -19,9 +19,9 @@ class BSplineSurface;
 class OperatingPointModel;
 class ParametricModel;
 
-/// A projection and its derivatives. It depends on the nodes (control points)
-/// of a spline around it, all of which act alike but for their weights, and on
-/// parameters that act everywhere.
+/// A projection and its Jacobians. It depends on the nodes (control points) of
+/// a spline around it, whose Jacobians differ only by their weights, and on
+/// global parameters.
 struct LinearizedProjection {
   static constexpr int kMaxNodes = 16, kMaxPerNode = 14, kMaxGlobal = 20;
   static constexpr int kMaxParameters = kMaxNodes * kMaxPerNode + kMaxGlobal;
@@ -29,39 +29,39 @@ struct LinearizedProjection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> J_point;  ///< d pixel / d point
 
-  /// The numbers of nodes and of their parameters, the same for all projections
-  /// of a camera: nodes may have no weight.
+  /// Number of nodes and of parameters per node, constant for all projections
+  /// of a camera: nodes may have zero weight.
   int num_nodes = 0, num_per_node = 0;
-  std::array<int, kMaxNodes> node_parameter;  ///< the first one of each node
+  std::array<int, kMaxNodes> node_parameter;  ///< first parameter of each node
   std::array<double, kMaxNodes> node_weight;
-  /// d pixel / d a node's parameters, for a node of weight 1.
+  /// d pixel / d parameters of a node, for a node of weight 1.
   Eigen::Matrix<double, 2, kMaxPerNode> J_node;
 
   int num_global = 0, first_global = 0;
   Eigen::Matrix<double, 2, kMaxGlobal> J_global;
 };
 
-/// Every calibrated pixel looks along one line. In a central camera all lines
-/// start at the origin. Camera axes are x right, y down, z forward.
+/// A camera model maps each calibrated pixel to an observation line. The lines
+/// of a central camera start at the origin. Axes: x right, y down, z forward.
 ///
-/// Outside its calibrated area a camera answers "nothing", never a guess.
+/// Results are nullopt outside the calibrated area, never extrapolated.
 class CameraModel {
  public:
   virtual ~CameraModel() = default;
 
-  /// The model's name as in camera.yaml: "central-generic", "opencv".
+  /// Name of the model as in camera.yaml: "central-generic", "opencv".
   virtual std::string Name() const = 0;
   virtual std::unique_ptr<CameraModel> Clone() const = 0;
 
-  /// The directions of a generic model's control points; null for others.
+  /// The directions of a generic model's control points; null for other models.
   virtual const BSplineSurface* DirectionGrid() const { return nullptr; }
-  /// This model, if it is parametric; else null.
+  /// This model if it is parametric, else null.
   virtual const ParametricModel* Parametric() const { return nullptr; }
-  /// What a camera over a range of conditions is part of; null for others.
+  /// The operating-point model that this camera is a sample of, or null.
   virtual const OperatingPointModel* Stack() const { return nullptr; }
 
-  /// The generic model with as many control points, over the same area, that
-  /// is closest to another camera; for others, that camera itself.
+  /// Returns the generic model with the same area and number of control points
+  /// that is closest to `other`; parametric models return a copy of `other`.
   virtual std::unique_ptr<CameraModel> FittedTo(
       const CameraModel& other) const {
     return other.Clone();
@@ -70,26 +70,26 @@ class CameraModel {
   const ImageSize& image_size() const { return image_size_; }
   const Area& area() const { return area_; }
 
-  /// The part of the image that the lens lights, if it is known not to be all.
-  /// The model goes on beyond, but there is nothing to be seen.
+  /// Image circle, if known and smaller than the image. The model is defined
+  /// beyond it, but these pixels receive no light.
   const std::optional<ImageCircle>& image_circle() const {
     return image_circle_;
   }
   void SetImageCircle(const std::optional<ImageCircle>& circle) {
     image_circle_ = circle;
   }
-  /// Whether the lens throws light on a pixel, as far as is known.
+  /// Returns false if the pixel is known to be outside the image circle.
   bool IsInImageCircle(const Eigen::Vector2d& pixel) const {
     return !image_circle_ || image_circle_->Contains(pixel);
   }
 
-  /// Unit direction that a pixel of the area looks along.
+  /// Returns the unit direction of a pixel in the area.
   virtual std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const = 0;
 
   virtual bool IsCentral() const { return true; }
 
-  /// The line along which a pixel of the area looks.
+  /// Returns the observation line of a pixel in the area.
   virtual std::optional<ObservationLine> Line(
       const Eigen::Vector2d& pixel) const {
     const std::optional<Eigen::Vector3d> direction = Unproject(pixel);
@@ -97,10 +97,10 @@ class CameraModel {
     return ObservationLine{Eigen::Vector3d::Zero(), *direction};
   }
 
-  /// The pixel at which a point, or a central camera's direction of any length,
-  /// is seen; nothing if it is not within the area widened by margin_px. A
-  /// start, near the result, saves time. Nothing is found from a start where a
-  /// grid folds over.
+  /// Projects a point, or for a central camera a direction of any length;
+  /// nullopt if the pixel is outside the area extended by margin_px. An initial
+  /// value `start` near the result saves time. Returns nullopt if the grid is
+  /// folded at `start`.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                                  const Eigen::Vector2d* start,
                                                  double margin_px) const = 0;
@@ -108,7 +108,7 @@ class CameraModel {
     return Project(point, nullptr, 0);
   }
 
-  /// Project() with derivatives by the point and by the parameters.
+  /// Project() with Jacobians with respect to the point and the parameters.
   virtual bool Linearize(const Eigen::Vector3d& point,
                          const Eigen::Vector2d* start, double margin_px,
                          LinearizedProjection* projection) const = 0;

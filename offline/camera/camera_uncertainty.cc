@@ -11,8 +11,8 @@ namespace raygrid {
 
 namespace {
 
-// A place on a lattice: the node above and to the left of it, and how far it is
-// to the next ones.
+// A position on a lattice: the node above and to the left of it, and the
+// fractions to the next nodes.
 struct LatticePlace {
   int node;
   double x, y;
@@ -107,7 +107,7 @@ void ValidityMask::InvalidateAbove(double max_deviation_px,
   const double half = knot_spacing_px / 2.0;
   for (size_t cell = 0; cell < is_trusted.size(); ++cell) {
     const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));
-    // Between its corners, deviations are about bilinear.
+    // Within a cell, deviations are nearly bilinear.
     for (const double dy : {-half, half})
       for (const double dx : {-half, half}) {
         const Eigen::Vector2d corner(
@@ -133,8 +133,8 @@ bool CameraUncertainty::HasDeviations() const {
 
 double CameraUncertainty::ValidFraction(const ImageSize& size,
                                         const Area& area) const {
-  // Cells are rectangles, as is the area: rows and columns are counted, not
-  // pixels, of which an image may have hundreds of millions.
+  // Cells and the area are rectangles, so rows and columns are counted instead
+  // of pixels, of which an image may have hundreds of millions.
   std::vector<int64_t> in_column(mask.columns), in_row(mask.rows);
   for (int x = 0; x < size.width; ++x)
     in_column[mask.CellIndex({x, 0}) % mask.columns] +=

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// Another camera's lines, seen in some other way, for measuring and fitting.
-/// It has no parameters of its own.
+/// Base of cameras that transform another camera's observation lines or pixels,
+/// for measurements and fits. A wrapper has no parameters.
 class CameraWrapper : public CameraModel {
  public:
   std::string Name() const override { return camera_->Name(); }
@@ -26,7 +26,7 @@ class CameraWrapper : public CameraModel {
 
   const CameraModel& camera() const { return *camera_; }
 
-  /// Takes the other camera's parameters out of its linearized projection.
+  /// Removes the wrapped camera's parameters from its linearized projection.
   static void ForgetParameters(LinearizedProjection* projection) {
     projection->num_nodes = 0;
     projection->num_global = 0;

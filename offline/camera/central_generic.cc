@@ -9,8 +9,8 @@
 namespace raygrid {
 namespace {
 
-// The control point nearest to the target, as a start where Newton's method
-// from the centre went astray.
+// Returns the control point nearest to the target: an initial value if Newton's
+// method diverges from the centre.
 Eigen::Vector2d NearestControlPoint(const BSplineSurface& surface,
                                     const Eigen::Vector2d& target) {
   const auto& points = surface.points();

@@ -9,7 +9,7 @@ namespace raygrid {
 /// The paper's central generic model: a grid of control points over the
 /// calibrated area, interpolated by a cubic B-spline surface (section "Camera
 /// Model"). The control points are stereographic coordinates of directions
-/// instead of unit vectors; offline/camera/DESIGN.md says why.
+/// instead of unit vectors (reasons: offline/camera/DESIGN.md).
 class CentralGeneric : public CameraModel {
  public:
   /// The surface's area is the calibrated area.
@@ -21,8 +21,8 @@ class CentralGeneric : public CameraModel {
   }
   std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const override;
-  /// A grid that folds over shows some directions twice: pixels of folds are
-  /// never returned.
+  /// Never returns a pixel in a fold, where a grid has directions of other
+  /// pixels again.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
@@ -35,7 +35,7 @@ class CentralGeneric : public CameraModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// Coordinates of the control points: a, b of each, row by row.
+  /// Coordinates (a, b) of each control point, row by row.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
@@ -49,11 +49,11 @@ class CentralGeneric : public CameraModel {
   UnfoldedSide side_;
 };
 
-/// The directions of a generic model alone, which are right for far scenes.
+/// Returns the central camera with a model's directions, valid for far scenes.
 CentralGeneric CentralPart(const CameraModel& generic);
 
-/// The grid model closest to another model: directions at samples_per_cell^2
-/// pixels of each cell, fitted in the chart by least squares.
+/// Fits a grid to another model: least squares in the chart on the directions
+/// of samples_per_cell^2 pixels per cell.
 CentralGeneric FitCentralGeneric(const CameraModel& model, const Area& area,
                                  int columns, int rows,
                                  int samples_per_cell = 4);

@@ -15,10 +15,10 @@ namespace raygrid {
 /// h = max_angle / (n - 1), so that the last cell ends at max_angle. The
 /// control points s_1 .. s_n are parameters. g is even, s_-1 = s_1, and g(0) =
 /// 1, s_0 = -s_1 / 2: fx and fy are the focal lengths in the centre. Valid up
-/// to max_angle or the first angle at which theta g stops to grow.
+/// to max_angle or the first angle at which theta g stops increasing.
 class CentralRadial : public ParametricModel {
  public:
-  /// The other parameters, which follow the spline's control points.
+  /// The parameters that follow the spline's control points.
   enum { kFx, kFy, kCx, kCy, kP1, kP2, kSx1, kSy1, kNumOthers };
   using OtherParameters = std::array<double, kNumOthers>;
 
@@ -41,10 +41,10 @@ class CentralRadial : public ParametricModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// The spline's control points, then the others.
+  /// Spline control points, followed by the remaining parameters.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
-  /// The names of the parameters that are no control points.
+  /// Names of the parameters after the control points.
   const std::vector<std::string>& ParameterNames() const override;
   std::vector<int> DistortionOrders() const override {
     return {0, 0, 0, 0, -2, -2, -2, -2};
@@ -58,7 +58,7 @@ class CentralRadial : public ParametricModel {
   double max_angle_rad() const { return max_angle_rad_; }
   const std::vector<double>& spline() const { return spline_; }
   const OtherParameters& others() const { return others_; }
-  /// The angle between control points.
+  /// Angle between adjacent control points.
   double cell_rad() const {
     return max_angle_rad_ / (static_cast<double>(spline_.size()) - 1);
   }

@@ -8,8 +8,8 @@ namespace raygrid {
 
 namespace {
 
-// How far units of the parameters whose orders have this sign move the farthest
-// corner.
+// Displacement of the farthest corner per unit of each parameter whose order
+// has this sign.
 Eigen::VectorXd CornerPixels(const ParametricModel& lens, const Area& area,
                              int sign) {
   const int first = FirstCommonParameter(lens);

@@ -5,29 +5,29 @@
 
 namespace raygrid {
 
-/// A tilted lens: the tangential terms p1, p2 and the thin-prism terms sx1,
-/// sy1, together with the centre, undo nearly all of a rotation of the camera.
-/// A 62 degree pinhole turned by 5 degrees is off by 0.27 px (RMS) after them,
-/// which is less than local distortion leaves of many lenses; least squares
-/// alone would turn the lens by tens of degrees to follow a bump. So, on the
-/// average over all places, a term that moves the farthest corner by one pixel
-/// counts as much as this part of the error that the lens leaves. A lens that
-/// is tilted indeed, and leaves next to nothing, is found as it is.
+/// Regularization of lens tilt: the tangential terms p1, p2 and the thin-prism
+/// terms sx1, sy1, with the principal point, compensate nearly all of a
+/// rotation of the camera. For a 62 degree pinhole rotated by 5 degrees, 0.27
+/// px (RMS) remain, less than the local distortion of many lenses; least
+/// squares alone would tilt the lens by tens of degrees to fit a local bump. So
+/// a term that moves the farthest corner by one pixel has the same cost as this
+/// fraction of the RMS fit error, averaged over the area. A lens that is really
+/// tilted, with a tiny fit error, is fitted without bias.
 constexpr double kDecentringPart = 0.03;
 
-/// How far a unit of each parameter that tilts the lens moves the farthest
-/// corner of an area, in pixels; zero for all other parameters.
+/// Displacement of the area's farthest corner per unit of each tilt or
+/// tangential parameter, in pixels; zero for all other parameters.
 Eigen::VectorXd DecentringPixels(const ParametricModel& lens, const Area& area);
 
-/// How far a unit of each parameter that bends the lens moves the farthest
-/// corner of an area, in pixels; zero for all other parameters, and for those
-/// of a spline.
+/// Displacement of the area's farthest corner per unit of each radial
+/// distortion parameter, in pixels; zero for all other parameters, including
+/// spline control points.
 Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area);
 
-/// The farthest corner's distance from the lens's centre, in focal lengths.
+/// Returns the farthest corner's distance from (cx, cy) in focal lengths.
 double CornerRadius(const ParametricModel& lens, const Area& area);
 
-/// The index of fx among the parameters, which cx, cy are 2 and 3 behind.
+/// Returns the index of fx; fy, cx, cy follow.
 int FirstCommonParameter(const ParametricModel& lens);
 
 }  // namespace raygrid

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// The double sphere model (V. Usenko, N. Demmel, D. Cremers, 3DV 2018), as
-/// Kalibr and basalt have it:
+/// The double sphere model (V. Usenko, N. Demmel, D. Cremers, 3DV 2018), as in
+/// Kalibr and basalt:
 ///   d1 = |point|,  z' = xi d1 + point.z,  d2 = |(point.x, point.y, z')|
 ///   (x, y) = point.xy / (alpha d2 + (1 - alpha) z')
 ///   pixel = (fx x + cx, fy y + cy)

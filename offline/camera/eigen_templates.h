@@ -1,8 +1,8 @@
-/// Templates of Eigen that several stages use, each seconds of a compiler's
-/// time. They are compiled once, in eigen_templates.cc, which includes this
-/// file with RAYGRID_TEMPLATE defined: that is why it has no guard. All others
-/// get it with the precompiled headers. A template that is not listed works,
-/// too.
+/// Explicit instantiations of Eigen templates that several stages use, each of
+/// which takes seconds to compile. They are compiled once, in
+/// eigen_templates.cc, which includes this file with RAYGRID_TEMPLATE defined;
+/// hence there is no include guard. All other files get it with the precompiled
+/// headers. Templates that are not listed are instantiated implicitly.
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -13,7 +13,7 @@
 
 #include "camera/matrix_product.h"
 
-// Other versions may have other internals; there each source compiles its own.
+// Other versions may differ internally; then each source instantiates its own.
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 1)
 
 #ifndef RAYGRID_TEMPLATE
@@ -40,7 +40,7 @@ RAYGRID_TEMPLATE void LDLT<Matrix<double, 6, 6>>::_solve_impl_transposed<true>(
     const Matrix<double, 6, 1>&, Matrix<double, 6, 1>&) const;
 RAYGRID_TEMPLATE JacobiSVD<Matrix3d>& JacobiSVD<Matrix3d>::compute(
     const Matrix3d&, unsigned int);
-// Quaterniond::FromTwoVectors() wants it for opposite ones.
+// Used by Quaterniond::FromTwoVectors() for opposite vectors.
 RAYGRID_TEMPLATE JacobiSVD<Matrix<double, 2, 3>>&
 JacobiSVD<Matrix<double, 2, 3>>::compute(const Matrix<double, 2, 3>&,
                                          unsigned int);
@@ -51,7 +51,7 @@ RAYGRID_TEMPLATE Matrix4d umeyama(const MatrixBase<Matrix3Xd>&,
 
 namespace internal {
 
-// SelfAdjointEigenSolver, of 2 x 2, 9 x 9 and any size.
+// SelfAdjointEigenSolver of 2 x 2, 9 x 9 and dynamic size.
 RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix2d&, Vector2d&,
                                                  Matrix<double, 1, 1>&,
                                                  Matrix<double, 1, 1>&, bool);
@@ -124,7 +124,7 @@ RAYGRID_TEMPLATE struct triangular_solve_matrix<
 RAYGRID_TEMPLATE struct triangular_solve_matrix<
     double, Index, OnTheLeft, Upper | UnitDiag, false, RowMajor, ColMajor, 1>;
 
-// Householder's reflections multiply their triangular factors by these.
+// Products by the triangular factors of Householder reflections.
 RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<
     double, Index, Lower, true, ColMajor, false, ColMajor, false, ColMajor, 1>;
 RAYGRID_TEMPLATE struct product_triangular_matrix_matrix<

@@ -1,6 +1,6 @@
 /// The base of the fisheye models: equidistant coordinates of a point,
 ///   (u, v) = theta (x, y) / rho,  rho = |(x, y)|,  theta = atan2(rho, z),
-/// which are smooth up to straight backwards, and a distortion of them:
+/// which are smooth except straight backwards, and a distortion of them:
 ///   u' = u g(theta) + 2 p1 u v + p2 (theta^2 + 2 u^2) + sx1 theta^2
 ///   v' = v g(theta) + p1 (theta^2 + 2 v^2) + 2 p2 u v + sy1 theta^2
 ///   pixel = (fx u' + cx, fy v' + cy)
@@ -16,7 +16,7 @@
 
 namespace raygrid {
 
-/// Models end here: around straight backwards (u, v) is not unique.
+/// Angle at which models end: (u, v) is not unique near straight backwards.
 constexpr double kMaxTheta = 3.1;
 
 template <typename T>
@@ -35,7 +35,7 @@ Eigen::Matrix<T, 2, 1> ToEquidistant(const Eigen::Matrix<T, 3, 1>& point) {
   return {scale * point.x(), scale * point.y()};
 }
 
-/// Unit direction of equidistant coordinates.
+/// Returns the unit direction of equidistant coordinates.
 inline Eigen::Vector3d FromEquidistant(const Eigen::Vector2d& uv) {
   const double theta = uv.norm();
   const double scale = theta > 1e-9 ? std::sin(theta) / theta : 1;
@@ -43,8 +43,8 @@ inline Eigen::Vector3d FromEquidistant(const Eigen::Vector2d& uv) {
       .normalized();
 }
 
-/// A direction of equidistant coordinates, also in jets: (u, v) and z so that
-/// atan2 of their lengths is theta.
+/// Returns a direction with the given equidistant coordinates, also for jets:
+/// x, y = (u, v), and z such that theta = atan2(|(u, v)|, z).
 template <typename T>
 Eigen::Matrix<T, 3, 1> DirectionAt(const Eigen::Matrix<T, 2, 1>& uv) {
   using std::cos;
@@ -65,7 +65,7 @@ template <typename T>
 struct PlanarDistortion {
   T fx, fy, cx, cy, p1, p2, sx1, sy1;
 
-  /// Pixel of (u, v), where the radial factor is g.
+  /// Returns the pixel of (u, v) for a radial factor g.
   Eigen::Matrix<T, 2, 1> ToPixel(const Eigen::Matrix<T, 2, 1>& uv,
                                  const T& g) const {
     const T &u = uv.x(), &v = uv.y();
@@ -78,7 +78,7 @@ struct PlanarDistortion {
   }
 };
 
-/// The angle, at most limit, up to which theta g(theta) grows.
+/// Returns the angle, at most `limit`, up to which theta g(theta) increases.
 template <typename RadialFactor>
 double FindMaxTheta(const RadialFactor& g, double limit) {
   constexpr double kStep = 0.005;
@@ -93,8 +93,8 @@ double FindMaxTheta(const RadialFactor& g, double limit) {
   return limit;
 }
 
-/// The (u, v), of a length up to max_theta, that a pixel is seen at, by
-/// Newton's method from start. distort maps (u, v) to pixels, in jets.
+/// Finds the (u, v), of at most length max_theta, of a pixel by Newton's method
+/// from `start`. `distort` maps (u, v) to pixels, in jets.
 template <typename Distort>
 std::optional<Eigen::Vector2d> InvertDistortion(const Distort& distort,
                                                 const Eigen::Vector2d& pixel,

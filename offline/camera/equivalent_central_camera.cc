@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-// How far along a line its point of the surface lies: of a sphere the far one.
+// Distance along a line to the surface; for a sphere, to the far intersection.
 std::optional<double> SliceAlong(const ObservationLine& line,
                                  const SceneSurface& scene) {
   if (scene.normal) {
@@ -54,7 +54,7 @@ bool EquivalentCentralCamera::Linearize(
   if (!reach ||
       !camera().Linearize(*reach * direction, start, margin_px, projection))
     return false;
-  // The surface's point moves as the direction does, less what leads off it.
+  // The surface point follows the direction and stays on the surface.
   const Eigen::Vector3d unit = direction.normalized();
   const Eigen::RowVector3d off =
       scene_.normal ? Eigen::RowVector3d(scene_.normal->transpose() /

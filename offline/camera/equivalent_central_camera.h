@@ -9,16 +9,16 @@
 
 namespace raygrid {
 
-/// The surface that a scene lies on, in camera axes and metres: a sphere around
-/// the origin, or the points p of a plane, normal · p = distance.
+/// The surface of a scene, in camera axes and metres: a sphere around the
+/// origin, or a plane of points p with normal · p = distance.
 struct SceneSurface {
   double distance_m = 0;
-  std::optional<Eigen::Vector3d> normal;  ///< unit; nothing: a sphere
+  std::optional<Eigen::Vector3d> normal;  ///< unit; nullopt: a sphere
 };
 
-/// The central camera at the origin that shows what a camera of lines shows of
-/// a scene on a surface: a pixel looks at the point there that its line passes
-/// through.
+/// The central camera at the origin that is equivalent to a non-central camera
+/// for a scene on a surface: the direction of a pixel points to the
+/// intersection of its observation line with the surface.
 class EquivalentCentralCamera : public CameraWrapper {
  public:
   EquivalentCentralCamera(const CameraModel& lines, const SceneSurface& scene)
@@ -31,7 +31,7 @@ class EquivalentCentralCamera : public CameraWrapper {
     return std::make_unique<EquivalentCentralCamera>(camera(), scene_);
   }
   bool IsCentral() const override { return true; }
-  /// Nothing, too, for a line that does not meet the surface.
+  /// Returns nullopt also if the line does not intersect the surface.
   std::optional<Eigen::Vector3d> Unproject(
       const Eigen::Vector2d& pixel) const override;
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& direction,
@@ -43,7 +43,7 @@ class EquivalentCentralCamera : public CameraWrapper {
                  LinearizedProjection* projection) const override;
 
  private:
-  // The direction times this is a point of the surface.
+  // Factor by which the direction reaches the surface; nullopt if never.
   std::optional<double> Reach(const Eigen::Vector3d& direction) const;
 
   SceneSurface scene_;

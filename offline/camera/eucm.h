@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The enhanced unified camera model (B. Khomutenko, G. Garcia, P. Martinet,
-/// RA-L 2016), as Kalibr, basalt and COLMAP have it:
+/// RA-L 2016), as in Kalibr, basalt and COLMAP:
 ///   d = sqrt(beta (point.x^2 + point.y^2) + point.z^2)
 ///   (x, y) = point.xy / (alpha d + (1 - alpha) point.z)
 ///   pixel = (fx x + cx, fy y + cy)

@@ -1,16 +1,15 @@
-/// Lenses of a closed formula, one file each. A Formula has
+/// Parametric models with a closed formula, one file each. A Formula has
 ///   kName, kCount;
-///   Names(): fx, fy, cx, cy, then the others, as in camera.yaml;
-///   Pixel(point, parameters): where a point that is in front of the lens is
-///     seen, for numbers and jets alike;
-///   Radius(theta, parameters): how far from the centre, in focal lengths, what
-///     is seen at this angle from the axis lands, without the terms that tilt
-///     the lens; not a number where the formula has nothing;
-///   kReachRad: the angle that the formula never goes beyond;
+///   Names(): fx, fy, cx, cy, then the other parameters, as in camera.yaml;
+///   Pixel(point, parameters): projection of a point in front of the lens,
+///     for numbers and jets;
+///   Radius(theta, parameters): distance from the principal point, in focal
+///     lengths, of a direction at this angle from the axis, without tilt and
+///     tangential terms; NaN where the formula is undefined;
+///   kReachRad: maximum angle of the formula;
 ///   DistortionOrders(): ParametricModel's;
-///   InitialValues(f, cx, cy): parameters of lenses with f pixels a radian in
-///   the
-///     centre, which fits start from.
+///   InitialValues(f, cx, cy): initial parameters of fits, for a focal
+///     length of f pixels per radian in the centre.
 #ifndef RAYGRID_CAMERA_FORMULA_LENS_H
 #define RAYGRID_CAMERA_FORMULA_LENS_H
 
@@ -23,7 +22,7 @@
 
 namespace raygrid {
 
-/// Valid up to the first angle at which the radius stops to grow.
+/// Valid up to the first angle at which the radius stops increasing.
 template <typename Formula>
 class FormulaLens : public ParametricModel {
  public:
@@ -115,14 +114,14 @@ class FormulaLens : public ParametricModel {
           return Formula::Radius(theta, parameters_.data()) / theta;
         },
         Formula::kReachRad);
-    // The lattice of angles at which a pixel's search may start.
+    // Lattice of angles for initial values of the pixel search.
     for (int k = 0; k <= kStarts; ++k)
       start_radius_[k] =
           Formula::Radius(reach_ * k / kStarts, parameters_.data());
   }
 
-  // The equidistant coordinates at about which a pixel is seen, without what
-  // tilts the lens.
+  // Returns approximate equidistant coordinates of a pixel, without tilt and
+  // tangential terms.
   Eigen::Vector2d GetInitialParameters(const Eigen::Vector2d& pixel) const {
     const Eigen::Vector2d at((pixel.x() - parameters_[2]) / parameters_[0],
                              (pixel.y() - parameters_[3]) / parameters_[1]);

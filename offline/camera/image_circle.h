@@ -6,9 +6,9 @@
 
 namespace raygrid {
 
-/// The part of an image that the lens throws light on. Fisheyes leave the
-/// image's corners dark, or all around the circle. In frames of a sensor mode
-/// that scales rows and columns differently it is an ellipse.
+/// The part of an image that receives light. With a fisheye, the corners or the
+/// whole surroundings of the circle are dark. In frames of a sensor mode that
+/// scales rows and columns differently it is an ellipse.
 struct ImageCircle {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   Eigen::Vector2d radii_px = Eigen::Vector2d::Zero();
@@ -16,7 +16,7 @@ struct ImageCircle {
   bool Contains(const Eigen::Vector2d& pixel) const {
     return (pixel - center).cwiseQuotient(radii_px).squaredNorm() <= 1;
   }
-  /// The edge's pixel at an angle from the x axis towards the y axis.
+  /// Returns the edge's pixel at an angle from the x axis towards the y axis.
   Eigen::Vector2d At(double angle_rad) const {
     return center + radii_px.cwiseProduct(Eigen::Vector2d(std::cos(angle_rad),
                                                           std::sin(angle_rad)));

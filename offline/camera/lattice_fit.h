@@ -10,22 +10,22 @@
 
 namespace raygrid {
 
-/// Fits surfaces to values at pixels all over the area, by least squares: one
-/// axis after the other, since the pixels are a lattice.
+/// Fits surfaces to values on a lattice of pixels over the area by least
+/// squares, separately along each axis.
 class LatticeFit {
  public:
   explicit LatticeFit(const BSplineSurface& surface);
 
   const std::vector<Eigen::Vector2d>& pixels() const { return pixels_; }
 
-  /// The control points' values, row by row, from those at the pixels.
+  /// Computes the control points' values, row by row, from the pixels' values.
   Eigen::VectorXd Of(const Eigen::VectorXd& values) const;
 
  private:
   static constexpr int kPerCell = 3;  // enough for a single cell
 
   std::vector<Eigen::Vector2d> pixels_;
-  Eigen::SparseMatrix<double> x_, y_;  // a column each pixel along the axis
+  Eigen::SparseMatrix<double> x_, y_;  // one column per pixel along the axis
   Eigen::LLT<Eigen::MatrixXd> x_normal_, y_normal_;
 };
 

@@ -9,12 +9,12 @@
 
 namespace raygrid {
 
-/// A value of each pixel of a list; nothing of what is not seen.
+/// A value for each pixel of a list; nullopt if undefined.
 using PixelField = std::vector<std::optional<Eigen::Vector2d>>;
 
-/// How far a unit's pixels look beside a reference's, in the reference's pixels
-/// and without what a turn of the camera does. Nothing of what lies more than
-/// kDisplacementMarginPx beyond the reference's area.
+/// Computes how a unit's pixels are displaced in a reference camera, after the
+/// best rotation, in the reference's pixels. nullopt for pixels without a
+/// direction or more than kDisplacementMarginPx outside the reference's area.
 PixelField ComputeDisplacements(const CameraModel& reference,
                                 const CameraModel& unit,
                                 const std::vector<Eigen::Vector2d>& pixels);

@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// What a parametric model is used for; each also for what precedes it.
+/// Uses of a parametric model; each includes the preceding uses.
 enum class ModelUse {
   kFit,        ///< fits to other cameras, and files of other programs
   kCalibrate,  ///< calibrate --model
@@ -18,32 +18,32 @@ enum class ModelUse {
   kAuto        ///< calibrate --model auto
 };
 
-/// A parametric model whose parameters are all named numbers. central-radial,
-/// which also has a spline, has a name and a use alone.
+/// A parametric model without a spline. central-radial, which has one, has only
+/// a name and a use.
 struct LensModel {
   std::string name;  ///< "opencv"
   ModelUse use = ModelUse::kFit;
   std::vector<std::string> parameters;  ///< ParametricModel::ParameterNames()
-  /// A lens of so many parameters.
+  /// Creates a model with the given parameters.
   std::unique_ptr<ParametricModel> (*make)(
       const ImageSize& image_size, const Area& area,
       const Eigen::VectorXd& parameters) = nullptr;
-  /// Parameters that a fit starts from, for lenses of f pixels a radian in the
-  /// centre; the first bend as little as they can.
+  /// Initial parameters of fits, for a focal length of f pixels per radian in
+  /// the centre; the first have minimal distortion.
   std::vector<Eigen::VectorXd> (*starts)(double f, double cx,
                                          double cy) = nullptr;
 };
 
-/// Every parametric model of few parameters.
+/// Returns all parametric models, including central-radial.
 const std::vector<LensModel>& LensModels();
 
-/// The names of those that are used so, and other names behind them.
+/// Names of the models with this use, followed by `others`.
 std::vector<std::string> LensNames(ModelUse use,
                                    const std::vector<std::string>& others = {});
-/// "a, b or c".
+/// Formats a list: "a, b or c".
 std::string OrList(const std::vector<std::string>& names);
 
-/// Null if there is none of this name.
+/// Returns null if there is no parametric model with this name.
 const LensModel* FindLensModel(const std::string& name);
 inline bool IsParametricModel(const std::string& name) {
   return FindLensModel(name) != nullptr;

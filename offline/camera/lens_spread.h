@@ -9,18 +9,18 @@
 
 namespace raygrid {
 
-/// How units of a fleet differ from its middle camera: what a pixel of a unit
-/// sees, the middle camera sees beside it, but for a turn, by about a sum of
-/// these displacements, each times a standard normal number of the unit's own.
-/// On a lattice from corner to corner of the camera's area, row by row, smooth
-/// between.
+/// Variation of a fleet's units around its population mean: up to a rotation, a
+/// unit's rays are displaced in the mean camera's image by a sum of these
+/// displacement fields, each multiplied by an independent standard normal
+/// variable. On a lattice from corner to corner of the camera's area, row by
+/// row, with smooth interpolation.
 struct LensSpread {
-  int columns = 0, rows = 0;  ///< 4 or more
+  int columns = 0, rows = 0;  ///< at least 4
   std::vector<std::vector<Eigen::Vector2d>> displacements_px;
 
-  /// The lattice's places, row by row.
+  /// Returns the lattice's pixels, row by row.
   std::vector<Eigen::Vector2d> Places(const Area& area) const;
-  /// Each displacement as a surface over the area, in pixels.
+  /// Returns each displacement field as a surface over the area, in pixels.
   std::vector<BSplineSurface> Surfaces(const Area& area) const;
 };
 

@@ -10,15 +10,15 @@ namespace {
 
 constexpr Index kPacked = 4;  // rows of a, and columns of b
 
-// Eigen's own kernel, under another name.
+// Eigen's own kernel under another name.
 struct EigensMapper : ProductMapper {
   explicit EigensMapper(const ProductMapper& mapper) : ProductMapper(mapper) {}
 };
 using EigensKernel =
     gebp_kernel<double, double, Index, EigensMapper, 4, 4, false, false>;
 
-// Adds alpha times the product of kPanels panels of a's rows with kCols columns
-// of b to c. Sanitizers would take most of the time: they watch the callers.
+// Adds alpha times the product of kPanels panels of a's rows and kCols columns
+// of b to c. Not sanitized, which would be slow: the callers are.
 template <int kPanels, int kCols>
 __attribute__((target("avx"), no_sanitize("address", "undefined"))) void
 AddProduct(const double* a, Index panel_stride, const double* b, Index depth,

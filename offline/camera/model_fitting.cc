@@ -21,13 +21,13 @@ struct Sample {
   Eigen::Vector3d ray;
   bool is_trusted = true;
 
-  // A camera that is not trusted is followed where nothing else says what the
-  // lens does.
+  // Weight of invalid pixels, so that they matter only where no valid pixel
+  // determines the model.
   double Weight() const { return is_trusted ? 1 : 1e-3; }
 };
 
-// Rays of a lattice of pixels, so many across and down, of trusted ones alone
-// or of all.
+// Rays of a lattice of pixels with the given columns and rows; of valid pixels
+// only, or of all pixels.
 void AddRays(const CameraModel& camera, const Area& area, int across,
              const ValidityMask* trusted, bool only_trusted,
              std::vector<Sample>* samples) {
@@ -60,9 +60,8 @@ std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
   return samples;
 }
 
-// The rotation after which the middle of the area looks straight ahead and its
-// row of pixels along x: a start that does not depend on the camera's own
-// frame.
+// Returns the rotation after which the area's centre is on the z axis and its
+// pixel row is along x: an initial value independent of the camera's frame.
 Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
                                    const Area& area) {
   constexpr double kStepPart = 0.05;
@@ -79,8 +78,8 @@ Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
   return Eigen::Quaterniond(level_from_camera);
 }
 
-// The pixel at which the turned camera looks straight ahead, and its focal
-// length there; from the samples' spread if it does not look straight ahead.
+// Returns the principal point of the rotated camera and its focal length there;
+// from the spread of the samples if it has no ray along z.
 struct Center {
   Eigen::Vector2d pixel;
   double focal_px;
@@ -129,8 +128,8 @@ std::vector<std::unique_ptr<ParametricModel>> InitialValues(
   return starts;
 }
 
-// The target that a lens is fitted to, and the cost of its distortion: the sum
-// of the squared departures of parameters from the start, with these weights.
+// The target of a fit, and the cost of distortion: the weighted sum of squared
+// deviations of the parameters from their initial values.
 struct Target {
   std::vector<Sample> samples;
   Eigen::VectorXd start;
@@ -144,14 +143,14 @@ double DistortionCost(const CameraModel& model, const Target& target) {
       .dot(target.distortion_weights);
 }
 
-// The least-squares problem; the rotation's update comes last.
+// The least-squares problem; the rotation's update is last.
 struct Equations {
   double cost = 0;
   Eigen::MatrixXd normal;
   Eigen::VectorXd gradient;
 };
 
-// How far each sample is projected from its pixel, but for those that are lost.
+// Projection errors of all samples, except for samples without a projection.
 std::vector<double> ErrorsPx(const CameraModel& model,
                              const Eigen::Quaterniond& rotation,
                              const Target& target) {
@@ -175,7 +174,7 @@ double CostOf(const CameraModel& model, const Eigen::Quaterniond& rotation,
   return cost;
 }
 
-// Adds equations that keep parameters of no effect, such as a spline's beyond
+// Adds equations that keep parameters without effect, such as a spline's beyond
 // the samples, smooth and small.
 void AddRidge(const ParametricModel& model, Equations* equations) {
   constexpr double kWeightPx = 1e-3;
@@ -245,7 +244,7 @@ Equations Linearize(const ParametricModel& model,
   return equations;
 }
 
-// The parameters of a lens that are fitted.
+// The free parameters of a fit.
 struct Freedom {
   std::vector<Eigen::Index> parameters;  // and the rotation behind them
   bool ties_focal_lengths = false;       // fy is fx, and not among them
@@ -271,7 +270,7 @@ Freedom FreedomOf(const ParametricModel& model, const FitOptions& options) {
   return freedom;
 }
 
-// The step of parameters and rotation, of those that are free.
+// Step of the free parameters and the rotation.
 Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
                      const Equations& equations, double lambda) {
   const std::vector<Eigen::Index>& free = freedom.parameters;
@@ -292,7 +291,7 @@ Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
   return step;
 }
 
-// Levenberg-Marquardt, until a step lowers the cost by less than this part.
+// Levenberg-Marquardt until a step reduces the cost by less than this fraction.
 // Returns the cost.
 double Refine(const Target& target, const Freedom& freedom,
               double converged_part, FittedModel* fit) {
@@ -325,8 +324,8 @@ double Refine(const Target& target, const Freedom& freedom,
   return cost;
 }
 
-// The errors of the trusted samples that are fitted best, which are this part
-// of all, from the smallest on.
+// Returns the errors of the given fraction of valid samples that are fitted
+// best, in ascending order.
 std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
                                    double part) {
   const std::vector<double> all =
@@ -349,8 +348,8 @@ double RmsPx(const FittedModel& fit, const Target& target) {
                         : std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
-// How firmly parameters are held to the start against errors of so many pixels,
-// those that bend the lens and those that tilt it.
+// Weights of parameter deviations: a corner displacement of 1 px costs as much
+// as errors of bend_px (radial terms) or tilt_px (tilt terms) at all samples.
 Eigen::VectorXd DistortionWeights(const ParametricModel& start,
                                   const Area& area, double num_samples,
                                   double bend_px, double tilt_px) {
@@ -359,12 +358,12 @@ Eigen::VectorXd DistortionWeights(const ParametricModel& start,
   return num_samples * parts.cwiseAbs2();
 }
 
-// Against a rotation that is free, the lens's tilt is held, at first as a lens
-// with bumps needs it, then as firmly as what it leaves asks for. What is far
-// off the rest then has no say: a grid's corners that nothing was seen in. What
-// bends the lens is free at first, as far as from its start to its place it
-// may be, and then held a little: the coefficients of a numerator and of a
-// denominator can undo each other. Returns the cost, without the distortion's.
+// With a free rotation, tilt parameters are regularized, first for a lens with
+// local distortion, then according to the remaining error. Outliers, such as
+// corners of a grid without observations, then have no weight. Radial
+// parameters are free at first, until they are near the solution, and then
+// weakly regularized: coefficients of a numerator and a denominator can
+// compensate each other. Returns the cost, without the distortion's.
 double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
                       FittedModel* fit) {
   constexpr int kRounds = 4;
@@ -399,7 +398,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
              : CostOf(*fit->model, fit->model_from_camera, *target);
 }
 
-// Whether the parameters that are held are those that the lens lacks.
+// Whether the parameters to be held are 0 in a model.
 bool IsWithout(const ParametricModel& lens,
                const std::vector<std::string>& held) {
   const std::vector<std::string>& names = lens.ParameterNames();
@@ -411,8 +410,8 @@ bool IsWithout(const ParametricModel& lens,
   return true;
 }
 
-// Starts without the parameters that are held at 0: those that are so, or all
-// with zeros there if none is.
+// Returns the initial values in which the held parameters are 0, or all initial
+// values with these parameters set to 0 if there are none.
 std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
     std::vector<std::unique_ptr<ParametricModel>> starts,
     const std::vector<std::string>& held) {

@@ -12,38 +12,38 @@
 namespace raygrid {
 
 struct FittedModel {
-  /// The fitted model, over the area of the camera that it was fitted to.
+  /// The fitted model, over the area of the original camera.
   std::unique_ptr<ParametricModel> model;
   Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
-  /// Error that is left, over this part of the lattice, which is fitted best.
+  /// RMS error over this fraction of the lattice, the pixels with least error.
   double rms_px = 0;
   static constexpr double kCountedPart = 0.9;
 };
 
-/// Choices of a fit.
+/// Options of a fit.
 struct FitOptions {
-  /// The model may look elsewhere, as no calibration can tell; the result then
-  /// does not depend on the camera's own frame.
+  /// Estimates the model's rotation, too, which no calibration can determine;
+  /// the result then does not depend on the camera's frame.
   bool free_rotation = false;
-  std::vector<std::string> held = {};     ///< parameters that stay 0
+  std::vector<std::string> held = {};     ///< parameters fixed to 0
   bool ties_focal_lengths = false;        ///< fx = fy
-  int num_knots = 24;                     ///< of a central-radial lens's spline
-  const ValidityMask* trusted = nullptr;  ///< what counts; null: all
+  int num_knots = 24;                     ///< control points of central-radial
+  const ValidityMask* trusted = nullptr;  ///< valid region; null: all
 };
 
-/// The parametric model closest to a camera over an area: least squares on how
-/// far it projects directions from their pixels, over a lattice of those that
-/// the camera knows directions of, and on the lens's distortion: on its tilt
-/// (camera/decentring.h), and a little on all of it, so that coefficients that
-/// undo each other stay small. Directions that the model cannot have, as
-/// OpenCV's behind the camera, have no say. A camera of lines is fitted by
-/// their directions.
+/// Fits a parametric model to a camera over an area: least squares of projected
+/// directions, over a lattice of pixels with directions. Tilt and tangential
+/// terms are regularized (camera/decentring.h), as are, weakly, all distortion
+/// terms, so that coefficients that compensate each other stay small.
+/// Directions that the model cannot represent, such as directions behind an
+/// opencv camera, are ignored. Non-central cameras are fitted by their
+/// directions.
 FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                const FitOptions& options);
 
-/// FitParametricModel(), with a rotation only where more than 0.005 px are left
-/// without one, and at least 2 % less with it.
+/// FitParametricModel(), with a rotation only if the error exceeds 0.005 px
+/// without it and is at least 2 % smaller with it.
 FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
                             const Area& area, FitOptions options = {});
 

@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CAMERA_MODEL_NAMES_H
 #define RAYGRID_CAMERA_MODEL_NAMES_H
 
-/// Names of the camera models that code refers to, as in camera.yaml.
+/// Names of camera models used in the code, as in camera.yaml.
 namespace raygrid::models {
 
 constexpr char kCentralGeneric[] = "central-generic";

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// The rotation that brings the directions of a camera's pixels nearest to
-/// those of another one (Wahba 1965), over a lattice in an area.
+/// Computes the rotation target_from_camera that best aligns the directions of
+/// two cameras' pixels (Wahba 1965), over a lattice in an area.
 Eigen::Quaterniond ComputeNearestRotation(const CameraModel& target,
                                           const CameraModel& camera,
                                           const Area& area);

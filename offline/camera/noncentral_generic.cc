@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-// A pixel's line, and how it changes from pixel to pixel.
+// A pixel's line and its derivatives with respect to the pixel.
 struct NonCentralGeneric::LineDerivatives {
   Eigen::Vector2d chart;
   Eigen::Matrix2d chart_by_pixel;
@@ -64,8 +64,8 @@ std::optional<ObservationLine> NonCentralGeneric::Line(
   return ObservationLine{line.origin, FromChart(line.chart)};
 }
 
-// The pixel of the nearest control point: a start where Newton's method from
-// the centre went astray.
+// Returns the pixel of the nearest control point: an initial value if Newton's
+// method diverges from the centre.
 Eigen::Vector2d NonCentralGeneric::NearestControlPoint(
     const Eigen::Vector3d& point) const {
   double smallest = std::numeric_limits<double>::infinity();

@@ -8,18 +8,18 @@
 
 namespace raygrid {
 
-/// The paper's non-central generic model: each control point holds a direction,
+/// The paper's non-central generic model: each control point has a direction,
 /// in stereographic coordinates, and a point of the line; both are interpolated
 /// by the same cubic B-spline (section "Camera Model").
 class NonCentralGeneric : public CameraModel {
  public:
   static constexpr int kPerNode = 5;
-  static constexpr int kFirstOfPoint = 2;  ///< of a control point's parameters
+  static constexpr int kFirstOfPoint = 2;  ///< index of the point's x
 
-  /// A point for each of the directions' control points, in metres.
+  /// points: one per control point of the directions, in metres.
   NonCentralGeneric(const ImageSize& image_size, BSplineSurface directions,
                     std::vector<Eigen::Vector3d> points);
-  /// All lines through the origin.
+  /// Creates a camera with all lines through the origin.
   explicit NonCentralGeneric(const CentralGeneric& central);
 
   std::string Name() const override { return models::kNonCentralGeneric; }
@@ -31,7 +31,7 @@ class NonCentralGeneric : public CameraModel {
       const Eigen::Vector2d& pixel) const override;
   std::optional<ObservationLine> Line(
       const Eigen::Vector2d& pixel) const override;
-  /// Pixels of folds are never returned, as CentralGeneric says.
+  /// Never returns a pixel in a fold (see CentralGeneric).
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point,
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
@@ -45,7 +45,7 @@ class NonCentralGeneric : public CameraModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// The parameters of each control point, row by row: a, b, and the point.
+  /// Parameters of each control point, row by row: a, b, and the point.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
@@ -55,7 +55,7 @@ class NonCentralGeneric : public CameraModel {
       const CameraModel& other) const override;
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
 
-  /// The camera whose frame's origin is at a point of this one's.
+  /// Returns the camera in a frame with its origin at a point of this one's.
   NonCentralGeneric WithOrigin(const Eigen::Vector3d& origin) const;
 
  private:
@@ -71,8 +71,8 @@ class NonCentralGeneric : public CameraModel {
   UnfoldedSide side_;
 };
 
-/// The grid model closest to another model: its lines at samples_per_cell^2
-/// pixels of each cell, fitted by least squares, as FitCentralGeneric() does.
+/// Fits a grid to another model's lines at samples_per_cell^2 pixels per cell
+/// by least squares (see FitCentralGeneric()).
 NonCentralGeneric FitNonCentralGeneric(const CameraModel& model,
                                        const Area& area, int columns, int rows,
                                        int samples_per_cell = 4);

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// A line of sight in metres; points of it are origin + t direction, t > 0.
+/// Line of sight in metres: the points origin + t direction, t > 0.
 struct ObservationLine {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction;  ///< of unit length

@@ -12,7 +12,7 @@ namespace {
 
 using OpenCv = OpenCvModel;
 
-// The pixels of normalised coordinates; the equations of the header.
+// Pixels of normalized coordinates, by the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
   const T r2 = x * x + y * y;
@@ -29,7 +29,7 @@ Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
           p[OpenCv::kFy] * yd + p[OpenCv::kCy]};
 }
 
-// The radius up to which r g(r) grows and its denominator is positive.
+// The radius up to which r g(r) increases and its denominator is positive.
 double FindMaxRadius(const OpenCv::ParameterArray& p) {
   constexpr double kStep = 0.01, kLargest = 20;  // tan 87 degrees
   double previous = 0;
@@ -46,8 +46,8 @@ double FindMaxRadius(const OpenCv::ParameterArray& p) {
   return kLargest;
 }
 
-// Newton's method on the distortion. If it is damped, no step enlarges the
-// error.
+// Inverts the distortion by Newton's method; with damping, no step increases
+// the error.
 std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
                                              const Eigen::Vector2d& pixel,
                                              const OpenCv::ParameterArray& p,
@@ -80,7 +80,7 @@ std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
   return std::nullopt;
 }
 
-// The position at which a pixel would be without what tilts the lens.
+// The position of a pixel without tangential distortion.
 Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
                                   const OpenCv::ParameterArray& p,
                                   double max_radius) {
@@ -98,8 +98,8 @@ Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
   return radius > 0 ? Eigen::Vector2d(distorted * (low / radius)) : distorted;
 }
 
-// From the distorted position; where that goes astray, as at a narrow bump of
-// the distortion, from the undistorted one of a lens that is not tilted.
+// Starts from the distorted position; if that diverges, as at a local bump of
+// the distortion, from the undistorted position without tangential distortion.
 std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
                                          const OpenCv::ParameterArray& p,
                                          double max_radius) {

@@ -13,7 +13,7 @@ namespace raygrid {
 ///   x' = x g + 2 p1 x y + p2 (r^2 + 2 x^2)
 ///   y' = y g + p1 (r^2 + 2 y^2) + 2 p2 x y
 ///   pixel = (fx x' + cx, fy y' + cy)
-/// valid for z > 0 and radii up to the first at which r g stops to grow.
+/// valid for z > 0 and radii up to the first at which r g stops increasing.
 class OpenCvModel : public ParametricModel {
  public:
   enum { kFx, kFy, kCx, kCy, kK1, kK2, kK3, kK4, kK5, kK6, kP1, kP2, kCount };

@@ -5,14 +5,14 @@
 
 namespace raygrid {
 
-/// OpenCV's model with 14 coefficients: camera/opencv.h's, a thin prism, and a
-/// sensor that is turned about its x axis by tx, then about its y axis by ty,
-/// in radians (OpenCV's tauX and tauY):
+/// OpenCV's model with 14 coefficients: camera/opencv.h's model with a thin
+/// prism and a sensor that is rotated about its x axis by tx, then about its y
+/// axis by ty, in radians (OpenCV's tauX and tauY):
 ///   x'' = x' + s1 r^2 + s2 r^4,  y'' = y' + s3 r^2 + s4 r^4
 ///   R = Ry(ty) Rx(tx),  q = R (x'', y'', 1)
 ///   x''' = R_33 q_x / q_z - R_13,  y''' = R_33 q_y / q_z - R_23
 ///   pixel = (fx x''' + cx, fy y''' + cy)
-/// for z > 0. With tx = ty = 0 it is that with 12.
+/// for z > 0. For zero s1 to s4, tx and ty it is camera/opencv.h's model.
 struct OpenCv14Formula {
   enum {
     kFx,
@@ -51,7 +51,7 @@ struct OpenCv14Formula {
            (1.0 + r2 * (p[kK4] + r2 * (p[kK5] + r2 * p[kK6])));
   }
 
-  /// The third row and column of R matter most; all nine are short.
+  /// Rotates (x, y, 1) and projects it along the sensor's axis.
   template <typename T>
   static Eigen::Matrix<T, 2, 1> OnTiltedSensor(const T& x, const T& y,
                                                const T* p) {
@@ -95,7 +95,7 @@ struct OpenCv14Formula {
   static std::vector<std::array<double, kCount>> InitialValues(double f,
                                                                double cx,
                                                                double cy) {
-    // Pade's approximation of atan(r) / r: an equidistant lens.
+    // Padé approximant of atan(r) / r: an equidistant lens.
     return {{f, f, cx, cy},
             {f, f, cx, cy, 1190 / 1155.0, 231 / 1155.0, 0, 0, 0, 1575 / 1155.0,
              525 / 1155.0, 25 / 1155.0}};

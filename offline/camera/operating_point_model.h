@@ -9,49 +9,48 @@
 
 namespace raygrid {
 
-/// The quantity that a camera changes with.
+/// An operating-point variable.
 enum class OperatingParameter {
-  kLensPosition,  ///< dioptres: 1 / metres to what is sharp
-  kTemperature    ///< degrees Celsius, of the sensor
+  kLensPosition,  ///< focus distance in dioptres (1 / m)
+  kTemperature    ///< sensor temperature in degrees Celsius
 };
 
-/// "lens_position", "temperature": as in options and files.
+/// Returns "lens_position" or "temperature", as in options and files.
 std::string OperatingParameterName(OperatingParameter condition);
-/// "dioptres", "°C".
+/// Returns "dioptres" or "°C".
 std::string OperatingParameterUnit(OperatingParameter condition);
-/// Nothing if no condition has the name.
+/// Returns nullopt if no variable has this name.
 std::optional<OperatingParameter> FindOperatingParameter(
     const std::string& name);
 
-/// The values of a condition from low to high, which differ.
+/// Range of an operating-point variable, low < high.
 struct OperatingRange {
   OperatingParameter condition = OperatingParameter::kLensPosition;
   double low = 0, high = 1;
 
   double Middle() const { return (low + high) / 2; }
   bool Contains(double value) const { return value >= low && value <= high; }
-  /// So many values, from one end to the other.
+  /// Returns `count` evenly spaced values from low to high.
   std::vector<double> Spread(int count) const;
-  /// "0 to 10 dioptres".
+  /// Formats the range: "0 to 10 dioptres".
   std::string Text() const;
 };
 
-/// A value of each condition, in the order of a stack's ranges.
+/// A value of each operating-point variable, in the order of the ranges.
 using OperatingPoint = std::vector<double>;
-/// The values of those conditions that are held.
+/// Values of the variables to hold fixed; nullopt: free.
 using FixedOperatingPoint = std::vector<std::optional<double>>;
 
-/// The cameras that a camera with a grid is over ranges of one condition or
-/// two. Each control point is a sum of polynomials of the conditions,
+/// Central grids over ranges of one or two operating-point variables. Each
+/// control point is a sum of polynomials of the variables' values v and w,
 ///   c(v, w) = c_0 + a_1 t + a_2 t^2 + ... + b_1 u + b_2 u^2 + ...,
-/// t = (v - middle) / half range, and u alike of the second condition's value
-/// w. So t and u are -1 to 1 over the ranges. All grids lie over one area.
+/// with t = (v - mid-range) / half range, and u likewise from w, so that t and
+/// u are -1 to 1 over the ranges. All grids have the same area.
 class OperatingPointModel {
  public:
   static constexpr int kMaxConditions = 2, kMaxOrder = 3;
 
-  /// A camera that does not change, yet: orders has that of each range's
-  /// polynomial.
+  /// A constant camera; orders are the degrees of the ranges' polynomials.
   OperatingPointModel(std::vector<OperatingRange> ranges,
                       std::vector<int> orders, const CentralGeneric& camera);
 
@@ -60,26 +59,26 @@ class OperatingPointModel {
   OperatingPoint Middle() const;
   const ImageSize& image_size() const { return image_size_; }
 
-  /// c_0, then the terms of each range in turn, from the first power on; of one
-  /// shape.
+  /// c_0, then the terms of each range, starting with the first power; all have
+  /// the same shape.
   const std::vector<BSplineSurface>& terms() const { return terms_; }
   std::vector<BSplineSurface>& terms() { return terms_; }
-  /// The place of a range's first power among the terms.
+  /// Returns the index of a range's first power in terms().
   int FirstTerm(size_t range) const;
 
-  /// The factors of the terms: 1, t, t^2, ..., u, u^2, ... Values may lie
-  /// outside the ranges.
+  /// Returns the factors of the terms: 1, t, t^2, ..., u, u^2, ... Values may
+  /// lie outside the ranges.
   std::vector<double> EvaluateBasis(const OperatingPoint& values) const;
 
-  /// The camera at values; outside the ranges, what the polynomials go on to.
+  /// Returns the camera at `values`; polynomials are extrapolated.
   CentralGeneric At(const OperatingPoint& values) const;
 
-  /// The stack over the conditions that are not held.
+  /// Returns the model over the variables that are not held.
   OperatingPointModel Hold(const FixedOperatingPoint& at) const;
-  /// The stack over one of the ranges, with the others in the middle.
+  /// Returns the model over one range, with the other at its mid-range.
   OperatingPointModel SliceAlong(size_t range) const;
 
-  /// A stack with one term more of a range, which does not change it.
+  /// Returns the same model with another, zero term of a range.
   OperatingPointModel AddOrder(size_t range) const;
 
  private:

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// A number with its derivatives by kCount variables. Their count is rounded up
-/// to an even one, which processors compute in pairs; the last one is then 0.
+/// A number with derivatives with respect to kCount variables. Their number is
+/// rounded up to an even one for SIMD; the last derivative is then 0.
 template <int kCount>
 using PairedJet = ceres::Jet<double, kCount + kCount % 2>;
 

@@ -1,4 +1,4 @@
-/// Newton's method for the pixel that shows a point (paper, "Projection").
+/// Projection by Newton's method: the pixel of a point (paper, "Projection").
 #ifndef RAYGRID_CAMERA_PIXEL_SEARCH_H
 #define RAYGRID_CAMERA_PIXEL_SEARCH_H
 
@@ -13,23 +13,23 @@
 
 namespace raygrid {
 
-/// The pixel where an error vanishes, and minus the error's derivative there.
+/// The root of an error function, and minus the error's derivative there.
 struct PixelSolution {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d derivative;
 };
 
-/// The pixels of a surface that show something. A lens mirrors nothing, so
-/// where the surface is of the other handedness it is folded over. Beyond a
-/// second fold it shows directions of the first side again; short steps from
-/// the middle do not lead there.
+/// The unfolded side of a surface. A lens does not mirror, so the surface is
+/// folded where its handedness is reversed. Beyond a second fold it has the
+/// handedness of the first side again; short steps from the centre do not lead
+/// there.
 struct UnfoldedSide {
-  int handedness = 0;  ///< +1 or -1; 0 where nothing folds
-  /// No step of a search is longer, so none leads over a fold.
+  int handedness = 0;  ///< +1 or -1; 0 if there are no folds
+  /// Maximum step of a search, short enough not to cross a fold.
   double max_step_px = std::numeric_limits<double>::infinity();
 
   bool folds() const { return handedness != 0; }
-  /// By the derivative by the pixel, of the surface or of minus an error.
+  /// derivative: Jacobian of the surface, or of minus the error.
   bool IsFolded(const Eigen::Matrix2d& derivative) const {
     return folds() && !(derivative.determinant() * handedness > 0);
   }
@@ -42,8 +42,8 @@ inline Eigen::Vector2d ClampToArea(const Eigen::Vector2d& pixel,
 }
 
 /// Newton's method with step halving, within the area. error(pixel, derivative)
-/// gives the error and minus its derivative by the pixel. Where a surface folds
-/// over, the search keeps to its unfolded side.
+/// returns the error, and minus its derivative with respect to the pixel. If a
+/// surface is folded, the search stays on its unfolded side.
 template <typename Error>
 std::optional<PixelSolution> FindPixel(const Area& area,
                                        const Eigen::Vector2d& start,
@@ -75,7 +75,7 @@ std::optional<PixelSolution> FindPixel(const Area& area,
       at = next;
       error_here = next_error;
     }
-    // No decrease: converged as far as rounding allows, or stuck at the edge.
+    // No decrease: converged within rounding, or stuck at the edge.
     if (!improved)
       return far_px < kAcceptedPx ? std::optional(at) : std::nullopt;
   }

@@ -5,8 +5,7 @@
 
 namespace raygrid {
 
-/// Rigid transformation; named b_from_a, so that
-/// point_b = b_from_a * point_a.
+/// Rigid transformation, named b_from_a: point_b = b_from_a * point_a.
 struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
@@ -14,19 +13,19 @@ struct Pose {
   Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
     return rotation * point + translation;
   }
-  /// c_from_a = c_from_b * b_from_a.
+  /// Returns c_from_a = c_from_b * b_from_a.
   Pose operator*(const Pose& b_from_a) const {
     return {(rotation * b_from_a.rotation).normalized(),
             rotation * b_from_a.translation + translation};
   }
-  /// a_from_b.
+  /// Returns a_from_b.
   Pose Inverse() const {
     const Eigen::Quaterniond back = rotation.conjugate();
     return {back, -(back * translation)};
   }
 };
 
-/// Rotation by an axis-angle vector.
+/// Returns the rotation of an axis-angle vector.
 inline Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& vector) {
   const double angle = vector.norm();
   if (angle < 1e-12)

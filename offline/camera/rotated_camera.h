@@ -8,8 +8,7 @@
 
 namespace raygrid {
 
-/// A camera whose frame is turned against another one's: exactly the same
-/// lines.
+/// A camera in a rotated frame, with exactly the same observation lines.
 class RotatedCamera : public CameraWrapper {
  public:
   RotatedCamera(const CameraModel& camera,

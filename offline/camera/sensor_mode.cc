@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-// The part of a mode's frames that the calibrated area fills.
+// The part of a mode's frames covered by the calibrated area.
 Area AreaInMode(const Area& area, const SensorMode& mode) {
   const Eigen::Vector2d a = mode.FromCalibrated({area.x0, area.y0});
   const Eigen::Vector2d b = mode.FromCalibrated({area.x1, area.y1});

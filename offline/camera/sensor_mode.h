@@ -9,27 +9,27 @@
 
 namespace raygrid {
 
-/// How the frames of a sensor's mode lie in those that were calibrated: pixel
-/// (i, j), counted from the other side where flipped, covers the calibrated
-/// pixels from offset + scale (i, j) on, scale of them a side. A crop has scale
-/// 1, binning by two has scale 2.
+/// Position of a sensor mode's frames in calibrated frames: pixel (i, j),
+/// counted from the opposite side if flipped, covers the calibrated pixels from
+/// offset + scale (i, j), scale of them per side. A crop has scale 1, binning
+/// by two has scale 2.
 struct SensorMode {
   std::string name;
-  ImageSize size;                                       ///< of its frames
+  ImageSize size;                                       ///< frame size
   Eigen::Vector2d offset_px = Eigen::Vector2d::Zero();  ///< calibrated pixels
   Eigen::Vector2d scale = Eigen::Vector2d::Ones();
   bool flip_x = false, flip_y = false;
 
-  /// A position in the mode's frames to one in calibrated frames, and back;
-  /// pixel centres are whole numbers in both.
+  /// Converts a position in the mode's frames to calibrated frames, and back;
+  /// pixel centres are integers in both.
   Eigen::Vector2d ToCalibrated(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d FromCalibrated(const Eigen::Vector2d& pixel) const;
 };
 
-/// A camera as frames of another mode show it: exactly the same lines.
+/// A camera in frames of another mode, with exactly the same lines.
 class ModeCamera : public CameraWrapper {
  public:
-  /// The mode's frames show a part of the calibrated area.
+  /// Frames of the mode must lie within the calibrated area.
   ModeCamera(const CameraModel& camera, const SensorMode& mode);
 
   std::unique_ptr<CameraModel> Clone() const override {

@@ -16,7 +16,7 @@ Eigen::Vector2d ToPlane(const Eigen::Vector3d& direction) {
   return 2 * ToChart(direction);
 }
 
-// u + d(u), and its derivative by u.
+// u + d(u), and its derivative with respect to u.
 Eigen::Vector2d Corrected(const BSplineSurface& surface,
                           const Eigen::Vector2d& u,
                           Eigen::Matrix2d* derivative) {
@@ -25,8 +25,8 @@ Eigen::Vector2d Corrected(const BSplineSurface& surface,
   return u + d;
 }
 
-// The control point at whose place the corrected plane is nearest to a target,
-// as a start where Newton's method went astray.
+// Returns the control point whose corrected position is nearest to a target: an
+// initial value if Newton's method diverges.
 Eigen::Vector2d NearestPlace(const BSplineSurface& surface,
                              const Eigen::Vector2d& target) {
   Eigen::Vector2d nearest = surface.area().center();
@@ -49,8 +49,8 @@ struct PlaneSample {
   double weight;
 };
 
-// A lattice of pixels, so many along the longer side. What looks farther back
-// than a blob can hold is left out: a stereographic plane is mostly that.
+// Lattice of pixels, `across` or so along the longer side, without directions
+// that a blob cannot hold, which cover most of a stereographic plane.
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
                                      const ValidityMask* trusted,
                                      double across) {
@@ -77,7 +77,7 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
   return samples;
 }
 
-// The focal length and the center along an axis, of the line through samples.
+// Focal length and centre along an axis, from a line through the samples.
 std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
                                   int axis) {
   double sum = 0, sum_u = 0, sum_x = 0, sum_uu = 0, sum_ux = 0;
@@ -94,7 +94,7 @@ std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
   return {focal_px, (sum_x - focal_px * sum_u) / sum};
 }
 
-// How far from the axis samples are, at most.
+// Maximum angle of the samples from the axis.
 Eigen::Array2d WidestOf(const std::vector<PlaneSample>& samples) {
   Eigen::Array2d widest = Eigen::Array2d::Constant(1e-3);
   for (const PlaneSample& sample : samples)
@@ -102,15 +102,15 @@ Eigen::Array2d WidestOf(const std::vector<PlaneSample>& samples) {
   return widest;
 }
 
-// The angle whose cells end at an edge, or a little beyond.
+// Field of view whose cells end at an edge or slightly beyond.
 int FovDegOfEdge(double edge) {
   constexpr int kMostDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
   return std::min(kMostDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
 }
 
-// A grid of so many control points along the longer side, or a few more, that
-// covers all samples.
+// Makes a grid with at least the given number of control points along the
+// longer side that covers all samples.
 SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
   const double least_cell = 2 * widest.maxCoeff() / (along - 3);
   SplineGrid grid;
@@ -122,7 +122,7 @@ SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
   return grid;
 }
 
-// The grid as it is told, which covers all samples if its angle is not.
+// Returns the prescribed grid, which covers all samples if its angle is 0.
 SplineGrid ToldGrid(const Eigen::Array2d& widest, SplineGrid grid) {
   if (grid.fov_x_deg != 0) return grid;
   const double edge_of_rows = widest.y() * (grid.columns - 3) / (grid.rows - 3);
@@ -139,8 +139,8 @@ Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
   return parameters;
 }
 
-// The error that a grid is chosen by: RMS of trusted samples, or the median of
-// all if that is more. What is not trusted may be wild in places.
+// Error criterion for choosing a grid: RMS of valid samples, or the median of
+// all samples if it is larger, since errors of invalid ones may be arbitrary.
 double ChoiceErrorPx(const SplinedStereographic& model,
                      const std::vector<PlaneSample>& samples) {
   const Eigen::Vector4d others = model.Parameters().tail<4>();
@@ -161,7 +161,7 @@ double ChoiceErrorPx(const SplinedStereographic& model,
   return std::max(*middle, std::sqrt(sum / std::max(count, 1.0)));
 }
 
-// A spline of a grid. What a grid that was told does not cover has no say.
+// Fits the spline of a grid. Samples outside a prescribed grid are ignored.
 std::unique_ptr<SplinedStereographic> FitGrid(
     const CameraModel& camera, const std::vector<PlaneSample>& samples,
     const Eigen::Vector4d& others, const SplineGrid& grid) {

@@ -10,25 +10,25 @@
 
 namespace raygrid {
 
-/// mrcal's LENSMODEL_SPLINED_STEREOGRAPHIC of order 3: a stereographic lens
-/// that a spline over directions corrects.
+/// mrcal's LENSMODEL_SPLINED_STEREOGRAPHIC of order 3: a stereographic
+/// projection corrected by a spline over directions.
 ///   u = 2 tan(theta / 2) point.xy / |point.xy|,  theta from the z axis
 ///   pixel = (fx, fy) * (u + d(u)) + (cx, cy)
 /// where d is a uniform cubic B-spline surface of columns x rows control
-/// points. Its cells are squares in u, about the axis, and as many as are not
-/// at the border cover fov_x_deg across.
+/// points. Its cells are squares in u, centred on the axis; without those at
+/// the border they span fov_x_deg horizontally.
 ///
 /// Valid where d has cells on all sides and u + d(u) does not fold.
 class SplinedStereographic : public ParametricModel {
  public:
-  /// Numbers of control points, 4 at least, and the angle between the outermost
-  /// cells' edges, 1 to 359.
+  /// Number of control points, at least 4, and the horizontal angle spanned by
+  /// the cells inside the border, 1 to 359 degrees.
   struct Grid {
     int columns = 4, rows = 4, fov_x_deg = 90;
   };
 
   /// parameters: d's control points, x and y of each, row by row, from the
-  /// smallest u; fx, fy, cx, cy.
+  /// smallest u; then fx, fy, cx, cy.
   SplinedStereographic(const ImageSize& image_size, const Area& area,
                        const Grid& grid, const Eigen::VectorXd& parameters);
 
@@ -48,7 +48,7 @@ class SplinedStereographic : public ParametricModel {
 
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
-  /// The names of the parameters that are no control points.
+  /// Names of the parameters after the control points.
   const std::vector<std::string>& ParameterNames() const override;
   std::unique_ptr<ParametricModel> CloneWithArea(
       const Area& area) const override {
@@ -65,15 +65,15 @@ class SplinedStereographic : public ParametricModel {
   Eigen::Array2d focal_px_, center_px_;
 };
 
-/// The u at which d has cells on all sides.
+/// Returns the u at which d has cells on all sides.
 Area ComputeDomain(const SplinedStereographic::Grid& grid);
 
-/// The model nearest to a central camera, in its own frame: least squares on
-/// the pixels of its directions. Of grids that cover these the one with the
-/// fewest control points is taken that leaves 0.005 px, or as little as any.
-/// Pixels that are not trusted count a thousandth; without a mask all are. A
-/// grid may be told, with an angle of 0 if it is to cover all. Null for a
-/// camera that sees nothing, or one line alone, or is mirrored.
+/// Fits the model to a central camera, in its frame: least squares on the
+/// pixels of its directions. Of the grids that cover them, uses the smallest
+/// one with an error of 0.005 px or, if there is none, the least error. Invalid
+/// pixels have a weight of 1/1000; without a mask all pixels are valid. A grid
+/// may be prescribed; fov_x_deg = 0 covers all. Null if the camera has no
+/// directions, only one, or is mirrored.
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
     const CameraModel& camera, const ValidityMask* trusted,
     const std::optional<SplinedStereographic::Grid>& told = std::nullopt);

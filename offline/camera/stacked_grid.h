@@ -5,9 +5,9 @@
 
 namespace raygrid {
 
-/// A stack as a camera: what it is at one value of each condition, with the
-/// parameters of the whole stack. A node's are a, b of the first term, then of
-/// the second, and so on.
+/// An operating-point model as a camera at one operating point, with the
+/// parameters of the whole model. A node's parameters are a, b of the first
+/// term, then a, b of the second, and so on.
 class StackedGrid : public CameraModel {
  public:
   StackedGrid(OperatingPointModel stack, OperatingPoint values);
@@ -35,7 +35,7 @@ class StackedGrid : public CameraModel {
   const OperatingPointModel& stack() const { return stack_; }
   const OperatingPointModel* Stack() const override { return &stack_; }
   const OperatingPoint& values() const { return values_; }
-  /// Goes to other values of the conditions.
+  /// Changes the operating point.
   void SetValues(OperatingPoint values);
   const CentralGeneric& camera() const { return camera_; }
 

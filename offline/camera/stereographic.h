@@ -1,7 +1,7 @@
-/// Stereographic coordinates of directions: the chart in which the central
-/// model's spline lives. (a, b) = tan(theta / 2) (cos phi, sin phi), with theta
-/// the angle from the z axis: smooth everywhere but straight backwards, and
-/// conformal, so that a displacement means the same in every direction.
+/// Stereographic coordinates of directions: the chart of the central model's
+/// spline. (a, b) = tan(theta / 2) (cos phi, sin phi), with theta the angle
+/// from the z axis: smooth except straight backwards, and conformal, so that a
+/// displacement has the same scale in all directions.
 #ifndef RAYGRID_CAMERA_STEREOGRAPHIC_H
 #define RAYGRID_CAMERA_STEREOGRAPHIC_H
 
@@ -9,12 +9,12 @@
 
 namespace raygrid {
 
-/// Chart coordinates of a direction of any length; not for straight backwards.
+/// Returns the chart coordinates of a direction of any length, not backwards.
 inline Eigen::Vector2d ToChart(const Eigen::Vector3d& direction) {
   return direction.head<2>() / (direction.norm() + direction.z());
 }
 
-/// Derivative of ToChart() by the direction.
+/// Returns the derivative of ToChart() with respect to the direction.
 inline Eigen::Matrix<double, 2, 3> ToChartDerivative(
     const Eigen::Vector3d& direction) {
   const double norm = direction.norm();
@@ -28,14 +28,14 @@ inline Eigen::Matrix<double, 2, 3> ToChartDerivative(
   return derivative;
 }
 
-/// Unit direction of chart coordinates.
+/// Returns the unit direction of chart coordinates.
 inline Eigen::Vector3d FromChart(const Eigen::Vector2d& chart) {
   const double s = chart.squaredNorm();
   return Eigen::Vector3d(2 * chart.x(), 2 * chart.y(), 1 - s) / (1 + s);
 }
 
-/// How the chart coordinates of a direction move under an infinitesimal
-/// rotation vector: columns for rotations about x, y, z.
+/// Returns the derivative of a direction's chart coordinates with respect to a
+/// rotation vector; columns for rotations about x, y, z.
 inline Eigen::Matrix<double, 2, 3> ChartRotationDerivative(
     const Eigen::Vector2d& chart) {
   const Eigen::Vector3d d = FromChart(chart);

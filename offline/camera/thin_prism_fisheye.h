@@ -8,7 +8,7 @@
 namespace raygrid {
 
 /// The thin-prism fisheye model with 12 parameters (paper, "Evaluation"; J.
-/// Weng et al., 1992, on equidistant coordinates, as COLMAP's):
+/// Weng et al., 1992, on equidistant coordinates, as in COLMAP):
 ///   rho = |point.xy|,  theta = atan2(rho, point.z)
 ///   (u, v) = theta point.xy / rho
 ///   g = 1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8
@@ -16,7 +16,7 @@ namespace raygrid {
 ///   v' = v g + p1 (theta^2 + 2 v^2) + 2 p2 u v + sy1 theta^2
 ///   pixel = (fx u' + cx, fy v' + cy)
 /// valid, also behind the camera, up to the first angle at which theta g stops
-/// to grow, and up to 3.1 radians.
+/// increasing, and up to 3.1 radians.
 class ThinPrismFisheye : public ParametricModel {
  public:
   enum { kFx, kFy, kCx, kCy, kK1, kK2, kK3, kK4, kP1, kP2, kSx1, kSy1, kCount };
@@ -51,7 +51,7 @@ class ThinPrismFisheye : public ParametricModel {
     return std::make_unique<ThinPrismFisheye>(image_size(), area, parameters_);
   }
 
-  /// The angle theta at which the model ends.
+  /// Maximum angle theta of the model.
   double max_theta() const { return max_theta_; }
 
  private:

@@ -6,9 +6,9 @@
 
 namespace raygrid {
 
-/// The camera that an image seems to come from that was undistorted to another
-/// projection than a pinhole's, which is "opencv" without distortion. Its model
-/// is named after the projection.
+/// The virtual camera of an image undistorted to a projection other than the
+/// pinhole, which is "opencv" without distortion. The model is named after its
+/// projection.
 class ViewCamera : public ParametricModel {
  public:
   /// parameters: fx, fy, cx, cy.

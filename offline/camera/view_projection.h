@@ -9,9 +9,9 @@
 
 namespace raygrid {
 
-/// How a virtual camera shows directions (formats/SPEC.md, "Views"). Its plane
-/// is the image of focal length 1 around its centre, in pixels per radian
-/// there. The numbers are those of blobs.
+/// Projections of virtual cameras (formats/SPEC.md, "Views"). Their plane is
+/// the image for focal length 1 (pixels per radian in the centre), relative to
+/// its centre. The enumerators' values are stored in blobs.
 enum class ViewProjection {
   kPinhole,
   kCylindrical,      ///< around the y axis
@@ -24,9 +24,8 @@ enum class ViewProjection {
 const char* ProjectionName(ViewProjection projection);
 std::optional<ViewProjection> FindProjection(const std::string& name);
 
-/// The point of the plane at which a direction of any length is seen, where
-/// ShowsDirection() says that it is. In axes of the view: x right, y down, z
-/// forward.
+/// Projects a direction of any length to the plane; requires ShowsDirection().
+/// In axes of the view: x right, y down, z forward.
 template <typename T>
 Eigen::Matrix<T, 2, 1> PlanePoint(ViewProjection projection,
                                   const Eigen::Matrix<T, 3, 1>& direction) {
@@ -50,19 +49,19 @@ Eigen::Matrix<T, 2, 1> PlanePoint(ViewProjection projection,
   return ToEquidistant(direction);
 }
 
-/// Whether the plane has a point for a direction.
+/// Returns whether the plane has a point for a direction.
 bool ShowsDirection(ViewProjection projection,
                     const Eigen::Vector3d& direction);
 
-/// The direction, of any length, that a point of the plane looks along; nothing
-/// for points that look nowhere, such as those of longitudes above 180 degrees.
+/// Returns the direction, of any length, of a point of the plane; nullopt for
+/// points without one, such as longitudes above 180 degrees.
 std::optional<Eigen::Vector3d> PlaneDirection(ViewProjection projection,
                                               const Eigen::Vector2d& point);
 
-/// An angle in radians that says how much the projection stretches what is seen
-/// along a direction: it grows to pi / 2 where that becomes infinite. Of a
-/// pinhole it is the angle from the axis, of a cylinder that from the horizon,
-/// of the stereographic projection half the angle from the axis, of others 0.
+/// Returns an angle in radians that measures how much the projection stretches
+/// at a direction; stretching is infinite at pi / 2. For a pinhole, the angle
+/// from the axis; for a cylinder, from the horizon; for the stereographic
+/// projection, half the angle from the axis; for others 0.
 double StretchAngle(ViewProjection projection,
                     const Eigen::Vector3d& direction);
 

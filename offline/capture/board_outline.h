@@ -10,10 +10,10 @@
 
 namespace raygrid {
 
-/// The number of steps per side of an outline.
+/// Number of steps per side of an outline.
 constexpr int kOutlineSteps = 8;
 
-/// Returns the closed outline of the outermost features in the image, in
+/// Projects the closed outline of the outermost features to the image, in
 /// pixels: kOutlineSteps points per side, first along the first row, then down
 /// the last column. Outside the image, the camera is extrapolated by the
 /// homography that best fits the visible part. Empty if fewer than four

@@ -13,7 +13,7 @@ namespace raygrid {
 /// The position and orientation of a board relative to a camera.
 struct BoardView {
   Eigen::Vector2d pixel;  ///< position of the board's centre
-  double width_px = 0;    ///< of its longer side there, without tilt
+  double width_px = 0;    ///< length of its longer side, without tilt
   /// Tilt from facing the camera, about an axis perpendicular to the line of
   /// sight, at axis_rad from the image's x axis.
   double tilt_rad = 0, axis_rad = 0;
@@ -23,7 +23,7 @@ struct BoardView {
 /// Returns the centre of a board's nominal points.
 Eigen::Vector3d MiddleOf(const Board& board);
 
-/// Returns camera_from_board; nothing where the camera has no ray.
+/// Returns camera_from_board; nullopt if the camera has no ray at the pixel.
 std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
                            const CameraModel& camera);
 

@@ -12,11 +12,11 @@
 
 namespace raygrid {
 
-/// The area in which features can be detected: a feature's window must be
-/// within the image.
+/// Returns the area in which features can be detected: a feature's window must
+/// be within the image.
 Area GetFeatureArea(const ImageSize& size);
 
-/// Simulates the detection of a board's features; in the board frame.
+/// Simulates the detection of a board's features, in the board frame.
 std::vector<PointPixelMatch> PredictVisiblePoints(
     const CameraModel& camera, const Board& board,
     const Pose& camera_from_board);
@@ -38,24 +38,24 @@ struct UncertaintySample {
 /// Boards have their nominal geometry.
 class CameraInformation {
  public:
-  /// Computes the uncertainty of a calibrated camera; nothing if the normal
+  /// Computes the uncertainty of a calibrated camera; nullopt if the normal
   /// equations are singular.
   static std::optional<CameraInformation> Of(const AdjustmentResult& adjusted);
 
   const CameraModel& camera() const { return *camera_; }
-  /// A lattice over the image, row by row, where the camera is defined.
+  /// Returns a lattice over the image, row by row, where the camera is defined.
   const std::vector<UncertaintySample>& places() const { return places_; }
-  /// The square root of the mean variance over the lattice.
+  /// Returns the square root of the mean variance over the lattice.
   double RmsPx() const;
-  /// The 95 % quantile of the standard deviations.
+  /// Returns the 95 % quantile of the standard deviations.
   double Percentile95Px() const;
 
-  /// The fraction, 0 to 1, by which a view of a board at camera_from_board
-  /// would reduce the mean variance. Its features are those that would be
-  /// detected.
+  /// Predicts the fraction, 0 to 1, by which a view of a board at
+  /// camera_from_board would reduce the mean variance, with the features that
+  /// would be detected.
   double PredictViewGain(const Board& board,
                          const Pose& camera_from_board) const;
-  /// The gain of observed features.
+  /// Computes the same fraction for observed features.
   double ComputeGain(const std::vector<Eigen::Vector3d>& points,
                      const std::vector<Eigen::Vector2d>& pixels,
                      const Pose& camera_from_points) const;

@@ -14,8 +14,8 @@
 
 namespace raygrid {
 
-/// The relative pose of two cameras of a rig, from boards that both saw in the
-/// same frame.
+/// The relative pose of two cameras of a rig, from boards that both observed in
+/// the same frame.
 ///
 /// Each camera determines a board's pose with the information H = J^T J / s^2
 /// of its features, s the noise. A board seen by both determines the relative
@@ -25,25 +25,25 @@ namespace raygrid {
 /// is scaled accordingly.
 class CameraLink {
  public:
-  /// Returns nothing if a camera is not calibrated, or no frame shows a board
-  /// to both. Images with equal names belong to one frame.
+  /// Returns nullopt if a camera is not calibrated, or no frame shows a board
+  /// to both. Images of the same name belong to one frame.
   static std::optional<CameraLink> Of(const LiveCamera& first,
                                       const LiveCamera& second);
 
   const Pose& second_from_first() const { return second_from_first_; }
-  /// The RMS displacement, in the second image, of board points transferred
-  /// from the first camera's frame, by the uncertainty of the link.
+  /// Returns the RMS displacement, in the second image, of board points
+  /// transferred from the first camera's frame, by the uncertainty of the link.
   double RmsPx() const;
 
-  /// A board's pose in each camera, and the features that each sees.
+  /// A board's pose in each camera, and its features in each image.
   struct SharedBoard {
     Pose first_from_board, second_from_board;
     std::vector<PointPixelMatch> in_first, in_second;
   };
-  /// The fraction by which a board would reduce the variance (RmsPx() squared).
-  /// 0 if one camera sees fewer than 8 features.
+  /// Computes the fraction by which a board would reduce the variance (RmsPx()
+  /// squared). 0 if one camera sees fewer than 8 features.
   double ComputeGain(const SharedBoard& shared) const;
-  /// The gain of a board at a pose, with simulated features.
+  /// Predicts this fraction for a board at a pose, with simulated features.
   double PredictViewGain(const Board& board,
                          const Pose& first_from_board) const;
 
@@ -59,7 +59,7 @@ class CameraLink {
 
   Camera first_, second_;
   Pose second_from_first_;
-  double scatter_ = 1;  ///< observed variance over that of noise alone
+  double scatter_ = 1;  ///< ratio of observed to predicted variance
   MotionMatrix information_ = MotionMatrix::Zero();
   MotionMatrix weighing_ = MotionMatrix::Zero();  // mean D^T D of pixels
 };

@@ -19,13 +19,13 @@ struct GuideOptions {
   /// Required 95 % quantile of the uncertainty; 0: until gains are too small.
   double target_px = 0;
   double min_gain = 0.02;  ///< minimum gain of a view
-  /// An image is kept if its gain is at least this fraction of the next view's:
-  /// near enough to that view, and not a repetition of a recent one.
+  /// An image is kept if its gain is at least this fraction of the next view's
+  /// gain: near that view, and not a repetition of a recent one.
   double part_of_next = 0.5;
   /// Views (camera_from_board) that were impossible to take.
   std::vector<Pose> avoided = {};
-  /// No board can be seen by two cameras at once: skip connecting views,
-  /// continue with views of single cameras.
+  /// If no board can be seen by two cameras at once: skips connecting views and
+  /// continues with views of single cameras.
   bool leaves_connecting = false;
 };
 
@@ -36,19 +36,19 @@ std::vector<PointPixelMatch> MakeMatches(const Board& board,
 /// Feature positions by board, row and column.
 using FeaturePositions = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
 FeaturePositions CollectFeaturePositions(const ImageFeatures& image);
-/// RMS distance of the common features; nothing without any.
+/// Returns the RMS distance of the common features; nullopt if there are none.
 std::optional<double> DistancePx(const FeaturePositions& a,
                                  const FeaturePositions& b);
 
 /// A board of the pattern, and its pose in an image.
 struct LocatedBoard {
-  const Board* board = nullptr;  ///< of the guide's pattern
+  const Board* board = nullptr;  ///< in the guide's pattern
   Pose camera_from_board;
 };
 
 /// The recommended next view.
 struct GuidedView {
-  const Board* board = nullptr;  ///< of the guide's pattern
+  const Board* board = nullptr;  ///< in the guide's pattern
   Pose camera_from_board;
   double gain = 0;  ///< relative reduction of the mean variance
 };
@@ -62,9 +62,9 @@ class CaptureGuide {
   CaptureGuide(const LiveCamera& live, const Pattern& pattern,
                const GuideOptions& options);
 
-  /// The current estimate of the camera, or the assumed one.
+  /// Returns the current estimate of the camera, or the assumed camera.
   const CameraModel& camera() const;
-  /// NULL before a first calibration.
+  /// Returns NULL before a first calibration.
   const CameraInformation* knowledge() const {
     return knowledge_ ? &*knowledge_ : nullptr;
   }
@@ -72,26 +72,26 @@ class CaptureGuide {
 
   /// Estimates the poses of the boards in an image.
   std::vector<LocatedBoard> Locate(const ImageFeatures& image) const;
-  /// The fraction by which an image would reduce the mean variance. Before a
-  /// first calibration: 1 for a board with a new tilt, otherwise 0. Always 0
-  /// for a near-duplicate of a kept view (features moved by less than 1 % of
-  /// the longer image side), which would only reduce the noise.
+  /// Computes the fraction by which an image would reduce the mean variance.
+  /// Before a first calibration: 1 for a board with a new tilt, otherwise 0.
+  /// Always 0 for a near-duplicate of a kept view (features moved by less than
+  /// 1 % of the longer image side), which would only reduce the noise.
   double ComputeGain(const ImageFeatures& image) const;
-  /// Whether to keep an image with this gain. An image of the recommended view
-  /// is kept if it has any gain, since the operator cannot do better.
+  /// Returns whether to keep an image with this gain. An image of the
+  /// recommended view is kept with any gain: the operator cannot improve it.
   bool IsWorthKeeping(double gain, bool is_next_view) const;
-  /// Whether an image shows the recommended view, within a hint's tolerance.
+  /// Returns whether an image shows the recommended view within tolerance.
   bool IsNextView(const ImageFeatures& image) const;
 
-  /// Nothing if no view has enough gain.
+  /// Returns nullopt if no view has enough gain.
   const std::optional<GuidedView>& next() const { return next_; }
-  /// False before there are enough images for a calibration.
+  /// Returns false before there are enough images for a calibration.
   bool is_done() const { return is_done_; }
-  /// Whether the uncertainty is at its lower bound: so few images do not
-  /// determine the smoothness of the camera's grid.
+  /// Returns whether the uncertainty is at its lower bound, because there are
+  /// too few images to estimate the smoothness of the grid.
   bool is_floor() const;
-  /// The number of further images expected, assuming proportional gains;
-  /// nothing if it cannot be estimated.
+  /// Returns the expected number of further images, assuming proportional
+  /// gains; nullopt if it cannot be estimated.
   std::optional<int> num_expected() const;
 
  private:
@@ -108,7 +108,7 @@ class CaptureGuide {
   std::vector<FeaturePositions> kept_;
   std::shared_ptr<const CameraModel> assumed_;
   std::optional<CameraInformation> knowledge_;
-  std::vector<LocatedBoard> first_views_;  // before a first calibration
+  std::vector<LocatedBoard> first_views_;  // candidates before calibration
   std::optional<GuidedView> next_;
   bool is_done_ = false;
 };

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// Why a frame is kept or rejected.
+/// Reasons to keep or reject a frame.
 enum class FrameStatus {
   kKept,
   kAbsent,   ///< no board detected
@@ -22,7 +22,7 @@ enum class FrameStatus {
   kKnown     ///< too little gain
 };
 
-/// Returns the word that is displayed.
+/// Returns the displayed text.
 const char* GetStatusText(FrameStatus word);
 /// Returns a short remedy; "" if there is none.
 const char* GetRemedy(FrameStatus word);
@@ -30,8 +30,8 @@ const char* GetRemedy(FrameStatus word);
 /// A frame with its detected boards.
 struct DetectedFrame {
   ImageFeatures features;
-  FrameQuality quality;          ///< of the board with most features
-  std::optional<double> time_s;  ///< in the video; nothing: a photograph
+  FrameQuality quality;          ///< quality of the board with most features
+  std::optional<double> time_s;  ///< time in the video; nullopt: a photograph
   std::optional<double> exposure_s;
 };
 
@@ -51,7 +51,7 @@ class FrameAssessor {
       : options_(options) {}
 
   FrameStatus Assess(const DetectedFrame& frame, const CaptureGuide& guide);
-  /// The gain of the last frame; 0 if it was rejected for another reason.
+  /// Returns the gain of the last frame; 0 if rejected for another reason.
   double gain() const { return gain_; }
 
  private:
@@ -62,7 +62,7 @@ class FrameAssessor {
   FrameAssessorOptions options_;
   FeaturePositions last_places_;
   std::optional<double> last_time_s_;
-  std::deque<double> spreads_px_;  // edge widths of the latest frames
+  std::deque<double> spreads_px_;  // edge widths of recent frames
   double gain_ = 0;
 };
 

@@ -24,16 +24,16 @@ struct FrameQuality {
 /// Measures the edges around a board's features.
 ///
 /// Edges start radially at features, in directions that the drawing determines.
-/// Intensities are sampled across each; its width follows from the part of the
-/// step from black to white within 1 px of the edge. Squared widths by normal n
-/// are fitted by n^T S n; the result is the square roots of the eigenvalues of
-/// S.
+/// Intensities are sampled across each edge; its width follows from the part of
+/// the step from black to white within 1 px of the edge. Squared widths along
+/// normals n are fitted by n^T S n; the result is the square roots of the
+/// eigenvalues of S.
 class QualityMeter {
  public:
   /// Throws InputError for boards that cannot be drawn.
   explicit QualityMeter(const Board& board);
 
-  /// levels: row by row, 0 to 255; features: of this board
+  /// levels: row by row, 0 to 255; features: features of this board.
   FrameQuality Measure(const ImageSize& size, const std::vector<float>& levels,
                        const std::vector<Feature>& features) const;
 
@@ -45,7 +45,7 @@ class QualityMeter {
 
   Board board_;
   BoardAppearance appearance_;
-  std::vector<std::vector<Edge>> edges_;  // by point
+  std::vector<std::vector<Edge>> edges_;  // edges by point
 };
 
 }  // namespace raygrid

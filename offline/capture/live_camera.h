@@ -19,16 +19,16 @@ class LiveCamera {
   LiveCamera(const Pattern& pattern, const ImageSize& size, int num_threads);
 
   /// Adds an image. From kNumFirstViews images on, the camera is optimized:
-  /// from scratch whenever their number has grown by half, otherwise from its
-  /// last state.
+  /// from scratch whenever the number of images has grown by half, otherwise
+  /// from its last state.
   void Add(const ImageFeatures& image);
   /// Adds several images, and estimates the camera from scratch.
   void Add(const std::vector<ImageFeatures>& images);
-  /// Removes the image with that name, and estimates the camera again.
+  /// Removes the image with this name, and estimates the camera again.
   void Remove(const std::string& image);
 
   const Dataset& images() const { return images_; }
-  /// Nothing until a camera was estimated.
+  /// Returns nullopt until a camera was estimated.
   const std::optional<AdjustmentResult>& adjusted() const { return adjusted_; }
 
  private:

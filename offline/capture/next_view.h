@@ -11,30 +11,30 @@
 
 namespace raygrid {
 
-/// A candidate view, and its gain.
+/// A candidate view and its gain.
 struct NextView {
   BoardView view;
   Pose camera_from_board;
   double gain = 0;
 };
 
-/// The gain of a board at a pose, camera_from_board.
+/// Returns the gain of a board at a pose, camera_from_board.
 using ViewGain = std::function<double(const Pose&)>;
 
 /// Finds the best view of a board among candidates all over the image, at
-/// various distances, tilts and rotations, refined around the best. Nothing if
-/// no candidate shows half of the board. Views that are similar to avoided ones
+/// various distances, tilts and rotations, with local refinement. nullopt if no
+/// candidate shows half of the board. Views similar to `avoided` views
 /// (camera_from_board) are excluded.
 std::optional<NextView> FindBestNextView(const CameraModel& camera,
                                          const Board& board,
                                          const ViewGain& gain,
                                          const std::vector<Pose>& avoided = {});
-/// The view with the highest CameraInformation::PredictViewGain().
+/// Finds the view with the highest CameraInformation::PredictViewGain().
 std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
                                          const Board& board,
                                          const std::vector<Pose>& avoided = {});
 
-/// The views to begin with, before a first calibration.
+/// Returns the index-th default view before the first calibration.
 BoardView FirstView(int index, const ImageSize& size);
 constexpr int kNumFirstViews = 4;
 

@@ -7,7 +7,7 @@ namespace raygrid {
 
 using MotionMatrix = Eigen::Matrix<double, 6, 6>;
 
-/// The skew-symmetric matrix of v -> vector x v.
+/// Returns the skew-symmetric matrix of v -> vector x v.
 inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& vector) {
   Eigen::Matrix3d cross;
   cross << 0, -vector.z(), vector.y(),  //
@@ -16,8 +16,8 @@ inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& vector) {
   return cross;
 }
 
-/// The Jacobian of a point with respect to a small rotation (radians) and
-/// translation (metres) in camera axes: point -> point + rotation x point +
+/// Computes the Jacobian of a point with respect to a small rotation (radians)
+/// and translation (metres) in camera axes: point -> point + rotation x point +
 /// translation. Three rows, six columns.
 inline Eigen::Matrix<double, 3, 6> ComputePointJacobian(
     const Eigen::Vector3d& point) {

@@ -36,35 +36,35 @@ class RigGuide {
            const GuideOptions& options);
 
   size_t num_cameras() const { return cameras_.size(); }
-  /// NULL before the camera's first frame.
+  /// Returns NULL before the camera's first frame.
   const CaptureGuide* guide(size_t camera) const {
     return cameras_[camera].guide.get();
   }
 
   struct Link {
-    size_t first = 0, second = 0;  ///< cameras
+    size_t first = 0, second = 0;  ///< camera indices
     CameraLink link;
-    std::optional<GuidedView> next;  ///< of the first camera; nothing: done
+    std::optional<GuidedView> next;  ///< first camera's view; nullopt: done
   };
   const std::vector<Link>& links() const { return links_; }
-  /// Two cameras without a common frame, which need to see a board at once.
-  /// Nothing while a camera is not calibrated.
+  /// Returns two cameras that need to see a board at once, as they have no
+  /// common frame; nullopt while a camera is not calibrated.
   const std::optional<std::pair<size_t, size_t>>& to_connect() const {
     return to_connect_;
   }
 
-  /// The view with the largest reduction of the variances of cameras and links
-  /// together. Views of cameras that are not calibrated come first. Nothing
+  /// Returns the view with the largest reduction of the variances of cameras
+  /// and links together. Views of uncalibrated cameras come first. nullopt
   /// while cameras are to be connected, and if no view has enough gain.
   const std::optional<RigView>& next() const { return next_; }
-  /// Whether all cameras and their relative poses reach the required
+  /// Returns whether all cameras and their relative poses reach the required
   /// uncertainty.
   bool is_done() const { return is_done_; }
-  /// The number of further frames expected: the maximum over the cameras.
+  /// Returns the expected number of further frames: maximum over the cameras.
   std::optional<int> num_expected() const;
 
-  /// Whether to keep a frame for its information on links: images by camera,
-  /// NULL for unusable ones.
+  /// Returns whether to keep a frame for its information on links. images by
+  /// camera; NULL for unusable images.
   bool IsInformativeForLinks(
       const std::vector<const ImageFeatures*>& images) const;
 

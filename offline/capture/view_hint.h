@@ -15,7 +15,7 @@ namespace raygrid {
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);
 
-/// Whether the motion between two poses is negligible.
+/// Returns whether the motion between two poses is negligible.
 bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
                 const Pose& to);
 

@@ -21,33 +21,32 @@ struct ErrorMetrics {
   int count = 0;
 };
 
-/// The predicted uncertainty of an operating-point model at one operating
-/// point.
+/// Predicted uncertainty of an operating-point model at one operating point.
 struct OperatingPointUncertainty {
   OperatingPoint values;
   UncertaintyLattice lattice;
 };
 
-/// An operating-point model over ranges of conditions, with its uncertainty.
+/// An operating-point model over its ranges, with its uncertainty.
 struct OperatingPointCalibration {
   OperatingPointModel cameras;
-  std::vector<OperatingPointUncertainty> deviations;  ///< by values, ascending
+  std::vector<OperatingPointUncertainty> deviations;  ///< ascending by values
 };
 
 /// The contents of camera.yaml.
 struct CameraFile {
   std::shared_ptr<const CameraModel> camera;
   std::string name, serial;
-  std::string assessment;  ///< the calibration's: "pass", "warn", "fail"; or ""
+  std::string assessment;  ///< "pass", "warn" or "fail"; "" if absent
   std::optional<ErrorMetrics> training, held_out;
   std::optional<CameraUncertainty> uncertainty;
   /// The pose of a rotated view relative to its camera.
   std::optional<Pose> camera_from_view;
   std::optional<Capture> capture;  ///< not empty if present
-  /// The operating-point model, of which the camera is the middle.
+  /// The operating-point model; the camera is its mid-range.
   std::optional<OperatingPointCalibration> stack;
   std::optional<LineDelay> line_delay;
-  /// If the camera is a population mean: the covariance of its fleet.
+  /// Variation over the fleet, if the camera is a population mean.
   std::optional<LensSpread> spread;
 };
 
@@ -55,7 +54,7 @@ struct CameraFile {
 CameraFile ReadCameraFile(const std::string& path);
 /// Parses a camera file; path is used in errors.
 CameraFile ParseCameraFile(const std::string& path, const std::string& text);
-/// The number of digits of a lens's parameters: 12, or as many as needed for an
+/// Number of digits of a camera's parameters: 12, or the number needed for an
 /// exact round trip.
 enum class Digits { kTwelve, kAll };
 std::string FormatCameraFile(const CameraFile& file,

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// Reads "capture" from a camera file; nothing if it is absent. Throws
+/// Reads "capture" from a camera file; nullopt if it is absent. Throws
 /// InputError, without the file's name, for unknown keys and values that are
 /// impossible for images of that size, or exceptions of yaml-cpp.
 std::optional<Capture> ParseCapture(const YAML::Node& node,

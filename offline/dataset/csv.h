@@ -25,22 +25,22 @@ class CsvReader {
 
   bool HasColumn(const std::string& column) const;
 
-  /// Advances to the next row; false after the last one. Throws InputError if
-  /// the number of fields differs from the header's or exceeds 1000, and for
-  /// more than max_rows rows.
+  /// Advances to the next row; returns false after the last one. Throws
+  /// InputError if the number of fields differs from the header's or exceeds
+  /// 1000, and for more than max_rows rows.
   bool Next();
 
   /// Makes Next() throw InputError, with the limit, for longer files.
   void LimitRows(size_t max_rows) { max_rows_ = max_rows; }
 
-  /// A field of the current row.
+  /// Returns a field of the current row.
   const std::string& Text(const std::string& column) const;
-  /// A finite number or an integer; throws InputError with file, line and
-  /// column.
+  /// Returns a finite number or an integer. Throws InputError with file, line
+  /// and column.
   double Number(const std::string& column) const;
   int Integer(const std::string& column) const;
 
-  /// "file, line 7": for further errors about the current row.
+  /// Returns "file, line 7", for further errors about the current row.
   std::string Place() const;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-/// An observed target point.
+/// An observed feature.
 struct Feature {
   int board = 0;  ///< board id in the pattern
   int column = 0, row = 0;

@@ -8,13 +8,13 @@
 
 namespace raygrid {
 
-/// The EXIF tag of a condition: "SubjectDistance" for a lens position,
-/// "AmbientTemperature".
+/// Returns the EXIF tag of an operating-point variable: "SubjectDistance" for a
+/// lens position, "AmbientTemperature".
 std::string ExifTagName(OperatingParameter condition);
 
-/// Reads the value of a condition from EXIF data in a PNG, JPEG or WebP file: 1
-/// / distance in metres, 0 for infinity; or degrees Celsius. Nothing if absent
-/// or marked as unknown. name is used in errors. Throws InputError like
+/// Reads an operating-point variable from the EXIF data of a PNG, JPEG or WebP
+/// file: 1 / distance in metres, 0 for infinity; or degrees Celsius. nullopt if
+/// absent or marked as unknown. name is used in errors. Throws InputError like
 /// ParseImageHeader().
 std::optional<double> ReadExifParameter(const std::string& name,
                                         const std::string& bytes,

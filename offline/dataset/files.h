@@ -10,14 +10,14 @@ namespace raygrid {
 /// (some never end), or a pipe without a writer for a few seconds.
 std::string ReadFile(const std::string& path);
 
-/// Whether to follow symbolic links to the file that is to be replaced, or to
-/// replace the links themselves.
+/// Whether symbolic links to the file to replace are followed, or replaced
+/// themselves.
 enum class Links { kFollow, kReplace };
 
 /// Files that are written atomically as a group: temporary files beside the
 /// targets are renamed when all are complete. Otherwise throws Error(kOutput)
 /// and removes them. Creates missing folders. Pipes and devices are written
-/// directly, also by way of links, unless these are replaced.
+/// directly, also through links, unless links are replaced.
 class OutputFiles {
  public:
   void Add(const std::string& path, std::string contents,
@@ -32,7 +32,7 @@ class OutputFiles {
   std::vector<File> files_;
 };
 
-/// Throws Error(kOutput) for a path that cannot be written; error is errno.
+/// Throws Error(kOutput) for a path that is not writable; error is errno.
 [[noreturn]] void ThrowWriteError(const std::string& path, int error);
 
 /// Writes a single file.

@@ -7,23 +7,23 @@
 
 namespace raygrid {
 
-/// Restricts an operating-point model to the conditions that are not held.
+/// Restricts an operating-point model to the variables that are not held.
 /// Standard deviations are interpolated linearly between known values.
 OperatingPointCalibration FixOperatingPoint(
     const OperatingPointCalibration& stack, const FixedOperatingPoint& at);
-/// Restricts the model to one condition, with the others at mid-range.
+/// Restricts the model to one variable, with the other at mid-range.
 OperatingPointCalibration SliceOperatingPointModel(
     const OperatingPointCalibration& stack, size_t range);
 
-/// The file of the camera at fixed values of conditions, which are recorded as
-/// its capture settings. Contains an operating-point model over the remaining
-/// conditions, if any. A cell is valid if it is in the middle of the ranges,
-/// and if its standard deviation at the values is small enough.
+/// Makes the file of the camera at fixed operating-point variables, which are
+/// recorded as its capture settings. Contains an operating-point model over the
+/// remaining variables, if any. A cell is valid if it is valid at mid-range,
+/// and its standard deviation at the fixed values is small enough.
 CameraFile MakeCameraFileAt(const CameraFile& stack,
                             const FixedOperatingPoint& at);
 
-/// The uncertainty over all operating points: at each position, the maximum
-/// standard deviation; cells are valid if they are at all values.
+/// Computes the uncertainty over all operating points: at each position, the
+/// maximum standard deviation; cells that are valid at all values are valid.
 std::optional<CameraUncertainty> ComputeMaxUncertainty(const CameraFile& stack);
 
 }  // namespace raygrid

@@ -6,9 +6,9 @@
 
 namespace raygrid {
 
-/// The conversion of decoded pixels; values are those of cv::ImreadModes.
+/// Conversions of decoded pixels; the values are cv::ImreadModes.
 enum class PixelConversion {
-  kNone = -1,        ///< channels and depth of the file, colours as BGR(A)
+  kNone = -1,        ///< channels, depth as in the file, BGR(A)
   kGrey = 0,         ///< 8 bits
   kColor = 1,        ///< BGR of 8 bits
   kGreyAnyDepth = 2  ///< 8 or 16 bits, as in the file

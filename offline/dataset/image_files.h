@@ -54,15 +54,15 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes);
 /// Encodes an image as PNG, with its channels and depth.
 std::string EncodePng(const Image& image);
 
-/// A file that is skipped, and why.
+/// A skipped file, and the reason.
 struct SkippedImage {
   std::string path, reason;
 };
 
 struct FoundImages {
   std::vector<std::string> paths;
-  /// Files in folders that are skipped: pictures written by raygrid, and
-  /// unsupported formats.
+  /// Skipped files in folders: pictures written by raygrid, and unsupported
+  /// formats.
   std::vector<SkippedImage> left_out;
 };
 
@@ -70,8 +70,8 @@ struct FoundImages {
 /// independently of the order of paths. Throws InputError if a folder has none.
 FoundImages FindImages(const std::vector<std::string>& paths);
 
-/// The warning about images whose files request rotation (EXIF); empty if there
-/// are none.
+/// Formats the warning about images whose files request rotation (EXIF); empty
+/// if there are none.
 std::string WarnAboutOrientation(const std::vector<std::string>& names);
 
 }  // namespace raygrid

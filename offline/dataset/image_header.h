@@ -32,10 +32,10 @@ constexpr int kMaxSidePx = 16384;
 constexpr int kMaxHugeSidePx = 65535;
 constexpr int64_t kMaxHugePixels = int64_t{1} << 30;
 
-/// Allows huge images until the program ends.
+/// Allows huge images until the program exits.
 void AllowHugeImages();
 
-/// Why an image of this size is rejected; empty if it is accepted.
+/// Returns why an image of this size is rejected; empty if it is accepted.
 std::string DescribeSizeLimit(uint64_t width, uint64_t height);
 
 }  // namespace raygrid

@@ -11,7 +11,7 @@ struct LineDelay {
   double seconds = 0;      ///< negative: from the last row to the first
   double deviation_s = 0;  ///< standard deviation; 0: unknown
 
-  /// Whether 0, a global shutter, is within two standard deviations.
+  /// Returns whether 0, a global shutter, is within two standard deviations.
   bool IsPossiblyGlobalShutter() const {
     return !(std::abs(seconds) > 2 * deviation_s);
   }
@@ -24,9 +24,9 @@ constexpr double kLongestRowTimeS = 1e-3;
 struct LineDelayEstimate {
   LineDelay value;
   std::string unobservable_reason;  ///< reason and remedy; empty: estimated
-  /// False: the time stamps contradict the images, as untold explains.
+  /// False if timestamps contradict the images (see unobservable_reason).
   bool are_timestamps_consistent = true;
-  int num_images = 0;  ///< used, with neighbours in time
+  int num_images = 0;  ///< used images with neighbours in time
   /// Whether the features were compensated for the rolling shutter.
   bool is_compensated = false;
   int num_left_out = 0;  ///< images without a motion estimate, if so

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// Keeps freed memory in the process from here on: each iteration of an
-/// optimization allocates as much again, and the system would have to clear it.
+/// Keeps freed memory in the process: each iteration of an optimization
+/// allocates the same amount again, and the system would have to clear it.
 inline void RetainFreedMemory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest value that glibc accepts
   mallopt(M_TRIM_THRESHOLD, 1 << 30);

@@ -10,14 +10,14 @@
 namespace raygrid {
 
 /// Reads the operating-point model of a camera.yaml: condition, range, changes
-/// (the control points a, b of each term, from the first power on), or a list
-/// of these, conditions; and deviations. camera: that of the file, in the
-/// middle of the ranges. Nothing if the node is absent. Throws exceptions of
-/// yaml-cpp, and InputError without the file's name.
+/// (control points a, b of each term, starting with the first power), or a list
+/// of them, conditions; and deviations. camera: the file's camera, at the
+/// mid-range. nullopt if the node is absent. Throws exceptions of yaml-cpp, and
+/// InputError without the file's name.
 std::optional<OperatingPointCalibration> ParseOperatingPointModel(
     const YAML::Node& node, const CameraModel& camera);
 
-/// Writes the key "stack" to the current map.
+/// Writes the key "stack" to the current mapping.
 void EmitOperatingPointModel(const OperatingPointCalibration& stack,
                              YAML::Emitter* out);
 

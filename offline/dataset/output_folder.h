@@ -7,9 +7,9 @@
 namespace raygrid {
 
 /// A folder whose files are replaced atomically. They are first written to a
-/// hidden folder beside it, which is then exchanged with it in one step: after
-/// a crash, all old or all new files are there, never a mixture. Other files in
-/// the folder are kept.
+/// hidden folder beside it, and both are then exchanged in one step: after a
+/// crash, the folder has all old or all new files, never a mixture. Other files
+/// in the folder are kept.
 ///
 /// Where folders cannot be exchanged (a mount point, the working directory, a
 /// folder with other subfolders, an unsupported file system), the old files are
@@ -17,26 +17,26 @@ namespace raygrid {
 /// of the new files.
 class OutputFolder {
  public:
-  /// Creates the folder if necessary, and the hidden one. Throws
+  /// Creates the folder if needed, and the hidden temporary folder. Throws
   /// Error(kOutput).
   explicit OutputFolder(const std::string& folder);
-  /// Removes the hidden folder, and with it everything not committed.
+  /// Removes the hidden folder, including files that were not committed.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// The hidden folder, for writing.
+  /// Returns the hidden folder, where files are written.
   const std::string& path() const { return hidden_; }
 
-  /// Replaces the folder's files by those of the same names, and removes stale
-  /// ones, given by their relative paths. Throws Error(kOutput), leaving the
-  /// folder unchanged.
+  /// Replaces the folder's files by the new files of the same names, and
+  /// removes stale files, given by their relative paths. Throws Error(kOutput),
+  /// leaving the folder unchanged.
   void Commit(const std::set<std::string>& stale);
 
  private:
   std::string folder_;  // without symbolic links
   std::string hidden_;
-  int lock_ = -1;  // of the hidden folder, during the lifetime
+  int lock_ = -1;  // locks the hidden folder
 };
 
 }  // namespace raygrid

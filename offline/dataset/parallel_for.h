@@ -17,9 +17,8 @@ inline int NumThreads(int requested) {
 }
 
 /// Calls body(i) once for each i in [0, count), on several threads.
-/// Deterministic for any number of threads if body(i) writes only what belongs
-/// to i. Uses fewer threads if no more can be created. Rethrows the first
-/// exception.
+/// Deterministic for any number of threads if calls write to separate memory.
+/// Uses fewer threads if no more can be created. Rethrows the first exception.
 template <typename Body>
 void ParallelFor(int count, int num_threads, const Body& body) {
   num_threads = std::min(num_threads, count);

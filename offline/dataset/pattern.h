@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// Feature points of all boards of a pattern.
+/// Maximum number of feature points over all boards of a pattern.
 constexpr size_t kMaxPatternPoints = 100000;
 
 /// An AprilTag on a star board. Its area, white margin included, is squares
@@ -27,90 +27,90 @@ struct Board {
   int id = 0;
   std::string kind;  ///< see dataset/kinds
   int columns = 0, rows = 0;
-  double square_m = 0;  ///< between features; AprilGrid: a tag's black square
+  double square_m = 0;  ///< feature distance; AprilGrid: a tag's black square
 
-  int segments = 0;            ///< star: black and white ones, counted together
+  int segments = 0;            ///< star: number of black and white ones
   std::vector<BoardTag> tags;  ///< star
   double marker_m = 0;         ///< ChArUco: side of a marker's black square
-  std::string dictionary;      ///< ChArUco: as OpenCV names it
-  bool is_legacy = false;  ///< ChArUco: markers as OpenCV put them before 4.6
-  /// AprilGrid: as AprilTag names it, or an ArUco dictionary as OpenCV does
+  std::string dictionary;      ///< ChArUco: OpenCV's name
+  bool is_legacy = false;      ///< ChArUco: markers as before OpenCV 4.6
+  /// AprilGrid: AprilTag's name, or an ArUco dictionary as OpenCV names it.
   std::string tag_family;
   double spacing_ratio = 0;  ///< AprilGrid: gap between tags / square_m
-  int first_marker = 0;      ///< ChArUco, AprilGrid: the lowest marker number
-  /// AprilGrid: black squares touch the tags' corners, as Kalibr draws them.
+  int first_marker = 0;      ///< ChArUco, AprilGrid: lowest marker ID
+  /// AprilGrid: black squares touch the tags' corners, as in Kalibr.
   bool has_corner_squares = true;
   int border_cells = 2;  ///< AprilGrid: width of a tag's black border
-  /// AprilGrid: tags are numbered row by row from the top left, as OpenCV's
-  /// GridBoard has them; otherwise from the bottom left, as Kalibr has them.
+  /// AprilGrid: tags are numbered row by row from the top left, as in OpenCV's
+  /// GridBoard; otherwise from the bottom left, as in Kalibr.
   bool is_numbered_from_top = false;
 
-  /// The places of the features, row by row: nominal, or as a calibration found
-  /// them.
+  /// Positions of the features, row by row: nominal, or estimated by a
+  /// calibration.
   std::vector<Eigen::Vector3d> points;
 
   int num_points() const { return columns * rows; }
-  /// The index of the point at a column and row within the board.
+  /// Returns the index of the point at a column and row.
   int PointIndex(int column, int row) const { return row * columns + column; }
-  /// In how many ways the board can be turned in its plane so that it looks as
-  /// before: 2 for chessboards whose counts of corners are both even or both
-  /// odd, 4 if these are equal and even, else 1.
+  /// Returns the order of the board's rotational symmetry: 2 for chessboards
+  /// whose numbers of corners are both even or both odd, 4 if they are equal
+  /// and even, else 1.
   int NumRotations() const;
-  /// The column and row of the feature that one becomes by a turn, from 0 to
-  /// NumRotations() - 1 steps from the x axis towards the y axis.
+  /// Returns the column and row to which a rotation moves a feature: turn is 0
+  /// to NumRotations() - 1 steps from the x axis towards the y axis.
   std::pair<int, int> Rotated(int column, int row, int turn) const;
-  /// Whether the ink around features is symmetric about them, but for markers
-  /// and the board's edge: not that of corners on white paper.
+  /// Returns whether the print around features is symmetric about them, apart
+  /// from markers and the board's edge: false for tag corners on white paper.
   bool HasSymmetricFeatures() const { return has_corner_squares; }
-  /// Whether boards are identified by tags or markers.
+  /// Returns whether boards are identified by tags or markers.
   bool HasMarkers() const {
     return !tags.empty() || !dictionary.empty() || !tag_family.empty();
   }
-  /// Points in space: no lattice, no nominal geometry, no front.
+  /// Returns whether it has no lattice, nominal geometry or front.
   bool IsPointSet() const;
-  /// Features are the corners of tags, and not evenly spaced.
+  /// Returns whether features are the corners of tags, not evenly spaced.
   bool IsTagGrid() const;
-  /// False for positions on or inside a tag of a star board.
+  /// Returns false for positions on or inside a tag of a star board.
   bool HasFeature(int column, int row) const;
-  /// The nominal points, in the plane z = 0: (column, row) square_m, but for
-  /// AprilGrids, whose features are the corners of the tags' black squares.
+  /// Returns the nominal points in the plane z = 0: (column, row) square_m, or
+  /// for AprilGrids the corners of the tags' black squares.
   std::vector<Eigen::Vector3d> NominalPoints() const;
 };
 
-/// Boards that are fixed to each other, as a calibration found them.
+/// A rigid multi-board target, as estimated by a calibration.
 struct RigidTarget {
-  std::vector<int> boards;             ///< ids
-  std::vector<Pose> first_from_board;  ///< of each
+  std::vector<int> boards;             ///< board ids
+  std::vector<Pose> first_from_board;  ///< poses by board
 };
 
-/// pattern.yaml.
+/// The contents of pattern.yaml.
 struct Pattern {
   std::vector<Board> boards;
-  /// The file's text as read, so that keys that are not used here are kept on
-  /// writing.
+  /// Text of the file as read, so that keys that are not used here are
+  /// preserved when writing.
   std::string yaml;
   std::vector<RigidTarget> rigid_targets =
-      {};  ///< other boards move by themselves
+      {};  ///< other boards are independent
 
-  /// nullptr if there is no such board.
+  /// Returns nullptr if there is no such board.
   const Board* FindBoard(int id) const;
 };
 
 /// Throws InputError for more than kMaxPatternPoints.
 void RequireFewPoints(const std::string& place, size_t count);
 
-/// Throws InputError; name is used in errors.
+/// Parses pattern.yaml. Throws InputError; name is used in errors.
 Pattern ParsePattern(const std::string& name, const std::string& yaml);
 Pattern ReadPattern(const std::string& path);
 
-/// The text of pattern.yaml with the boards' points as they are now.
+/// Formats pattern.yaml with the current points of the boards.
 std::string FormatPattern(const Pattern& pattern);
 
-/// Sets whether an AprilGrid has corner squares, and the border and numbering
-/// that usually go with it: Kalibr's with squares, OpenCV's without.
+/// Sets whether an AprilGrid has corner squares, and the associated border and
+/// numbering: Kalibr's with squares, OpenCV's without.
 void SetCornerSquares(bool has_corner_squares, Board* board);
 
-/// A chessboard with columns x rows inner corners.
+/// Makes a chessboard with columns x rows inner corners.
 Pattern ChessboardPattern(int columns, int rows, double square_m);
 
 }  // namespace raygrid

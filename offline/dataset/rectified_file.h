@@ -12,8 +12,8 @@ namespace raygrid {
 /// The contents of rectified.yaml: two views with common rows.
 struct RectifiedFile {
   std::array<std::string, 2> names;  ///< left and right
-  ImageSize size;                    ///< of both
-  /// Projections of points in the left view's axes, with a common K.
+  ImageSize size;                    ///< size of both views
+  /// Projection matrices of points in the left view's axes; K is common.
   std::array<Eigen::Matrix<double, 3, 4>, 2> p;
 };
 

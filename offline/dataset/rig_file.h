@@ -15,8 +15,8 @@ struct RigFileCamera {
   Pose camera_from_rig;
 };
 
-/// Whether a camera name is valid: names become folders, and links in the
-/// report. They consist of letters, digits, '-' and '_'.
+/// Returns whether a camera name is valid: it consists of letters, digits, '-'
+/// and '_', as it is used for folders and for links in the report.
 bool IsRigCameraName(const std::string& name);
 
 /// Reads rig.yaml, in the file's order. Throws InputError.

@@ -9,11 +9,11 @@
 
 namespace raygrid {
 
-/// Reads spread from a camera file: columns, rows, displacements_px. Nothing if
+/// Reads spread from a camera file: columns, rows, displacements_px. nullopt if
 /// it is absent. Throws InputError without the file's name.
 std::optional<LensSpread> ParseSpread(const YAML::Node& node);
 
-/// Writes this key to the current map.
+/// Writes this key to the current mapping.
 void EmitSpread(const LensSpread& spread, YAML::Emitter* out);
 
 }  // namespace raygrid

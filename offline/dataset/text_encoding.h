@@ -6,8 +6,8 @@
 
 namespace raygrid {
 
-/// The position of the first byte that is not UTF-8 text, including the byte 0;
-/// npos if there is none.
+/// Returns the position of the first byte that is not UTF-8 text, including
+/// null bytes; npos if there is none.
 size_t FindInvalidUtf8(std::string_view text);
 
 /// Formats text as one line for a terminal: control characters and invalid
@@ -18,17 +18,17 @@ std::string Printable(std::string_view text);
 /// mark.
 void RequireTextFile(const std::string& path, std::string_view contents);
 
-/// Limits of files of keys and values, such as a camera or a pattern: parsers
-/// need about 500 bytes per value. A grid of 100,000 control points and a
-/// pattern of as many points are within them.
+/// Limits of files of keys and values, such as cameras and patterns: parsers
+/// need about 500 bytes per value. Grids with 100,000 control points and
+/// patterns with 100,000 points are within them.
 constexpr size_t kMaxTreeBytes = 64 << 20, kMaxTreeMarks = 1000000;
-/// Characters next to values of YAML, JSON or TOML, and of XML.
+/// Characters adjacent to values of YAML, JSON or TOML, and of XML.
 constexpr char kTreeMarks[] = "\n,:[{?", kXmlMarks[] = "<=";
 
 /// Throws InputError, with the limit, if a text of keys and values has more
-/// bytes, or more marks, which are next to values, than these. A '-' before
-/// white space also counts. path may be empty for callers that add it to errors
-/// later.
+/// than max_bytes, or too many marks, characters adjacent to values. A '-'
+/// before white space also counts. path may be empty for callers that add it to
+/// errors later.
 void RequireSmallTree(const std::string& path, std::string_view text,
                       const char* marks = kTreeMarks,
                       size_t max_bytes = kMaxTreeBytes);

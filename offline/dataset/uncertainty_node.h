@@ -24,7 +24,7 @@ LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
 /// exceptions of yaml-cpp, and InputError without the file's name.
 UncertaintyLattice ParseUncertaintyLattice(const YAML::Node& node);
 
-/// Writes these keys to the current map.
+/// Writes these keys to the current mapping.
 void EmitUncertaintyLattice(const UncertaintyLattice& lattice,
                             YAML::Emitter* out);
 
@@ -33,7 +33,7 @@ void EmitUncertaintyLattice(const UncertaintyLattice& lattice,
 std::vector<std::vector<Eigen::Vector2d>> ParseDisplacements(
     const YAML::Node& node, const std::string& name, int num_places);
 
-/// Writes this key to the current map.
+/// Writes this key to the current mapping.
 void EmitDisplacements(
     const std::vector<std::vector<Eigen::Vector2d>>& displacements_px,
     YAML::Emitter* out);

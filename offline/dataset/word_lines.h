@@ -13,20 +13,20 @@ namespace raygrid {
 /// '#'.
 class WordLines {
  public:
-  /// Errors name the path and the expected format: "a text model as COLMAP
-  /// writes it".
+  /// Errors name the path and the expected format, such as "a text model as
+  /// COLMAP writes it".
   WordLines(const std::string& path, const std::string& text,
             const std::string& expected)
       : path_(path), expected_(expected), stream_(text) {}
 
-  /// Advances to the next line, which may be empty; false at the end.
+  /// Advances to the next line, which may be empty; returns false at the end.
   bool Next();
   bool NextWithWords();
 
   size_t size() const { return words_.size(); }
   /// Throws InputError if the line has too few words.
   const std::string& Text(size_t index) const;
-  /// A finite number. Throws InputError.
+  /// Returns a finite number. Throws InputError.
   template <typename Number>
   Number Get(size_t index) const {
     const std::string& text = Text(index);

@@ -10,8 +10,8 @@
 
 namespace raygrid {
 
-/// Whether the last line of a file may lack its end, as in files of other
-/// programs. raygrid's own files end with one, so that truncation is detected.
+/// Whether the last line may lack a line end, as in other programs' files.
+/// raygrid's own files have one, so that truncation is detected.
 enum class LastLine { kEnds, kMayLackEnd };
 
 /// Throws InputError if a YAML file is not text, exceeds the limits

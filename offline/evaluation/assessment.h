@@ -19,7 +19,7 @@ namespace raygrid {
 struct BetterModel {
   std::string model;
   double median_px = 0;
-  double own_median_px = 0;  ///< of the requested model
+  double own_median_px = 0;  ///< error of the requested model
 };
 
 /// The images of two cameras that were assumed to be one.
@@ -37,22 +37,22 @@ struct MisreadImage {
 struct CalibrationMetrics {
   bool converged = false, interrupted = false;
   ImageSize image_size;
-  Area features_area;  ///< the rectangle of the features
+  Area features_area;  ///< bounding rectangle of the features
   int images_used = 0, images_rejected = 0;
   /// Images that are used or held out, and their near-duplicates.
   int images_kept = 0, num_duplicate_images = 0;
   /// Held-out images that are near-duplicates of calibration images.
   std::vector<std::string> held_out_duplicates;
-  int images_with_too_few_features = 0;  ///< of the rejected images
+  int images_with_too_few_features = 0;  ///< among the rejected images
   ErrorMetrics training;
   /// The held-out errors; with per-view deformation if training has it.
   std::optional<ErrorMetrics> held_out;
   bool per_view_deformation = false;
-  /// Without outlier images: of held-out errors, or of training errors if
-  /// smaller; model errors due to few images appear only in the former.
+  /// Correlation of held-out errors, or of training errors if smaller (model
+  /// errors due to few images are only in the former); without outlier images.
   std::optional<double> neighbor_correlation;
   std::vector<std::string> outlier_images;  ///< with much larger errors
-  /// Images with large errors only when held out, since they alone cover some
+  /// Images with large errors only when held out, because they alone cover some
   /// regions of the image, and these regions.
   std::vector<std::string> unique_coverage_images, unique_coverage_regions;
   std::vector<std::string>
@@ -61,11 +61,11 @@ struct CalibrationMetrics {
   MisreadImage most_misread;  ///< if any
   std::optional<MixedCameras> mixed_cameras;
   int boards_seen = 0, different_views = 0;
-  /// One image for each time that a board is seen from behind.
+  /// One image for each rear view of a board.
   std::vector<std::string> mirrored_images;
   std::optional<double> tilt_rad;  ///< between two boards; only if planar
-  /// The median predicted uncertainty over the rectangle of the features; the
-  /// valid fraction of the image, and the limit that defines it.
+  /// Median predicted uncertainty over the bounding rectangle of the features;
+  /// fraction of the image in the valid region, and its limit.
   std::optional<double> median_deviation_px, valid_share, valid_limit_px;
   std::optional<ExtrapolatedRegion> extrapolated;
   FoldOver fold_over;
@@ -73,26 +73,26 @@ struct CalibrationMetrics {
   /// significant; otherwise 0.
   double flatness_error_m = 0;
   std::optional<FleetDistance> fleet_distance;
-  /// The model with the best held-out error, if it is better than the chosen
-  /// one.
+  /// The model with the smallest held-out error, if it is better than the
+  /// chosen model.
   std::optional<BetterModel> better_model;
-  BudgetFacts tried;       ///< what was already tried
-  BudgetAssessment limit;  ///< by causes of the residuals; may be undetermined
-  /// Why the time stamps contradict the motion; empty if they do not.
+  BudgetFacts tried;       ///< models and options already tried
+  BudgetAssessment limit;  ///< limiting cause of the residuals, if any
+  /// Why timestamps contradict the motion; empty if they are consistent.
   std::string timestamp_error;
   std::optional<double> pixel_aspect;  ///< pixel width / height, image centre
 };
 
 /// "pass": a careful engineer would accept the camera for its images; "warn":
 /// not everywhere, or only after inspection; "fail": unusable. Reasons, with
-/// remedies, the most serious first; those of a "pass" are for information.
+/// remedies, are sorted by severity; with "pass" they are informative.
 struct Assessment {
   std::string word;
   std::vector<std::string> reasons;
   std::string failure = {};  ///< the first reason of a "fail"
 };
 
-/// Whether correlated errors exceed the noise, by an amount that matters.
+/// Returns whether correlated errors exceed the noise by a relevant amount.
 bool HasCorrelatedErrors(double neighbor_correlation,
                          const ErrorMetrics& errors);
 

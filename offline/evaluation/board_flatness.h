@@ -10,7 +10,7 @@ namespace raygrid {
 /// A board's deviation from its best-fitting plane, and from its nominal
 /// points.
 struct BoardFlatness {
-  /// Above the plane, by point; NaN where the board has no feature.
+  /// Height above the plane, by point; NaN for points without a feature.
   std::vector<double> height_m;
   double rms_height_m = 0, max_height_m = 0;
   /// In-plane deviation after the best similarity transform.

@@ -8,8 +8,8 @@
 namespace raygrid {
 
 /// The limit of a calibration: a name as in the table ("noise", "outliers",
-/// "per-view effects", "unexplained", or a cause's), a sentence, and the most
-/// effective remedy.
+/// "per-view effects", "unexplained", or the name of a cause), a sentence, and
+/// the most effective remedy.
 struct BudgetAssessment {
   std::string limit, sentence, advice;
   bool IsDetermined() const { return !limit.empty(); }
@@ -19,11 +19,11 @@ struct BudgetAssessment {
 };
 
 /// Finds the limiting cause. A cause of a tenth of the squared residuals
-/// precedes noise: noise averages out over features, correlated errors do not.
+/// precedes noise, which averages out over features; correlated errors do not.
 BudgetAssessment AssessBudget(const ResidualBudget& budget);
 
-/// Recommendations against correlated errors without an identified cause; omits
-/// what was already tried.
+/// Recommends measures against correlated errors without an identified cause;
+/// omits measures that were already tried.
 std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts);
 
 }  // namespace raygrid

@@ -37,11 +37,11 @@ struct BoardDeformation {
   struct View {
     std::string image;
     int board = 0;
-    double rms_m = 0;  ///< of the points' deviations from the mean shape
+    double rms_m = 0;  ///< RMS deviation of the points from the mean shape
   };
   std::vector<View> views;
   double rms_m = 0;  ///< over all views
-  /// Of the view with the largest deformation: its index, and point heights.
+  /// The view with the largest deformation: its index, and point heights.
   int most_deformed = 0;
   std::vector<double> heights_m;
 };
@@ -58,7 +58,8 @@ struct ModelCandidate {
   std::string model;
   double loss = 0;  ///< mean held-out Huber loss, px^2
   double median_px = 0;
-  double gain = 0;  ///< over the grid, in standard errors of the difference
+  double gain =
+      0;  ///< gain over the grid, in standard errors of the difference
 };
 
 /// Another model, with the same training and held-out features.
@@ -74,19 +75,18 @@ struct ModelMetrics {
 /// The calibration result of one camera, alone or in a rig.
 struct CalibrationResult {
   CameraFile camera;
-  Pattern pattern;   ///< with the estimated points
-  Dataset features;  ///< those used
-  /// The rotations of boards relative to the numbering of the features, by
-  /// image and board id: steps of Board::Rotated(). Boards without one are
+  Pattern pattern;   ///< estimated pattern
+  Dataset features;  ///< features used
+  /// Rotations of boards relative to the numbering of the features, by image
+  /// and board id, in steps of Board::Rotated(). Boards without rotation are
   /// omitted.
   std::map<std::pair<std::string, int>, int> turns;
   /// Images in which the orientation of a rotationally symmetric board is
   /// ambiguous.
   std::vector<std::string> ambiguous_rotation_images;
-  /// Of all images; those of near-duplicates are last.
+  /// Target poses of all images; near-duplicates last.
   std::vector<BoardPose> poses;
-  /// Groups of near-duplicates that count as one image: of each, one is used or
-  /// held out.
+  /// Groups of near-duplicates; one image of each group is used or held out.
   std::vector<NearDuplicates> near_duplicates;
   /// Held-out images that are near-duplicates of calibration images.
   std::vector<std::string> held_out_duplicates;
@@ -105,12 +105,12 @@ struct CalibrationResult {
   /// the image: without them, the camera is extrapolated there.
   std::vector<std::string> unique_coverage_images;
   std::optional<BoardDeformation>
-      bends;  ///< nothing without per-view deformation
+      bends;  ///< nullopt without per-view deformation
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;
   std::optional<MixedCameras> mixed_cameras;
   std::vector<KnotSpacingCandidate> knot_spacing_candidates;
-  std::vector<ModelCandidate> model_candidates;  ///< of model "auto"
+  std::vector<ModelCandidate> model_candidates;  ///< candidates of model "auto"
   double knot_spacing_px = 0;  ///< knot spacing; 0 for a parametric model
   int num_parameters = 0;
   bool converged = false;
@@ -123,20 +123,20 @@ struct CalibrationResult {
   std::vector<ModelMetrics> parametric_models;
   /// The fraction of the median held-out error that a richer model removes.
   std::optional<double> model_error_px;
-  /// Correlation of neighbouring residuals, held-out if available, otherwise of
-  /// the training set.
+  /// Correlation of neighbouring residuals: held-out residuals if available,
+  /// otherwise training residuals.
   std::optional<double> neighbor_correlation;
   /// See CameraUncertainty; not stored in camera files.
   double jackknife_scale = 1;
-  /// Nothing without a predicted uncertainty.
+  /// Extrapolated region; nullopt without a predicted uncertainty.
   std::optional<ExtrapolatedRegion> extrapolated;
   std::optional<LineSpread> line_spread;  ///< of a non-central camera
   FoldOver fold_over;
   double flatness_error_m = 0;  ///< see CalibrationMetrics
-  /// Distance from the fleet that is the prior; nothing without its covariance.
+  /// Distance from the prior fleet; nullopt without the fleet's variation.
   std::optional<FleetDistance> fleet_distance;
   std::optional<LineDelayEstimate> line_delay;  ///< if requested
-  /// The causes of the training residuals; nothing if interrupted.
+  /// Causes of the training residuals; nullopt if interrupted.
   std::optional<ResidualBudget> budget;
   Assessment assessment;
 };

@@ -14,8 +14,8 @@ namespace raygrid {
 struct ProjectedFeature {
   Eigen::Vector2d pixel;
   Eigen::Vector2d error_px;            ///< observed - projected
-  Eigen::Matrix<double, 2, 6> J_pose;  ///< J_pose of the view
-  int column = 0, row = 0;             ///< on the board
+  Eigen::Matrix<double, 2, 6> J_pose;  ///< Jacobian by the view's pose
+  int column = 0, row = 0;             ///< position on the board
 };
 using ProjectedView = std::vector<ProjectedFeature>;
 
@@ -23,18 +23,18 @@ using ProjectedView = std::vector<ProjectedFeature>;
 struct ReferenceCamera {
   ImageSize size;
   Area area;
-  double focal_px = 0;  ///< at the image centre
-  double noise_px = 0;  ///< of its features, per coordinate
+  double focal_px = 0;  ///< focal length at the image centre
+  double noise_px = 0;  ///< feature noise, per coordinate
   ErrorModes modes;
 };
 
-/// A type of change. Its parameters cause pixel displacements, and have units
-/// of their own.
+/// A type of change, with parameters that cause pixel displacements, in
+/// separate units.
 struct Movement {
   std::string name;  ///< "scale", "shift", "tilt", "local"
   std::vector<std::string> parameters;
-  std::vector<double> values, deviations;  ///< with standard deviations
-  double sigmas = 0;                       ///< significance, others being zero
+  std::vector<double> values, deviations;  ///< values and standard deviations
+  double sigmas = 0;                       ///< significance, without others
   /// The magnitude detected with a probability of 99 %; not for "local".
   double detection_limit = 0;
 };
@@ -72,11 +72,11 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
 
 /// Estimates the displacement errors of an unchanged camera beyond its
 /// covariance, from images that were not used for the calibration, in groups of
-/// as many images as will be tested. Their common errors, beyond noise, have
-/// causes that the covariance does not include: model errors and correlated
-/// feature errors. Zero if insignificant (p > 0.05); otherwise the upper 95 %
-/// limit of the standard deviation. If local changes are significant,
-/// insignificant others get the limit that is exceeded in one of six cases.
+/// the size to be tested. Their common errors, beyond noise, have causes that
+/// the covariance does not include: model errors and correlated feature errors.
+/// Zero if insignificant (p > 0.05); otherwise the upper 95 % limit of the
+/// standard deviation. If local changes are significant, insignificant others
+/// are set to the limit with an exceedance probability of 1/6.
 MovementErrors ComputeExcessErrors(
     const ReferenceCamera& camera,
     const std::vector<std::vector<ProjectedView>>& unchanged);

@@ -20,18 +20,18 @@ struct NamedFit {
 /// Causes that are estimated from the same halves of the features.
 class CauseGroup {
  public:
-  /// Simulated errors have no component along board motions if poses are given.
-  /// Shares are fractions of a sum of squares.
+  /// If poses are given, components along board motions are removed from
+  /// simulated errors. Shares are fractions of a sum of squares.
   CauseGroup(std::vector<NamedFit> fits, const PoseParts* pose, double squares)
       : fits_(std::move(fits)), pose_(pose), squares_(squares) {}
 
-  /// Computes the causes' shares. Returns each feature's error that remains
-  /// after prediction from the other half.
+  /// Computes the causes' shares. Returns the prediction errors of all
+  /// features, each predicted from the other half.
   Eigen::VectorXd Explain(const Eigen::VectorXd& errors,
                           ResidualBudget* budget) const;
 
-  /// Marks the causes, or the control, that explain the units as well as the
-  /// largest cause does.
+  /// Marks the causes, or the control, that explain the units equally well as
+  /// the largest cause.
   void FindEquivalentCauses(const Eigen::VectorXd& errors,
                             const CrossFit& control,
                             ResidualBudget* budget) const;

@@ -24,8 +24,8 @@ struct HeldOutResiduals {
 struct Trial {
   int fold = 0;
   std::vector<double> knot_spacings_px;
-  bool rigid_boards = false;  ///< false: per-view deformation is estimated
-  HeldOutResiduals held_out;  ///< empty if the rig falls apart without the fold
+  bool rigid_boards = false;       ///< false: per-view deformation is estimated
+  HeldOutResiduals held_out;       ///< empty if the rig is disconnected
   bool has_rigid_targets = false;  ///< rigid multi-board targets
   /// With rigid boards: the fraction of the squared residuals that per-view
   /// deformation would explain.

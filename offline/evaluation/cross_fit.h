@@ -8,12 +8,12 @@
 
 namespace raygrid {
 
-/// Errors specific to units, such as views or image regions: those of a unit's
-/// features are X c, with coefficients c for each unit. An error has two
+/// Errors specific to units, such as views or image regions: the errors of a
+/// unit's features are X c, with coefficients c for each unit. An error has two
 /// coordinates, one after the other.
 struct LinearCause {
   int num_units = 0;
-  std::vector<int> unit;    ///< of each feature; -1: none
+  std::vector<int> unit;    ///< unit of each feature; -1: none
   std::vector<int> half;    ///< 0 or 1, per feature
   Eigen::MatrixXd columns;  ///< X, transposed: k x 2 features
 };
@@ -46,8 +46,8 @@ class CrossFit {
   std::array<Eigen::MatrixXd, 2> vectors_, values_;
 };
 
-/// The reduction of each unit's squared errors by predicting each half from the
-/// other; negative if the prediction increases them.
+/// Computes the reduction of each unit's squared errors by predicting each half
+/// from the other; negative if the prediction increases them.
 std::vector<double> ComputeExplainedSquares(
     const CrossFit& fit, const std::array<Eigen::VectorXd, 2>& errors,
     const std::array<Eigen::VectorXd, 2>& predicted);

@@ -34,7 +34,7 @@ LinearCause MakeImagePositionCause(const BudgetInput& input);
 LinearCause MakeBoardPositionCause(const BudgetInput& input);
 
 /// Errors specific to a view beyond the board's motion. Halves are blocks of
-/// the board's lattice, in a checkerboard. Nothing for boards without
+/// the board's lattice, in a checkerboard. nullopt for boards without
 /// deformation modes.
 std::optional<LinearCause> MakeViewCause(ErrorCause cause,
                                          const BudgetInput& input,
@@ -44,7 +44,7 @@ std::optional<LinearCause> MakeViewCause(ErrorCause cause,
 LinearCause MakeColumnDelayControl(const BudgetInput& input,
                                    const PoseParts& pose);
 
-/// Views with fewer features are not used as units.
+/// Minimum number of features of a view that is used as a unit.
 constexpr int kMinBudgetViewFeatures = 24;
 std::vector<int> CountFeaturesByView(const BudgetInput& input);
 

@@ -14,21 +14,21 @@ namespace raygrid {
 /// The distance of a camera from a fleet's population mean, compared with the
 /// spread of the fleet's units.
 struct FleetDistance {
-  double rms_px = 0;    ///< a lower bound if it looks far outside
-  double units_px = 0;  ///< expected of a unit, with the camera's own errors
+  double rms_px = 0;    ///< a lower bound for far outliers
+  double units_px = 0;  ///< expected for a unit, including the camera's errors
 
-  /// Whether the camera is an outlier of the fleet.
+  /// Returns whether the camera is an outlier of the fleet.
   bool IsOutlier() const;
-  /// "4.1 px from the fleet's middle ..., units of the fleet 0.3 px".
+  /// Formats "4.1 px from the fleet's middle ..., units of the fleet 0.3 px".
   std::string Text() const;
-  /// Text() for an outlier, with a recommendation.
+  /// Formats Text() for an outlier, with a recommendation.
   std::string Warning() const;
 };
 
 /// Computes RMS distances over a sample of the camera's pixels, after the
-/// rotation that best aligns it to the mean. deviation of the camera, per axis,
-/// is added to the spread of the units. Returns nothing if none of the pixels
-/// is in the area of the mean camera.
+/// rotation that best aligns it to the mean. deviations, the camera's standard
+/// deviations per axis, are added to the spread of the units. Returns nullopt
+/// if no pixel is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
     const CameraModel& middle, const LensSpread& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// The distances of a camera's observation lines from the point closest to all
-/// of them: zero for a central camera.
+/// Distances of a camera's observation lines from the point closest to all of
+/// them; zero for a central camera.
 struct LineSpread {
   Eigen::Vector3d nearest_point = Eigen::Vector3d::Zero();
   double rms_m = 0, max_m = 0;

@@ -3,8 +3,8 @@
 
 namespace raygrid {
 
-/// The minimum number of images from which the deviation from a parametric
-/// model, and thus the uncertainty, can be estimated.
+/// Minimum number of images for estimating the deviation from a parametric
+/// model, and thus the uncertainty.
 constexpr int kMinReliableImages = 10;
 
 }  // namespace raygrid

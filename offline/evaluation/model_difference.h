@@ -12,7 +12,7 @@ namespace raygrid {
 struct ModelDifference {
   Pose first_from_second;  ///< best alignment of their lines
   std::vector<Eigen::Vector2d> pixels;
-  std::vector<Eigen::Vector2d> error_px;  ///< by the first camera's projection
+  std::vector<Eigen::Vector2d> error_px;  ///< first camera's projections
   /// Inverse scene distances of the errors, 1/m; empty for two central cameras.
   std::vector<double> inverse_distances;
   double median_px = 0, rms_px = 0, p99_px = 0, max_px = 0;
@@ -24,7 +24,7 @@ struct ModelDifference {
 /// iteratively reweighted).
 ///
 /// Unless both cameras are central, each pixel is evaluated at infinity and at
-/// distance_m, between which the error is a weighted mean; the best translation
+/// distance_m, and the error is a weighted mean of both; the best translation
 /// is removed as well.
 ModelDifference CompareModels(const CameraModel& first,
                               const CameraModel& second, double step_px,

@@ -15,28 +15,28 @@ struct ImagePrediction {
   double first_px = 0, second_px = 0;
 };
 
-/// Which of two cameras predicts features better.
+/// The comparison of two cameras' prediction errors.
 struct PredictionComparison {
-  ErrorMetrics first, second;  ///< of the same features
+  ErrorMetrics first, second;  ///< metrics over the same features
   int num_left_out = 0;        ///< features that only one camera predicts
   std::vector<ImagePrediction> images;
-  int num_first_better = 0, num_second_better = 0;  ///< images
+  int num_first_better = 0, num_second_better = 0;  ///< number of images
   /// p-value of equal accuracy: Wilcoxon's signed-rank test (1945) of the
   /// images' mean errors, two-sided. Features of one image share its pose;
   /// images are independent.
   double probability = 1;
 
-  /// "first", "second", or "neither" if p > 0.01.
+  /// Returns "first", "second", or "neither" if p > 0.01.
   const char* Better() const;
 };
 
-/// Residuals of the same features, of images localized with each camera.
+/// Compares residuals of the same features, localized with each camera.
 PredictionComparison ComparePredictions(
     const std::vector<FeatureResidual>& first,
     const std::vector<FeatureResidual>& second);
 
-/// Wilcoxon's signed-rank test of differences being symmetric about zero:
-/// two-sided p-value, exact for up to 100 differences.
+/// Tests differences for symmetry about zero (Wilcoxon's signed-rank test):
+/// returns the two-sided p-value, exact for up to 100 differences.
 double SignedRankProbability(std::vector<double> differences);
 
 }  // namespace raygrid

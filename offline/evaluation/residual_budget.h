@@ -19,12 +19,12 @@ struct BudgetFeature {
   int point = 0;  ///< index over all boards
   int column = 0, row = 0;
   Eigen::Vector2d pixel, error_px;
-  Eigen::Matrix<double, 2, 3> J_point;  ///< in the board's frame
-  /// With respect to a rotation and a translation in the camera frame.
+  Eigen::Matrix<double, 2, 3> J_point;  ///< by the point in the board's frame
+  /// Jacobian by a rotation and a translation in the camera frame.
   Eigen::Matrix<double, 2, 6> J_pose;
 };
 
-/// What a calibration already includes: it is not recommended again.
+/// What a calibration already includes, so that it is not recommended.
 struct BudgetFacts {
   std::string model;
   double knot_spacing_px = 0;  ///< knot spacing of a grid
@@ -35,8 +35,8 @@ struct BudgetFacts {
   bool bends_tried = false;  ///< per-view deformation was tried or estimated
   /// Models that were compared with this one.
   bool generic_tried = false, noncentral_tried = false;
-  std::string better_model;    ///< of them, if its held-out error is lower
-  bool mixed_cameras = false;  ///< the images seem to be from two
+  std::string better_model;    ///< its name if its held-out error is lower
+  bool mixed_cameras = false;  ///< the images seem to be from two cameras
 
   bool IsGrid() const {
     return model == models::kCentralGeneric ||
@@ -46,12 +46,12 @@ struct BudgetFacts {
 
 struct BudgetInput {
   ImageSize image_size;
-  std::vector<BudgetFeature> features;  ///< contiguous for each view
-  std::vector<Eigen::Vector3d> points;  ///< in board frames
-  std::vector<int> boards;              ///< by point
-  /// The deformation modes, 3 x k for each point; may be empty.
+  std::vector<BudgetFeature> features;  ///< contiguous by view
+  std::vector<Eigen::Vector3d> points;  ///< points in board frames
+  std::vector<int> boards;              ///< board by point
+  /// Deformation modes, 3 x k for each point; may be empty.
   std::vector<Eigen::Matrix3Xd> bends;
-  int num_parameters = 0;  ///< fitted to these residuals
+  int num_parameters = 0;  ///< number fitted to these residuals
   BudgetFacts facts;
 };
 
@@ -65,25 +65,24 @@ enum class ErrorCause {
 };
 constexpr int kNumErrorCauses = 6;
 
-/// "lens model", ...
+/// Returns the name of a cause: "lens model", ...
 const char* ToString(ErrorCause cause);
 
-/// The share of one cause, as a fraction of the sum of squared residuals.
+/// The fraction of the sum of squared residuals due to one cause.
 struct CauseShare {
   bool is_observable = false;
-  std::string unobservable_reason;  ///< why it is not determined
+  std::string unobservable_reason;  ///< why it is not observable
   double alone = 0;    ///< before removing other causes; may be negative
-  double in_turn = 0;  ///< of the remainder after previous causes; they add up
+  double in_turn = 0;  ///< after removing previous causes; these add up
   double chance_mean = 0, chance_high = 0;  ///< `alone` for random errors
-  /// For per-view causes: explains the views as well as the largest of these,
-  /// within the significance of the differences.
+  /// For per-view causes: explains the views equally well as the largest one,
+  /// within the significance of the difference.
   bool is_indistinguishable = false;
   bool IsDetermined() const { return is_observable && in_turn > 0; }
 };
 
 struct ResidualBudget {
-  std::string
-      unobservable_reason;  ///< why nothing is determined; otherwise empty
+  std::string unobservable_reason;  ///< why nothing is observable, or empty
   int num_features = 0, num_views = 0;
   double rms_px = 0;  ///< per coordinate
   /// Standard deviation of the white noise in x and y.
@@ -91,8 +90,8 @@ struct ResidualBudget {
   double noise = 0;  ///< fraction of the squared residuals
   double large = 0;  ///< excess of single errors beyond five sigma
   std::array<CauseShare, kNumErrorCauses> causes;
-  /// The share of a motion during column-wise readout alone. No camera has it,
-  /// so a per-view cause must explain more.
+  /// Share explained by motion during a column-wise readout alone. No camera
+  /// has it, so a per-view cause must explain more.
   double column_delay = 0;
   bool is_column_delay_indistinguishable = false;
   double rest = 0;  ///< unexplained; may be negative
@@ -101,7 +100,7 @@ struct ResidualBudget {
   const CauseShare& Of(ErrorCause cause) const {
     return causes[static_cast<size_t>(cause)];
   }
-  /// The sum of all per-view causes.
+  /// Returns the sum of all per-view causes.
   double PerViewShare() const;
 };
 

@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// A feature, its reprojection error, and its image and board.
+/// A feature's reprojection error, with its image and board.
 struct FeatureResidual {
   std::string image;
   int board = 0, column = 0, row = 0;
@@ -25,33 +25,33 @@ double Quantile(std::vector<double> values, double p);
 
 ErrorMetrics ComputeErrorMetrics(const std::vector<FeatureResidual>& residuals);
 
-/// The bias of residuals in a region: the median, over a 50 x 50 grid of the
-/// area, of the Kullback-Leibler divergence of a cell's normalized residuals (8
-/// x 8 histogram) from a standard normal distribution (paper, "Camera Model
-/// Validation"). Cells with fewer than 5 residuals are ignored; nothing if no
-/// cell has as many.
+/// Computes the bias of residuals in a region: the median, over a 50 x 50 grid
+/// of the area, of the Kullback-Leibler divergence of a cell's normalized
+/// residuals (8 x 8 histogram) from a standard normal distribution (paper,
+/// "Camera Model Validation"). Cells with fewer than 5 residuals are ignored;
+/// nullopt if there are no other cells.
 std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
                                   const Area& area);
 
-/// The bias expected for pure noise at the same positions, due to the finite
-/// number of residuals per histogram.
+/// Computes the bias expected for pure noise at the same positions, due to the
+/// finite number of residuals per histogram.
 std::optional<double> ComputeNoiseBias(
     const std::vector<FeatureResidual>& residuals, const Area& area);
 
-/// The divergence of each cell, row by row; NaN in cells with fewer than 5
-/// residuals.
+/// Computes the divergence of each cell, row by row; NaN in cells with fewer
+/// than 5 residuals.
 constexpr int kBiasCells = 50;  ///< along each side
 std::vector<double> ComputeCellBias(
     const std::vector<FeatureResidual>& residuals, const Area& area);
 
-/// The correlation of residuals of neighbouring features on a board in one
-/// image: 0 for white noise, near 1 for model errors. Nothing if there are too
-/// few neighbours.
+/// Computes the correlation of residuals of neighbouring features on a board in
+/// one image: 0 for white noise, near 1 for model errors. nullopt if there are
+/// too few neighbours.
 std::optional<double> ComputeNeighborCorrelation(
     const std::vector<FeatureResidual>& residuals);
 
-/// Images with median residuals many times those of the others: outliers, from
-/// another camera or another board.
+/// Finds images whose median residual is many times the median of the other
+/// images: outliers, from another camera or another board.
 std::set<std::string> FindOutlierImages(
     const std::vector<FeatureResidual>& residuals);
 

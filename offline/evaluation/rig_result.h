@@ -14,10 +14,10 @@ namespace raygrid {
 
 /// The relative pose of two cameras of a rig.
 struct Baseline {
-  size_t first = 0, second = 0;  ///< cameras
-  int num_shared_views = 0;      ///< with a board in a common frame
-  double distance_m = 0;         ///< between their centres
-  double angle_rad = 0;          ///< of the relative rotation
+  size_t first = 0, second = 0;  ///< camera indices
+  int num_shared_views = 0;      ///< frames with a common board
+  double distance_m = 0;         ///< distance of their centres
+  double angle_rad = 0;          ///< relative rotation angle
   /// Standard deviations of the distance, from the residuals and the normal
   /// equations, and of the rotation (RMS angle).
   std::optional<double> distance_sd_m, rotation_sd_rad;
@@ -30,28 +30,28 @@ struct AmbiguousPair {
   int num_shared_views = 0;
 };
 
-/// The calibration result of a rig or a single camera. Each camera's held-out
-/// residuals are of images localized by it alone.
+/// The calibration result of a rig or a single camera. Each camera's own
+/// held-out residuals are of images localized by it alone.
 struct RigResult {
   std::vector<CalibrationResult> cameras;
   std::vector<Pose> camera_from_rig;   ///< the first is the identity
-  Pattern pattern;                     ///< with the estimated points
-  std::vector<Baseline> baselines;     ///< of each pair of cameras
-  std::vector<BoardPair> board_pairs;  ///< with enough common frames
+  Pattern pattern;                     ///< estimated pattern
+  std::vector<Baseline> baselines;     ///< one per pair of cameras
+  std::vector<BoardPair> board_pairs;  ///< pairs with enough common frames
   std::vector<RigidTarget> rigid_targets;
   std::vector<AmbiguousPair> ambiguous_pairs;
   /// Held-out residuals by camera, with each board localized once per frame by
-  /// all cameras that see it: these also evaluate the camera poses.
+  /// all cameras that observe it, so that they also evaluate the camera poses.
   std::vector<std::vector<FeatureResidual>> held_out;
   bool cross_validated = false;
   bool converged = false;
   Assessment assessment;
-  std::map<std::string, double> seconds;  ///< by stage, over all cameras
+  std::map<std::string, double> seconds;  ///< by stage, total over all cameras
 
   bool IsRig() const { return cameras.size() > 1; }
 };
 
-/// Computes distances and angles; not standard deviations and views.
+/// Computes distances and angles, but not standard deviations and views.
 std::vector<Baseline> ComputeBaselines(
     const std::vector<Pose>& camera_from_rig);
 
@@ -59,8 +59,8 @@ std::vector<Baseline> ComputeBaselines(
 ErrorMetrics ComputeTrainingMetrics(const RigResult& result);
 std::optional<ErrorMetrics> ComputeHeldOutMetrics(const RigResult& result);
 
-/// Returns the worst status of the cameras, with the reasons of the rig; that
-/// of a single camera unchanged.
+/// Returns the worst status of the cameras, with the reasons of the rig; the
+/// status of a single camera is unchanged.
 Assessment AssessRig(const RigResult& result);
 
 }  // namespace raygrid

@@ -10,9 +10,9 @@ namespace raygrid {
 
 /// The relative pose of two boards that were seen in the same frames.
 struct BoardPair {
-  int first = 0, second = 0;  ///< ids
-  int num_instants = 0;       ///< in which both are seen
-  bool fixed = false;         ///< to each other, within the uncertainty
+  int first = 0, second = 0;  ///< board ids
+  int num_instants = 0;       ///< number of common frames
+  bool fixed = false;  ///< constant relative pose, within the uncertainty
   /// RMS deviation of the second board's centre and rotation, in the frame of
   /// the first, from their mean; and the deviation expected from noise.
   double deviation_m = 0, deviation_rad = 0;

@@ -8,11 +8,11 @@
 
 namespace raygrid {
 
-/// The change of a distant scene's image between an operating point and the
-/// middle of the range, for models with one condition.
+/// The change of a distant scene's image between the mid-range and another
+/// operating point, for models with one variable.
 struct StackChange {
   double value = 0;
-  double focal_px = 0;  ///< at the centre of the area
+  double focal_px = 0;  ///< at the area's centre
   double growth = 0;    ///< 0.01: the image is 1 % larger
   /// Principal point of the best-fitting model with radial distortion, whose
   /// axis may differ from z.
@@ -29,8 +29,8 @@ std::vector<Eigen::Vector2d> SampleCellCenters(const Area& area, int columns,
                                                int rows);
 
 /// Computes the displacements (px) of distant points between two operating
-/// points, after removing the scale and shift that explain most of it; NaN
-/// where one of the two is undefined.
+/// points, after removing the scale and shift that explain most of them; NaN
+/// where either camera is undefined.
 std::vector<Eigen::Vector2d> MeasureDistortion(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels);

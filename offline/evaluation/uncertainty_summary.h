@@ -33,7 +33,7 @@ struct UncertaintySummary {
 
 UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
                                         const CameraUncertainty& uncertainty);
-/// The share of the valid region, as in UncertaintySummary.
+/// Returns the fraction of valid pixels, as in UncertaintySummary.
 double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid);
 
 /// Formats "83 % of the image is valid: supported by features, and predicted to
@@ -42,8 +42,7 @@ std::string DescribeUncertainty(const UncertaintySummary& summary,
                                 const CameraUncertainty& uncertainty,
                                 const CameraModel& camera);
 
-/// Finds the extrapolated region: cells of the area without the support of
-/// features.
+/// Finds the extrapolated region: cells of the area without nearby features.
 ExtrapolatedRegion FindExtrapolatedRegion(
     const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
     const ValidityMask& supported, const UncertaintyLattice& lattice);

@@ -22,7 +22,7 @@ constexpr char kSizes[] = "resolution";
 constexpr char kType[] = "camera_type";
 constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0 is no limit
 
-// Parameters of the forms are the keys of Basalt.
+// Parameters of the forms are Basalt's keys.
 const std::vector<LensForm>& BasaltForms() {
   static const std::vector<LensForm> forms = [] {
     LensForm fisheye = OpenCvFisheyeForm("kb4");
@@ -38,8 +38,8 @@ const std::vector<LensForm>& BasaltForms() {
   return forms;
 }
 
-// Keys without which Basalt reads no file, all but one of its IMU. These are
-// the values that its own calibration starts with.
+// Keys that Basalt requires, all but one for its IMU. The values are the
+// initial values of its own calibration.
 const Json& DefaultsOfOthers() {
   static const Json defaults = {
       {"calib_accel_bias", std::vector<double>(9, 0)},
@@ -93,7 +93,7 @@ Pose ReadBasaltPose(const YAML::Node& node) {
   return PoseFromQuaternion(numbers);
 }
 
-// An entry for each camera; empty if there is no list of this name.
+// Returns an entry per camera; empty if there is no list of this name.
 std::vector<YAML::Node> ListOf(const YAML::Node& root, const std::string& name,
                                size_t num_cameras) {
   const YAML::Node list = root[name];
@@ -126,7 +126,7 @@ void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
   }
 }
 
-// Whether a value is the one that raygrid writes.
+// Whether a value equals the one that raygrid writes.
 bool IsDefault(const std::string& key, const YAML::Node& value) {
   const auto found = DefaultsOfOthers().find(key);
   if (found == DefaultsOfOthers().end()) return false;

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// calibration.json of Basalt, in which a rig is one file.
+/// Basalt's calibration.json, which describes a whole rig.
 Format BasaltFormat();
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Numbers in files of bytes. Such files come from anywhere, so every read is
+/// Reads numbers from binary files, which are not trusted: every read is
 /// checked.
 #ifndef RAYGRID_EXCHANGE_BYTE_READER_H
 #define RAYGRID_EXCHANGE_BYTE_READER_H
@@ -17,8 +17,8 @@ namespace raygrid {
 
 enum class ByteOrder { kLittle, kBig };
 
-/// Numbers of a file, one after another. All functions throw InputError where
-/// the file ends too early.
+/// Sequential reader of numbers. All functions throw InputError at the end of
+/// the data.
 class ByteReader {
  public:
   explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
@@ -38,7 +38,7 @@ class ByteReader {
     std::memcpy(&number, &bits, kSize);
     return number;
   }
-  /// A finite number; double or float.
+  /// Reads a finite double or float.
   template <typename Number = double>
   Number GetFinite() {
     const auto number = Get<Number>();
@@ -47,13 +47,13 @@ class ByteReader {
                                    at_ - sizeof(number)));
     return number;
   }
-  /// Up to the byte 0, which is passed over.
+  /// Reads a null-terminated string.
   std::string GetText() {
     std::string text;
     while (const auto c = Get<uint8_t>()) text.push_back(static_cast<char>(c));
     return text;
   }
-  /// So many bytes.
+  /// Reads `size` bytes.
   std::string GetText(uint64_t size) {
     Require(size, 1);
     at_ += size;
@@ -63,7 +63,7 @@ class ByteReader {
     Require(count, size);
     at_ += count * size;
   }
-  /// So many things of a size are still to come.
+  /// Requires that `count` elements of `size` bytes remain.
   void Require(uint64_t count, size_t size) const {
     if (count > (bytes_.size() - at_) / size)
       throw InputError(fmt::format("truncated after {} bytes; copy it again",

@@ -31,7 +31,7 @@ std::string InCapitals(std::string name) {
   return name;
 }
 
-// Text for a comment: nothing that ends it, begins one, or is a trigraph.
+// Text for a comment, without characters that end or begin one, or trigraphs.
 std::string ForComment(std::string text) {
   for (char& c : text)
     if (!IsLetter(c) && !IsDigit(c) && c != ' ' && c != '-' && c != '.')

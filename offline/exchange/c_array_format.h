@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// A blob as an array of C and C++.
+/// A blob as a C or C++ array.
 TableFormat CArrayFormat();
 
 }  // namespace raygrid

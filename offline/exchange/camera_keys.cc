@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-// Small letters and digits alone, since programs differ in the rest.
+// Lower-case letters and digits only, as programs differ in other characters.
 std::string Plain(const std::string& text) {
   std::string plain;
   for (const char c : Lowercase(text))
@@ -23,7 +23,7 @@ std::string Plain(const std::string& text) {
   return plain;
 }
 
-// Keys by which some format selects a camera model.
+// Keys that select a camera model in some format.
 bool IsSelector(const std::string& plain) {
   static const std::set<std::string> selectors = {
       "cameramodel",     "cameratype",
@@ -39,7 +39,7 @@ bool IsSelector(const std::string& plain) {
   return selectors.count(plain) > 0;
 }
 
-// Keys that in some format are numbers of a camera model.
+// Keys that are parameters of a camera model in some format.
 bool IsParameter(const std::string& plain) {
   static const std::set<std::string> parameters = {
       "xi",          "alpha",      "beta",
@@ -57,7 +57,7 @@ bool IsParameter(const std::string& plain) {
   return parameters.count(plain) > 0;
 }
 
-// Not a value, 0, or rows of 0.
+// Null, 0, or rows of 0.
 bool IsNothing(const YAML::Node& value, int depth = 0) {
   constexpr int kDeepest = 2;
   if (!value.IsDefined() || value.IsNull()) return true;
@@ -75,7 +75,7 @@ bool IsNothing(const YAML::Node& value, int depth = 0) {
   });
 }
 
-// The key behind those of maps, or of OpenCV's parts: k1 of "Camera.k1".
+// The last key of a path, or of OpenCV's parts: k1 of "Camera.k1".
 std::string LastOf(const std::string& path) {
   return path.substr(path.find_last_of("/.") + 1);
 }
@@ -88,8 +88,8 @@ LensFamily FamilyOf(const LensForm& form) {
                                            : LensFamily::kOther;
 }
 
-// Whether a selector says nothing against a form. "pinhole" is also said of
-// fisheyes whose distortion stands in another key, as Kalibr has them.
+// Whether a selector is consistent with a form. Kalibr uses "pinhole" also for
+// fisheyes, whose distortion has a separate key.
 bool Agrees(const std::string& key, const YAML::Node& value,
             const LensForm& form) {
   if (IsNothing(value) || !value.IsScalar()) return true;
@@ -103,13 +103,13 @@ bool Agrees(const std::string& key, const YAML::Node& value,
            !(names("omni") && own != LensFamily::kOmni);
   }
   const auto family = ParseLensFamily(text);
-  // An unknown word at another key is a maker's name.
+  // An unknown word at another key is a vendor's name.
   if (!family)
     return key.find("distortion") == std::string::npos && key != "projection";
   return (*family == own && own != LensFamily::kOther) || text == "pinhole";
 }
 
-// Whether a value repeats that of a parameter.
+// Whether a value repeats a parameter's value.
 bool IsValueOf(const LensForm& form, const std::vector<double>& values,
                const std::string& parameter, const YAML::Node& value) {
   double number = NAN;
@@ -123,7 +123,7 @@ bool IsValueOf(const LensForm& form, const std::vector<double>& values,
 
 }  // namespace
 
-// Whole words, since makers have names such as OmniVision and oCam.
+// Whole words, because of vendors' names such as OmniVision and oCam.
 std::optional<LensFamily> ParseLensFamily(const std::string& word) {
   static const std::map<LensFamily, std::set<std::string>> families = {
       {LensFamily::kPinhole,

@@ -12,54 +12,54 @@
 
 namespace raygrid {
 
-/// Sorts of camera models that words of files name.
+/// Families of camera models that names in files denote.
 enum class LensFamily { kPinhole, kFisheye, kOmni, kOther };
 
-/// The family of "plumb_bob", "KannalaBrandt8", "MEI" and the like; nothing for
-/// words that name none, as those of makers do.
+/// Returns the family of "plumb_bob", "KannalaBrandt8", "MEI" and similar
+/// names; nullopt for unknown names, such as vendors' own.
 std::optional<LensFamily> ParseLensFamily(const std::string& word);
 
-/// "a pinhole", "a fisheye", ...
+/// Returns "a pinhole", "a fisheye", ...
 const char* ToText(LensFamily family);
 
-/// The keys of a camera in another program's file, which knows which of them a
-/// reader has read. Readers look values up through it and nothing else, so
-/// that no key is left out without a word.
+/// The keys of a camera in another program's file. Records which of them were
+/// read, so that Finish() reports the remaining ones; hence readers look up all
+/// values through this class.
 class CameraKeys {
  public:
-  /// name is the camera's in messages; "" if the file has one alone. Throws
-  /// InputError if the node is no map.
+  /// name: the camera's name in messages, or "" for the only camera of a file.
+  /// Throws InputError if the node is not a mapping.
   explicit CameraKeys(const YAML::Node& map, std::string name = "");
 
-  /// The value at a key, or at keys of maps in each other with '/' between:
-  /// "calib_dimension/w". Undefined if there is none. It counts as read.
+  /// Returns the value at a key, or at keys of nested mappings separated by
+  /// '/': "calib_dimension/w". Undefined if it is missing. Marks it as read.
   YAML::Node operator[](const std::string& path) const;
 
-  /// Whether there is such a value. It does not count as read.
+  /// Returns whether a value exists, without marking it as read.
   bool Has(const std::string& path) const;
 
-  /// Whether a key has one of these parts, in small letters.
+  /// Returns whether a key contains one of these lower-case substrings.
   bool HasKeyWith(const std::vector<std::string>& parts) const;
 
-  /// Whether the value is a list that is not one of maps, or a map with the key
-  /// 'data', as matrices are.
+  /// Returns whether the value is a list other than of mappings, or a mapping
+  /// with the key 'data', as matrices are.
   bool IsMatrix(const std::string& path) const;
 
-  /// The word at a key, without counting it as read; "" if there is none.
+  /// Returns the text at a key, without marking it as read; "" if missing.
   std::string Word(const std::string& path) const;
 
-  /// Counts keys as read that say nothing of the lens. "IMU.*" are those that
-  /// begin so.
+  /// Marks keys that do not describe the camera model as read. "IMU.*" matches
+  /// keys with this prefix.
   void Skip(const std::vector<std::string>& keys) const;
 
-  /// Keys that Finish() names and does not judge: they mean something else
-  /// here than in formats where they are numbers of a lens.
+  /// Keys that Finish() only lists: their names are parameters of camera models
+  /// in other formats, but not here.
   void NameOnly(const std::vector<std::string>& keys) const;
 
-  /// Ends the reading of a lens of this form. Of the keys that were not read,
-  /// throws InputError for one that in some format selects another model, or is
-  /// a parameter of one, unless its value says the same or nothing; the lens's
-  /// own values may be repeated. The others become one remark that names them.
+  /// Finishes reading a camera with this model. Throws InputError for an unread
+  /// key that in some format selects another model or is a parameter, unless
+  /// its value is equivalent or empty, or one of the camera's own `values`. One
+  /// warning lists the remaining unread keys.
   void Finish(const LensForm& form, std::vector<std::string>* warnings,
               const std::vector<double>& values = {}) const;
 

@@ -1,5 +1,5 @@
-/// COLMAP's files of cameras and rigs, as text and binary, without what the
-/// numbers mean.
+/// Parses and formats COLMAP's files of cameras and rigs, text and binary,
+/// without interpreting the parameters.
 #ifndef RAYGRID_EXCHANGE_COLMAP_FILES_H
 #define RAYGRID_EXCHANGE_COLMAP_FILES_H
 
@@ -19,43 +19,42 @@ struct ColmapCamera {
   std::string model;  ///< "OPENCV"
   ImageSize size;
   std::vector<double> parameters;
-  std::string name, serial;  ///< comments of raygrid's; "" in binary files
+  std::string name, serial;  ///< raygrid's comments; "" in binary files
   std::string warning;       ///< written as a comment
 };
 
-/// A camera of a rig; COLMAP's rigs have other sensors, too, which are left
-/// out.
+/// A camera of a rig. Other sensors, which COLMAP's rigs can have, are omitted.
 struct ColmapSensor {
   uint32_t camera = 0;
-  std::optional<Pose> sensor_from_rig;  ///< the identity of the first one
+  std::optional<Pose> sensor_from_rig;  ///< identity for the first
 };
 using ColmapRig = std::vector<ColmapSensor>;
 
-/// An image whose place is known; what was seen in it is left out.
+/// An image with its pose; its features are omitted.
 struct ColmapImage {
   uint32_t id = 0, camera = 0;
   std::string name;
   Pose camera_from_world;
 };
 
-/// Images that the cameras of the one rig took at one time.
+/// Simultaneous images of the cameras of the only rig.
 struct ColmapFrame {
   Pose rig_from_world;
-  std::vector<std::pair<uint32_t, uint32_t>> images;  ///< camera, image
+  std::vector<std::pair<uint32_t, uint32_t>> images;  ///< camera and image IDs
 };
 
-/// COLMAP's models by their numbers in binary files.
+/// Names of COLMAP's models, indexed by their IDs in binary files.
 const std::vector<std::string>& ColmapModelNames();
 
-/// How many parameters a model of these has.
+/// Returns the number of parameters of one of these models.
 int NumColmapParameters(const std::string& model);
 
-/// Whether a text, or bytes, may be cameras.txt or cameras.bin, even of a model
-/// that is not known.
+/// Returns whether a text or bytes may be cameras.txt or cameras.bin, even with
+/// an unknown model.
 bool IsColmapText(const std::string& text);
 bool IsColmapBinary(const std::string& bytes);
 
-/// cameras.txt, rigs.txt and images.txt; the path is used in errors. They throw
+/// Parse cameras.txt, rigs.txt and images.txt; path is used in errors. Throw
 /// InputError.
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text);
@@ -65,14 +64,13 @@ std::vector<ColmapImage> ParseColmapImages(const std::string& path,
                                            const std::string& text);
 std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras);
 std::string FormatColmapRig(const ColmapRig& rig);
-/// Throws InputError for a name with a space, which COLMAP reads no farther
-/// than that.
+/// Throws InputError for names with a space, which COLMAP truncates there.
 std::string FormatColmapImages(const std::vector<ColmapImage>& images);
 std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames);
-/// points3D.txt without any point: COLMAP reads no model that lacks it.
+/// An empty points3D.txt, without which COLMAP does not read a model.
 std::string FormatNoColmapPoints();
 
-/// Bytes of these files.
+/// Binary counterparts of these functions.
 std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes);
 std::vector<ColmapRig> DecodeColmapRigs(const std::string& bytes);
 std::vector<ColmapImage> DecodeColmapImages(const std::string& bytes);

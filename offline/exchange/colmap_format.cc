@@ -26,8 +26,8 @@ LensForm ColmapForm(LensForm form, bool is_explicit_only) {
   return form;
 }
 
-// COLMAP's fisheyes divide by z, as OpenCV's. The models with one focal length
-// are those of more parameters; versions before 4 lack the last three.
+// COLMAP's fisheyes divide by z, as OpenCV's. Models with one focal length are
+// restrictions of others; versions before 4 lack the last three.
 std::vector<LensForm> MakeColmapForms() {
   const std::string fisheye = models::kThinPrismFisheye;
   std::vector<LensForm> forms = {
@@ -72,11 +72,11 @@ const LensForm& ColmapFormNamed(const ColmapCamera& camera) {
       names));
 }
 
-// The fisheye of Project Aria: k0 to k5 bend the angle off the axis, p0 and p1
-// are tangential, and s0 to s3 those of prisms. No model of raygrid has it.
+// Project Aria's fisheye: k0 to k5 are radial terms of the angle from the axis,
+// p0 and p1 tangential, s0 to s3 thin-prism. raygrid has no such model.
 constexpr char kAriaFisheye[] = "RAD_TAN_THIN_PRISM_FISHEYE";
 
-// The place, in focal lengths, of what lies at an angle in a direction.
+// Projection, in focal lengths, of an angle from the axis and a direction.
 Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
   const double t2 = angle.squaredNorm();
   double factor = 0;
@@ -87,8 +87,8 @@ Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
          Eigen::Vector2d(d[8] * r2 + d[9] * r4, d[10] * r2 + d[11] * r4);
 }
 
-// Newton's method from the place itself; nothing if it ends beyond the half
-// space before the camera, or where the lens folds.
+// Newton's method starting at the image point; nullopt if it leaves the half
+// space in front of the camera, or if the model folds there.
 std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
                                              const double* d) {
   constexpr double kStep = 1e-6, kNear = 1e-12;
@@ -152,8 +152,8 @@ std::vector<std::string> PathsBeside(const std::string& path) {
   return {PathBeside(path, "rigs"), PathBeside(path, "images")};
 }
 
-// The one rig of several cameras, if all have poses in it; else nothing, with
-// a remark if there is any such rig.
+// Returns the only rig of several cameras, if all have poses in it; otherwise
+// nullopt, with a warning if there is any such rig.
 ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
                 std::vector<std::string>* warnings) {
   std::vector<ColmapRig> wide;
@@ -186,7 +186,7 @@ void SetPoses(const ColmapRig& rig, const std::vector<ColmapCamera>& cameras,
         .camera_from_rig = sensor.sensor_from_rig;
 }
 
-// "left/1.png" of camera "left" is its "1.png".
+// "left/1.png" is image "1.png" of camera "left".
 std::string NameWithoutCamera(const std::string& image,
                               const std::string& camera) {
   const std::string folder = camera + "/";
@@ -195,7 +195,7 @@ std::string NameWithoutCamera(const std::string& image,
              : image;
 }
 
-// The world is that of a board. COLMAP writes images in no order.
+// The world frame is a board's. COLMAP writes images in any order.
 void AddImages(std::vector<ColmapImage> images,
                const std::vector<ColmapCamera>& cameras,
                ExchangeContents* contents) {
@@ -274,7 +274,7 @@ std::string WriteColmap(const WriteRequest& request) {
                                     : FormatColmapCameras(cameras);
 }
 
-// COLMAP's rigs stand in the frame of their first sensor.
+// The frame of COLMAP's rigs is their first sensor's.
 ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
   const Pose rig_from_first = cameras.front().camera_from_rig.value().Inverse();
   ColmapRig rig;
@@ -284,7 +284,7 @@ ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
   return rig;
 }
 
-// Images of several cameras stand in folders of their names.
+// Images of several cameras are in folders named after the cameras.
 std::vector<ColmapImage> ImagesOf(const std::vector<WrittenLens>& cameras) {
   std::vector<ColmapImage> images;
   for (size_t c = 0; c < cameras.size(); ++c)
@@ -297,7 +297,7 @@ std::vector<ColmapImage> ImagesOf(const std::vector<WrittenLens>& cameras) {
   return images;
 }
 
-// Images of one name were taken at one time. images come from ImagesOf().
+// Images of the same name are one frame. images come from ImagesOf().
 std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
                                   const std::vector<WrittenLens>& cameras) {
   const ColmapRig rig = RigOfCameras(cameras);

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// COLMAP's cameras.txt and cameras.bin, and of a rig rigs.txt or rigs.bin
-/// beside them.
+/// COLMAP's cameras.txt and cameras.bin; for a rig with the adjacent rigs.txt
+/// or rigs.bin.
 Format ColmapFormat();
 
 }  // namespace raygrid

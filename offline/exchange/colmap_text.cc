@@ -36,11 +36,11 @@ constexpr char kPointsHeader[] =
     "POINT2D_IDX)\n"
     "# Number of points: 0, mean track length: 0\n";
 
-// Comments that other readers pass over.
+// Comments, which other readers ignore.
 constexpr char kNameComment[] = "# Name of camera ";
 constexpr char kSerialComment[] = "# Serial of camera ";
 
-// The texts of comments of this kind, by the numbers of cameras.
+// Texts of comments of this kind, by camera ID.
 std::map<uint32_t, std::string> Comments(const std::string& text,
                                          const std::string& kind) {
   std::map<uint32_t, std::string> comments;
@@ -95,7 +95,7 @@ std::string PoseWords(const Pose& pose) {
   return words;
 }
 
-// The sensors behind the reference sensor, in pairs of type and number.
+// Sensors after the reference sensor, as pairs of type and ID.
 ColmapRig RigOfWords(const WordLines& lines) {
   constexpr char kCamera[] = "CAMERA";
   ColmapRig rig;

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// "1 image", "2 images".
+/// Formats "1 image", "2 images".
 inline std::string CountText(size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }

@@ -53,7 +53,7 @@ const LensForm& DepthAiForm(bool is_fisheye, size_t num_coefficients) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// A camera of the file, and where it is linked to.
+// A camera of the file, and the camera that it is linked to.
 struct DevCamera {
   int socket = 0;
   ReadLens lens;
@@ -144,7 +144,7 @@ DevCamera ReadDevCamera(const YAML::Node& entry,
   return camera;
 }
 
-// The poses of the cameras that links reach, in the frame of the first one.
+// Poses of the cameras that are reached by links, in the first camera's frame.
 std::map<int, Pose> PosesOfLinks(const std::vector<DevCamera>& cameras) {
   std::map<int, Pose> camera_from_rig = {{cameras.front().socket, Pose{}}};
   for (size_t round = 0; round < cameras.size(); ++round)
@@ -179,7 +179,7 @@ void TakeDevPoses(const std::vector<DevCamera>& cameras,
     contents->cameras[c].camera_from_rig = poses.at(cameras[c].socket);
 }
 
-// Names that raygrid wrote, or those of the sockets.
+// Names written by raygrid, or names of the sockets.
 void NameDevCameras(const YAML::Node& root,
                     const std::vector<DevCamera>& cameras,
                     ExchangeContents* contents) {
@@ -227,7 +227,7 @@ bool IsDepthAi(const std::string& text) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// The socket that a name says: CAM_A, or as Luxonis calls the first three.
+// Returns the socket for a name: CAM_A, or Luxonis's names of the first three.
 int SocketOfName(const std::string& name) {
   const std::string word = Lowercase(name);
   if (word.size() == 5 && word.compare(0, 4, "cam_") == 0 && word[4] >= 'a' &&
@@ -301,7 +301,7 @@ Json DevLens(const ConvertedLens& lens) {
           {"width", lens.size.width}};
 }
 
-// The rotations of a rectified pair, which devices use as they are.
+// Rotations of a rectified pair, which devices use without changes.
 Json DevRectification(const WriteRequest& request,
                       const std::vector<int>& sockets) {
   const std::vector<WrittenLens>& cameras = request.cameras;

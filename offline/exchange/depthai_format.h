@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The calibration of a Luxonis device, as CalibrationHandler reads it.
+/// The calibration of a Luxonis device, as read by CalibrationHandler.
 Format DepthAiFormat();
 
 }  // namespace raygrid

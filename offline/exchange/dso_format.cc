@@ -26,7 +26,7 @@ const std::vector<LensForm>& DsoForms() {
   return forms;
 }
 
-// The words of the first two lines that have any.
+// Words of the first two non-empty lines.
 std::array<std::vector<std::string>, 2> FirstLines(const std::string& text) {
   std::array<std::vector<std::string>, 2> found;
   std::istringstream lines(text);
@@ -104,7 +104,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   if (values.size() < 4)
     throw InputError(
         fmt::format("expected at least 4 intrinsics, found {}", values.size()));
-  // Parts of the image, whose first pixel begins at 0.
+  // Fractions of the image, whose first pixel begins at 0.
   if (values[2] < 1 && values[3] < 1)
     values = [&, parts = values]() mutable {
       parts[0] *= size.width;
@@ -132,8 +132,8 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   return contents;
 }
 
-// Four lines, behind which nothing is read. The program undistorts to the same
-// size, cropped to what has no border.
+// Four lines; the rest is not read. The program undistorts to the same size,
+// cropped to the area without border.
 std::string WriteDso(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const bool is_pinhole = camera.lens.form->name == "Pinhole";

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// camera.txt of DSO and LSD-SLAM, as in TUM's monocular data set: a lens, the
-/// size of its images, and what the program makes of them.
+/// camera.txt of DSO and LSD-SLAM, as in TUM's monocular data set: camera
+/// model, image size, and the program's rectification.
 Format DsoFormat();
 
 }  // namespace raygrid

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// A file in memory, which OpenEXR writes in several places.
+// An in-memory file for OpenEXR, which seeks while writing.
 class ExrBytes : public Imf::OStream {
  public:
   ExrBytes() : Imf::OStream("EXR") {}

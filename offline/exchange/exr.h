@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// An OpenEXR file of channels of 32 bits, of which each pixel has one number
-/// after another; rows from the top.
+/// Writes an OpenEXR file with 32-bit channels. numbers: interleaved channels,
+/// rows from the top.
 std::string WriteExr(const ImageSize& size,
                      const std::vector<std::string>& channels,
                      const std::vector<float>& numbers);

@@ -11,10 +11,10 @@
 namespace raygrid {
 namespace {
 
-// A place beyond every image, where ffmpeg fills in a colour.
+// Position outside of any image, where ffmpeg fills in a colour.
 constexpr uint16_t kNoPlace = 65535;
 
-// The nearest pixel's column or row.
+// Column or row of the nearest pixel.
 uint16_t NearestIndex(double place, int count) {
   return static_cast<uint16_t>(std::clamp<long>(
       std::lround(place), 0, std::min<long>(count, kNoPlace) - 1));

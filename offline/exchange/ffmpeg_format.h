@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The pair of maps that ffmpeg's filter remap takes, of a view.
+/// The x and y maps of a view for ffmpeg's remap filter.
 TableFormat FfmpegFormat();
 
 }  // namespace raygrid

@@ -8,35 +8,35 @@
 
 namespace raygrid {
 
-/// A text of OpenCV's FileStorage as a tree, whichever of YAML, XML and JSON it
-/// is. A matrix is a map of rows, cols, dt and data. Throws InputError, and
-/// what yaml-cpp throws; path is used in errors.
+/// Parses OpenCV's FileStorage, in YAML, XML or JSON, to a tree. A matrix is a
+/// mapping of rows, cols, dt and data. Throws InputError and exceptions of
+/// yaml-cpp; path is used in errors.
 YAML::Node ParseFileStorage(const std::string& path, const std::string& text);
 
-/// Whether a text has a matrix as FileStorage writes them, of two axes or more.
+/// Returns whether a text contains a FileStorage matrix of two or more axes.
 bool IsFileStorage(const std::string& text);
 
-/// A matrix, row by row, of one channel or several.
+/// A matrix of one or several channels, row by row.
 struct StoredMatrix {
   int rows = 0, columns = 0;
   std::vector<double> data;
 };
 
-/// A matrix of FileStorage, or the lists that Python has instead. Throws
-/// InputError, naming the matrix, also if its number of channels differs.
+/// Parses a FileStorage matrix, or nested lists as written by Python. Throws
+/// InputError with the name, also if the number of channels differs.
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels = 1);
 
-/// Points of two numbers, of images row by row: a matrix of two channels, or an
-/// array of more axes, as numpy has lists of them. Throws InputError, naming
-/// it.
+/// Parses 2D points, image by image (row): a matrix of two channels, or an
+/// array of more axes, such as nested lists from numpy. Throws InputError with
+/// the name.
 StoredMatrix ParseStoredPoints(const YAML::Node& node, const std::string& name);
 
-/// Writes what FileStorage reads.
+/// Formats text that FileStorage can read.
 class FileStorageText {
  public:
   enum class Kind { kYaml, kXml, kJson };
-  /// The kind that a file's name ends with; YAML if it ends otherwise.
+  /// Returns the kind for a file name's extension; YAML by default.
   static Kind KindOf(const std::string& path);
 
   explicit FileStorageText(Kind kind);
@@ -56,7 +56,7 @@ class FileStorageText {
 
   Kind kind_;
   std::string text_;
-  std::vector<std::string> open_;  // keys of maps
+  std::vector<std::string> open_;  // keys of open mappings
 };
 
 }  // namespace raygrid

@@ -37,14 +37,14 @@
 namespace raygrid {
 namespace {
 
-// Other programs write a mark of UTF-8 before their texts.
+// Other programs write a byte order mark of UTF-8.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool HasByteOrderMark(const std::string& text) {
   return text.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0;
 }
 
-// How far the principal point is from the centre of an image, in parts of it.
+// Distance of the principal point from the image centre, relative to its size.
 double OffCenter(const ConvertedLens& lens, double width, double height) {
   const Eigen::Vector2d point = FromProgram(
       lens.form->origin, lens.size, {lens.Value("cx"), lens.Value("cy")});
@@ -52,8 +52,8 @@ double OffCenter(const ConvertedLens& lens, double width, double height) {
                   std::abs(point.y() / height - 0.5));
 }
 
-// Throws for lengths in fractions of the image, which some programs have. A
-// missing parameter is reported later.
+// Throws for lengths relative to the image size, as in some programs. A missing
+// parameter is reported later.
 void RequirePixels(const ConvertedLens& lens) {
   constexpr double kLeastFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
@@ -73,7 +73,7 @@ void RequirePixels(const ConvertedLens& lens) {
         lens.Value("fx"), lens.Value("cx")));
 }
 
-// The image of another resolution, or sides in the order of rows and columns.
+// Warns of another resolution, or of exchanged width and height.
 void AddRemarkOnCenter(const std::string& name, const ConvertedLens& lens,
                        std::vector<std::string>* warnings) {
   constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
@@ -89,7 +89,7 @@ void AddRemarkOnCenter(const std::string& name, const ConvertedLens& lens,
       name, lens.Value("cx"), lens.Value("cy"), size.width, size.height));
 }
 
-// Says what a user may not expect of the lenses, all of which are made.
+// Adds warnings about unexpected properties of the cameras.
 void AddLensWarnings(ExchangeContents* contents) {
   constexpr double kFarM = 10;
   double farthest_m = 0;
@@ -114,8 +114,7 @@ void AddLensWarnings(ExchangeContents* contents) {
                     farthest_m));
 }
 
-// Completes cameras by what the user says of the file. An option never replaces
-// what the file says.
+// Completes cameras by the user's options. An option never overrides the file.
 void TakeOptions(const Format& format, const ReadRequest& request,
                  ExchangeContents* contents) {
   for (ReadLens& camera : contents->cameras) {
@@ -136,7 +135,7 @@ void TakeOptions(const Format& format, const ReadRequest& request,
   }
 }
 
-// A remark on each camera of a file is made once.
+// Removes repeated warnings of a file's cameras.
 void DropRepeated(std::vector<std::string>* warnings) {
   std::vector<std::string> kept;
   for (const std::string& warning : *warnings)
@@ -145,7 +144,7 @@ void DropRepeated(std::vector<std::string>* warnings) {
   *warnings = std::move(kept);
 }
 
-// A number that a file without an end of its last line ends with may be cut.
+// A number at the end of a file without a final line end may be truncated.
 void AddEndWarning(const std::string& text, ExchangeContents* contents) {
   if (!text.empty() && std::isdigit(static_cast<unsigned char>(text.back())) &&
       FindInvalidUtf8(text) == std::string::npos)
@@ -153,7 +152,7 @@ void AddEndWarning(const std::string& text, ExchangeContents* contents) {
         "the last line is not terminated: its last number may be truncated");
 }
 
-// Throws for a file whose loss would be one: that of a reconstruction.
+// Throws for a file that must not be overwritten, such as a reconstruction.
 void RequireNoOther(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(
@@ -353,7 +352,7 @@ void ComputePairPoses(std::vector<ReadLens>* cameras) {
     is_pair = is_pair || camera.rectified->IsBeside();
   }
   if (!is_pair) return;
-  // The views stand apart by the last column of P, in focal lengths.
+  // The last column of P is the baseline, in focal lengths.
   const auto view_from_rig = [](const RectifiedProjection& view) {
     return Pose{Eigen::Quaterniond(view.r),
                 {view.p(0, 3) / view.p(0, 0), view.p(1, 3) / view.p(1, 1), 0}};

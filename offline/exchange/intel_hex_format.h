@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// A blob for a place in flash, as programmers of flash take it.
+/// A blob for an address in flash, as Intel HEX for flash programmers.
 TableFormat IntelHexFormat();
 
 }  // namespace raygrid

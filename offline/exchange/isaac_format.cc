@@ -104,7 +104,7 @@ constexpr size_t kEnterChannels = 3, kExitChannels = 2;
 // A renderer does not follow a ray that looks backward.
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
-// The direction of each pixel, in the renderer's axes.
+// The direction of each pixel in the renderer's axes.
 std::vector<float> EnterTable(const CameraTable& table) {
   const ImageSize& size = table.camera->image_size();
   std::vector<float> numbers(kEnterChannels * size.width * size.height);
@@ -133,8 +133,8 @@ Eigen::Vector3d EnteringRay(const ImageSize& size,
 
 bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 
-// How far the mean of four pixels' rays lies from the place between them, where
-// all are trusted.
+// Distance between the mean of four pixels' rays and the ray between them,
+// where all are valid.
 LookupError EnterError(const CameraTable& table,
                        const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
@@ -192,7 +192,7 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
   return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
 }
 
-// The largest angle between the rays of pixels beside each other, in radians.
+// Maximum angle between the rays of neighbouring pixels, in radians.
 double LargestStep(const ImageSize& size, const std::vector<float>& enter) {
   double largest = 0;
   for (int y = 0; y < size.height; ++y)
@@ -207,8 +207,8 @@ double LargestStep(const ImageSize& size, const std::vector<float>& enter) {
   return largest;
 }
 
-// Projects directions of the renderer. A search that fails takes long, so only
-// directions near those of pixels are tried.
+// Projects directions of the renderer. Failing searches are slow, so only
+// directions near the pixels' rays are tried.
 class ExitProjection {
  public:
   ExitProjection(const CameraTable& table, const std::vector<float>& enter)
@@ -278,7 +278,7 @@ bool IsNoPlace(const Eigen::Vector2d& place) {
          (place.y() == -1 || place.y() == 2);
 }
 
-// A square of places, each for the direction of its texel.
+// A square table of positions, one per texel's direction.
 class ExitTexels {
  public:
   ExitTexels(const ExitProjection& projection, const ImageSize& size, int side)
@@ -398,7 +398,7 @@ void AddLookup(const CameraTable& table, const ExitProjection& projection,
     ++error->num_lost;
 }
 
-// The error that a table would leave at some pixels, without making it.
+// Predicts the error of a table at some pixels, without making it.
 LookupError ExpectedExitError(const CameraTable& table,
                               const ExitProjection& projection,
                               const std::vector<float>& enter, int side) {
@@ -423,7 +423,7 @@ LookupError ExpectedExitError(const CameraTable& table,
   return error;
 }
 
-// The error that a table leaves, at all trusted pixels.
+// Measures the error of a table at all valid pixels.
 LookupError ExitError(const CameraTable& table,
                       const ExitProjection& projection,
                       const std::vector<float>& enter, const ExitTexels& texels,

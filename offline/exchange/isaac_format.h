@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The pair of textures that Isaac Sim's cameras look rays and pixels up in.
+/// The pair of lookup textures (rays, pixels) for cameras of Isaac Sim.
 TableFormat IsaacFormat();
 
 }  // namespace raygrid

@@ -49,7 +49,7 @@ const std::vector<LensForm>& KalibrForms() {
   return forms;
 }
 
-// equi is short for equidistant.
+// equi: equidistant.
 std::string DistortionOfForm(const LensForm& form) {
   const std::string distortion = form.name.substr(form.name.find('-') + 1);
   return distortion == "equi" ? "equidistant" : distortion;
@@ -149,15 +149,15 @@ Pose ReadKalibrPose(const CameraKeys& camera, const char* name) {
   return PoseFromMatrix(numbers, name);
 }
 
-// The pose in the frame of the camera before; nothing if the file has none. The
-// older name is that of files of 2013.
+// Returns the pose relative to the previous camera; nullopt if missing. The
+// older key is used in files of 2013.
 std::optional<Pose> PoseFromLast(const CameraKeys& camera) {
   for (const char* key : {"T_cn_cnm1", "baseline_last_to_this_cam"})
     if (camera.Has(key)) return ReadKalibrPose(camera, key);
   return std::nullopt;
 }
 
-// The pose in the frame of the IMU, which OpenVINS has the other way around.
+// The pose relative to the IMU; OpenVINS has the inverse.
 std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
   if (camera.Has("T_cam_imu")) return ReadKalibrPose(camera, "T_cam_imu");
   if (camera.Has("T_imu_cam"))

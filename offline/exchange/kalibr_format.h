@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// Kalibr's camchain: a camera, or a rig as a chain of poses.
+/// Kalibr's camchain: a camera, or a rig as a chain of relative poses.
 Format KalibrFormat();
 
 }  // namespace raygrid

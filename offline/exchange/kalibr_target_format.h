@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// Kalibr's file of a calibration target: a board, without a camera.
+/// Kalibr's target file: a board without a camera.
 Format KalibrTargetFormat();
 
 }  // namespace raygrid

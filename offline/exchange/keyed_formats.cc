@@ -33,7 +33,7 @@ std::string WithoutScene(const std::string& text) {
   return scene.is_discarded() ? text : scene.dump();
 }
 
-// The tree of a file.
+// Returns the tree of a file.
 YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
   switch (format.syntax) {
     case KeyedSyntax::kToml:
@@ -51,7 +51,7 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
   }
 }
 
-// The first key of "KEY|KEY" that is there, or the first one.
+// Returns the first existing key of "KEY|KEY", or the first one.
 std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
   const std::vector<std::string> all = SplitText(names, '|');
   for (const std::string& name : all)
@@ -59,7 +59,7 @@ std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
   return all.empty() ? "" : all[0];
 }
 
-// Whether the file says a model; what it says counts as read then.
+// Whether the file identifies a model; the keys are then marked as read.
 bool IsSaid(const CameraKeys& keys, const KeyedModel& model) {
   const std::vector<std::string> conditions = SplitText(model.says);
   std::vector<std::string> read;
@@ -250,8 +250,8 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   return camera;
 }
 
-// The cameras of one map: as many as there are words whose first value stands
-// there, or one.
+// The cameras of one mapping: as many as words whose first value exists, or
+// one.
 void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
                   const std::string& name, const ReadRequest& request,
                   ExchangeContents* contents) {
@@ -274,7 +274,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
   if (contents->cameras.size() == first) throw InputError("contains no camera");
   if (!format.words.empty() && contents->cameras.size() == first + 1)
     contents->cameras.back().name = name;
-  // A pose that only the second camera has is that in the first one.
+  // A pose of the second camera only is relative to the first camera.
   ReadLens& leader = contents->cameras[first];
   if (contents->cameras.size() > first + 1 && !leader.camera_from_rig &&
       contents->cameras.back().camera_from_rig)

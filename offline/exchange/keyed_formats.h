@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// Formats that are keys and numbers and no more, as a table says them: names,
-/// layout, order, size, and what their poses mean. They are read alone.
+/// Formats of keys and numbers, each described by a table row: key names,
+/// layout, parameter order, size, and pose convention. They are read-only.
 std::vector<Format> KeyedFormats();
 
 }  // namespace raygrid

@@ -48,7 +48,7 @@ LensForm KeyedFisheye(const char* name) {
 LensForm KeyedOmni(const char* name) {
   return MakeForm(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
 }
-// OpenSfM's pixels count from the image's middle.
+// OpenSfM's pixel origin is the image centre.
 LensForm FromMiddle(LensForm form) {
   form.origin = PixelOrigin::kImageMiddle;
   return form;
@@ -406,7 +406,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        false,
        {"camera/id", "camera/line-delay-nanoseconds", "camera/mask"}},
-      // Images may be scaled by the program; the camera is that of whole ones.
+      // Programs may scale images; the camera belongs to full-size images.
       {"vikit",
        "camera .yaml of vikit: SVO, FAST-LIVO and FAST-LIVO2",
        KeyedSyntax::kYaml,
@@ -429,7 +429,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        false,
        {"scale"}},
-      // The toolbox counts pixels from 0.
+      // The toolbox has 0-based pixels.
       {"matlab",
        "Calib_Results.m and Calib_Results_stereo.m of the Camera Calibration "
        "Toolbox for MATLAB",

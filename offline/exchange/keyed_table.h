@@ -1,4 +1,4 @@
-/// The table of formats that are keys and numbers and no more.
+/// The table of formats that consist of keys and numbers.
 #ifndef RAYGRID_EXCHANGE_KEYED_TABLE_H
 #define RAYGRID_EXCHANGE_KEYED_TABLE_H
 
@@ -10,81 +10,81 @@
 
 namespace raygrid {
 
-/// A camera model, and where its parameters stand. Texts are words with spaces
-/// between. '@' in a key stands for the camera's word, and a key with '?'
-/// behind it may be missing.
+/// A camera model and the keys of its parameters. Strings are lists separated
+/// by spaces. '@' in a key is replaced by the camera's word; a key followed by
+/// '?' is optional.
 struct KeyedModel {
   LensForm form;
-  /// "KEY=WORD|WORD": what the file says of this model, at "KEY|KEY" the first
-  /// that is there; the first word is written.
+  /// "KEY=WORD|WORD": values that identify this model, at the first existing
+  /// key of "KEY|KEY"; the first word is written.
   const char* says;
-  /// "KEY=PARAMETER,PARAMETER": a number or a list, at "KEY|KEY" the first
-  /// that is there. "KEY=K" is the camera matrix, "KEY=P" a projection matrix
-  /// of 3 x 4 with the pose of a rectified camera, "KEY~=" a list that may be
-  /// shorter. Longer ones end with 0.
+  /// "KEY=PARAMETER,PARAMETER": a number or list, at the first existing key of
+  /// "KEY|KEY". "KEY=K" is the camera matrix, "KEY=P" a 3 x 4 projection matrix
+  /// with the pose of a rectified camera, "KEY~=" a list that may be shorter,
+  /// or longer with trailing zeros.
   const char* values;
-  /// Its principal point is fixed, or programs know it by another model: an
-  /// export takes none of these.
+  /// Not used by exports: its principal point is fixed, or programs have
+  /// another model for it.
   bool is_read_only = false;
 };
 
-/// Kinds of poses.
+/// Representations of poses.
 enum class PoseKind {
-  kCameraFromRig,  ///< a matrix
+  kCameraFromRig,  ///< matrix
   kRigFromCamera,
   kVectors,     ///< "KEY KEY": rotation vector and translation, camera_from_rig
-  kBaselineMm,  ///< how far it stands to the right, not turned
-  kRAndT        ///< "KEY KEY": rotation matrix and translation, likewise
+  kBaselineMm,  ///< baseline to the right, no rotation
+  kRAndT        ///< "KEY KEY": rotation matrix and translation, camera_from_rig
 };
 
 struct KeyedPose {
   const char* keys;
   PoseKind kind;
-  /// The word of the camera that has it; the first then is the rig.
+  /// Word of the camera with this pose, relative to the first; "": any.
   const char* word = "";
 };
 
-/// How keys and values are written.
+/// Syntax of keys and values.
 enum class KeyedSyntax {
   kYaml,     ///< YAML
   kStorage,  ///< YAML of OpenCV's FileStorage
   kJson,
   kToml,
   kLines,        ///< "KEY: NUMBER NUMBER ..."
-  kAssignments,  ///< "KEY = [NUMBER NUMBER; ...];" as MATLAB has it, only read
-  kNumbers       ///< a line of numbers
+  kAssignments,  ///< MATLAB, read-only
+  kNumbers       ///< line of numbers
 };
 
 struct KeyedFormat {
   const char *name, *holds;
   KeyedSyntax syntax;
   bool (*recognizes)(const std::string& text);
-  /// The place of cameras: "" is the file itself, "*" its maps by their names,
-  /// else the key of a list or a map of them.
+  /// Location of cameras: "" is the root, "*" all mappings in it, otherwise the
+  /// key of a list or mapping of cameras.
   const char* place;
-  std::vector<const char*> words;  ///< for '@', one for each camera of a map
+  std::vector<const char*> words;  ///< for '@': one per camera in a mapping
   std::vector<KeyedModel> models;
-  const char* size;  ///< "KEY" of a list, "KEY KEY", or "" if there is none
+  const char* size;  ///< list "KEY", or "KEY KEY"; "": no size
   std::vector<KeyedPose> poses;
-  const char* camera_name;  ///< its key
-  const char* ones;    ///< keys whose value must be 1: scales that are not read
-  bool is_normalized;  ///< lengths are parts of the longer side of the image
-  std::vector<std::string> others;  ///< keys that say nothing of the lens
+  const char* camera_name;  ///< key of the name
+  const char* ones;         ///< keys (unsupported scales) that must be 1
+  bool is_normalized;       ///< lengths relative to the longer image side
+  std::vector<std::string> others;  ///< keys irrelevant to the model
 
-  /// The ending of files that are written; a format without one is only read.
+  /// Extension of written files; "": the format is read-only.
   const char* ending = "";
-  /// Keys and texts that an export writes beyond the lens.
+  /// Additional keys and values of an export.
   std::vector<std::pair<const char*, const char*>> written = {};
-  const char* fit_key = "";  ///< of a text that says the error of a fit
+  const char* fit_key = "";  ///< key of a text with the fit error
 
-  /// Whether a file has the cameras of a rig, with their poses.
+  /// Returns whether files have all cameras of a rig, with poses.
   bool SupportsRigs() const {
     return HasProjections() ||
            (!poses.empty() && (place[0] != 0 || !words.empty()) &&
             poses.front().word[0] == 0);
   }
-  /// Whether cameras are projection matrices, which have the poses of cameras
-  /// that are not turned against each other.
+  /// Returns whether cameras are projection matrices, which include the poses
+  /// of cameras without relative rotation.
   bool HasProjections() const {
     return std::string(models.front().values).find("=P") != std::string::npos;
   }
@@ -92,15 +92,15 @@ struct KeyedFormat {
 
 const std::vector<KeyedFormat>& ListKeyedFormats();
 
-/// Words of a text, or its parts at another character.
+/// Splits a text at spaces, or at another character.
 std::vector<std::string> SplitText(const std::string& text, char space = ' ');
 
-/// The one line of a text beside comments and empty lines; a text that is no
-/// number if there are several.
+/// Returns the only line that is neither empty nor a comment; if there are
+/// several, a text that is not a number.
 std::string FindNumberLine(const std::string& text);
 
-/// "KEY?=WORDS" as "KEY" and "WORDS", and whether the mark stands there; '@' in
-/// the key becomes the camera's word.
+/// "KEY?=WORDS" split into "KEY" and "WORDS", and whether the mark was there;
+/// '@' in the key is replaced by the camera's word.
 struct KeyedWord {
   std::string key, words;
   bool has_mark = false;
@@ -108,7 +108,7 @@ struct KeyedWord {
 KeyedWord SplitAtMark(const std::string& text, char mark,
                       const std::string& word);
 
-/// A key with the camera's word in it.
+/// Replaces '@' in a key by the camera's word.
 std::string SubstituteWord(std::string key, const std::string& word);
 
 }  // namespace raygrid

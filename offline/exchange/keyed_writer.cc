@@ -16,7 +16,7 @@ namespace {
 
 // ---- A camera as a tree ----------------------------------------------------
 
-// Sets the value at a key, or at keys of maps in each other: "a/b".
+// Sets the value at a key, or at keys of nested mappings: "a/b".
 void SetAt(const std::string& path, Json value, Json* map) {
   Json* place = map;
   for (const std::string& key : SplitText(path, '/')) place = &(*place)[key];
@@ -198,7 +198,7 @@ void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
   AddPose(format, camera.camera_from_rig, word, map);
 }
 
-// The cameras at the format's place.
+// The cameras at the format's location.
 Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   Json root = Json::object();
   const std::string place = format.place;
@@ -239,7 +239,7 @@ std::string ScalarText(const Json& value) {
   return QuotedYaml(text);
 }
 
-// Words that no parser takes for something else need no quotes in YAML.
+// YAML words that no parser misinterprets need no quotes.
 std::string YamlScalar(const Json& value) {
   if (!value.is_string()) return ScalarText(value);
   const std::string text = value.get<std::string>();

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// The text of a file of a format in the table, one that has an ending. Throws
-/// InputError for cameras that it has no place for.
+/// Formats a file of a keyed format, which must have an extension. Throws
+/// InputError for cameras that the format cannot represent.
 std::string WriteKeyed(const KeyedFormat& format, const WriteRequest& request);
 
 }  // namespace raygrid

@@ -19,7 +19,7 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// The index of a parameter among those of a model.
+// Returns the index of a parameter of a model.
 Eigen::Index IndexOf(const LensModel& model, const std::string& parameter) {
   const std::string& name = parameter == "f" ? "fx" : parameter;
   return std::find(model.parameters.begin(), model.parameters.end(), name) -
@@ -87,8 +87,8 @@ std::unique_ptr<CameraModel> MakeGrid(const ConvertedLens& lens) {
   return lens.grid->Clone();
 }
 
-// The lens that a camera is, which has names for all its parameters. An
-// equidistant view is a fisheye without distortion.
+// Returns the named-parameter model that a camera is. An equidistant view is a
+// fisheye without distortion.
 std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
   const auto* view = dynamic_cast<const ViewCamera*>(&camera);
   if (!view || view->projection() != ViewProjection::kEquidistant)
@@ -145,8 +145,8 @@ std::vector<double> ConvertedLens::ValuesFrom(size_t first) const {
   return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
 }
 
-// Each sample stands in the middle of the same part of the area: samples on its
-// edges would count too much of what lies there, as folds do.
+// Each sample is at the centre of an equal part of the area: samples on its
+// edges would overweight effects there, such as folds.
 double ComputeUndefinedFraction(const CameraModel& lens) {
   constexpr int kAcross = 64;
   const Area area = lens.area();

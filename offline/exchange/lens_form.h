@@ -14,76 +14,75 @@
 
 namespace raygrid {
 
-/// A program's own camera that stands for one of raygrid's, whose directions it
-/// turns.
+/// A grid camera of another program that approximates one of raygrid's, with
+/// the rotation between their frames.
 struct FormGrid {
   std::shared_ptr<const CameraModel> camera;
   Eigen::Quaterniond camera_from_given = Eigen::Quaterniond::Identity();
 };
 
-/// A camera model as another program has it: one of raygrid's
-/// (camera/lens_models.h), of whose parameters it has some, in an order of its
-/// own. Those that it lacks are 0.
+/// A camera model of another program: one of raygrid's models
+/// (camera/lens_models.h) with a subset of its parameters, in the program's
+/// order. Missing parameters are 0.
 struct LensForm {
   std::string name;                     ///< the program's own: "plumb_bob"
   std::string model;                    ///< raygrid's: "opencv"
   std::vector<std::string> parameters;  ///< "fx", "cx", "k1"; "f" is fx and fy
   PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
-  /// The program goes no farther from the axis.
+  /// Maximum angle between ray and optical axis that the program supports.
   double reach_rad = M_PI;
-  /// An export takes it only if it is asked for.
+  /// Used in exports only if requested by name.
   bool is_explicit_only = false;
-  /// The program's camera that is nearest to one of raygrid's, for forms that
-  /// are grids; null for those of puzzlepaint.
+  /// For grids: fits the program's grid camera to a camera. Null for other
+  /// models, and for puzzlepaint's grids.
   FormGrid (*fit_grid)(const CameraModel& camera,
                        const ValidityMask* trusted) = nullptr;
 
-  /// A spline has as many parameters as it likes.
+  /// Returns whether the number of parameters is variable (a spline).
   bool IsSpline() const { return model == models::kSplinedStereographic; }
-  /// A grid of another kind than raygrid's, which stands for a camera nearly.
+  /// Returns whether it is another program's grid, an approximation.
   bool IsGrid() const { return model == models::kCentralGeneric || HasLines(); }
   bool HasLines() const { return model == models::kNonCentralGeneric; }
   bool Has(const std::string& parameter) const;
-  /// Parameters of the model that the program lacks.
+  /// Returns the model's parameters that the program does not have.
   std::vector<std::string> Missing() const;
 };
 
-/// fx, fy, cx, cy and these coefficients of a model: most forms are like this.
+/// Makes the most common kind of form: fx, fy, cx, cy and coefficients.
 LensForm MakeForm(const std::string& name, const std::string& model,
                   const std::vector<std::string>& coefficients);
 
-/// A lens in the terms of a form: its values in the order of the form's
-/// parameters, pixels in the program's convention.
+/// A camera as parameters of a form, in the form's order, with the program's
+/// pixel convention.
 struct ConvertedLens {
   const LensForm* form = nullptr;
   ImageSize size;
   std::vector<double> values;
-  /// The lens of a form that is a spline, without values; else null.
+  /// For a spline form: the spline model, without values; otherwise null.
   std::shared_ptr<const SplinedStereographic> spline = nullptr;
-  /// The camera of a form that is a grid: raygrid's grid if it was read, the
-  /// program's if it is to be written. Else null.
+  /// For a grid form: the grid camera, raygrid's if it was read, the program's
+  /// if it is to be written; otherwise null.
   std::shared_ptr<const CameraModel> grid = nullptr;
 
-  /// How far the camera matrix moves a pixel of y = 1 to the right. No model of
-  /// raygrid has one: such a lens is read as a grid (exchange/nearest_grid.h).
+  /// Shift in x at y = 1 by the skew of the camera matrix, which no model of
+  /// raygrid has: such a camera is read as a grid (exchange/nearest_grid.h).
   double skew_px = 0;
 
   /// Throws std::out_of_range if the form has no such parameter.
   double Value(const std::string& parameter) const;
-  /// The values behind the first so many, which are the coefficients of forms
-  /// that MakeForm() makes.
+  /// Returns the values from index `first`, such as the coefficients of forms
+  /// made by MakeForm().
   std::vector<double> ValuesFrom(size_t first) const;
 };
 
-/// The lens of a form, over the whole image; or its grid. Throws InputError for
-/// numbers that no lens has: such as not finite ones, and focal lengths of 0.
+/// Makes the camera over the whole image, or its grid. Throws InputError for
+/// invalid parameters, such as non-finite numbers or zero focal lengths.
 std::unique_ptr<CameraModel> MakeLens(const ConvertedLens& lens);
 
-/// The part of the area that looks nowhere, by 64 x 64 samples.
+/// Returns the fraction of the area without rays, from 64 x 64 samples.
 double ComputeUndefinedFraction(const CameraModel& lens);
 
-/// A lens in a form; nothing if the form cannot hold it exactly, as grids hold
-/// none.
+/// Converts a camera to a form; nullopt if it is not exact, as for grid forms.
 std::optional<ConvertedLens> ConvertToForm(const LensForm& form,
                                            const CameraModel& lens);
 

@@ -13,13 +13,13 @@
 namespace raygrid {
 namespace {
 
-// A pixel that the form has no place for counts as this in a choice.
+// Error of a pixel that the form cannot represent, for the selection.
 constexpr double kBeyondPx = 100;
 
-// About so many pixels along the longer side are compared.
+// Approximate number of compared pixels along the longer side.
 constexpr double kPixelsAcross = 160;
 
-// Nothing needs to be nearer than this.
+// Smaller errors are irrelevant.
 constexpr double kCloseEnoughPx = 0.005;
 
 double ChoiceRmsPx(const LensFit& fit) {
@@ -29,7 +29,7 @@ double ChoiceRmsPx(const LensFit& fit) {
   return std::sqrt(sum / static_cast<double>(fit.num_pixels + fit.num_beyond));
 }
 
-// A spline needs no turn.
+// A spline needs no rotation.
 SelectedLens FitSpline(const LensForm& form, const CameraModel& camera,
                        const ValidityMask* trusted) {
   auto model = FitSplinedStereographic(camera, trusted);
@@ -43,7 +43,7 @@ SelectedLens FitSpline(const LensForm& form, const CameraModel& camera,
   return chosen;
 }
 
-// A grid needs no turn, either, unless its program has an axis.
+// A grid needs no rotation, either, unless its program has an axis.
 SelectedLens FitGrid(const LensForm& form, const CameraModel& camera,
                      const ValidityMask* trusted) {
   const FormGrid grid = form.fit_grid
@@ -76,7 +76,7 @@ SelectedLens FitLens(const LensForm& form, const CameraModel& camera,
   return chosen;
 }
 
-// An error at a part of a sorted list.
+// Returns a quantile of sorted errors.
 double AtPart(const std::vector<double>& sorted, double part) {
   return sorted[static_cast<size_t>(
       part * static_cast<double>(sorted.size() - 1) + 0.5)];
@@ -151,7 +151,7 @@ SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
             "central; export a view of it, or calibrate another model",
             camera.Name()));
   std::vector<SelectedLens> fits(sorted.size());
-  // Forms of many parameters take longest, and so begin.
+  // Forms with many parameters are the slowest, so they start first.
   const int last = static_cast<int>(sorted.size()) - 1;
   ParallelFor(last + 1, NumThreads(num_threads), [&](int k) {
     fits[last - k] = FitLens(*sorted[last - k], camera, trusted);

@@ -10,14 +10,14 @@
 
 namespace raygrid {
 
-/// How well a lens stands for a camera: how far it projects directions of
-/// trusted pixels from them, after the rotation.
+/// Accuracy of a converted camera: projection errors of the rays of pixels in
+/// the valid region, after a rotation.
 struct LensFit {
   double rms_px = 0, p99_px = 0, max_px = 0;
-  size_t num_pixels = 0;       ///< that were compared
-  size_t num_beyond = 0;       ///< trusted ones that the form has no place for
-  double widest_rad = 0;       ///< off the lens's axis, of trusted pixels
-  bool is_of_trusted = false;  ///< else the camera does not tell which are
+  size_t num_pixels = 0;       ///< compared pixels
+  size_t num_beyond = 0;       ///< valid pixels that the form cannot represent
+  double widest_rad = 0;       ///< maximum angle from the axis, valid pixels
+  bool is_of_trusted = false;  ///< false: the camera has no valid region
   Eigen::Quaterniond lens_from_camera = Eigen::Quaterniond::Identity();
 
   bool IsTurned() const {
@@ -25,32 +25,32 @@ struct LensFit {
   }
 };
 
-/// A camera in one of the forms of a program.
+/// A camera converted to one of a program's models.
 struct SelectedLens {
   ConvertedLens lens;
-  std::unique_ptr<CameraModel> model;  ///< what the lens is to raygrid
-  std::optional<LensFit> fit;          ///< none if it is the camera itself
+  std::unique_ptr<CameraModel> model;  ///< raygrid's model of the conversion
+  std::optional<LensFit> fit;          ///< nullopt if the conversion is exact
 };
 
-/// The camera itself in the form of the fewest parameters that holds it. Else
-/// the nearest lens of the form of the fewest parameters, unless others leave
-/// at least 2 % less, and more than a little. Among equals the first form
-/// counts. Pixels that are not trusted have next to no say; without a mask all
-/// are. Forms of lines are for cameras of lines, and no others for these: else
-/// throws Error(kUsage), as it throws Error(kQuality) if no
-/// form has a place for any trusted pixel.
+/// Selects the form with the fewest parameters that represents the camera
+/// exactly. Otherwise fits the form with the fewest parameters, unless the
+/// error of others is at least 2 % smaller by a relevant amount; the first one
+/// if equal. Pixels outside the valid region have a negligible weight; without
+/// a mask all are valid. Non-central cameras require non-central forms and vice
+/// versa: otherwise throws Error(kUsage). Throws Error(kQuality) if no form can
+/// represent any valid pixel.
 SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
                         const CameraModel& camera, const ValidityMask* trusted,
                         int num_threads = 1);
 
-/// How well a lens of a form stands for a camera; at points 1 m away, if it is
-/// a camera of lines.
+/// Measures the accuracy of a converted camera; for a non-central camera with
+/// points at a distance of 1 m.
 LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
                        const CameraModel& lens, const LensForm& form,
                        const Eigen::Quaterniond& lens_from_camera);
 
-/// "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200 trusted
-/// pixels; turned by 0.00123 rad, quaternion (w, x, y, z) ...".
+/// Formats "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200
+/// trusted pixels; turned by 0.00123 rad, quaternion (w, x, y, z) ...".
 std::string FormatLensFit(const LensFit& fit);
 
 }  // namespace raygrid

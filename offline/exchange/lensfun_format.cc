@@ -130,8 +130,8 @@ Polynomial PolynomialOf(const XmlElement& distortion) {
                   distortion.line, Printable(model)));
 }
 
-// The focal length near the axis that the file says, in mm; the nominal one is
-// that of undistorted images.
+// The real focal length near the axis in the file, in mm; the nominal focal
+// length refers to undistorted images.
 double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
                        double d) {
   for (const XmlElement& element : calibration.children)
@@ -141,7 +141,7 @@ double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
   return nominal_mm * d;
 }
 
-// A camera of a lens at a focal length. crop is that of the camera.
+// Makes the camera of a lens at a focal length. crop: the camera's.
 RadialLens RadialLensOf(const XmlElement& lens, const XmlElement& calibration,
                         const XmlElement& distortion, double crop,
                         const ImageSize& size) {
@@ -266,7 +266,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// A camera of crop factor 1, whose images are those of the calibration.
+// A camera of crop factor 1 with the calibration's images.
 std::string WriteLensfun(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const ConvertedLens& lens = camera.lens;

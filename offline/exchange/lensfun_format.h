@@ -5,9 +5,9 @@
 
 namespace raygrid {
 
-/// Lenses of Lensfun's database, as its documentation has them ("Declaring
-/// lenses", "lfDistortionModel"): poly3, poly5 and ptlens on a rectilinear or
-/// fisheye projection.
+/// Lenses of Lensfun's database, as documented there ("Declaring lenses",
+/// "lfDistortionModel"): poly3, poly5 and ptlens on a rectilinear or fisheye
+/// projection.
 Format LensfunFormat();
 
 }  // namespace raygrid

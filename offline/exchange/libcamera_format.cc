@@ -78,7 +78,7 @@ bool IsLibcamera(const std::string& text) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// libcamera passes over keys that it does not know.
+// libcamera ignores unknown keys.
 std::string WriteLibcamera(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const ConvertedLens& lens = camera.lens;

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The module Dewarp of libcamera's tuning files.
+/// The Dewarp module of libcamera's tuning files.
 Format LibcameraFormat();
 
 }  // namespace raygrid

@@ -20,8 +20,8 @@ struct OpenCvMaps {
   cv::Mat map1, map2, matrix, source_size;
 };
 
-// x and y of the sources. Where a pixel has none, they are -1: the pixel before
-// the first one, which OpenCV fills with border.
+// x and y of the sources; -1 for pixels without a source: outside the image,
+// where OpenCV fills in the border.
 std::pair<cv::Mat, cv::Mat> FloatMaps(const ViewTable& view) {
   std::pair<cv::Mat, cv::Mat> maps(
       cv::Mat(view.size.height, view.size.width, CV_32FC1),

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The maps that cv2.remap() takes, of a view.
+/// The maps of a view for cv2.remap().
 TableFormat MapsFormat();
 
 }  // namespace raygrid

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The calibration of Agisoft Metashape, as XML.
+/// The XML calibration of Agisoft Metashape.
 Format MetashapeFormat();
 
 }  // namespace raygrid

@@ -65,7 +65,7 @@ CornerColumns ColumnsOf(const std::string& text) {
 
 // ---- The corners -----------------------------------------------------------
 
-// All corners of an image in the file's order; those without a value were
+// All corners of an image in the file's order; corners without a value were
 // rejected.
 struct CornerRows {
   std::string image;
@@ -76,7 +76,7 @@ struct CornerCounts {
   size_t without_board = 0, rejected = 0, blurred = 0;
 };
 
-// Whether the program took a corner that has a position.
+// Whether the program used a corner that has a position.
 bool IsOccupied(const WordLines& line, const CornerColumns& columns,
                 CornerCounts* counts) {
   if (columns.count < 4) return true;
@@ -95,7 +95,7 @@ std::optional<Eigen::Vector2d> CornerOf(const WordLines& line,
   return pixel;
 }
 
-// mrgingham leaves out the last column of an image without a board.
+// mrgingham omits the last column of an image without a board.
 void RequireColumns(const WordLines& line, const CornerColumns& columns) {
   const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
   if (line.size() != columns.count && !is_short)

@@ -5,8 +5,7 @@
 
 namespace raygrid {
 
-/// The corners.vnl of mrcal and mrgingham: corners of a board, without a
-/// camera.
+/// corners.vnl of mrcal and mrgingham: board corners without a camera.
 Format MrcalCornersFormat();
 
 }  // namespace raygrid

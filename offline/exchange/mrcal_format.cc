@@ -34,7 +34,7 @@ const std::vector<LensForm>& MrcalForms() {
 
 // ---- The dictionary as YAML ------------------------------------------------
 
-// The index behind a string that begins with a quote at an index.
+// Returns the index after a string that begins with a quote at an index.
 size_t BehindString(const std::string& text, size_t quote) {
   size_t end = quote + 1;
   while (end < text.size() && text[end] != text[quote])
@@ -104,7 +104,7 @@ SplinedStereographic::Grid GridOfName(const std::string& name) {
   return grid;
 }
 
-// mrcal has fx, fy, cx, cy before the control points.
+// mrcal stores fx, fy, cx, cy before the control points.
 std::shared_ptr<const SplinedStereographic> SplineOf(
     const std::string& name, const ImageSize& size,
     const std::vector<double>& intrinsics) {
@@ -159,7 +159,7 @@ std::optional<Pose> MrcalPoseOf(const CameraKeys& root) {
   return Pose{RotationFromVector({rt[0], rt[1], rt[2]}), {rt[3], rt[4], rt[5]}};
 }
 
-// None if the file has no region, which means that it does not tell.
+// nullopt if the file has no region, i.e. the valid region is unknown.
 std::optional<ValidityMask> TrustIn(const CameraKeys& root,
                                     const ImageSize& size) {
   constexpr char kKey[] = "valid_intrinsics_region";
@@ -196,7 +196,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// The name of a lens's model, and its numbers in mrcal's order.
+// Name of a camera's model, and its parameters in mrcal's order.
 std::pair<std::string, std::vector<double>> ModelOf(const ConvertedLens& lens) {
   if (!lens.spline) return {lens.form->name, lens.values};
   const SplinedStereographic::Grid& grid = lens.spline->grid();

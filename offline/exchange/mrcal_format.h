@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// mrcal's .cameramodel: a Python dictionary of a camera and its pose.
+/// mrcal's .cameramodel: a Python dictionary of a camera with its pose.
 Format MrcalFormat();
 
 }  // namespace raygrid

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// A camera that is known by its directions alone, to be fitted and measured.
+// A camera defined by its directions only, for fits and measurements.
 class DirectionCamera : public CameraModel {
  public:
   DirectionCamera(const ImageSize& size, DirectionAtPixel direction)

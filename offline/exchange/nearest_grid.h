@@ -1,4 +1,4 @@
-/// Lenses that no model of raygrid has, as the grids nearest to them.
+/// Fits grids to cameras that raygrid has no model for.
 #ifndef RAYGRID_EXCHANGE_NEAREST_GRID_H
 #define RAYGRID_EXCHANGE_NEAREST_GRID_H
 
@@ -12,22 +12,22 @@
 
 namespace raygrid {
 
-/// The direction, of any length, that a pixel of an image looks along.
+/// Returns the direction, of any length, of a pixel.
 using DirectionAtPixel =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// The form of grids that stand for other lenses.
+/// The form of grids that approximate other models.
 const LensForm& NearestGridForm();
 
-/// The grid nearest to what pixels look along. A remark says why, "it has a
-/// skew of 2 px, which no lens of raygrid has", and the error that is left.
-/// Throws InputError if hardly a pixel looks anywhere.
+/// Fits a grid to the directions of pixels. A warning states the fit error and
+/// the reason: "it has a skew of 2 px, which no lens of raygrid has". Throws
+/// InputError if almost no pixel has a direction.
 ConvertedLens FitNearestGrid(const ImageSize& size,
                              const DirectionAtPixel& direction,
                              const std::string& why,
                              std::vector<std::string>* warnings);
 
-/// That of a lens whose camera matrix has a skew.
+/// Fits a grid to a camera whose camera matrix has a skew.
 ConvertedLens FitSkewedGrid(const ConvertedLens& lens,
                             std::vector<std::string>* warnings);
 

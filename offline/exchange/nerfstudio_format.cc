@@ -54,7 +54,7 @@ Pose Rotated(const Pose& world_from_camera) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// Keys of instant-ngp's and nerfstudio's scenes that say nothing of the lens.
+// Keys of instant-ngp's and nerfstudio's scenes that are not intrinsics.
 const std::vector<std::string> kSceneKeys = {kFrames,
                                              "aabb_scale",
                                              "camera_angle_x",
@@ -85,8 +85,8 @@ const std::vector<std::string> kSceneKeys = {kFrames,
                                              kRaygridKey,
                                              "fisheye_crop_radius"};
 
-// The map that has the camera: the file, or the first of its frames if all say
-// the same.
+// Returns the mapping with the camera: the file, or its first frame if all
+// frames agree.
 YAML::Node CameraNode(const YAML::Node& root) {
   if (root["fl_x"]) return root;
   const YAML::Node frames = root[kFrames];
@@ -105,7 +105,7 @@ YAML::Node CameraNode(const YAML::Node& root) {
   return frames[0];
 }
 
-// In the order of kCoefficients; those that are missing are 0.
+// In the order of kCoefficients; missing ones are 0.
 std::vector<double> CoefficientsOf(const CameraKeys& camera) {
   constexpr char kList[] = "distortion_params";
   if (camera.Has(kList))

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// transforms.json of nerfstudio, and of instant-ngp: a camera and its places.
+/// transforms.json of nerfstudio and instant-ngp: a camera with its poses.
 Format NerfstudioFormat();
 
 }  // namespace raygrid

@@ -84,7 +84,7 @@ std::string ReadWhole(zip_source_t* source) {
       fmt::format("{}: cannot be read from the archive: {}", name, why));
 }
 
-// A file's bytes, read as they come: its size may be a lie.
+// Reads a file's bytes in chunks: its declared size may be wrong.
 std::string Unzipped(zip_t* archive, zip_int64_t index,
                      const std::string& name) {
   constexpr size_t kChunk = 1 << 20;
@@ -121,7 +121,7 @@ std::vector<size_t> ParseShape(const std::string& name,
   return shape;
 }
 
-// The size of a type's numbers; 0 of types that are not read.
+// Returns the size of a type's numbers; 0 for unsupported types.
 size_t SizeOfType(const std::string& type) {
   for (const char* known : {"<f4", "<f8", "<i2", "<u2", "<i4", "<u4", "<i8"})
     if (type == known) return static_cast<size_t>(type[2] - '0');

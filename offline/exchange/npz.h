@@ -8,12 +8,12 @@
 
 namespace raygrid {
 
-/// An array of numpy.
+/// A numpy array.
 struct NpyArray {
   std::string name;
-  std::string type;  ///< "<f4": the order of bytes, the kind, the size
+  std::string type;  ///< "<f4": byte order, kind, size
   std::vector<size_t> shape;
-  std::string bytes;  ///< the last index runs first
+  std::string bytes;  ///< row-major (C order)
 };
 
 namespace npz_internal {
@@ -26,7 +26,7 @@ inline const char* TypeName(uint32_t) { return "<u4"; }
 inline const char* TypeName(int64_t) { return "<i8"; }
 }  // namespace npz_internal
 
-/// An array of the numbers at values, as many as the shape has.
+/// Makes an array of a shape from the numbers at `values`.
 template <typename Number>
 NpyArray MakeNpyArray(const std::string& name, std::vector<size_t> shape,
                       const Number* values) {
@@ -37,21 +37,21 @@ NpyArray MakeNpyArray(const std::string& name, std::vector<size_t> shape,
                       count * sizeof(Number))};
 }
 
-/// A file of numpy.savez() with these arrays, the same bytes at any time.
+/// Formats an archive as numpy.savez() does, but reproducibly.
 std::string WriteNpz(const std::vector<NpyArray>& arrays);
 
-/// Whether bytes begin as an archive.
+/// Returns whether bytes begin as a ZIP archive.
 bool IsNpz(const std::string& bytes);
 
-/// The arrays of a file of numpy.savez() or numpy.savez_compressed(), in the
-/// order of C. Throws InputError without the file's name; also for arrays of
-/// other types than TypeName() has, such as texts, or if they may be in it,
-/// returns these without their shape and bytes.
+/// Reads the arrays of an archive of numpy.savez() or savez_compressed(), in C
+/// order. Throws InputError without the file's name, also for types without a
+/// TypeName(), such as strings; with may_have_others, such arrays are returned
+/// without shape and bytes.
 std::vector<NpyArray> ReadNpz(const std::string& bytes,
                               bool may_have_others = false);
 
-/// The numbers of an array of any type that TypeName() has. Throws InputError
-/// for other types.
+/// Returns the numbers of an array of a type with a TypeName(). Throws
+/// InputError for other types.
 std::vector<double> NpyNumbers(const NpyArray& array);
 
 }  // namespace raygrid

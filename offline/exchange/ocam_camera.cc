@@ -57,7 +57,7 @@ struct OcamSample {
   Eigen::Vector3d ray;
 };
 
-// Pixels that count, and what they look along.
+// Samples of a fit: pixels and their directions.
 std::vector<OcamSample> SamplesOf(const CameraModel& camera,
                                   const ValidityMask* trusted) {
   constexpr double kAcross = 28;

@@ -12,18 +12,19 @@ namespace raygrid {
 /// The numbers of OCamCalib's model (D. Scaramuzza, A. Martinelli, R. Siegwart,
 /// "A Flexible Technique for Accurate Omnidirectional Camera Calibration and
 /// Structure from Motion", ICVS 2006). A pixel's row and column, from the
-/// centre on, are [c d; e 1] times a point of the undistorted image, and a
-/// point at radius r there looks along -f(r) ahead.
+/// Structure from Motion", ICVS 2006). A pixel's row and column, from the
+/// centre, are [c d; e 1] times a point of the undistorted image; the ray of a
+/// point at radius r has the z coordinate -f(r).
 struct OcamNumbers {
   std::vector<double> polynomial;  ///< f
   double row = 0, column = 0;      ///< the centre
   double c = 1, d = 0, e = 0;
 
-  /// The direction that a pixel looks along, of any length, in raygrid's axes.
+  /// Returns the direction of a pixel, of any length, in raygrid's axes.
   Eigen::Vector3d Direction(const Eigen::Vector2d& pixel) const;
 };
 
-/// A camera of these numbers, over the whole image.
+/// A camera with these parameters, over the whole image.
 class OcamCamera : public CameraModel {
  public:
   OcamCamera(const ImageSize& size, OcamNumbers numbers);
@@ -38,7 +39,7 @@ class OcamCamera : public CameraModel {
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
   using CameraModel::Project;
-  /// False: nothing adjusts this model.
+  /// Returns false: the model is not optimized.
   bool Linearize(const Eigen::Vector3d&, const Eigen::Vector2d*, double,
                  LinearizedProjection*) const override {
     return false;
@@ -47,10 +48,9 @@ class OcamCamera : public CameraModel {
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
   const OcamNumbers& numbers() const { return numbers_; }
-  /// The radius at which a ray is seen, by its angle from the axis; nothing
-  /// beyond the image.
+  /// Returns the radius at an angle from the axis; nullopt outside the image.
   std::optional<double> Radius(double angle_rad) const;
-  /// The largest radius in the image.
+  /// Returns the largest radius in the image.
   double max_radius() const { return max_radius_; }
 
  private:
@@ -58,13 +58,13 @@ class OcamCamera : public CameraModel {
   double max_radius_ = 0;
 };
 
-/// OCamCalib's inverse polynomial, the radius over the angle from the image
-/// plane, of the least degree that keeps 0.01 px, or of the largest one.
+/// Fits OCamCalib's inverse polynomial, the radius over the angle from the
+/// image plane, with the lowest degree accurate to 0.01 px, or the maximum.
 std::vector<double> InverseOcamPolynomial(const OcamCamera& camera);
 
-/// The nearest camera of this model, by least squares of how far it projects
-/// the directions of trusted pixels from them: of the degree of 4 that
-/// OCamCalib begins with, up to 8 while that leaves 2 % less.
+/// Fits this model to a camera by least squares of projection errors in the
+/// valid region: degree 4, OCamCalib's default, up to 8 while another degree
+/// reduces the error by at least 2 %.
 FormGrid FitOcamCamera(const CameraModel& camera, const ValidityMask* trusted);
 
 }  // namespace raygrid

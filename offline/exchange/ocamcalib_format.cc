@@ -58,7 +58,7 @@ int OcamSidePx(OcamReader* numbers, const char* what) {
   return SidePx(YAML::Node(RealText(numbers->Next(what))), what);
 }
 
-// Rows are x there and columns y, and what is seen lies at negative z.
+// Rows are x and columns y in OCamCalib, and the view direction is -z.
 ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   OcamReader numbers(request.text);
   const std::vector<double> direct = numbers.NextList("polynomial");
@@ -82,7 +82,7 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   return contents;
 }
 
-// A list behind its length.
+// A list, preceded by its length.
 std::string CountedReals(const std::vector<double>& numbers) {
   std::string text = fmt::format("{}", numbers.size());
   for (const double number : numbers) text += " " + RealText(number);

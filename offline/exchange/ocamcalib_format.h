@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// calib_results.txt of OCamCalib (D. Scaramuzza's toolbox for omnidirectional
-/// cameras), read as the nearest grid.
+/// cameras), imported as a fitted grid.
 Format OcamCalibFormat();
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Corners and poses of boards, as OpenCV's calibration sample writes them.
+/// Corners and board poses in files of OpenCV's calibration sample.
 #ifndef RAYGRID_EXCHANGE_OPENCV_BOARDS_H
 #define RAYGRID_EXCHANGE_OPENCV_BOARDS_H
 
@@ -14,20 +14,20 @@ namespace opencv_file {
 
 constexpr char kPointsKey[] = "image_points";
 
-/// The features of a camera, or why there are none: a board that the file does
-/// not say is no fault of the camera.
+/// Reads a camera's features, or sets the reason why there are none: an
+/// undefined board is not an error of the camera.
 void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
                   ReadLens* camera);
 
-/// The corners of a file that has no camera. Throws InputError.
+/// Reads the corners of a file without a camera. Throws InputError.
 ExchangeContents ReadCornersOnly(const YAML::Node& root,
                                  const ReadRequest& request);
 
-/// extrinsic_parameters: a rotation vector and a translation a row. Throws
-/// InputError.
+/// Reads extrinsic_parameters: a rotation vector and a translation per row.
+/// Throws InputError.
 std::vector<BoardPose> ReadBoardPoses(const YAML::Node& root);
 
-/// Adds these, with the names of their images and boards.
+/// Writes board poses, with the names of their images and boards.
 void AddPoses(const std::vector<BoardPose>& poses, FileStorageText* text);
 
 }  // namespace opencv_file

@@ -8,11 +8,11 @@
 namespace raygrid {
 namespace opencv_file {
 
-/// The camera, the pair, the pose of a pair or the corners of a file's map, or
-/// cameras in maps under their names. Throws InputError.
+/// Reads the camera, the pair, the relative pose or the corners of a file, or
+/// cameras in mappings under their names. Throws InputError.
 ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request);
 
-/// Adds cameras that stand in maps under their names, or in lists.
+/// Adds cameras in nested mappings, under their names, or lists.
 void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
                ExchangeContents* contents);
 

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// Cameras in OpenCV's FileStorage: YAML, XML or JSON by the file's ending, as
-/// OpenCV's own calibration samples write them.
+/// Cameras in OpenCV's FileStorage: YAML, XML or JSON by extension, as written
+/// by OpenCV's calibration samples.
 Format OpenCvFormat();
 
 }  // namespace raygrid

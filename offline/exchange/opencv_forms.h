@@ -1,4 +1,4 @@
-/// Forms that several programs share with OpenCV.
+/// Camera models that several programs share with OpenCV.
 #ifndef RAYGRID_EXCHANGE_OPENCV_FORMS_H
 #define RAYGRID_EXCHANGE_OPENCV_FORMS_H
 
@@ -13,8 +13,8 @@
 
 namespace raygrid {
 
-/// OpenCV's pinhole with so many of its coefficients, in its order: k1, k2, p1,
-/// p2, k3, k4, k5, k6, s1, s2, s3, s4, tx, ty. Count is 0, 4, 5, 8, 12 or 14.
+/// OpenCV's pinhole with its first `count` coefficients: k1, k2, p1, p2, k3,
+/// k4, k5, k6, s1, s2, s3, s4, tx, ty. count is 0, 4, 5, 8, 12 or 14.
 inline LensForm OpenCvForm(const std::string& name, int count) {
   const std::vector<std::string> all = {"k1", "k2", "p1", "p2", "k3",
                                         "k4", "k5", "k6", "s1", "s2",
@@ -26,8 +26,8 @@ inline LensForm OpenCvForm(const std::string& name, int count) {
   return form;
 }
 
-/// The fisheye of OpenCV, and of all that call it equidistant: k1, k2, k3, k4.
-/// It divides by z: the half space before the camera is its reach.
+/// OpenCV's fisheye (equidistant) with k1, k2, k3, k4. OpenCV divides by z, so
+/// it is limited to the half space in front of the camera.
 inline LensForm OpenCvFisheyeForm(const std::string& name) {
   LensForm form =
       MakeForm(name, models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"});
@@ -35,9 +35,9 @@ inline LensForm OpenCvFisheyeForm(const std::string& name) {
   return form;
 }
 
-/// Sets fx, fy, cx, cy and the skew of a lens by a camera matrix, row by row,
-/// or column by column as MATLAB, Open3D and Apple have it. Throws InputError,
-/// naming it, for a matrix that is not fx s cx, 0 fy cy, 0 0 1.
+/// Sets fx, fy, cx, cy and the skew from a camera matrix, row-major, or
+/// column-major as in MATLAB, Open3D and Apple's formats. Throws InputError
+/// with the name for a matrix other than [fx s cx; 0 fy cy; 0 0 1].
 inline void ReadCameraMatrix(std::vector<double> k, const std::string& name,
                              ConvertedLens* lens) {
   if (k.size() != 9) throw InputError(fmt::format("{}: not 3 x 3", name));
@@ -50,8 +50,8 @@ inline void ReadCameraMatrix(std::vector<double> k, const std::string& name,
   lens->skew_px = k[1];
 }
 
-/// Takes zeros off the end of coefficients in OpenCV's order that do nothing
-/// there: those beyond so many, and the prism and tilt of 12 or 14.
+/// Truncates coefficients in OpenCV's order to `count` if all further ones are
+/// 0.
 inline void TrimCoefficients(size_t count, std::vector<double>* coefficients) {
   const auto is_zero_from = [&](size_t first) {
     return std::all_of(

@@ -56,7 +56,7 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
 static const KeyList kSizeKeys = {
     "cameraResolution", "image_size", "imageSize", "img_shape",
     "img_size",         "resolution", "size",      "image_shape"};
-// Rows come first there, as in the shape of numpy's images.
+// Rows come first, as in the shape of numpy's images.
 static const KeyList kShapeKeys = {"shape"};
 static const KeyList kWidthKeys = {
     "image_width", "image_Width",      "imageWidth",       "img_width", "width",
@@ -87,7 +87,7 @@ const KeyList kModelKeys = {"distortion_model",
                             "type"};
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
-// Keys of OpenCV's and its users' calibrations that say nothing of the lens.
+// Keys of OpenCV's and its users' calibrations that are not intrinsics.
 const KeyList kOtherKeys = {"nr_of_frames",
                             "nframes",
                             "nFrames",

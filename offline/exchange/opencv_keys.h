@@ -1,5 +1,4 @@
-/// The names that files of OpenCV, its programs and their users give to one
-/// thing.
+/// Alternative key names in files of OpenCV, its programs and their users.
 #ifndef RAYGRID_EXCHANGE_OPENCV_KEYS_H
 #define RAYGRID_EXCHANGE_OPENCV_KEYS_H
 
@@ -15,43 +14,42 @@ namespace opencv_file {
 
 using KeyList = std::vector<std::string>;
 
-/// Names of the camera matrix, and of the distortion coefficients.
+/// Keys of the camera matrix, and of the distortion coefficients.
 extern const KeyList kMatrixKeys, kDistortionKeys;
-/// Names of the camera, of its model, and of a flag that it is a fisheye.
+/// Keys of the camera's name, its model, and a fisheye flag.
 extern const KeyList kNameKeys, kModelKeys, kFisheyeKeys;
-/// Keys that say nothing of the lens, and those that mean something else in
-/// other formats.
+/// Keys without intrinsics, and keys with another meaning in other formats.
 extern const KeyList kOtherKeys, kVagueKeys;
 
-/// Texts before and behind the names of keys of one camera of several.
+/// Prefix and suffix of a camera's keys in a file of several cameras.
 struct Affixes {
   std::string before, behind, camera;
 };
 
-/// The affixes of a file of several cameras; none if it has no matrices of
-/// these.
+/// Returns the affixes in a file of several cameras; empty if no key with
+/// affixes is a camera matrix.
 std::vector<Affixes> FindCameras(const CameraKeys& keys);
 
-/// The first of these keys that stands in a map, or "".
+/// Returns the first of these keys that exists, or "".
 std::string FindKey(const CameraKeys& keys, const KeyList& names,
                     const Affixes& affixes = {});
 
-/// The text at the first of these keys, or "".
+/// Returns the text at the first of these keys, or "".
 std::string TextAt(const CameraKeys& keys, const KeyList& names);
 
-/// Whether a map has a camera matrix, or its four numbers.
+/// Returns whether there is a camera matrix, or fx, fy, cx, cy.
 bool HasMatrix(const CameraKeys& keys, const Affixes& affixes = {});
 
-/// 0 x 0 if the file does not say it. Throws InputError.
+/// Returns 0 x 0 if the file has no image size. Throws InputError.
 ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes);
 
-/// Sets the values and the skew of a lens by its matrix. Throws InputError.
+/// Sets fx, fy, cx, cy and skew from the camera matrix. Throws InputError.
 void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
                     ConvertedLens* lens);
 
-/// Distortion coefficients, and whether they are a column of four, as
-/// cv::fisheye writes them (cv::calibrateCamera() has five or more), or have
-/// the names of a fisheye's.
+/// Distortion coefficients; whether they are a column of four, as written by
+/// cv::fisheye (cv::calibrateCamera() has five or more), and whether their keys
+/// belong to a fisheye.
 struct DistortionCoefficients {
   std::vector<double> numbers;
   bool is_fisheye_column = false, has_fisheye_names = false;

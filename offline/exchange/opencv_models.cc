@@ -16,7 +16,7 @@ namespace opencv_file {
 
 namespace {
 
-// OpenCV's omnidir: k1, k2, p1, p2, and xi, which stands in a key of its own.
+// OpenCV's omnidir: k1, k2, p1, p2, and xi, which has a separate key.
 LensForm OmnidirForm() {
   LensForm form =
       MakeForm(kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
@@ -48,7 +48,7 @@ const LensForm& FormNamed(const std::string& name) {
                   Printable(name)));
 }
 
-// The form by the number of coefficients.
+// Returns the form for a number of coefficients.
 const LensForm& FormOfCount(size_t count) {
   const std::map<size_t, const char*> names = {
       {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},
@@ -60,7 +60,7 @@ const LensForm& FormOfCount(size_t count) {
   return FormNamed(name->second);
 }
 
-// The model that a file says, and the key that says it.
+// The model stated in a file, and its key.
 struct SaidModel {
   LensFamily family = LensFamily::kPinhole;
   std::string key, word;

@@ -1,4 +1,4 @@
-/// Camera models of OpenCV, as its files say them.
+/// OpenCV's camera models, as identified in its files.
 #ifndef RAYGRID_EXCHANGE_OPENCV_MODELS_H
 #define RAYGRID_EXCHANGE_OPENCV_MODELS_H
 
@@ -13,13 +13,13 @@ namespace opencv_file {
 
 constexpr char kFisheye[] = "fisheye", kOmnidir[] = "omnidir";
 
-/// Pinholes of 4, 5, 8, 12 and 14 coefficients, the fisheye and omnidir, whose
-/// xi stands in a key of its own.
+/// Pinholes with 4, 5, 8, 12 and 14 coefficients, the fisheye, and omnidir,
+/// whose xi has a separate key.
 const std::vector<LensForm>& OpenCvForms();
 
-/// The form of what the file says, or else the user; or else of the number of
-/// coefficients. Takes zeros off these that the form has no place for. Throws
-/// InputError.
+/// Determines the form from the file, otherwise from the user's option, or else
+/// from the number of coefficients. Removes trailing zeros that the form does
+/// not have. Throws InputError.
 const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
                               const ReadRequest& request, double skew_px,
                               DistortionCoefficients* coefficients,

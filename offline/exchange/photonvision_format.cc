@@ -125,7 +125,7 @@ ConvertedLens ReadPhotonLens(const Json& root) {
   return lens;
 }
 
-// All keys are known but those that newer programs may add.
+// All keys are known except keys of newer programs.
 void FinishPhotonKeys(Json root, const LensForm& form,
                       std::vector<std::string>* warnings) {
   root.erase(kObservations);
@@ -160,7 +160,7 @@ Eigen::Vector2d PlanePoint(const Json& point, const char* list) {
           FiniteJson(ValueAt(point, "y"), fmt::format("{}: y", list))};
 }
 
-// Whether the solver took a corner; older files do not say it.
+// Whether the solver used a corner; older files lack this.
 bool IsUsed(const Json& view, size_t corner) {
   const Json& used = ValueAt(view, "cornersUsed");
   return !used.is_array() || corner >= used.size() || used[corner] != false;
@@ -198,7 +198,7 @@ Eigen::Vector2d LowestPlace(const Json& view) {
   return lowest;
 }
 
-// None if the solver told none.
+// nullopt if the solver stated none.
 std::optional<Pose> PhotonPose(const Json& pose) {
   const Json& t = ValueAt(pose, "translation");
   const Json& q = ValueAt(ValueAt(pose, "rotation"), "quaternion");
@@ -259,7 +259,7 @@ double SpacingOf(const Json& root, const std::vector<PhotonView>& views) {
   return spacing;
 }
 
-// Column and row, counted from the board's origin.
+// 0-based column and row, relative to the board's origin.
 Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
   constexpr double kMostOff = 0.02;
   const Eigen::Vector2d exact = corner.on_board / spacing;

@@ -5,11 +5,10 @@
 
 namespace raygrid {
 
-/// The JSON of a calibration by PhotonVision: a camera, its corners and its
-/// boards' poses.
+/// PhotonVision's JSON calibration: a camera, its corners and board poses.
 Format PhotonVisionFormat();
 
-/// Whether a text may be such a file: the lens's key is that of mrcal, too.
+/// Returns whether a text may be such a file: mrcal has the same model key.
 bool IsPhotonVision(const std::string& text);
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Texts of keys and values that are neither YAML nor JSON, as trees of these.
+/// Parses key-value texts other than YAML and JSON to YAML trees.
 #ifndef RAYGRID_EXCHANGE_PLAIN_TREES_H
 #define RAYGRID_EXCHANGE_PLAIN_TREES_H
 
@@ -8,16 +8,16 @@
 
 namespace raygrid {
 
-/// TOML of tables, texts, numbers and lists. Throws InputError, with the line.
+/// TOML: tables, strings, numbers, lists. Throws InputError with the line.
 YAML::Node ParseToml(const std::string& text);
 
-/// Lines "KEY: NUMBER ...", each a list, or the word that stands there alone:
-/// calib.txt of KITTI. With the mark '=', lines "KEY = [NUMBER; ...]" of
-/// MATLAB.
+/// Lines "KEY: NUMBER ..." of KITTI's calib.txt: a list per key, or a string if
+/// the value is a single word. With the mark '=', MATLAB's lines "KEY =
+/// [NUMBER; ...]".
 YAML::Node ParseKeyLines(const std::string& text, char mark = ':');
 
-/// ROS's .ini: a key is a line, and its numbers follow in the lines below it.
-/// The size is that of [image].
+/// ROS's .ini: a key per line, followed by lines with its numbers. The size is
+/// in [image].
 YAML::Node ParseRosIni(const std::string& text);
 
 }  // namespace raygrid

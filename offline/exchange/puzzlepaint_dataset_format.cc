@@ -31,7 +31,7 @@ std::map<int32_t, LatticePlace> PlacesOfFeatures(
   return places;
 }
 
-// The file does not tell what a board looks like, so it is points.
+// The file does not describe the board's appearance, so it is a point set.
 Board BoardOfGeometry(const PuzzlepaintGeometry& geometry, int id) {
   Board board;
   board.id = id;
@@ -90,10 +90,10 @@ double CellIndex(const Board& board) {
   return cell;
 }
 
-// Numbers of features, by board, column and row.
+// Feature indices by board, column and row.
 using FeatureIds = std::map<std::array<int, 3>, int32_t>;
 
-// Row by row, board by board, without the places of tags.
+// Row by row, board by board, without positions inside tags.
 FeatureIds AddGeometries(const std::vector<Board>& boards,
                          PuzzlepaintDataset* dataset) {
   FeatureIds ids;

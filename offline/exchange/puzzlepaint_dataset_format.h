@@ -6,11 +6,11 @@
 
 namespace raygrid {
 
-/// dataset.bin of the program of the paper's authors (puzzlepaint's
-/// camera_calibration): features and boards.
+/// dataset.bin of puzzlepaint's camera_calibration, the program of the paper's
+/// authors: features and boards.
 TableFormat PuzzlepaintDatasetFormat();
 
-/// The images in which a camera saw a board.
+/// Returns the features of all images of a camera.
 std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
                                              size_t camera);
 

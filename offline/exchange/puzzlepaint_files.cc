@@ -29,7 +29,7 @@ Number GetWhole(ByteReader* reader) {
   return reader->Get<Number>(ByteOrder::kBig);
 }
 
-// A count of things that take so many bytes at least.
+// Reads the count of elements with a minimum size in bytes.
 uint32_t GetCount(ByteReader* reader, size_t least_bytes) {
   const auto count = GetWhole<uint32_t>(reader);
   reader->Require(count, least_bytes);
@@ -133,7 +133,7 @@ std::string PlaceOfFeature(size_t imageset, size_t camera, int32_t id) {
                      id);
 }
 
-// Every feature that was seen is on a board, and stands once.
+// Every observed feature belongs to a board, and is unique.
 void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
   std::set<int32_t> known;
   for (const PuzzlepaintGeometry& geometry : dataset.geometries)

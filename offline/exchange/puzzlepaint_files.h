@@ -1,5 +1,5 @@
-/// Files of the generic model's authors but for cameras, without what their
-/// numbers mean: bytes of features, texts of poses and points.
+/// Parses and formats files of the generic model's authors other than cameras,
+/// without interpretation: features (binary), poses and points (text).
 #ifndef RAYGRID_EXCHANGE_PUZZLEPAINT_FILES_H
 #define RAYGRID_EXCHANGE_PUZZLEPAINT_FILES_H
 
@@ -14,68 +14,67 @@
 
 namespace raygrid {
 
-/// The place of the program's pixel (0, 0), in all of its files.
+/// Location of the program's pixel (0, 0), in all of its files.
 constexpr PixelOrigin kPuzzlepaintOrigin = PixelOrigin::kImageCorner;
 
-/// "intrinsics1" of a number: the name of the camera's file, without ending.
+/// Returns the camera name for an index, the file name's stem: "intrinsics1".
 std::string PuzzlepaintCameraName(int index);
 
-/// A feature as the program has it: its pixel in the program's terms, its
-/// number in all boards together.
+/// A feature in the program's conventions: its pixel, and its index over all
+/// boards.
 struct PuzzlepaintFeature {
   Eigen::Vector2f pixel;
   int32_t id = 0;
 };
 
-/// The images that all cameras took at one time, and the features of each
-/// camera.
+/// Simultaneous images of all cameras, with the features of each camera.
 struct PuzzlepaintImageset {
   std::string name;
   std::vector<std::vector<PuzzlepaintFeature>> cameras;
 };
 
-/// A board: columns and rows of its features, by their numbers.
+/// A board: feature indices by column and row.
 struct PuzzlepaintGeometry {
   float cell_m = 0;
   std::map<int32_t, Eigen::Vector2i> places;
 
-  /// The place of a column and row on the board: 0.03F is meant for 0.03.
+  /// Returns the position of a column and row; reads the float 0.03F as 0.03.
   Eigen::Vector3d PointAt(const Eigen::Vector2i& place) const;
 };
 
-/// dataset.bin.
+/// The contents of dataset.bin.
 struct PuzzlepaintDataset {
-  std::vector<ImageSize> image_sizes;  ///< of the cameras
+  std::vector<ImageSize> image_sizes;  ///< sizes by camera
   std::vector<PuzzlepaintImageset> imagesets;
   std::vector<PuzzlepaintGeometry> geometries;
 };
 
-/// Whether bytes begin as dataset.bin does.
+/// Returns whether bytes begin like dataset.bin.
 bool IsPuzzlepaintDataset(const std::string& bytes);
-/// Throws InputError, also for numbers that no feature or board has, and for a
-/// feature of no board.
+/// Throws InputError, also for invalid feature and board indices, and for
+/// features without a board.
 PuzzlepaintDataset DecodePuzzlepaintDataset(const std::string& bytes);
 std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset);
 
-/// Names of the images, all different: those that the file has, or 0, 1, ... if
-/// one is empty or stands twice.
+/// Returns unique image names: the file's names, or 0, 1, ... if a name is
+/// empty or repeated.
 std::vector<std::string> GetImageNames(const PuzzlepaintDataset& dataset);
 
-/// camera_tr_rig.yaml and rig_tr_global.yaml: poses by the number of the camera
-/// or image. Images that were not used have none.
+/// camera_tr_rig.yaml or rig_tr_global.yaml: poses by index of the camera or
+/// image. Unused images have no pose.
 struct PuzzlepaintPoses {
-  int count = 0;  ///< of cameras or images
+  int count = 0;  ///< number of cameras or images
   std::map<int, Pose> poses;
 };
 
-/// Throws InputError, or what yaml-cpp throws.
+/// Throws InputError or exceptions of yaml-cpp.
 PuzzlepaintPoses ParsePuzzlepaintPoses(const std::string& path,
                                        const std::string& text);
-/// names: of cameras or images, for comments.
+/// names: names of the cameras or images, written as comments.
 std::string FormatPuzzlepaintPoses(const PuzzlepaintPoses& poses,
                                    const std::map<int, std::string>& names);
 
-/// points.yaml: features' places in the world of the poses, by their numbers.
+/// Parses points.yaml: feature positions in the poses' world frame, by index.
 std::map<int, Eigen::Vector3d> ParsePuzzlepaintPoints(const std::string& path,
                                                       const std::string& text);
 std::string FormatPuzzlepaintPoints(

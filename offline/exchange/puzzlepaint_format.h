@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// intrinsics.yaml of the paper's authors' program, puzzlepaint's
-/// camera_calibration.
+/// intrinsics.yaml of puzzlepaint's camera_calibration, the program of the
+/// paper's authors.
 Format PuzzlepaintFormat();
 
 }  // namespace raygrid

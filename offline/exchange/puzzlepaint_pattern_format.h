@@ -5,8 +5,7 @@
 
 namespace raygrid {
 
-/// The file of a printed pattern of the generic model's authors: a star board,
-/// without a camera.
+/// Pattern file of the generic model's authors: a star board without a camera.
 Format PuzzlepaintPatternFormat();
 
 }  // namespace raygrid

@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kStateFiles[] = {
     "camera_tr_rig.yaml", "rig_tr_global.yaml", "dataset.bin", "points.yaml"};
 
-// The contents of the files beside a camera; nothing of one that is not there.
+// Contents of the companion files of a camera; nullopt if missing.
 struct PuzzlepaintState {
   std::optional<PuzzlepaintPoses> camera_from_rig, rig_from_world;
   std::optional<PuzzlepaintDataset> dataset;
@@ -90,7 +90,7 @@ std::optional<Pose> WorldFromBoard(
               pose.topRightCorner<3, 1>()};
 }
 
-// Boards by their numbers, of those whose places in the world are known.
+// Boards by index, for boards with known positions in the world.
 std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
   std::map<int, Pose> boards;
   if (!state.dataset || state.points.empty()) return boards;
@@ -101,7 +101,7 @@ std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
   return boards;
 }
 
-// The numbers of the boards that a camera saw in an image.
+// Indices of the boards that a camera observed in an image.
 std::set<int> BoardsSeen(const PuzzlepaintDataset& dataset, int imageset,
                          int camera) {
   std::set<int> boards;
@@ -117,14 +117,14 @@ bool HasCamera(const PuzzlepaintDataset& dataset, int camera) {
   return static_cast<size_t>(camera) < dataset.image_sizes.size();
 }
 
-// Whether the dataset is that of the poses and has the camera.
+// Whether the dataset matches the poses and contains the camera.
 bool IsDatasetOf(const PuzzlepaintState& state, int camera) {
   return state.dataset && HasCamera(*state.dataset, camera) &&
          static_cast<int>(state.dataset->imagesets.size()) ==
              state.rig_from_world->count;
 }
 
-// Without places of boards the world is that of one board.
+// Without board positions, the world frame is the only board's.
 std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
                                      const Pose& camera_from_rig) {
   const bool has_dataset = IsDatasetOf(state, index);
@@ -149,7 +149,7 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
 
 // ---- Writing ---------------------------------------------------------------
 
-// A number that an image has as its name.
+// Returns the number that is an image's name; nullopt for other names.
 std::optional<int> NumberOfImage(const std::string& name) {
   constexpr size_t kMostDigits = 6;
   if (name.empty() || name.size() > kMostDigits ||
@@ -159,7 +159,7 @@ std::optional<int> NumberOfImage(const std::string& name) {
   return std::stoi(name);
 }
 
-// Images in the order of their numbers; "" of one that is not there.
+// Image names by index; "" for missing images.
 struct NumberedImages {
   std::vector<std::string> names;
   std::map<std::string, int> numbers;

@@ -1,5 +1,5 @@
-/// The folder that the generic model's authors call a state: a file for each
-/// camera, and files of poses, features and points beside them.
+/// A state folder of the generic model's authors: a file per camera, and
+/// companion files of poses, features and points.
 #ifndef RAYGRID_EXCHANGE_PUZZLEPAINT_STATE_H
 #define RAYGRID_EXCHANGE_PUZZLEPAINT_STATE_H
 
@@ -11,24 +11,24 @@
 
 namespace raygrid {
 
-/// The number in a name "intrinsics1.yaml"; none for other names.
+/// Returns the index in "intrinsics1.yaml"; nullopt for other names.
 std::optional<int> ParseCameraFileIndex(const std::string& path);
 
-/// The path of a camera's file.
+/// Returns the path of a camera's file.
 std::string MakeStateFilePath(const std::string& folder, int camera);
 
-/// Files beside one of a camera, in the order of ReadRequest::beside: poses of
-/// the cameras, poses of the rig, features, points. None beside a file of
-/// another name.
+/// Lists the companion files of a camera file in the order of
+/// ReadRequest::beside: camera poses, rig poses, features, points. Empty if the
+/// file name is not intrinsics<N>.yaml.
 std::vector<std::string> ListStateFiles(const std::string& path);
 
-/// Fills the camera's pose in the rig, and those of boards, from the files
-/// beside it. Throws InputError, naming the file.
+/// Reads the camera's pose in the rig, and board poses, from the companion
+/// files. Throws InputError with the file's name.
 void ReadCameraState(const ReadRequest& request, ReadLens* camera,
                      std::vector<std::string>* warnings);
 
-/// The files beside those of cameras, whose order is that of their numbers.
-/// path: of the first one. beside: texts of ListStateFiles(path).
+/// Makes the companion files of cameras, which are ordered by index. path: file
+/// of the first camera; beside: texts of ListStateFiles(path).
 std::vector<CompanionFile> WriteState(const std::string& path,
                                       const std::vector<WrittenLens>& cameras,
                                       const std::vector<std::string>& beside);

@@ -7,11 +7,11 @@
 
 namespace raygrid {
 
-/// Cameras of OpenCV's keys and models as Python writes them without
-/// FileStorage: lists of JSON and YAML, and arrays of numpy.savez().
+/// Cameras with OpenCV's keys and models written by Python without FileStorage:
+/// JSON and YAML lists, and archives of numpy.savez().
 Format PythonFormat();
 
-/// Whether an archive of numpy has a camera matrix and coefficients.
+/// Returns whether an archive contains a camera matrix and coefficients.
 bool IsCameraNpz(const std::string& bytes);
 
 }  // namespace raygrid

@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-// The angle off the axis of an ideal radius; nothing beyond the projection's
-// end.
+// Angle from the axis for an ideal radius; nullopt beyond the projection's
+// limit.
 std::optional<double> AngleOf(RadialProjection projection, double radius) {
   const auto arc_sine = [](double sine, double factor) {
     return sine < 1 ? std::optional(factor * std::asin(sine)) : std::nullopt;
@@ -50,7 +50,7 @@ std::optional<double> IdealRadius(const std::array<double, 4>& c, double seen) {
         1 + r * (2 * c[0] + r * (3 * c[1] + r * (4 * c[2] + r * 5 * c[3])));
     if (!(slope > 1e-3)) return std::nullopt;
     const double step = (seen - value) / slope;
-    // Short steps do not leap over a fold.
+    // Short steps do not cross a fold.
     r += std::clamp(step, -0.1, 0.1);
     if (std::abs(step) < 1e-13 * (1 + seen)) return r;
   }

@@ -1,5 +1,5 @@
-/// Lenses of photographers' programs: an ideal projection, and a polynomial of
-/// the radius with odd powers, too.
+/// Radial models of photography software: an ideal projection, and a polynomial
+/// of the radius with odd and even powers.
 #ifndef RAYGRID_EXCHANGE_RADIAL_LENS_H
 #define RAYGRID_EXCHANGE_RADIAL_LENS_H
 
@@ -12,8 +12,8 @@
 
 namespace raygrid {
 
-/// Ideal projections: the radius of a ray at theta off the axis, in focal
-/// lengths.
+/// Ideal projections: radius of a ray at the angle theta from the axis, in
+/// focal lengths.
 enum class RadialProjection {
   kRectilinear,    ///< tan(theta)
   kEquidistant,    ///< theta
@@ -23,21 +23,21 @@ enum class RadialProjection {
   kThoby           ///< 1.47 sin(0.713 theta)
 };
 
-/// A ray whose ideal radius is r focal lengths is seen at r (1 + c1 r + c2 r^2
-/// + c3 r^3 + c4 r^4) from the centre.
+/// A ray with ideal radius r (in focal lengths) is imaged at the radius r (1 +
+/// c1 r + c2 r^2 + c3 r^3 + c4 r^4).
 struct RadialLens {
   Eigen::Vector2d focal_px{0, 0}, center_px{0, 0};
   RadialProjection projection = RadialProjection::kRectilinear;
   std::array<double, 4> coefficients = {};  ///< c1 to c4
 };
 
-/// The form of such a lens in tables. It stands for a grid.
+/// The form of such a model in tables, approximated by a grid.
 LensForm RadialLensForm(const std::string& name);
 
-/// The lens itself where a model of raygrid has it: rectilinear or equidistant,
-/// with c1 and c3 of 0. Else the nearest grid, and a remark on its error. name
-/// is used there, and is that of the form. Throws InputError for numbers that
-/// are no lens, and without a size.
+/// Converts to raygrid's model if exact: rectilinear or equidistant, c1 = c3 =
+/// 0. Otherwise fits a grid, and adds a warning with the error. name: of the
+/// form, also used in the warning. Throws InputError for invalid parameters,
+/// and if the size is missing.
 ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
                              const RadialLens& lens,
                              std::vector<std::string>* warnings);

@@ -69,7 +69,7 @@ void RequireCameraAxes(const RayTable& rays,
                     rays.path));
 }
 
-// The lines of a table meet at the origin.
+// Whether the lines of a table meet at the origin.
 bool IsCentralTable(const std::vector<RaySample>& samples) {
   constexpr double kNothingM = 1e-9;
   return std::all_of(samples.begin(), samples.end(), [](const RaySample& ray) {
@@ -127,8 +127,7 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
                                              std::move(points));
 }
 
-// The camera's errors at the samples. A ray that it does not see counts as far
-// off.
+// Errors of the camera at the samples; large for rays without a projection.
 void MeasureGrid(const std::vector<RaySample>& samples, int num_threads,
                  RayGrid* grid) {
   constexpr double kUnseenPx = 100, kMarginPx = 2, kDistanceM = 1;
@@ -170,7 +169,7 @@ int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
                               (2 * sample_px));
 }
 
-// A grid of the same size that knows the white samples, at the black ones.
+// Tests a grid of the same size, fitted to white samples, at the black ones.
 double LeftOutRmsPx(const RayTable& rays, const std::vector<RaySample>& samples,
                     const Area& area, const RayGrid& grid, int num_threads) {
   std::vector<RaySample> white, black;

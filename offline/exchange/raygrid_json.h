@@ -1,5 +1,5 @@
-/// The map that raygrid adds to other programs' JSON, which they pass over:
-/// name, serial and error of the fit.
+/// The object that raygrid adds to other programs' JSON, which ignore it: name,
+/// serial and fit error.
 #ifndef RAYGRID_EXCHANGE_RAYGRID_JSON_H
 #define RAYGRID_EXCHANGE_RAYGRID_JSON_H
 
@@ -11,14 +11,14 @@
 
 namespace raygrid {
 
-/// JSON that keeps the order of keys.
+/// JSON with preserved key order.
 using Json = nlohmann::ordered_json;
 
 constexpr char kRaygridKey[] = "raygrid";
 
 Json MakeRaygridJson(const WrittenLens& camera);
 
-/// Sets name and serial, if such a map is there.
+/// Sets name and serial if the object exists.
 void ParseRaygridJson(const YAML::Node& own, ReadLens* camera);
 
 }  // namespace raygrid

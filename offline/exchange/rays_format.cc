@@ -76,7 +76,7 @@ std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
   return vectors;
 }
 
-// The places of columns or rows: all pixels, if the file does not say.
+// Positions of columns or rows: all pixels, if not in the file.
 std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
                                             const std::string& name,
                                             size_t count) {
@@ -98,7 +98,7 @@ std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
   return places;
 }
 
-// The size that the file says, or that which the last places need.
+// The size in the file, or the size required by the last positions.
 ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
   double width = std::floor(rays.x.back()) + 1,
          height = std::floor(rays.y.back()) + 1;

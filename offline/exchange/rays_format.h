@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The ray of each pixel, as arrays of numpy.
+/// The ray of each pixel, as numpy arrays.
 TableFormat RaysFormat();
 
 }  // namespace raygrid

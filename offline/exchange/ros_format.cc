@@ -60,8 +60,8 @@ const LensForm& FormOfDistortion(const std::string& model,
                   Printable(model)));
 }
 
-// The distortion model, under the name that early files have for it, too.
-// Nothing if the file does not say it.
+// The distortion model, also under its key in early files; nullopt if the file
+// lacks it.
 std::optional<std::string> ModelInFile(const CameraKeys& keys) {
   const bool has_model = keys.Has("distortion_model");
   const std::string camera = keys.Word("camera_model");
@@ -99,7 +99,7 @@ std::vector<double> MatrixOf(const CameraKeys& keys, const char* in_files,
   throw InputError(fmt::format("'{}' is missing", in_files));
 }
 
-// 0 x 0 if the file does not say it.
+// 0 x 0 if the file has no size.
 ImageSize SizeIn(const CameraKeys& keys) {
   const char* const prefix =
       keys.Has("image_width") || keys.Has("image_height") ? "image_" : "";

@@ -7,15 +7,15 @@
 
 namespace raygrid {
 
-/// The camera_info of ROS, as camera_calibration_parsers has it in YAML; read,
-/// too, as 'rostopic echo' and 'ros2 topic echo' print it.
+/// ROS's camera_info as YAML of camera_calibration_parsers; also reads the
+/// output of 'rostopic echo' and 'ros2 topic echo'.
 Format RosFormat();
 
-/// The camera of the keys that such a file has.
+/// Reads the camera from the keys of such a file.
 ExchangeContents ReadRosCamera(const YAML::Node& root,
                                const ReadRequest& request);
 
-/// Matrices of a camera that is written, row by row: K, D, R and P.
+/// Matrices of a camera to write, row by row: K, D, R and P.
 struct RosMatrices {
   std::vector<double> k, d, r, p;
 };

@@ -21,8 +21,8 @@ bool IsRosIni(const std::string& text) {
   return true;
 }
 
-// Such a file does not say the model; the calibrator writes five coefficients
-// of plumb_bob.
+// Such files do not state the model; the calibrator writes the five
+// coefficients of plumb_bob.
 constexpr char kFourCoefficients[] = "equidistant";
 
 // Its keys under the names that the .yaml has.

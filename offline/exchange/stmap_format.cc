@@ -119,8 +119,8 @@ std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
   return pixels;
 }
 
-// Whether a pixel tells a place: edges of alpha are mixed with others, and
-// programs fill what they do not know with -1 or black.
+// Whether a pixel has a source: edges of alpha are mixed with others, and
+// programs fill undefined pixels with -1 or black.
 bool TellsPlace(const StPixel& pixel, bool has_alpha) {
   constexpr float kWhole = 0.999F;
   const auto [s, t, unused, alpha] = pixel;
@@ -129,7 +129,7 @@ bool TellsPlace(const StPixel& pixel, bool has_alpha) {
          !(s == 0 && t == 0);
 }
 
-// Alpha that is nowhere 1 tells nothing.
+// An alpha channel that is nowhere 1 has no information.
 bool HasAlpha(const std::vector<StPixel>& pixels) {
   return std::any_of(pixels.begin(), pixels.end(),
                      [](const StPixel& pixel) { return pixel[3] == 1; });

@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// A view's sources as parts of the image, for compositing programs.
+/// A view's source positions as fractions of the image, for compositing.
 TableFormat StMapFormat();
 
 }  // namespace raygrid

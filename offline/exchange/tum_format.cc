@@ -45,7 +45,7 @@ bool AreStamps(const std::vector<BoardPose>& poses) {
   });
 }
 
-// A camera is in one place at a time.
+// A camera has one pose at a time.
 void RequireOneBoardOf(const PoseTable& table) {
   for (const BoardPose& pose : table.poses)
     if (pose.board != table.poses.front().board)

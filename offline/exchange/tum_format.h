@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The trajectory of a camera, as programs that compare trajectories read it.
+/// The trajectory of a camera, for trajectory evaluation tools.
 TableFormat TumFormat();
 
 }  // namespace raygrid

@@ -29,7 +29,7 @@ Area AreaInImage(const UnitGrid::Bounds& bounds, const ImageSize& size) {
           std::min(lattice.x1, image.x1), std::min(lattice.y1, image.y1)};
 }
 
-// The spline of vectors at a pixel, and its derivative there.
+// The vector spline at a pixel, and its derivative.
 Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
                             const Vectors& vectors,
                             const Eigen::Vector2d& pixel,
@@ -50,7 +50,7 @@ Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
   return value;
 }
 
-// The chart of directions has no place for those that look straight back.
+// The chart of directions cannot represent straight backward directions.
 bool HasChart(const Eigen::Vector3d& vector) {
   constexpr double kShortest = 1e-6;
   return vector.norm() > kShortest &&

@@ -8,17 +8,17 @@
 
 namespace raygrid {
 
-/// The generic models as the paper's authors program them: control points are
-/// unit vectors, and what the B-spline makes of them is normalized. Points of
-/// lines, if there are any, are interpolated likewise.
+/// The generic models as implemented by the paper's authors: control points are
+/// unit vectors, and interpolated vectors are normalized. Points of observation
+/// lines, if any, are interpolated likewise.
 class UnitGrid : public CameraModel {
  public:
-  /// The first and the last pixel that is calibrated, in x and in y.
+  /// First and last calibrated pixel in x and y.
   struct Bounds {
     int min_x = 0, min_y = 0, max_x = 0, max_y = 0;
   };
 
-  /// Row by row; no points make a central camera.
+  /// Row by row; without points, the camera is central.
   UnitGrid(const ImageSize& image_size, const Bounds& bounds, int columns,
            int rows, std::vector<Eigen::Vector3d> directions,
            std::vector<Eigen::Vector3d> points);
@@ -36,12 +36,12 @@ class UnitGrid : public CameraModel {
                                          const Eigen::Vector2d* start,
                                          double margin_px) const override;
   using CameraModel::Project;
-  /// False: nothing adjusts this model.
+  /// Returns false: the model is not optimized.
   bool Linearize(const Eigen::Vector3d&, const Eigen::Vector2d*, double,
                  LinearizedProjection*) const override {
     return false;
   }
-  /// The directions and then the points, three numbers each.
+  /// Directions, followed by points; three numbers each.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
@@ -53,12 +53,12 @@ class UnitGrid : public CameraModel {
 
  private:
   Bounds bounds_;
-  BSplineSurface lattice_;  // the places of control points, without values
+  BSplineSurface lattice_;  // positions of control points
   std::vector<Eigen::Vector3d> directions_, points_;
 };
 
-/// The grid nearest to a camera: of as many control points as it has, if it is
-/// a grid.
+/// Fits the grid to a camera, with the same number of control points if it is a
+/// grid.
 UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points);
 
 }  // namespace raygrid

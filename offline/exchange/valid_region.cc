@@ -52,7 +52,7 @@ int64_t NumTrustedCells(const ValidityMask& mask) {
   return std::count(mask.is_trusted.begin(), mask.is_trusted.end(), true);
 }
 
-// The largest part; the first of equals. Empty if nothing is trusted.
+// Returns the largest part, the first one if equal. Empty if nothing is valid.
 ValidityMask LargestPart(ValidityMask rest) {
   ValidityMask largest = rest;
   largest.is_trusted.assign(rest.is_trusted.size(), false);
@@ -78,7 +78,7 @@ Eigen::Vector2d PixelOfCorner(const Place& corner, const ValidityMask& mask,
           std::min(corner.row * mask.knot_spacing_px, size.height) - 0.5};
 }
 
-// The middle of what lies in the image of a cell.
+// Returns the centre of a cell, clipped to the image.
 Eigen::Vector2d MiddleOf(const Place& cell, const ValidityMask& mask,
                          const ImageSize& size) {
   return (PixelOfCorner(cell, mask, size) +

@@ -8,20 +8,18 @@
 
 namespace raygrid {
 
-/// mrcal's valid_intrinsics_region: a closed contour around the pixels that a
-/// camera can be trusted at, whose last point is the first one. No point if
-/// there is no such pixel.
+/// mrcal's valid_intrinsics_region: a closed contour (the last point equals the
+/// first) around the valid region. Empty if there is no valid pixel.
 using ValidRegion = std::vector<Eigen::Vector2d>;
 
-/// The outline of the largest part of the trusted cells, along their edges.
-/// Cells that touch at a corner alone are not of one part. Holes are not
-/// outlined.
+/// Outlines the largest connected part of the valid cells, along their edges.
+/// Cells that touch only at a corner are not connected. Holes are ignored.
 ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 
-/// The cells whose middle, of what lies in the image, is in a region.
+/// Mask of the cells whose centre (clipped to the image) is in the region.
 ValidityMask MakeValidityMask(const ValidRegion& region, const ImageSize& size);
 
-/// Trusted cells that a region leaves out, and others that it holds.
+/// Number of valid cells outside a region, and of invalid cells inside.
 struct RegionLoss {
   int num_left_out = 0, num_held = 0;
 };

@@ -19,7 +19,7 @@ std::string Trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-// The tree of what expat tells of a document.
+// Builds the tree from expat's events.
 class XmlTree {
  public:
   XmlTree() : parser_(XML_ParserCreate("UTF-8"), XML_ParserFree) {

@@ -7,20 +7,20 @@
 
 namespace raygrid {
 
-/// An element of an XML document. Its text is that between its children, too,
-/// without the space around it.
+/// An XML element. Its text includes the text between its children, without
+/// surrounding white space.
 struct XmlElement {
   std::string name, text;
   std::map<std::string, std::string> attributes;
   std::vector<XmlElement> children;
   int line = 0;
 
-  /// The first child of a name; null if there is none.
+  /// Returns the first child with this name; null if there is none.
   const XmlElement* Child(const std::string& child) const;
 };
 
-/// The root of a document whose type, if it names one, declares nothing. Throws
-/// InputError, with the line.
+/// Parses a document and returns its root. Document types with declarations are
+/// rejected. Throws InputError with the line.
 XmlElement ParseXml(const std::string& text);
 
 }  // namespace raygrid

@@ -12,47 +12,47 @@
 
 namespace raygrid {
 
-/// The map that another program's YAML or JSON is. Throws InputError, and what
-/// yaml-cpp throws.
+/// Loads another program's YAML or JSON, which must be a mapping. Throws
+/// InputError and exceptions of yaml-cpp.
 YAML::Node LoadForeignMap(const std::string& path, const std::string& text);
 
-/// A finite number of a file. Throws InputError, naming it.
+/// Returns a finite number. Throws InputError with the name.
 double FiniteNumber(const YAML::Node& node, const std::string& name);
 
-/// A list of finite numbers; of so many, if a count is given.
+/// Returns a list of finite numbers; of `count` numbers unless negative.
 std::vector<double> FiniteNumbers(const YAML::Node& node,
                                   const std::string& name, int count = -1);
 
-/// The numbers of a value row by row: of a number, a list, a list of lists, or
-/// a map whose 'data' is one of these, as matrices of OpenCV are. Throws
-/// InputError, naming it.
+/// Returns the numbers of a value row by row: of a number, a list, a list of
+/// lists, or a mapping whose 'data' is one of these, as OpenCV's matrices are.
+/// Throws InputError with the name.
 std::vector<double> AllNumbers(const YAML::Node& node, const std::string& name);
 
-/// An image's side in pixels.
+/// Returns the size of an image side in pixels.
 int SidePx(const YAML::Node& node, const std::string& name);
 
-/// A list of width and height.
+/// Returns the size of a list of width and height.
 ImageSize GetListSize(const YAML::Node& node, const std::string& name);
 
-/// A number in as many digits as it needs, never without a point: Python takes
-/// 500 for another type than 500.0, and 1e-05 for a text.
+/// Formats the shortest round-trip decimal that YAML and Python parse as a
+/// float (500.0, not 500; never 1e-05).
 std::string RealText(double number);
 
-/// A pose of a matrix [R t], or [R t; 0 0 0 1], row by row. Throws InputError,
-/// naming it, if R is no rotation.
+/// Converts a matrix [R t] or [R t; 0 0 0 1], row by row. Throws InputError
+/// with the name if R is not a rotation.
 Pose PoseFromMatrix(const std::vector<double>& rows, const std::string& name);
 
-/// A pose of a quaternion w, x, y, z and a translation. The quaternion may be
-/// of about any length but 0. Throws InputError.
+/// Converts a quaternion w, x, y, z, which is normalized, and a translation.
+/// Throws InputError unless its norm is between 0.5 and 2.
 Pose PoseFromQuaternion(const std::array<double, 7>& numbers);
 
-/// RealText() of numbers, with commas and spaces between.
+/// Formats numbers by RealText(), separated by commas and spaces.
 std::string RealTexts(const std::vector<double>& numbers);
 
-/// A name as a text in quotes, without control characters.
+/// Formats a name as a quoted string without control characters.
 std::string QuotedYaml(const std::string& text);
 
-/// Small letters of the alphabet.
+/// Converts ASCII letters to lower case.
 std::string Lowercase(std::string text);
 
 }  // namespace raygrid
