@@ -12,8 +12,7 @@ constexpr double kMaxPackingErrorPx = 0.002;
 /// Maximum unprojection error that 16-bit control points may add.
 constexpr double kMaxNarrowErrorRad = 1e-6;
 
-/// Throws Error(kQuality): a blob cannot represent the camera; what: the
-/// reason.
+/// Throws Error(kQuality): a blob cannot represent the camera; what: why.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
   throw Error(ExitCode::kQuality,
               "this camera cannot be stored in a blob: " + what);

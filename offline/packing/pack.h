@@ -102,7 +102,7 @@ struct PackedCamera {
   /// Fraction of the calibrated and valid part of the image that is invalid in
   /// the blob, because the camera is not regular there, or no grid fits it.
   double left_out_part = 0;
-  std::vector<std::string> warnings;  ///< sections that the blob lacks, and why
+  std::vector<std::string> warnings;  ///< such as missing sections
 };
 
 /// Packs a camera of any model; a central one other than central-generic is

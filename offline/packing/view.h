@@ -39,8 +39,8 @@ struct VirtualView {
 double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
                       double center_px, int pixels);
 
-/// Converts yaw (to the right), pitch (up) and roll (clockwise), in degrees, to
-/// the rotation from view axes to camera axes; and back.
+/// Converts yaw (to the right), then pitch (up), then roll (clockwise),
+/// degrees, to the rotation from view axes to camera axes; and back.
 Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
 Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view);
 
