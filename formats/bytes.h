@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 #include <stdint.h>
-/* The one function of a library that may be called; only where there is one
- * does a header declare it. */
+/* The only library functions that may be called; declared only in hosted
+ * environments. */
 #if __STDC_HOSTED__
 #include <string.h>
 #elif defined(__cplusplus)
@@ -20,17 +20,17 @@ void* memcpy(void* to, const void* from, size_t num_bytes);
 typedef uint16_t __attribute__((may_alias)) rg_half_word;
 typedef uint32_t __attribute__((may_alias)) rg_word;
 
-/* p must be a multiple of 2. */
+/* Loads a u16; p must be a multiple of 2. */
 static inline uint16_t rg_load_u16(const uint8_t* p) {
   return *(const rg_half_word*)(const void*)p;
 }
 
-/* p must be a multiple of 4. */
+/* Loads a u32; p must be a multiple of 4. */
 static inline uint32_t rg_load_u32(const uint8_t* p) {
   return *(const rg_word*)(const void*)p;
 }
 
-/* Stores want the same multiples. */
+/* Stores; the same alignment is required. */
 static inline void rg_store_u16(uint8_t* p, uint16_t value) {
   *(rg_half_word*)(void*)p = value;
 }
@@ -70,11 +70,11 @@ static inline int32_t rg_load_i32(const uint8_t* p) {
   return (int32_t)rg_load_u32(p);
 }
 
-/* The i32 at p, and the one behind it. */
+/* Loads the i32 at p, and the next one into *second. */
 static inline int32_t rg_load_i32_pair(const uint8_t* p, int32_t* second) {
   int32_t a = rg_load_i32(p), b = rg_load_i32(p + 4);
 #if defined(__GNUC__) && !defined(__x86_64__)
-  /* Keeps the loads together, so that they become one where a core has that. */
+  /* Keeps the loads adjacent, so that compilers can merge them. */
   __asm__("" : "+r"(a), "+r"(b));
 #endif
   *second = b;

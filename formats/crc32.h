@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* CRC of num_bytes bytes, continuing crc (0 to begin), so that
+/* Returns the CRC of num_bytes bytes, continuing crc (initially 0), so that
  * rg_crc32(rg_crc32(0, a, n), b, m) is the CRC of a followed by b. */
 uint32_t rg_crc32(uint32_t crc, const uint8_t* bytes, uint32_t num_bytes);
 

@@ -1,9 +1,8 @@
-/* The calibration blob: what the host writes and the board reads in place.
- * Byte by byte in SPEC.md and blob_layout.h; the field names here are the names
- * there.
+/* The calibration blob, which hosts write and devices read in place. Its bytes
+ * are specified in SPEC.md and blob_layout.h; fields here have the same names.
  *
- * C99, no allocation, no floating point. Bytes from outside are validated once
- * by rg_blob_open(); everything after that may rely on them. */
+ * C99, no allocation, no floating point. Untrusted bytes are validated once by
+ * rg_blob_open(); all other functions rely on this. */
 #ifndef RAYGRID_RG_BLOB_H
 #define RAYGRID_RG_BLOB_H
 
@@ -31,7 +30,7 @@ extern "C" {
 #define RG_MAX_GRID_SIZE 1027u
 #define RG_CHART_STEREOGRAPHIC 1u
 #define RG_CONTROL_POINT_BITS 29u /* fraction bits */
-#define RG_NARROW_MIN_BITS 14u    /* of narrow grids' residuals */
+#define RG_NARROW_MIN_BITS 14u    /* bits of the residuals of narrow grids */
 #define RG_NARROW_MAX_BITS 28u
 #define RG_CONTROL_POINT_LIMIT 0x7f000000      /* 3.96875 in q29 */
 #define RG_VERTEX_LIMIT_Q12 (INT32_C(1) << 25) /* 8192 px */
@@ -41,7 +40,7 @@ extern "C" {
 #define RG_MIN_MODE_SCALE_Q16 (UINT32_C(1) << 10) /* 1/64 */
 #define RG_MAX_MODE_SCALE_Q16 (UINT32_C(64) << 16)
 #define RG_MODE_OFFSET_LIMIT_Q16 (INT32_C(1) << 30)  /* 16384 px */
-#define RG_ROTATION_TOLERANCE_Q30 (INT32_C(1) << 10) /* of products of rows */
+#define RG_ROTATION_TOLERANCE_Q30 (INT32_C(1) << 10) /* of row products */
 #define RG_LINE_POINT_BITS 28u                       /* fraction bits */
 #define RG_LINE_POINT_LIMIT 0x7f000000               /* 7.9375 m in q28 */
 #define RG_MIN_MASK_CELL_LOG2 2u
@@ -49,10 +48,10 @@ extern "C" {
 #define RG_MAX_UNCERTAINTY_SIZE 65u
 #define RG_UNKNOWN_UNCERTAINTY 0xffffu
 #define RG_CHART_LIMIT_Q27 (INT32_C(1) << 29) /* 4 */
-#define RG_INVERSE_PIXEL_BITS 17u /* of an inverse grid's control points */
+#define RG_INVERSE_PIXEL_BITS 17u             /* inverse grids: fraction bits */
 #define RG_UNKNOWN_FIGURE 0xffffffffu
 #define RG_LENS_POSITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres */
-#define RG_CROP_LIMIT 65536u                             /* px of the sensor */
+#define RG_CROP_LIMIT 65536u                             /* sensor px */
 #define RG_MAX_CROP_SCALE                             \
   64u /* of a crop's and an image's pixel, either way \
        */
@@ -74,8 +73,8 @@ typedef struct rg_camera_section {
   const char* serial; /* likewise; both point into the blob */
 } rg_camera_section;
 
-/* Central model: control points of a uniform cubic B-spline over the area,
- * in stereographic coordinates of the direction. */
+/* Central model: control points of a uniform cubic B-spline over the calibrated
+ * area, in stereographic coordinates of the direction. */
 typedef struct rg_grid_section {
   int32_t x0_q16, y0_q16, x1_q16, y1_q16; /* calibrated area, inclusive */
   uint16_t columns, rows;                 /* control points: cells + 3 */
@@ -84,71 +83,71 @@ typedef struct rg_grid_section {
                                     of i32 q29, or a plane and pairs of i16 */
 } rg_grid_section;
 
-/* Control points of 16 bits: (i, j) is origin + i column_step + j row_step +
- * residual, of a and of b; in an inverse grid of x and of y, in q17 pixels. */
+/* 16-bit control points: (i, j) is origin + i column_step + j row_step +
+ * residual, for a and b; in an inverse grid for x and y, in q17 pixels. */
 typedef struct rg_narrow_grid {
-  uint32_t fraction_bits; /* of the residuals */
+  uint32_t fraction_bits; /* fraction bits of the residuals */
   int32_t origin_q29[2], column_step_q29[2], row_step_q29[2];
   const int16_t* residuals; /* columns * rows pairs, host order */
 } rg_narrow_grid;
 
-/* Undistortion: source positions at the corners of square output blocks. */
+/* Remap table: source positions at the corners of square output blocks. */
 typedef struct rg_remap_section {
-  uint16_t width, height; /* output, pixels */
+  uint16_t width, height; /* output size, pixels */
   uint16_t columns, rows; /* vertices: blocks + 1 */
-  uint8_t block_log2;     /* blocks of 8 to 64 px */
+  uint8_t block_log2;     /* log2 of the block size, 8 to 64 px */
   uint8_t residual_shift; /* residuals are q(12 - shift) */
-  uint8_t part_log2;  /* bent blocks are cut into parts of 8 to 32 px; 0: they
-                         are not bent */
+  uint8_t part_log2;  /* log2 of the tile size of bent blocks, 8 to 32 px; 0: no
+                         bends */
   uint8_t bend_shift; /* bends are q(12 - shift) */
-  int32_t min_x_q12, min_y_q12;       /* source positions outside these are */
-  int32_t max_x_q12, max_y_q12;       /* border */
+  int32_t min_x_q12, min_y_q12;       /* source positions outside this range */
+  int32_t max_x_q12, max_y_q12;       /* are border */
   int32_t origin_x_q12, origin_y_q12; /* vertex (i, j) = origin + i column_step
                                          + j row_step + residual << shift */
   int32_t column_step_x_q12, column_step_y_q12;
   int32_t row_step_x_q12, row_step_y_q12;
-  uint32_t fx_q16, fy_q16; /* the virtual camera of the output */
+  uint32_t fx_q16, fy_q16; /* intrinsics of the view */
   int32_t cx_q16, cy_q16;
-  uint8_t has_view;   /* 0: a pinhole in camera axes, of frames as calibrated */
-  uint8_t projection; /* with a view: rg_projection */
-  uint8_t mode;       /* and the mode of real frames, from 1; or 0 */
-  uint8_t direction;  /* and rg_direction */
-  uint16_t source_width, source_height; /* and the source's size, pixels */
-  int32_t rotation_q30[9];     /* and its axes to camera axes, row by row */
-  uint32_t bound_upx;          /* geometric error asked for, micropixels */
-  uint32_t max_error_upx;      /* and measured over all output pixels */
+  uint8_t has_view;   /* 0: pinhole in camera axes, frames as calibrated */
+  uint8_t projection; /* rg_projection; up to rotation: with a view */
+  uint8_t mode;       /* 1-based mode of the frames; 0: as calibrated */
+  uint8_t direction;  /* rg_direction */
+  uint16_t source_width, source_height; /* source size, pixels */
+  int32_t rotation_q30[9];              /* camera_from_view, row-major */
+  uint32_t bound_upx;          /* requested geometric error, micropixels */
+  uint32_t max_error_upx;      /* maximum over all output pixels, measured */
   const uint8_t* vertices;     /* row-major pairs of i16 residuals, each with
                                   four i8 bends if there are any */
-  const int8_t* bends;         /* only to write them: four a vertex */
-  const uint8_t* empty_blocks; /* a bit a block, row-major, LSB first; 1: no
-                                  pixel of it has a source */
+  const int8_t* bends;         /* for writing only: four per vertex */
+  const uint8_t* empty_blocks; /* one bit per block, row-major, LSB first; 1: no
+                                  pixel of the block has a source */
 } rg_remap_section;
 
-/* A sensor mode: how its frames lie in those that were calibrated. Its pixel
- * (i, j), counted from the other side where flipped, covers the calibrated
- * pixels from (offset + scale i) on, scale of them a side. */
+/* A sensor mode: the mapping of its frames to the calibrated images. Its pixel
+ * (i, j), counted from the opposite side if flipped, covers scale_x x scale_y
+ * calibrated pixels from offset + scale (i, j). */
 typedef struct rg_mode_section {
-  uint16_t width, height; /* its frames, pixels */
+  uint16_t width, height; /* size of the mode's frames, pixels */
   int32_t offset_x_q16, offset_y_q16;
   uint32_t scale_x_q16, scale_y_q16;
   uint8_t flip_x, flip_y;
   const char* name; /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
 } rg_mode_section;
 
-/* The figures known of the calibration. RG_UNKNOWN_FIGURE where not measured.
+/* Quality metrics of the calibration; RG_UNKNOWN_FIGURE if not measured.
  */
 typedef struct rg_quality_section {
   uint32_t training_median_upx, training_rms_upx, training_max_upx;
   uint32_t training_count;
   uint32_t held_out_median_upx, held_out_rms_upx, held_out_max_upx;
   uint32_t held_out_count;
-  uint32_t packing_error_npx;  /* worst un-projection error that packing added,
+  uint32_t packing_error_npx;  /* maximum unprojection error added by packing,
                                   nanopixels */
   uint32_t packing_error_prad; /* the same in picoradians */
 } rg_quality_section;
 
-/* The way back from the chart to the image: a narrow grid over a rectangle of
- * the chart, whose control points are pixels. */
+/* Inverse grid, from the chart to the image: a narrow grid over a rectangle of
+ * the chart, whose control points are pixel positions. */
 typedef struct rg_inverse_section {
   int32_t a0_q27, b0_q27, a1_q27, b1_q27; /* rectangle of the chart */
   uint16_t columns, rows;                 /* control points: cells + 3 */
@@ -156,16 +155,16 @@ typedef struct rg_inverse_section {
   int32_t cos_limit_q30; /* c |c|, c the cosine of the widest direction */
 } rg_inverse_section;
 
-/* Which square cells of the image were calibrated. */
+/* Validity mask: valid region as square cells of the image. */
 typedef struct rg_mask_section {
   uint16_t columns, rows; /* cells */
   uint8_t cell_log2;      /* cells of 4 to 256 px */
   const uint8_t* bits;    /* row-major, LSB first; 1: valid */
 } rg_mask_section;
 
-/* Standard deviation of projection, over the area. */
+/* Predicted uncertainty: standard deviation of projection over the area. */
 typedef struct rg_uncertainty_section {
-  uint16_t columns, rows;            /* values, edge to edge of the area */
+  uint16_t columns, rows;            /* values, from edge to edge */
   uint32_t scale_x_q32, scale_y_q32; /* intervals per pixel */
   const uint8_t* values; /* row-major u16 q12 px; RG_UNKNOWN_UNCERTAINTY */
 } rg_uncertainty_section;
@@ -180,18 +179,18 @@ enum rg_capture_known {
   RG_KNOWS_GAIN = 64
 };
 
-/* How the camera stood while it was calibrated. What is not known is 0. */
+/* Capture settings during calibration. Unknown fields are 0. */
 typedef struct rg_capture_section {
   uint8_t known; /* bits of rg_capture_known */
   int32_t lens_position_q16;
   uint32_t lens_tolerance_q16;
-  int32_t crop_x, crop_y; /* the shown part of the sensor, in its pixels */
+  int32_t crop_x, crop_y; /* crop of the sensor, in its pixels */
   uint32_t crop_width, crop_height;
-  uint32_t zoom_q16;       /* magnification over the widest */
-  uint8_t orientation;     /* 1 to 8, as EXIF has it */
+  uint32_t zoom_q16;       /* zoom factor relative to the widest setting */
+  uint8_t orientation;     /* 1 to 8, as in EXIF */
   int32_t temperature_q16; /* of the sensor, degrees Celsius */
   uint32_t exposure_us;
-  uint32_t analogue_gain_q16; /* a factor */
+  uint32_t analogue_gain_q16; /* factor */
 } rg_capture_section;
 
 typedef enum rg_condition {
@@ -199,20 +198,20 @@ typedef enum rg_condition {
   RG_CONDITION_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
 } rg_condition;
 
-/* The camera at other conditions. A knot has its like of each grid and table of
- * the blob, in the order of the section table, and as large; and its value
- * behind them: rg_knot_value(). */
+/* The operating-point stack. A sample contains a variant of each grid and table
+ * of the blob, in the order of the section table and of equal size, followed by
+ * its value: rg_knot_value(). */
 typedef struct rg_stack_section {
   uint16_t condition;   /* rg_condition */
-  uint16_t num_knots;   /* RG_MIN_KNOTS to RG_MAX_KNOTS */
-  const uint8_t* knots; /* in the blob */
-  uint32_t knot_size;   /* bytes from one to the next */
+  uint16_t num_knots;   /* number of samples, RG_MIN_KNOTS to RG_MAX_KNOTS */
+  const uint8_t* knots; /* samples in the blob */
+  uint32_t knot_size;   /* bytes from one sample to the next */
 } rg_stack_section;
 
-/* How much later than the row above it a sensor reads a row. */
+/* Line delay: the readout time per row of a rolling shutter. */
 typedef struct rg_row_time_section {
   int32_t row_time_ns_q10;   /* negative: the last row is read first */
-  uint32_t deviation_ns_q10; /* standard; 0: not known */
+  uint32_t deviation_ns_q10; /* standard deviation; 0: unknown */
 } rg_row_time_section;
 
 /* A validated blob. Offsets are from the first byte; 0 means absent. */
@@ -223,21 +222,21 @@ typedef struct rg_blob {
   uint32_t line_points, mask, uncertainty, modes, capture, stack, row_time;
 } rg_blob;
 
-/* Validates num_bytes bytes, by every limit of SPEC.md, and finds the sections.
- * The bytes are read in place and kept: they must outlive *blob.
+/* Validates num_bytes bytes against every limit of SPEC.md, and finds the
+ * sections. The bytes are used in place: they must outlive *blob.
  *
- * bytes  multiple of 4. Bytes after the blob's own end are not looked at.
+ * bytes  multiple of 4. Bytes after the end of the blob are ignored.
  *
- * Nothing outside bytes[0, num_bytes) is read, whatever they hold. Every
+ * Nothing outside bytes[0, num_bytes) is read, whatever the contents. Each
  * status from RG_ERR_MISALIGNED to RG_ERR_MODE, and RG_ERR_CAPTURE,
- * RG_ERR_STACK and RG_ERR_ROW_TIME, names one fault. */
+ * RG_ERR_STACK and RG_ERR_ROW_TIME, means one fault. */
 rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob);
 
-/* Sections of a blob that rg_blob_open() accepted. The optional ones,
- * from quality on, must be present (blob->quality not 0). */
+/* Read sections of a blob that rg_blob_open() accepted. Optional sections, from
+ * quality on, must be present (blob->quality not 0). */
 void rg_blob_camera(const rg_blob* blob, rg_camera_section* camera);
 void rg_blob_grid(const rg_blob* blob, rg_grid_section* grid);
-/* A control point, also of 16 bits. */
+/* Computes a control point, also from 16-bit residuals. */
 void rg_blob_control_point(const rg_blob* blob, uint32_t column, uint32_t row,
                            int32_t point_q29[2]);
 void rg_blob_quality(const rg_blob* blob, rg_quality_section* quality);
@@ -249,25 +248,25 @@ void rg_blob_uncertainty(const rg_blob* blob,
 void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
 void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack);
 
-/* The value of a knot, counted from 0, in q16; they ascend. */
+/* Returns the value of a sample, 0-based, in q16; values ascend. */
 int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot);
 
 void rg_blob_row_time(const rg_blob* blob, rg_row_time_section* row_time);
 
-/* How many modes a blob has, and the index-th of them, counted from 0. */
+/* Returns the number of modes; reads the index-th mode, 0-based. */
 uint32_t rg_blob_num_modes(const rg_blob* blob);
 void rg_blob_mode(const rg_blob* blob, uint32_t index, rg_mode_section* mode);
 
-/* Triples of i32 q28 metres of a non-central camera, as many as control points;
- * blob->line_points must not be 0. */
+/* Returns the line points of a non-central camera: i32 triples in q28 metres,
+ * one per control point. blob->line_points must not be 0. */
 const uint8_t* rg_blob_line_points(const rg_blob* blob);
 
-/* The index-th section of a type in the bytes of a blob that rg_blob_open()
- * accepted, or NULL. */
+/* Returns the index-th section of a type in the bytes of a blob that
+ * rg_blob_open() accepted, or NULL. */
 const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
                                uint32_t index);
 
-/* The fields of a remap section that was accepted, from its first byte. */
+/* Reads the fields of an accepted remap section from its first byte. */
 void rg_read_remap(const uint8_t* section, rg_remap_section* remap);
 
 /* ---- Writing, on the host ------------------------------------------------ */
@@ -278,13 +277,13 @@ typedef struct rg_remap_contents {
   const int16_t* residuals;
 } rg_remap_contents;
 
-/* A knot of a stack. What it does not have is the blob's own. */
+/* A sample of the stack. Other sections are inherited from the base camera. */
 typedef struct rg_knot_contents {
   int32_t value_q16;
-  const int32_t* control_points_q29;    /* of a wide grid */
-  const rg_narrow_grid* narrow;         /* or of a narrow one */
+  const int32_t* control_points_q29;    /* wide grid */
+  const rg_narrow_grid* narrow;         /* narrow grid instead */
   const rg_narrow_grid* inverse_points; /* if the blob has an inverse grid */
-  const rg_remap_contents* remaps;      /* as many as the blob has */
+  const rg_remap_contents* remaps;      /* one per remap table of the blob */
 } rg_knot_contents;
 
 typedef struct rg_stack_contents {
@@ -296,16 +295,16 @@ typedef struct rg_stack_contents {
 typedef struct rg_blob_contents {
   const rg_camera_section* camera;
   const rg_grid_section* grid;       /* control_points: columns * rows pairs */
-  const int32_t* control_points_q29; /* in host order, instead of the former */
-  const rg_narrow_grid* narrow;      /* or of 16 bits, if not NULL */
+  const int32_t* control_points_q29; /* overrides them, in host order */
+  const rg_narrow_grid* narrow;      /* 16-bit points instead, if not NULL */
   const rg_remap_section* remap;     /* NULL: none */
   const int16_t* residuals;          /* columns * rows pairs, host order */
   const rg_quality_section* quality; /* NULL: none */
   const rg_inverse_section* inverse; /* NULL: none */
-  const rg_narrow_grid* inverse_points; /* of it */
-  const rg_remap_contents* more_remaps; /* behind the first */
+  const rg_narrow_grid* inverse_points; /* control points of the inverse grid */
+  const rg_remap_contents* more_remaps; /* tables after the first */
   uint32_t num_more_remaps;
-  const rg_mode_section* modes; /* those that tables name */
+  const rg_mode_section* modes; /* modes that tables refer to */
   uint32_t num_modes;
   const int32_t* line_points_q28;            /* NULL: a central camera */
   const rg_mask_section* mask;               /* NULL: none */
@@ -316,21 +315,21 @@ typedef struct rg_blob_contents {
   const rg_row_time_section* row_time;       /* NULL: none */
 } rg_blob_contents;
 
-/* Bytes that rg_blob_write() will need. */
+/* Returns the number of bytes that rg_blob_write() writes. */
 uint32_t rg_blob_size(const rg_blob_contents* contents);
 
-/* Writes the blob into buffer (multiple of 4) and opens it again: whatever
- * rg_blob_open() would refuse is refused here, with the same status. */
+/* Writes the blob into buffer (multiple of 4) and validates it: contents that
+ * rg_blob_open() rejects are rejected with the same status. */
 rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
                         uint32_t buffer_size);
 
-/* One remap section alone: its size, and its bytes into section (multiple of 4,
- * as large as that). */
+/* Size of a single remap section, and writing it into section (multiple of 4,
+ * of this size). */
 uint32_t rg_remap_section_size(const rg_remap_section* remap);
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
                     uint8_t* section);
 
-/* Cells per pixel, or per chart unit, as the format wants them:
+/* Returns cells per pixel, or per chart unit, as required by the format:
  * floor(cells 2^48 / span). */
 uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span);
 

@@ -1,6 +1,6 @@
 /** @file
- * Projections of the virtual cameras that frames are undistorted to
- * (formats/SPEC.md, "Views"). */
+ * Projections of the virtual cameras of undistorted images (formats/SPEC.md,
+ * "Views"). */
 #ifndef RAYGRID_RG_PROJECTION_H
 #define RAYGRID_RG_PROJECTION_H
 

@@ -1,6 +1,6 @@
-/* 32 x 32 -> 64 bit products as two words, without a 64-bit type where the
- * core has no such multiplication: Armv6-M and some Xtensas would call the
- * compiler's library for it. Both versions give the same bits. */
+/* 32 x 32 -> 64 bit products as two words, without a 64-bit type if the core
+ * lacks such a multiplication: for Armv6-M and some Xtensas, compilers would
+ * call a library function. Both versions are bit-identical. */
 #ifndef RAYGRID_WIDE_MULTIPLY_H
 #define RAYGRID_WIDE_MULTIPLY_H
 
@@ -10,7 +10,7 @@
 #if defined(__ARM_ARCH_6M__) || defined(__ARM_ARCH_8M_BASE__)
 #define RG_MULTIPLY_IN_PARTS 1
 #elif defined(__XTENSA__) && !defined(__XCHAL_HAVE_MUL32_HIGH)
-#define RG_MULTIPLY_IN_PARTS 1 /* compilers that do not say: GCC up to 12 */
+#define RG_MULTIPLY_IN_PARTS 1 /* not predefined up to GCC 12 */
 #elif defined(__XTENSA__)
 #define RG_MULTIPLY_IN_PARTS (!__XCHAL_HAVE_MUL32_HIGH)
 #else
@@ -18,7 +18,7 @@
 #endif
 #endif
 
-/* Returns the high word of a * b, *low gets the low word. */
+/* Returns the high word of a * b; sets *low to the low word. */
 static inline uint32_t rg_multiply_unsigned(uint32_t a, uint32_t b,
                                             uint32_t* low) {
 #if RG_MULTIPLY_IN_PARTS
@@ -36,7 +36,7 @@ static inline uint32_t rg_multiply_unsigned(uint32_t a, uint32_t b,
 #endif
 }
 
-/* Returns the high word of a * b, *low gets the low word. */
+/* Returns the high word of a * b; sets *low to the low word. */
 static inline int32_t rg_multiply_signed(int32_t a, int32_t b, uint32_t* low) {
 #if RG_MULTIPLY_IN_PARTS
   const int32_t a0 = a & 0xffff, a1 = a >> 16;

@@ -1,48 +1,48 @@
-/* Every switch of the runtime. Each is 0 or 1, the same in all files.
+/* All switches of the runtime. Each is 0 or 1, the same in all files.
  *
- * | switch                  | says                                | set by    |
+ * | switch                  | meaning                             | set by    |
  * |-------------------------|-------------------------------------|-----------|
- * | RG_PORTABLE_KERNELS     | only portable kernels are compiled  | you       |
- * | RG_FAST_WALK            | the fast walk, not the small one    | you, or   |
- * |                         |                                     | the target|
- * | RG_MULTIPLY_IN_PARTS    | products of 64 bits from halves     | you, or   |
- * |                         | (formats/wide_multiply.h)           | the target|
- * | RG_HAVE_FRAME_POINTER   | a frame pointer takes a register    | you       |
- * | RG_HAVE_SMMULR          | Arm's rounded upper words           | the target|
- * | RG_HAVE_SIMD32          | Arm's pairs of 16 bits in a word    | the target|
- * | RG_HAVE_HELIUM          | Arm's vectors of Cortex-M           | the target|
- * | RG_HAVE_RVV             | RISC-V's vectors                    | the target|
- * | RG_HAVE_CLZ             | leading zeros in one instruction    | the target|
- * | RG_HAVE_DIVISION        | division in one instruction         | the target|
- * | RG_IS_FAST              | speed before size: -O1 to -O3       | options   |
+ * | RG_PORTABLE_KERNELS     | only portable kernels are compiled  | user      |
+ * | RG_FAST_WALK            | fast traversal instead of the small | user, or  |
+ * |                         | one                                 | target    |
+ * | RG_MULTIPLY_IN_PARTS    | 64-bit products from 16-bit halves  | user, or  |
+ * |                         | (formats/wide_multiply.h)           | target    |
+ * | RG_HAVE_FRAME_POINTER   | a frame pointer occupies a register | user      |
+ * | RG_HAVE_SMMULR          | Arm: rounded upper word of products | target    |
+ * | RG_HAVE_SIMD32          | Arm: pairs of 16 bits in a word     | target    |
+ * | RG_HAVE_HELIUM          | Arm: vectors of Cortex-M            | target    |
+ * | RG_HAVE_RVV             | RISC-V: vectors                     | target    |
+ * | RG_HAVE_CLZ             | leading zeros in one instruction    | target    |
+ * | RG_HAVE_DIVISION        | division in one instruction         | target    |
+ * | RG_IS_FAST              | optimized for speed: -O1 to -O3     | options   |
  * | RG_ROWS_IN_ASSEMBLER    | cortex_m/grid_rows_thumb2.h         | the above |
  * | RG_CORNERS_IN_ASSEMBLER | cortex_m/part_corners_thumb2.c      | the above |
- * | RG_ALL_BUILT_IN         | kernels of Helium or RVV built in   | the above |
+ * | RG_ALL_BUILT_IN         | Helium or RVV kernels are built in  | the above |
  * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_rows_thumb2.h         | the above |
- * | RG_CHOOSE_KERNELS       | a running program chooses kernels   | the above |
- * | RG_HAS_PART_KERNELS     | kernels that take several parts     | the above |
- * | RG_CHOOSE_SURFACE       | a running program chooses AVX2 for  | the above |
- * |                         | rays                                |           |
+ * | RG_CHOOSE_KERNELS       | kernels are selected at run time    | the above |
+ * | RG_HAS_PART_KERNELS     | kernels that process several tiles  | the above |
+ * | RG_CHOOSE_SURFACE       | AVX2 code for rays is selected at   | the above |
+ * |                         | run time                            |           |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
- * | RG_BLENDS_WORDS         | the fields of RGB565 at once        | the above |
+ * | RG_BLENDS_WORDS         | RGB565: all fields of a word at once| the above |
  *
- * "You" give a switch to the compiler of all files: -DRG_PORTABLE_KERNELS=1.
- * Only RG_HAVE_FRAME_POINTER is set by another name: -DRG_KEEP_FRAME_POINTER.
- */
+ * The user sets a switch by a compiler option for all files, such as
+ * -DRG_PORTABLE_KERNELS=1. RG_HAVE_FRAME_POINTER is the exception: it is set by
+ * -DRG_KEEP_FRAME_POINTER. */
 #ifndef RAYGRID_CONFIG_H
 #define RAYGRID_CONFIG_H
 
 #include "wide_multiply.h"
 
-/* ---- By you ------------------------------------------------------------- */
+/* ---- Set by the user ---------------------------------------------------- */
 
 #if !defined(RG_PORTABLE_KERNELS)
 #define RG_PORTABLE_KERNELS 0
 #endif
 
-/* The fast walk wants large stacks: it keeps what a block's parts have in
- * common from one to the next, and computes both coordinates of two positions
- * together. */
+/* The fast traversal needs a large stack: it keeps values that the tiles of a
+ * block share from one tile to the next, and computes both coordinates of two
+ * positions in one vector. */
 #if !defined(RG_FAST_WALK)
 #if defined(__GNUC__) &&                                            \
     (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
@@ -59,7 +59,7 @@
 #define RG_HAVE_FRAME_POINTER 0
 #endif
 
-/* ---- By the target ------------------------------------------------------ */
+/* ---- Target features ---------------------------------------------------- */
 
 #if defined(__ARM_FEATURE_DSP) && defined(__GNUC__) && !defined(__aarch64__)
 #define RG_HAVE_SMMULR 1
@@ -101,7 +101,7 @@
 #define RG_HAVE_DIVISION 0
 #endif
 
-/* ---- By the compiler's options ------------------------------------------ */
+/* ---- Compiler options --------------------------------------------------- */
 
 #if defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 #define RG_IS_FAST 1
@@ -109,9 +109,9 @@
 #define RG_IS_FAST 0
 #endif
 
-/* ---- By the switches above ---------------------------------------------- */
+/* ---- Derived macros ----------------------------------------------------- */
 
-/* In C, compilers load words one by one, and run out of registers. */
+/* From C, compilers generate single loads, and run out of registers. */
 #if RG_HAVE_SMMULR && defined(__thumb2__) && defined(__OPTIMIZE__) && \
     !defined(__clang__) && !defined(__ARMEB__)
 #define RG_ROWS_IN_ASSEMBLER 1
@@ -119,22 +119,21 @@
 #define RG_ROWS_IN_ASSEMBLER 0
 #endif
 
-/* Helium is faster without this assembler, for tables without bends. */
+/* With Helium, C is faster than this assembly for tables without bends. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && !RG_HAVE_HELIUM
 #define RG_CORNERS_IN_ASSEMBLER 1
 #else
 #define RG_CORNERS_IN_ASSEMBLER 0
 #endif
 
-/* A board's kernels are known when it is compiled. */
+/* Microcontrollers: the instruction set is fixed when compiling. */
 #if (RG_HAVE_HELIUM || RG_HAVE_RVV) && !RG_PORTABLE_KERNELS
 #define RG_ALL_BUILT_IN 1
 #else
 #define RG_ALL_BUILT_IN 0
 #endif
 
-/* GCC 11 is the first one whose asm goto has results. The assembler uses all
- * registers. */
+/* asm goto with outputs requires GCC 11. The assembly uses all registers. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_FAST_WALK && !RG_ALL_BUILT_IN &&  \
     defined(__ARM_FEATURE_UNALIGNED) && !RG_HAVE_FRAME_POINTER && \
     __GNUC__ >= 11
@@ -143,8 +142,8 @@
 #define RG_GREY_ROW_IN_ASSEMBLER 0
 #endif
 
-/* The program chooses a kernel when it runs, if there is room for several. Such
- * kernels read spare rows, which the small walk does not know. */
+/* Kernels are selected at run time if the target supports several. They read
+ * spare rows, which the small traversal does not check for. */
 #if RG_FAST_WALK && !RG_PORTABLE_KERNELS &&                                \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
@@ -153,7 +152,7 @@
 #define RG_CHOOSE_KERNELS 0
 #endif
 
-/* Only the kernels of AVX-512 take several parts at once: at most
+/* Only the AVX-512 kernels process several tiles at once: at most
  * RG_PARTS_AT_ONCE. */
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
 #define RG_HAS_PART_KERNELS 1
@@ -162,7 +161,7 @@
 #endif
 #define RG_PARTS_AT_ONCE 32
 
-/* Whether there is AVX2 is found out when a camera is opened. */
+/* AVX2 is detected when a camera is opened. */
 #if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \
     !RG_PORTABLE_KERNELS && !RG_MULTIPLY_IN_PARTS
 #define RG_CHOOSE_SURFACE 1
@@ -170,14 +169,14 @@
 #define RG_CHOOSE_SURFACE 0
 #endif
 
-/* GCC 12 is the first one that makes vectors of these loops. */
+/* GCC 12 is the first version that vectorizes these loops. */
 #if RG_IS_FAST && defined(__SSE2__) && defined(__GNUC__) && __GNUC__ >= 12
 #define RG_HAS_TILES 1
 #else
 #define RG_HAS_TILES 0
 #endif
 
-/* Other processors with registers of 64 bits could do so, too. */
+/* Possible on other processors with 64-bit registers, but not implemented. */
 #if RG_IS_FAST && defined(__x86_64__)
 #define RG_BLENDS_WORDS 1
 #else

@@ -7,8 +7,8 @@
 #include "config.h"
 #include "wide_multiply.h"
 
-/* Modulo 2^32: values of a forged blob may add up to more than 32 bits, which
- * then gives any result, but no undefined behaviour. */
+/* Adds modulo 2^32: values of a malformed blob may overflow; the result is then
+ * unspecified, but there is no undefined behaviour. */
 static inline int32_t rg_add(int32_t a, int32_t b) {
   return (int32_t)((uint32_t)a + (uint32_t)b);
 }
@@ -21,7 +21,7 @@ static inline uint32_t rg_lesser(uint32_t a, uint32_t b) {
   return a < b ? a : b;
 }
 
-/* Modulo 2^32, too. */
+/* Shifts modulo 2^32. */
 static inline int32_t rg_shift_left(int32_t a, int shift) {
   return (int32_t)((uint32_t)a << shift);
 }
@@ -94,7 +94,7 @@ static inline int32_t rg_multiply_shift(int32_t a, int32_t b, int shift) {
   return (twice >> 1) + (twice & 1);
 }
 
-/* a b. Sums of products are rounded once, by rg_upper_word(). */
+/* a b, for sums of products that rg_upper_word() rounds once. */
 static inline int64_t rg_product(int32_t a, int32_t b) {
 #if RG_MULTIPLY_IN_PARTS
   uint32_t low;
@@ -110,12 +110,12 @@ static inline int32_t rg_upper_word(int64_t sum) {
   return (int32_t)((sum + INT64_C(0x80000000)) >> 32);
 }
 
-/* |value|, 2^31 for the lowest. */
+/* |value|; 2^31 for INT32_MIN. */
 static inline uint32_t rg_magnitude(int32_t value) {
   return value < 0 ? 0u - (uint32_t)value : (uint32_t)value;
 }
 
-/* Zero bits above the highest one; value must not be 0. */
+/* Number of leading zero bits; value must not be 0. */
 static inline int rg_leading_zeros(uint32_t value) {
 #if RG_HAVE_CLZ
   return __builtin_clz(value);

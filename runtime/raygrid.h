@@ -14,10 +14,10 @@
  * name means fixed point with N fraction bits: the integer is the value times
  * 2^N. Pointers must not be NULL unless stated.
  *
- * Thread safety: functions that take a const rg_camera may be called by several
- * threads and interrupt handlers at a time. Those that take a non-const one
+ * Thread safety: functions with a const rg_camera may be called by several
+ * threads and interrupt handlers at a time. Functions with a non-const one
  * (rg_camera_open(), rg_select_remap(), rg_set_condition(),
- * rg_choose_ray_kernels()) must not run while others use the camera.
+ * rg_choose_ray_kernels()) must not run while other functions use the camera.
  *
  * Cost per core: runtime/COST.md. */
 #ifndef RAYGRID_RAYGRID_H
@@ -50,17 +50,17 @@ extern "C" {
 typedef struct rg_camera {
   /** @cond */
   const uint8_t* blob;
-  const uint8_t* grid;    /* of the own section, or of the sample in use */
-  const uint8_t* inverse; /* likewise; NULL, as those below, if there is none */
-  const uint8_t* line_points; /* not the section, but its first point */
-  const uint8_t* remap;       /* the own section in use, never a sample's */
+  const uint8_t* grid;        /* base section, or the lower sample in use */
+  const uint8_t* inverse;     /* likewise; NULL, as the next two, if absent */
+  const uint8_t* line_points; /* first point in the section */
+  const uint8_t* remap;       /* selected base section, never a sample's */
   const struct rg_stack_code* stack;  /* NULL: no operating point was set */
-  uint32_t knot_shift;                /* bytes from the blob's own sections to
-                                         those of the sample in use */
+  uint32_t knot_shift;                /* bytes from the base sections to the
+                                         sections of the lower sample in use */
   uint32_t knot_size;                 /* bytes from one sample to the next */
-  uint16_t frame_width, frame_height; /* frames that the table takes */
-  uint16_t weight_q14;                /* of the sample above the one in use */
-  uint16_t surface;                   /* the kernels of rays */
+  uint16_t frame_width, frame_height; /* source size of the selected table */
+  uint16_t weight_q14;                /* weight of the upper sample */
+  uint16_t surface;                   /* RG_SURFACE_..., the ray kernels */
   /** @endcond */
 } rg_camera;
 
@@ -93,19 +93,19 @@ typedef struct rg_line {
  * @param[out] camera written only if RG_OK is returned
  * @param bytes the blob, aligned to 4 bytes; must stay in place while the
  *     camera is in use
- * @param num_bytes size of the blob, or more
+ * @param num_bytes size of the blob or of the memory that contains it
  * @return RG_OK, or the first error found (rg_status.h) */
 rg_status rg_camera_open(rg_camera* camera, const void* bytes,
                          uint32_t num_bytes);
 
-/** Selects the kernels that compute rays and projections; all of them give the
- * same bits.
+/** Selects the kernels that compute rays and projections. All kernels compute
+ * bit-identical results.
  *
  * @param camera an open camera
  * @param name NULL: the fastest that the processor supports, the default;
  *     "portable"; or, on x86-64, "avx2"
  * @retval RG_OK done
- * @retval RG_ERR_ARGUMENT no such kernels here; nothing changes */
+ * @retval RG_ERR_ARGUMENT kernels unknown or not supported; nothing changes */
 rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name);
 
 /** Gets the size of the calibrated images, in which positions are expressed.
@@ -120,9 +120,9 @@ void rg_calibrated_size(const rg_camera* camera, uint16_t* width,
  * @name Unprojection: pixels to rays
  * @{ */
 
-/** Unprojects a pixel: the direction that it observes, by the cubic B-spline
- * surface of the central-generic model in stereographic coordinates (Schoeps et
- * al., CVPR 2020, section "Camera Model").
+/** Unprojects a pixel: computes the direction that it observes from the cubic
+ * B-spline surface of the central-generic model in stereographic coordinates
+ * (Schoeps et al., CVPR 2020, section "Camera Model").
  *
  * Runs in constant time: no loop depends on the data.
  *
@@ -146,7 +146,7 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray);
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line);
 
-/** Unprojects an array of pixels by rg_unproject().
+/** Unprojects an array of pixels with rg_unproject().
  *
  * @param camera an open, central camera
  * @param pixels num_pixels positions in calibrated images
@@ -169,7 +169,7 @@ uint32_t rg_unproject_batch(const rg_camera* camera, const rg_pixel* pixels,
 uint32_t rg_unproject_row(const rg_camera* camera, rg_pixel first, rg_ray* rays,
                           uint32_t num_pixels);
 
-/** Unprojects an array of pixels by rg_unproject_line().
+/** Unprojects an array of pixels with rg_unproject_line().
  *
  * @param camera an open camera
  * @param pixels num_pixels positions in calibrated images
@@ -184,15 +184,15 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
  * @name Projection: points to pixels
  * @{ */
 
-/** A coordinate of no pixel: x and y of points that are not visible. */
+/** Coordinate of a missing pixel: x and y of points that are not visible. */
 #define RG_NO_PIXEL INT32_MIN
 
 /** Largest number of fraction bits of rg_project_point(). */
 #define RG_POINT_MAX_BITS 27u
 
-/** Projects a direction, or a point of any distance, into the image: the
+/** Projects a direction, or a point at any distance, into the image: the
  * inverse of rg_unproject(). The blob's inverse grid gives an initial value and
- * its Jacobian; usually one step follows, at most five.
+ * its Jacobian; usually one Newton step follows, at most five.
  *
  * @param camera an open camera
  * @param direction in camera axes, of any length but zero; also a 3-D point
@@ -208,7 +208,7 @@ uint32_t rg_unproject_lines(const rg_camera* camera, const rg_pixel* pixels,
 rg_status rg_project(const rg_camera* camera, const rg_ray* direction,
                      rg_pixel* pixel);
 
-/** Projects an array of directions or points by rg_project().
+/** Projects an array of directions or points with rg_project().
  *
  * @param camera an open, central camera
  * @param directions num_points directions or points in camera axes
@@ -228,16 +228,16 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
  * times the sine of half the field of view.
  *
  * Cost: one rg_project() for a central camera. For a non-central one three to
- * four rg_project() and two to three rg_unproject_line() if those positions
+ * four rg_project() and two to three rg_unproject_line() if these positions
  * differ by hundredths of the distance; near the border of the calibrated area,
  * or outside it, up to 24 and 12.
  *
  * @param camera an open camera
  * @param point x, y, z in camera axes, in metres times 2^fraction_bits, each of
  *     magnitude below 2^30: 64 m with 24 bits, 1 km with 20
- * @param fraction_bits 0 to RG_POINT_MAX_BITS; more are more accurate
- * @param[out] pixel in calibrated images, within 0.002 px of one whose line, by
- *     rg_unproject_line(), passes the point at a distance of at most two units
+ * @param fraction_bits 0 to RG_POINT_MAX_BITS; more bits are more accurate
+ * @param[out] pixel in calibrated images, within 0.002 px of a pixel whose line
+ *     (rg_unproject_line()) passes the point at a distance of at most two units
  *     in the last place; written only if RG_OK is returned
  * @retval RG_OK done
  * @retval RG_ERR_ARGUMENT fraction_bits is too large
@@ -274,7 +274,7 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
 
 /** Gets the line delay of a rolling shutter: the readout time per row of
  * frames as calibrated. Row r is read line_delay (r - (height - 1) / 2) after
- * the middle of the frame. Other sensor modes have line delays of their own.
+ * the centre of the frame. Other sensor modes have different line delays.
  *
  * @param camera an open camera
  * @param[out] row_time_ns_q10 in q10 nanoseconds, of magnitude at most 2^30 (1
@@ -295,13 +295,13 @@ rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
  * @name Sensor modes
  * @{ */
 
-/** A sensor mode: how its frames map to the calibrated images. Its pixel (i,
- * j), counted from the opposite side if flipped, covers the calibrated pixels
- * from offset + scale i on, scale of them in each direction. Cropping has scale
- * 1; 2 x 2 binning, or scaling down by two, has scale 2. */
+/** A sensor mode: the mapping of its frames to the calibrated images. Its pixel
+ * (i, j), counted from the opposite side if flipped, covers scale_x x scale_y
+ * calibrated pixels, the first of which is at offset + scale (i, j). Cropping
+ * has scale 1; 2 x 2 binning, or scaling down by two, has scale 2. */
 typedef struct rg_mode {
-  uint16_t width;       /**< of the mode's frames, pixels */
-  uint16_t height;      /**< of the mode's frames, pixels */
+  uint16_t width;       /**< width of the mode's frames, pixels */
+  uint16_t height;      /**< height of the mode's frames, pixels */
   int32_t offset_x_q16; /**< q16 calibrated pixels */
   int32_t offset_y_q16; /**< q16 calibrated pixels */
   uint32_t scale_x_q16; /**< calibrated pixels per pixel, q16, 1/64 to 64 */
@@ -323,8 +323,8 @@ typedef struct rg_mode {
 rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
                                 rg_pixel* calibrated);
 
-/** Converts a position in calibrated images, as of rg_project(), to the mode's
- * frames; within 0.0001 px.
+/** Converts a position in calibrated images, such as from rg_project(), to the
+ * mode's frames; within 0.0001 px.
  *
  * @param mode how the frames map to the calibrated images
  * @param calibrated in calibrated images
@@ -335,7 +335,7 @@ rg_status rg_mode_to_calibrated(const rg_mode* mode, rg_pixel pixel,
 rg_status rg_mode_from_calibrated(const rg_mode* mode, rg_pixel calibrated,
                                   rg_pixel* pixel);
 
-/** How frames match a blob, from rg_match(). */
+/** Result of rg_match(): whether a blob fits the frames. */
 typedef enum rg_match_result {
   RG_MATCH_EXACT,     /**< the frames are as calibrated */
   RG_MATCH_MODE,      /**< positions map by the sensor mode, and the blob has a
@@ -345,11 +345,11 @@ typedef enum rg_match_result {
   RG_MATCH_NONE       /**< another camera, or the mapping is unknown */
 } rg_match_result;
 
-/** Index of no remap table, from rg_match(). */
+/** Index returned by rg_match() if there is no remap table for the frames. */
 #define RG_NO_TABLE UINT32_MAX
 
-/** Checks whether a blob matches the frames at hand, and which remap table
- * undistorts them.
+/** Checks whether a blob matches the frames of a camera, and finds the remap
+ * table that undistorts them.
  *
  * @param camera an open camera
  * @param mode the sensor mode, or NULL if unknown: sizes alone do not
@@ -400,7 +400,7 @@ rg_status rg_set_condition(rg_camera* camera, int32_t value_q16);
  * there.
  *
  * @param camera an open camera
- * @param index of the table, from 0
+ * @param index 0-based index of the table
  * @retval RG_OK done
  * @retval RG_ERR_NO_REMAP the blob has no such table
  * @return any other value is the first error found; nothing changes */
@@ -416,9 +416,9 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index);
 rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
                         uint16_t* height);
 
-/** Gets the size of the frames that rg_remap() takes with the selected table:
- * that of the calibrated images, or of another sensor mode. Without a selected
- * table it is that of the calibrated images.
+/** Gets the size of the source frames of the selected table: the size of the
+ * calibrated images, or of another sensor mode. Without a selected table it is
+ * the size of the calibrated images.
  *
  * @param camera an open camera
  * @param[out] width in pixels
@@ -426,22 +426,22 @@ rg_status rg_remap_size(const rg_camera* camera, uint16_t* width,
 void rg_frame_size(const rg_camera* camera, uint16_t* width, uint16_t* height);
 
 /** Gets the sensor mode of the selected table: how the camera's frames, which
- * rg_remap() takes, or makes with an inverse remap table, map to the calibrated
- * images.
+ * are the input of rg_remap(), or its output for an inverse remap table, map
+ * to the calibrated images.
  *
  * @param camera an open camera
- * @param[out] mode its width and height are those of the camera's frames, which
- *     differ from rg_frame_size() for an inverse remap table; written only if
- *     RG_OK is returned
+ * @param[out] mode its width and height are the size of the camera's frames,
+ *     which differs from rg_frame_size() for an inverse remap table; written
+ *     only if RG_OK is returned
  * @retval RG_OK done
  * @retval RG_ERR_NO_REMAP no remap table is selected */
 rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode);
 
-/** The virtual camera of the undistorted image; its centre is that of the
+/** The virtual camera of the undistorted image, with the centre of the real
  * camera. For an inverse remap table it is the camera of the source image. */
 typedef struct rg_view {
-  uint16_t width;           /**< of the undistorted image, pixels */
-  uint16_t height;          /**< of the undistorted image, pixels */
+  uint16_t width;           /**< width of the undistorted image, pixels */
+  uint16_t height;          /**< height of the undistorted image, pixels */
   rg_projection projection; /**< how directions map to pixels */
   uint32_t fx_q16;          /**< K: q16 pixels, per radian at the centre */
   uint32_t fy_q16;          /**< K: q16 pixels, per radian at the centre */
@@ -460,9 +460,9 @@ typedef struct rg_view {
  * @retval RG_ERR_NO_REMAP no remap table is selected */
 rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
 
-/** Undistorts a position: where it appears in the undistorted image, inside
- * that image or not. For a non-central camera the scene is assumed to be far
- * away, as for frames, unless the table was made for a finite distance.
+/** Undistorts a position: computes where it appears in the undistorted image,
+ * inside that image or not. For a non-central camera the scene is assumed to be
+ * far away, as for frames, unless the table is for a finite distance.
  *
  * @param camera an open camera with a selected table
  * @param pixel in calibrated images
@@ -480,7 +480,7 @@ rg_status rg_remap_view(const rg_camera* camera, rg_view* view);
 rg_status rg_undistort_point(const rg_camera* camera, rg_pixel pixel,
                              rg_pixel* undistorted);
 
-/** Undistorts an array of positions by rg_undistort_point().
+/** Undistorts an array of positions with rg_undistort_point().
  *
  * @param camera an open camera with a selected table
  * @param pixels num_points positions in calibrated images
@@ -501,10 +501,10 @@ uint32_t rg_undistort_points(const rg_camera* camera, const rg_pixel* pixels,
  * matter: formats in parentheses are handled alike. Samples of more than 8 bits
  * and RGB565 words are little-endian; packed samples are as on CSI-2.
  *
- * Widths of Bayer formats and those with chroma of half the width are even;
- * those of 10-bit packed formats are multiples of 4, of 12-bit packed ones of
- * 2. Heights of Bayer formats and those with chroma of half the height are
- * even, since their rows come in pairs. */
+ * Widths of Bayer formats and of formats with half-width chroma are even;
+ * widths of 10-bit packed formats are multiples of 4, of 12-bit packed formats
+ * multiples of 2. Heights of Bayer formats and of formats with half-height
+ * chroma are even, because their rows come in pairs. */
 typedef enum rg_format {
   RG_FORMAT_GREY8,    /**< GREY, R8 */
   RG_FORMAT_GREY16,   /**< Y10, Y12, Y14, Y16: the low bits of 16 */
@@ -517,7 +517,7 @@ typedef enum rg_format {
   RG_FORMAT_NV12,     /**< NV12 (NV21): two planes */
   RG_FORMAT_YUV420,   /**< YUV420 (YVU420): three planes */
   RG_FORMAT_BAYER8,   /**< 8-bit Bayer, any order; each colour of the 2 x 2
-                         pattern is remapped by itself */
+                         pattern is remapped separately */
   RG_FORMAT_BAYER16,  /**< Bayer of 10, 12, 14 or 16 bits: the low bits of 16 */
   RG_FORMAT_BAYER10P, /**< 10-bit packed Bayer */
   RG_FORMAT_BAYER12P, /**< 12-bit packed Bayer */
@@ -531,20 +531,20 @@ typedef enum rg_format {
  * plane of half height has a ring of half the rows. */
 typedef struct rg_image {
   rg_format format;   /**< pixel format */
-  uint16_t width;     /**< of the whole frame, pixels */
-  uint16_t height;    /**< of the whole frame, pixels */
+  uint16_t width;     /**< width of the whole frame, pixels */
+  uint16_t height;    /**< height of the whole frame, pixels */
   uint16_t ring_rows; /**< rows of the ring buffer; 0: the whole frame is in
                          memory */
-  uint16_t first_row; /**< ring buffer: first row that it holds */
-  uint16_t num_rows;  /**< ring buffer: rows that it holds, at most ring_rows */
+  uint16_t first_row; /**< ring buffer: first row */
+  uint16_t num_rows;  /**< ring buffer: number of rows, at most ring_rows */
   /** A plane of the frame. */
   struct {
     const uint8_t* data; /**< row 0 of the plane or of its ring buffer */
     uint32_t stride;     /**< bytes per row, below 2^31 */
-  } planes[3];           /**< as many as the format has */
+  } planes[3];           /**< planes of the format; unused ones are ignored */
 } rg_image;
 
-/** What fills pixels that observe nothing or are outside the calibrated area.
+/** Value of pixels without a source or with one outside the calibrated area.
  */
 typedef enum rg_border {
   RG_BORDER_VALUE, /**< border_values */
@@ -554,22 +554,22 @@ typedef enum rg_border {
 
 /** Interpolation between source pixels. */
 typedef enum rg_sampling {
-  RG_SAMPLING_BILINEAR, /**< of the four nearest pixels */
+  RG_SAMPLING_BILINEAR, /**< bilinear, between the four nearest pixels */
   RG_SAMPLING_NEAREST   /**< the nearest pixel */
 } rg_sampling;
 
-/** Inner loops for one kind of processor; all of them give the same bits.
- * Boards without Linux have theirs built in and ignore this;
- * RG_PORTABLE_KERNELS, defined as 1 for all files, selects the portable ones
- * there. */
+/** Kernels: inner loops for one instruction set. All kernels write
+ * bit-identical output. Targets without Linux have their kernels built in and
+ * ignore this; RG_PORTABLE_KERNELS, defined as 1 for all files, selects the
+ * portable ones there. */
 typedef struct rg_kernels rg_kernels;
 
 /** Finds kernels by name, for measurements and tests.
  *
  * @param name "portable", or one such as "avx2" or "neon" (README.md,
- *     "Kernels"); NULL: the fastest that this processor supports, which takes
- *     up to a microsecond in a virtual machine
- * @return static kernels; NULL if there are none of that name here */
+ *     "Kernels"); NULL: the fastest that this processor supports; finding it
+ *     takes up to a microsecond in a virtual machine
+ * @return static kernels; NULL if none of this name are built or supported */
 const rg_kernels* rg_find_kernels(const char* name);
 
 /** Rows [first_row, first_row + num_rows) of the undistorted image; even
@@ -577,26 +577,26 @@ const rg_kernels* rg_find_kernels(const char* name);
 typedef struct rg_target {
   /** A plane of the undistorted image. */
   struct {
-    uint8_t* data;      /**< where first_row is written, or its chroma row */
+    uint8_t* data;      /**< address of first_row, or of its chroma row */
     uint32_t stride;    /**< bytes per row, below 2^31 */
-  } planes[3];          /**< as many as the format has */
+  } planes[3];          /**< planes of the format; unused ones are ignored */
   uint16_t first_row;   /**< first row to write */
   uint16_t num_rows;    /**< number of rows to write */
-  rg_border border;     /**< what fills pixels without a source */
+  rg_border border;     /**< value of pixels without a source */
   rg_sampling sampling; /**< interpolation */
   uint16_t border_values[4]; /**< by channel, in units of the samples: RGB in
                                 memory order; RGB565 red to 31, green to 63,
-                                blue to 31; formats with chroma Y, then the
-                                chroma that is first in memory, then the other;
-                                Bayer as in the top-left 2 x 2 pixels */
+                                blue to 31; formats with chroma Y, then the two
+                                chroma channels in memory order; Bayer as in
+                                the top-left 2 x 2 pixels */
   const rg_kernels* kernels; /**< NULL: rg_find_kernels(NULL) on each call */
 } rg_target;
 
 /** Undistorts rows of a frame with the selected table; bit-identical on every
  * processor (formats/SPEC.md, "Remap arithmetic"). Bands of rows may be written
  * in any order and by several threads. A plane of the target must not overlap
- * another plane or the frame; rows of planes with one stride may be side by
- * side.
+ * another plane or the frame, but rows of planes with equal stride may be side
+ * by side.
  *
  * @param camera an open camera with a selected table
  * @param image the frame, of the size that rg_frame_size() returns
@@ -605,9 +605,9 @@ typedef struct rg_target {
  * @retval RG_ERR_NO_REMAP no remap table is selected
  * @retval RG_ERR_FORMAT unknown format, border or sampling, or
  *     RG_BORDER_CLAMP with a ring buffer
- * @retval RG_ERR_FRAME_SIZE the frame's size is not the table's or not a
- *     multiple of what the format needs, or a stride is too small or 2^31 or
- *     more
+ * @retval RG_ERR_FRAME_SIZE the frame's size is not the source size of the
+ *     table or not a multiple required by the format, or a stride is too small
+ *     or 2^31 or more
  * @retval RG_ERR_MISALIGNED 16-bit samples or words at an odd address or with
  *     an odd stride
  * @retval RG_ERR_ROWS the rows exceed the output, or split a pair of rows
@@ -657,7 +657,7 @@ typedef struct rg_band {
   uint8_t border;     /**< value of pixels without a source */
 } rg_band;
 
-/** Undistorts rows of a grey frame by rg_remap(), with bilinear interpolation.
+/** Undistorts rows of a grey frame with rg_remap() and bilinear interpolation.
  *
  * @param camera an open camera with a selected table
  * @param frame the frame, of the size that rg_frame_size() returns
@@ -673,7 +673,7 @@ rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
 /** A blob in one of two flash slots (formats/SPEC.md, "Slots"). */
 typedef struct rg_slot {
   const void* blob;   /**< in place, for rg_camera_open() */
-  uint32_t num_bytes; /**< of the blob */
+  uint32_t num_bytes; /**< size of the blob */
   uint32_t sequence;  /**< higher in the newer slot, wrapping around */
   uint32_t index;     /**< 0: in the first slot, 1: in the second */
 } rg_slot;
@@ -683,8 +683,7 @@ typedef struct rg_slot {
  * contain. rg_camera_open() and rg_match() check that the bytes are a blob of
  * this camera; if they reject it, pass only the other slot. Write the next blob
  * to the slot that is not in use, even if it is the newest: otherwise a power
- * loss leaves none. Nothing here authenticates the bytes: that needs a
- * signature.
+ * loss leaves none. The bytes are not authenticated: that requires a signature.
  *
  * Cost: one pass over both blobs for their CRCs.
  *
@@ -692,8 +691,8 @@ typedef struct rg_slot {
  *     whose blob rg_camera_open() rejected
  * @param second likewise
  * @param slot_size bytes of a slot, more than the 64 of its header
- * @param[out] newest of two slots with the same sequence the first; written
- *     only if RG_OK is returned
+ * @param[out] newest the newest slot, the first one if both have the same
+ *     sequence; written only if RG_OK is returned
  * @retval RG_OK done
  * @retval RG_ERR_MISALIGNED a slot is not aligned to 4 bytes
  * @retval RG_ERR_ARGUMENT newest is NULL, or slot_size too small
@@ -703,11 +702,11 @@ rg_status rg_choose_slot(const void* first, const void* second,
 
 /** Makes the header of a slot, for devices that write blobs themselves: erase
  * the slot, starting with its first bytes, write the blob from byte 64 on, and
- * the header last. Power may be lost at any moment.
+ * the header last. A power loss at any moment is safe.
  *
  * @param blob the blob
- * @param num_bytes of the blob, at most the slot's size less 64
- * @param sequence one more than that of the other slot; may wrap around
+ * @param num_bytes size of the blob, at most the slot's size less 64
+ * @param sequence one more than the other slot's; may wrap around
  * @param[out] header 64 bytes; written only if RG_OK is returned
  * @retval RG_OK done
  * @retval RG_ERR_ARGUMENT a pointer is NULL, or num_bytes 0 */

@@ -1,6 +1,6 @@
-/* Code of a camera at a condition of its stack. Only what
- * rg_set_condition() puts into a camera leads to the functions, so that
- * programs without that call do not link them. */
+/* Interpolation between samples of the operating-point stack. The functions are
+ * only called through the pointers that rg_set_condition() stores in a camera,
+ * so that programs without that call do not link them. */
 #ifndef RAYGRID_STACK_CODE_H
 #define RAYGRID_STACK_CODE_H
 
@@ -16,22 +16,22 @@ struct rg_part_row;
 struct rg_position;
 
 typedef struct rg_stack_code {
-  /* rg_find_place() in the central and in the inverse grid, between two knots:
-   * where weight_q14 is not 0. */
+  /* rg_find_place() in the central and in the inverse grid, interpolated
+   * between two samples: if weight_q14 is not 0. */
   rg_status (*find_in_grid)(const rg_camera* camera, int32_t x, int32_t y,
                             struct rg_place* place);
   rg_status (*find_in_inverse)(const rg_camera* camera, int32_t x, int32_t y,
                                struct rg_place* place);
-  /* rg_check_vertices() of a table of the blob in all knots, for the fast
-   * walk. */
+  /* rg_check_vertices() of a table of the blob in all samples, for the fast
+   * traversal. */
   rg_status (*check_vertices)(const rg_camera* camera, const uint8_t* own);
-  /* rg_pass_part() between two knots: where weight_q14 is not 0. For the small
-   * walk. */
+  /* rg_pass_part() interpolated between two samples, if weight_q14 is not 0;
+   * for the small traversal. */
   void (*pass_part)(struct rg_part_row* parts, struct rg_position* corners,
                     const rg_camera* camera);
 } rg_stack_code;
 
-/* Between a number of the lower knot's table and one of the upper knot's. */
+/* Interpolation between stored values of the lower and of the upper sample. */
 #define RG_WEIGHT_BITS 14
 #define RG_WEIGHT_MASK 0x3fffu
 #define RG_HALF_WEIGHT (1 << (RG_WEIGHT_BITS - 1))

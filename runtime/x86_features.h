@@ -1,5 +1,5 @@
-/* Features that an x86-64 processor has, and the system keeps registers of;
- * functions for processors that have more than all do. */
+/* Detection of x86-64 features that both the processor and the system support,
+ * and macros to compile functions for them. */
 #ifndef RAYGRID_X86_FEATURES_H
 #define RAYGRID_X86_FEATURES_H
 
@@ -8,7 +8,7 @@
 #include <cpuid.h>
 #include <stdint.h>
 
-/* Bits of XCR0. */
+/* Bits of XCR0: registers that the system saves. */
 #define RG_XMM_YMM 0x06u
 #define RG_MASKS_ZMM 0xe0u
 
@@ -31,8 +31,8 @@ static inline int rg_has_sse4(void) {
          (c & bit_SSSE3) != 0;
 }
 
-/* Whether there is all that kernels/avx512.c is compiled for, and AVX2, which
- * it falls back on. */
+/* Whether the processor and system support AVX-512 F/DQ/BW/VL, required by
+ * kernels/avx512.c, and AVX2, its fallback. */
 static inline int rg_has_avx512(void) {
   const uint32_t needed =
       bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
@@ -42,7 +42,7 @@ static inline int rg_has_avx512(void) {
          (c & bit_AVX512VBMI) != 0 && (c & bit_AVX512VBMI2) != 0;
 }
 
-/* Between these, functions are compiled for a processor with such features. */
+/* Functions between these macros are compiled for the named features. */
 #define RG_PRAGMA(text) _Pragma(#text)
 #if defined(__clang__)
 #define RG_BEGIN_FEATURES(names)                                 \

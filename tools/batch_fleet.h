@@ -6,12 +6,12 @@
 
 namespace raygrid {
 
-/// Prints what became of units, one line each, or all of it as JSON; with a
-/// plan's whole fleet, what is unusual in it, too. Units without a result go to
+/// Prints the result of each unit, one line each, or all as JSON; for a plan's
+/// complete fleet also its anomalies. Units without a result are listed on
 /// standard error.
 void PrintUnits(const FleetAnalysis& fleet, const CommonOptions& common);
 
-/// Whether there is nothing that could be inspected of a unit.
+/// Returns whether a unit has no result that can be inspected.
 bool HasNoResult(const UnitRow& row);
 
 }  // namespace raygrid

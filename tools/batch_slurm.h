@@ -9,9 +9,9 @@
 namespace raygrid {
 
 /// Submits a plan's units to Slurm as an array of at most 1,000 tasks, and a
-/// job that gathers when all of them have ended. Tasks may be queued again at
-/// any time. Says what was submitted. Throws Error(kUsage) where there is no
-/// Slurm, and Error(kOutput) with Slurm's words if it refuses.
+/// job that gathers the results after all tasks. Tasks may be requeued at any
+/// time. Prints what was submitted. Throws Error(kUsage) if Slurm is not
+/// installed, and Error(kOutput) with Slurm's message if it rejects the jobs.
 void SubmitToSlurm(const std::string& plan, const std::string& output,
                    size_t num_units, const CommonOptions& common);
 

@@ -1,4 +1,4 @@
-/// The cameras that calibrate is given, a single one or those of a rig.
+/// Input of raygrid calibrate: a single camera or the cameras of a rig.
 #ifndef RAYGRID_TOOLS_CALIBRATION_INPUT_H
 #define RAYGRID_TOOLS_CALIBRATION_INPUT_H
 
@@ -18,7 +18,7 @@
 
 namespace raygrid {
 
-/// The images of a rig's camera, or of a single one, without a name.
+/// Images of a rig's camera; the name is empty for a single camera.
 struct NamedImages {
   std::string camera;
   std::vector<std::string> images;
@@ -34,102 +34,101 @@ struct CalibrateArguments {
        independent_boards = false, measure_once = false, resume = false,
        allow_noncentral = false;
   bool skip_comparison = false, rolling_shutter = false;
-  std::string times;              ///< a CSV with the times of images
-  std::vector<NamedImages> rig;   ///< of a session, instead of cameras
-  std::vector<Capture> captures;  ///< how a session's cameras stood
-  /// To calibrate over, by their names; empty: none.
+  std::string times;              ///< CSV file with the times of images
+  std::vector<NamedImages> rig;   ///< images of a session, instead of cameras
+  std::vector<Capture> captures;  ///< capture settings of a session's cameras
+  /// Operating-point variables on which the intrinsics depend; may be empty.
   std::vector<std::string> condition;
   std::vector<std::string> cameras_at;
   std::string conditions;  ///< CSV file
-  /// Of a session's frames, the values of the conditions.
+  /// Values of these variables by image of a session.
   std::map<std::string, OperatingPoint> session_values;
-  /// When the images of each of a session's cameras were taken.
+  /// Times of the images of each of a session's cameras.
   std::vector<ImageTimes> session_times;
 
-  /// Whether there are images of several cameras.
+  /// Whether images of several cameras are given.
   bool HasCameraImages() const { return !cameras.empty() || !rig.empty(); }
 };
 
-/// The features of the only camera, or those of several by its name.
+/// Features by camera name; the name is "" for a single camera.
 using FeaturesByCamera = std::map<std::string, Dataset>;
 
-/// Images of a dataset from the first one on, up to those of the next mode,
-/// that were taken in another sensor mode.
+/// Images of a dataset that were captured in another sensor mode: from `first`
+/// up to the first image of the next mode.
 struct ImagesOfMode {
   SensorMode mode;
   size_t first = 0;
 };
 
-/// The features to calibrate a camera with, and the images that they were
-/// measured in, if any.
+/// The features of a camera to calibrate, and the images in which they were
+/// detected, if any.
 struct Measurements {
-  std::string camera;  ///< its name in a rig
+  std::string camera;  ///< name of the camera in a rig, or ""
   Dataset dataset;
-  std::vector<std::string> paths;   ///< of the dataset's images
-  std::vector<ImagesOfMode> modes;  ///< the last of the dataset's images
-  /// By image, with --images-at or of EXIF: the values of the conditions.
+  std::vector<std::string> paths;   ///< paths of the dataset's images
+  std::vector<ImagesOfMode> modes;  ///< the last images of the dataset
+  /// Operating points by image, from --images-at or EXIF.
   std::map<std::string, OperatingPoint> condition_values;
   std::optional<ImageCircle> image_circle;
-  std::vector<RejectedImage> skipped;   ///< could not be measured
+  std::vector<RejectedImage> skipped;   ///< images without usable features
   std::vector<RejectedImage> left_out;  ///< no photographs, copies
-  std::vector<ImagePair> copies;        ///< of an image, and its copy
+  std::vector<ImagePair> copies;        ///< an image and its copy
 };
 
-/// How many of the images, the first ones, are as calibrated.
+/// Returns the number of images in the calibrated sensor mode, the first ones.
 size_t NumCalibratedImages(const Measurements& measurements);
 
-/// Adds more images of the same camera.
+/// Appends measurements of other images of the same camera.
 void Append(Measurements more, Measurements* measurements);
 
-/// Images that show the same as others to 0.001 px leave, and are named: a copy
-/// would be predicted by a camera that was calibrated with it, and counted
-/// twice. Images held out stay beside those that are not, of which the verdict
-/// warns.
+/// Removes and lists images whose features equal another image's to 0.001 px: a
+/// copy of a training image would be predicted too well if held out, and be
+/// counted twice otherwise. A held-out copy of an image that is not held out is
+/// kept; the assessment warns of it.
 void ExcludeCopies(Measurements* measurements,
                    const std::vector<std::string>& hold_out = {});
 
-/// Detects the pattern in images and folders; those that cannot be used are
-/// named on stderr, and the
-/// others are gone on with. Throws Error(kTooFew) if they show another board
-/// than the pattern, whose name is for messages.
+/// Detects the pattern in images and folders. Unusable images are listed on
+/// stderr and skipped. Throws Error(kTooFew) if they show another board than
+/// the pattern, which messages call pattern_name.
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
                      const std::function<void(double)>& progress,
                      const std::vector<std::string>& hold_out = {});
 
-/// Reads --features; nothing if there are images instead. Throws Error(kUsage)
-/// if there are both or none.
+/// Reads --features; empty if images are given instead. Throws Error(kUsage) if
+/// both or neither are given.
 FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments);
 
-/// Measures the images of each camera, or takes the features given. A single
-/// camera has no name. Throws Error: kUsage, kTooFew; InputError.
+/// Detects features in the images of each camera, or uses the given features. A
+/// single camera has no name. Throws Error: kUsage, kTooFew; InputError.
 std::vector<Measurements> CollectMeasurements(
     const CalibrateArguments& arguments, const CommonOptions& common,
     const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar);
 
 struct CaptureConditions;
 
-/// The inputs of a calibration, with the checkpoints of an interrupted one, if
-/// there are any. They use cameras and checkpoints.
+/// Returns the inputs of a calibration, with the checkpoints of an interrupted
+/// one, if any. They refer to `cameras` and `checkpoints`, which must outlive
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
     const CaptureConditions& circumstances, const CalibrateArguments& arguments,
     int num_threads, CheckpointFile* checkpoints);
 
-/// Throws Error(kOutput) if the result would replace the pattern, the features
-/// or an image.
+/// Throws Error(kOutput) if the result would overwrite the pattern, the
+/// features or an image.
 void RequireNoInputReplaced(const CalibrateArguments& arguments,
                             const std::vector<std::string>& images);
 
-/// Tells features, pattern and what matters of the options from others.
+/// Serializes features, pattern and relevant options, to detect changed inputs.
 std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
                             const CaptureConditions& circumstances,
                             const Pattern& pattern);
 
-/// Throws Error(kUsage).
+/// Converts command-line options. Throws Error(kUsage).
 CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
                                           const CommonOptions& common,
                                           ProgressBar* bar);

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// Prints the figures of a calibration whose files are in a folder: all of a
-/// single camera's, or the main ones of a rig's.
+/// Prints the metrics of a calibration whose files are in a folder: all metrics
+/// of a single camera, or the main ones of a rig.
 void PrintSummary(const RigResult& result, const std::string& folder);
 
 }  // namespace raygrid

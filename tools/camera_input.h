@@ -13,66 +13,66 @@
 
 namespace raygrid {
 
-/// A camera.yaml, a blob, or a file of another program that has one camera
-/// (exchange/format.h), which every command takes.
+/// A camera from camera.yaml, a blob, or a file of another program with one
+/// camera (exchange/format.h): the formats that every command accepts.
 struct CameraInput {
   CameraFile file;                 ///< a blob's grid in double precision
-  std::optional<BlobCamera> blob;  ///< if it was one
-  /// That it was calibrated over, if it is of a stack.
+  std::optional<BlobCamera> blob;  ///< the blob, if the file is one
+  /// Calibrated ranges; empty without an operating-point model.
   std::vector<OperatingRange> ranges;
 };
 
-/// at: the values of the conditions, of a camera that is a stack; where one is
-/// not given, it is the one in the middle, which is said on standard error.
-/// Throws Error(kUsage) as FixRequestedPointInRange(), and for cameras that are
-/// no stack.
+/// Reads a camera. at: operating point, if the camera has an operating-point
+/// model; the mid-range is used for missing values, with a note on
+/// standard error. Throws Error(kUsage) as FixRequestedPointInRange(), and if
+/// the camera has no such model.
 CameraInput ReadCamera(const std::string& path,
                        const RequestedOperatingPoint& at = {});
-/// The camera in a file's bytes; path is used in errors. Says on standard error
-/// what of another program's file was not taken as it stands.
+/// Parses a camera from the bytes of a file; path is used in errors. Reports on
+/// standard error what is not imported from another program's file.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at = {});
 
-/// ReadCamera(), but over conditions that at does not give it stays a stack.
+/// ReadCamera() that keeps the dependence on variables not specified by at.
 CameraInput ReadCameraOrStack(const std::string& path,
                               const RequestedOperatingPoint& at);
 
-/// Reads two cameras, of which at is for those that are stacks. Values of
-/// conditions that one of them does not change with are the other's, which is
-/// said on standard error. Throws Error(kUsage) if neither does.
+/// Reads two cameras; at is for the operating-point models among them. Values
+/// of variables on which one camera does not depend are used for the other one,
+/// with a note on standard error. Throws Error(kUsage) if neither does.
 std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
                                           const RequestedOperatingPoint& at);
 
-/// The cells in which a camera can be trusted, if its file or blob says so.
+/// Returns the valid region, if the camera's file or blob has one.
 std::optional<ValidityMask> LoadValidityMask(const CameraInput& input);
 
-/// The pixels that are to be shown of a camera's images with --outside OUTSIDE:
-/// all, or those that are trusted. Throws Error(kUsage) if nothing says which
-/// are.
+/// Returns the pixels to show of a camera's images with --outside OUTSIDE:
+/// nullopt for all, or the valid region. Throws Error(kUsage) if the camera has
+/// no valid region.
 std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
                                               const std::string& path,
                                               const CameraInput& input);
 
-/// Says so on standard error if the camera's calibration failed, which results
-/// do not show.
+/// Warns on standard error if the camera's calibration failed, which results do
+/// not show.
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
 /// Throws Error(kOutput) if pictures would be written among the images that
-/// they are made from, where they would be taken for images the next time.
+/// they are generated from, and would be read as images the next time.
 void RequireSeparateFolders(const std::vector<std::string>& images,
                             const std::string& folder);
 
-/// Prints text, or writes it to a file if one is named.
+/// Writes text to a file, or to standard output if path is empty.
 void PrintOrWrite(const std::string& path, const std::string& text);
 
-/// Rows of points or pixels that a command takes at once: those of an image of
-/// full HD, or fewer if the answer is JSON. Its text is kept in memory, since
-/// outputs appear whole or not at all.
+/// Maximum number of points or pixels per call: the pixels of a Full HD image,
+/// fewer for JSON. The output is kept in memory, because outputs are written
+/// completely or not at all.
 inline size_t MaxRows(bool is_json) { return is_json ? 500000 : 2100000; }
 
-/// A CSV of numbers as an array of objects, empty fields as null, a column
-/// "valid" as true and false.
+/// Converts a CSV table of numbers to an array of objects: empty fields become
+/// null, a column "valid" true and false.
 std::string ConvertCsvToJson(const std::string& csv,
                              const std::vector<std::string>& columns);
 

@@ -1,5 +1,4 @@
-/// Times, lens positions and temperatures of the images that calibrate is
-/// given.
+/// Times, lens positions and temperatures of the images of a calibration.
 #ifndef RAYGRID_TOOLS_CAPTURE_CONDITIONS_H
 #define RAYGRID_TOOLS_CAPTURE_CONDITIONS_H
 
@@ -11,15 +10,15 @@
 
 namespace raygrid {
 
-/// How images were taken.
+/// Capture conditions of images.
 struct CaptureConditions {
-  /// Each camera's, if the time of a row is to be estimated.
+  /// Image times by camera, if the line delay is estimated.
   std::vector<std::optional<ImageTimes>> times;
-  /// Lens positions or temperatures, if a camera is calibrated over them.
+  /// Lens positions or temperatures, if the intrinsics depend on them.
   std::optional<ImageOperatingPoints> conditions;
 };
 
-/// Reads what tells them, once: it may come through a pipe. Throws
+/// Reads the conditions once, because the input may be a pipe. Throws
 /// Error(kUsage), InputError.
 CaptureConditions ReadCaptureConditions(
     const CalibrateArguments& arguments,

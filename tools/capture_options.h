@@ -9,15 +9,15 @@
 
 namespace raygrid {
 
-/// The syntax of --capture-settings, a block of help.
+/// Help block with the syntax of --capture-settings.
 extern const char kCaptureSyntaxHelp[];
 
-/// The words of --capture-settings, for messages.
+/// Keys of --capture-settings, for messages.
 extern const char kCaptureWordsHelp[];
 
-/// The known capture, with what "crop=0,0,3280,2464,lens=2,orientation=1" says
-/// instead; nothing for "none". Throws Error(kUsage) for values that no camera
-/// with images of that size has.
+/// Returns the known capture settings, overridden by texts such as
+/// "crop=0,0,3280,2464,lens=2,orientation=1"; nullopt for "none". Throws
+/// Error(kUsage) for values that are impossible with images of this size.
 std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
                                          const std::optional<Capture>& known,
                                          const ImageSize& size);

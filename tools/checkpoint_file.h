@@ -9,24 +9,24 @@
 
 namespace raygrid {
 
-/// resume.json while a calibration is at work: a program that is killed leaves
-/// it. The result that is written to the folder takes it away, and so does a
-/// calibration that fails.
+/// resume.json during a calibration, which remains if the program is killed. It
+/// is removed when the result is written to the folder, or when the calibration
+/// fails.
 class CheckpointFile {
  public:
-  /// inputs are SerializeInputs() those cameras.
+  /// inputs: SerializeInputs() of the cameras
   CheckpointFile(const std::string& folder, const std::string& inputs,
                  size_t num_cameras);
   ~CheckpointFile();
   CheckpointFile(const CheckpointFile&) = delete;
   CheckpointFile& operator=(const CheckpointFile&) = delete;
 
-  /// Takes up what was written before, if anything was: a calibration that was
-  /// killed soon has written nothing. Throws as ReadCheckpoints().
+  /// Reads the file of an interrupted calibration, if it exists; it does not if
+  /// the program was killed early. Throws as ReadCheckpoints().
   void Read();
   const Checkpoint& Of(size_t camera) const { return checkpoints_[camera]; }
 
-  /// Writes them all, now or with one of the next.
+  /// Stores a checkpoint, and writes all of them, at limited frequency.
   void Save(size_t camera, const Checkpoint& checkpoint);
 
  private:
@@ -36,9 +36,9 @@ class CheckpointFile {
   bool is_written_ = false;
 };
 
-/// Keeps a finished result from being replaced by what was found so far: where
-/// the folder holds one, this writes resume.json alone and throws
-/// Error(kNotConverged). Without checkpoints, nothing was interrupted.
+/// Keeps a finished result from being replaced by intermediate ones: if the
+/// folder contains a result, writes only resume.json and throws
+/// Error(kNotConverged). Without checkpoints, no calibration was interrupted.
 void PreserveFinishedResult(const std::string& folder,
                             const std::vector<Checkpoint>& checkpoints,
                             const std::string& inputs);

@@ -6,27 +6,27 @@
 
 namespace raygrid {
 
-/// How a program ended.
+/// How a child process ended.
 struct ChildEnd {
-  int exit_code = 0;       ///< if no signal ended it
-  int signal = 0;          ///< or 0
-  std::string last_error;  ///< the last line of its standard error
+  int exit_code = 0;       ///< valid if signal is 0
+  int signal = 0;          ///< signal that ended it, or 0
+  std::string last_error;  ///< last line of its standard error
 };
 
-/// Runs raygrid itself, which sees no terminal, until it ends. What it prints
-/// is dropped. It ends with this program, however that ends. Throws
-/// Error(kOutput) if no program can be started.
+/// Runs raygrid without a terminal until it ends, and discards its output. The
+/// child is killed if this program ends. Throws Error(kOutput) if no process
+/// can be started.
 ChildEnd RunChild(const std::vector<std::string>& arguments);
 
-/// How another program ended, and the lines that it printed.
+/// Exit status and output lines of a child process.
 struct ProgramEnd {
-  bool is_found = true;  ///< false: no such program in the PATH
-  int exit_code = 0;     ///< 128 and the signal's number if one ended it
-  std::vector<std::string> lines;  ///< of standard output and error
+  bool is_found = true;            ///< false: not in the PATH
+  int exit_code = 0;               ///< 128 + signal number if a signal ended it
+  std::vector<std::string> lines;  ///< standard output and error
 };
 
-/// Runs a program of the PATH until it ends; it sees no terminal. Throws
-/// Error(kOutput) if no program can be started.
+/// Runs a program from the PATH, without a terminal, until it ends. Throws
+/// Error(kOutput) if no process can be started.
 ProgramEnd RunProgram(const std::string& name,
                       const std::vector<std::string>& arguments);
 

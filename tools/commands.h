@@ -1,5 +1,5 @@
-/// One function a command: declares its options and what to run when it is
-/// chosen. Arguments -> one library call -> exit code.
+/// One function per command, which declares its options and its callback:
+/// arguments -> one library call -> exit code.
 #ifndef RAYGRID_TOOLS_COMMANDS_H
 #define RAYGRID_TOOLS_COMMANDS_H
 
@@ -13,38 +13,38 @@
 
 namespace raygrid {
 
-/// Options of every command.
+/// Options common to all commands.
 struct CommonOptions {
   int threads = 0;
   uint64_t seed = 0;
   bool quiet = false;
   bool json = false;
-  bool yes = false;  ///< accept unusual lengths without asking
+  bool yes = false;  ///< accept implausible lengths without asking
   /// Operating point: lens position and temperature.
   RequestedOperatingPoint at;
 };
 
-/// A command with the common options and an example in its help. description:
-/// one sentence that fits into a line of raygrid --help. Options that are
+/// Adds a command with the common options and an example in its help.
+/// description: one sentence that fits into a line of raygrid --help. Options
 /// declared next are in the group Input.
 CLI::App* AddCommand(CLI::App* app, const std::string& name,
                      const std::string& description, const std::string& example,
                      CommonOptions* common);
 
-/// A check of a number: that it is finite and above 0.
+/// Returns a validator of finite numbers above 0.
 CLI::Validator AboveZero();
 
-/// The meaning of each exit code, for the end of raygrid --help.
+/// Returns the meaning of each exit code, for the end of raygrid --help.
 std::string ExitCodesHelp();
 
-/// --hold-out, names of images; help is the description of the option.
+/// Adds --hold-out, names of images; help: description of the option.
 void AddHoldOut(CLI::App* command, const std::string& help,
                 std::vector<std::string>* names);
 
-/// --at, for commands that read a camera.
+/// Adds --at, for commands that read a camera.
 void AddAtOption(CLI::App* command, CommonOptions* common);
 
-/// --allow-huge-images, for commands that read images or are given their size.
+/// Adds --allow-huge-images, for commands with images or image sizes as input.
 void AddHugeOption(CLI::App* command);
 
 #define RAYGRID_COMMAND(title, Name) \

@@ -19,7 +19,7 @@ inline constexpr char kAdvanced[] = "Advanced";
 }  // namespace help_group
 
 /// Prints one sentence, usage, arguments, options by group (value, default,
-/// description), commands by group and the footer. Options of the group "" are
+/// description), commands by group and the footer. Options in the group "" are
 /// hidden.
 class HelpFormatter : public CLI::Formatter {
  public:
@@ -27,10 +27,10 @@ class HelpFormatter : public CLI::Formatter {
                         CLI::AppFormatMode mode) const override;
 };
 
-/// Puts the options that are declared from here on into a group.
+/// Starts a group, to which options declared after this call belong.
 void BeginGroup(CLI::App* command, const char* group);
 
-/// Text in lines of at most 80 characters, each indented by spaces.
+/// Wraps text to lines of at most 80 characters, each indented by `indent`.
 std::string WrapText(const std::string& text, size_t indent);
 
 }  // namespace raygrid

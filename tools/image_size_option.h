@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// "640x480"; throws Error(kUsage) naming the option, for larger sizes than
-/// images may have too.
+/// Parses an image size such as "640x480". Throws Error(kUsage), with the name
+/// of the option, also if the size exceeds the maximum.
 ImageSize ParseImageSize(const std::string& option, const std::string& text);
 
 }  // namespace raygrid

@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// The words of raygrid import; "" of those that were not given.
+/// Arguments of raygrid import; "" if not given.
 struct ImportArguments {
   std::vector<std::string> files;
   std::string output, from, model, image_size, board;
@@ -16,7 +16,7 @@ struct ImportArguments {
   bool is_reverse = false;
 };
 
-/// Outputs are told apart by how their names end: rig, poses, features.
+/// Whether a name ends with a word: outputs are distinguished by their endings.
 inline bool EndsWith(const std::string& text, const std::string& word) {
   return text.size() >= word.size() &&
          text.compare(text.size() - word.size(), word.size(), word) == 0;

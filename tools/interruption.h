@@ -3,16 +3,16 @@
 
 namespace raygrid {
 
-/// From here on the first SIGINT or SIGTERM is only noted, so that what was
-/// found so far can be written. If nothing has asked IsInterrupted() a second
-/// later, work that hears nothing is being done: the program ends, as by each
-/// second signal, and as by the first one otherwise.
+/// Installs a handler that only records the first SIGINT or SIGTERM, so that
+/// intermediate results can be written. If IsInterrupted() is not called within
+/// a second, because the current work does not poll it, or on a second signal,
+/// the program ends as by the signal.
 void InstallInterruptHandler();
 
 bool IsInterrupted();
 
-/// From here on results are complete or being written, and a first signal no
-/// longer ends the program by not being heard.
+/// Makes a first signal no longer end the program if it is not polled: called
+/// when results are complete or being written.
 void IgnoreFirstSignal();
 
 }  // namespace raygrid

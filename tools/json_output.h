@@ -1,4 +1,4 @@
-/// What commands print with --json.
+/// Output of commands with --json.
 #ifndef RAYGRID_TOOLS_JSON_OUTPUT_H
 #define RAYGRID_TOOLS_JSON_OUTPUT_H
 
@@ -10,9 +10,9 @@ namespace raygrid {
 /// "schema_version" of formats/json/commands.schema.json.
 constexpr int kCommandsSchemaVersion = 1;
 
-/// The text of a command's result, led by the version of its schema.
+/// Formats a command's result, starting with the version of its schema.
 std::string FormatCommandJson(const nlohmann::ordered_json& result);
-/// Prints it on standard output.
+/// Prints a command's result on standard output.
 void PrintCommandJson(const nlohmann::ordered_json& result);
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// The images of a camera that were taken in other sensor modes.
+/// Images of a camera in other sensor modes.
 #ifndef RAYGRID_TOOLS_MODE_IMAGES_H
 #define RAYGRID_TOOLS_MODE_IMAGES_H
 
@@ -12,24 +12,24 @@
 
 namespace raygrid {
 
-/// The image folders of a camera: those as calibrated, and those of --mode,
-/// each with its text, FOLDER:WORDS.
+/// Image folders of a camera: as calibrated, and of each --mode with its text
+/// FOLDER:WORDS.
 struct FoldersByMode {
   std::vector<std::string> calibrated;
   std::vector<std::pair<std::string, std::string>> modes;
 };
 
-/// Throws Error(kUsage) if a mode's folder is none of the images, or no images
-/// are as calibrated.
+/// Groups folders by sensor mode. Throws Error(kUsage) if a mode's folder is
+/// not among the images, or no images have the calibrated mode.
 FoldersByMode GroupByMode(const std::vector<std::string>& images,
                           const std::vector<std::string>& modes);
 
-/// Appends measurements in frames of a mode, in calibrated pixels. Throws
-/// InputError if the mode has another size, or an image a name that is taken.
+/// Appends measurements in frames of a mode, converted to calibrated pixels.
+/// Throws InputError if the image size or an image name conflicts.
 void AppendModeMeasurements(const SensorMode& mode, const std::string& folder,
                             Measurements more, Measurements* measurements);
 
-/// Measures all images again, those of other modes in frames of their own.
+/// Refines the features of all images, in the pixels of each image's mode.
 Dataset RefineModes(const Measurements& measurements,
                     const EstimatedScene& scene, int num_threads,
                     const std::function<void(double)>& go_on);

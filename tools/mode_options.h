@@ -8,18 +8,17 @@
 
 namespace raygrid {
 
-/// The help for the words of a mode.
+/// Help for the keys of a mode.
 extern const char kModeWordsHelp[];
-/// The syntax of pack --mode, a block of help.
+/// Help block with the syntax of pack --mode.
 extern const char kModeSyntaxHelp[];
 
-/// "half:bin=2", "roi:crop=320,180,640,360,flip=h": a name, up to the last
-/// colon, and how the mode's frames lie in those of calibrated_size. Throws
-/// Error(kUsage).
+/// Parses a mode: a name up to the last colon, and its mapping to frames of
+/// calibrated_size, such as "half:bin=2" or "roi:crop=320,180,640,360,flip=h".
+/// Throws Error(kUsage).
 SensorMode ParseMode(const std::string& text, const ImageSize& calibrated_size);
 
-/// Several modes that a blob can hold; throws Error(kUsage) for one that is
-/// named twice, too.
+/// Parses the modes of a blob. Throws Error(kUsage), also for duplicate names.
 std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
                                    const ImageSize& calibrated_size);
 

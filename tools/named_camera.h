@@ -1,4 +1,4 @@
-/// Options that are given once for each camera of a rig: NAME=VALUE.
+/// Options that are specified once for each camera of a rig: NAME=VALUE.
 #ifndef RAYGRID_TOOLS_NAMED_CAMERA_H
 #define RAYGRID_TOOLS_NAMED_CAMERA_H
 
@@ -11,21 +11,21 @@ struct NamedValue {
   std::string name, value;
 };
 
-/// The texts before and after the '=' of NAME=VALUE; all is value without one.
+/// Splits NAME=VALUE at the '='; without one, the text is the value.
 NamedValue ParseNamedValue(const std::string& text);
 
-/// Names become folders and fields of CSV files: letters, digits, '-' and '_'.
-/// Throws Error(kUsage).
+/// Requires letters, digits, '-' and '_', because names become folders and
+/// fields of CSV files. Throws Error(kUsage).
 void RequireCameraName(const std::string& name);
 
-/// The values of an option by the cameras' names. Throws Error(kUsage): one
-/// without a name, two of one name. value_name is for messages: "FOLDER".
+/// Parses the values of an option by camera name. Throws Error(kUsage) if a
+/// name is missing or a duplicate. value_name is for messages: "FOLDER".
 std::vector<NamedValue> ParseNamedCameras(
     const std::string& option, const std::string& value_name,
     const std::vector<std::string>& texts);
 
-/// Throws Error(kUsage) if two values are one folder, by whatever path: its
-/// images cannot be those of both.
+/// Throws Error(kUsage) if two cameras have the same folder, whatever its path:
+/// images cannot be from both.
 void RequireDifferentFolders(const std::string& option,
                              const std::vector<NamedValue>& folders);
 

@@ -1,4 +1,4 @@
-/// The lens positions and temperatures that a calibration goes over.
+/// Input of operating points (lens positions and temperatures) for calibration.
 #ifndef RAYGRID_TOOLS_OPERATING_POINT_INPUT_H
 #define RAYGRID_TOOLS_OPERATING_POINT_INPUT_H
 
@@ -13,50 +13,50 @@ namespace raygrid {
 
 struct SessionFrame;
 
-/// The options of raygrid calibrate for them.
+/// Adds the options of raygrid calibrate for operating points.
 void AddOperatingPointOptions(CLI::App* command, CalibrateArguments* arguments);
 
-/// Throws Error(kUsage) for options that do not go together.
+/// Throws Error(kUsage) for contradicting options.
 void RequireOperatingPointOptions(const CalibrateArguments& arguments,
                                   bool is_rig);
 
-/// Whether the values are those of EXIF: images are given, and nothing else
-/// says them.
+/// Whether values are read from EXIF: images are given without another source
+/// of operating points.
 bool UsesExifValues(const CalibrateArguments& arguments);
 
-/// Measures images whose EXIF data tell the conditions. Throws InputError that
-/// names the first one without a value, before it measures any.
+/// Detects features in images with operating points from EXIF. Throws
+/// InputError for the first image without a value, before any detection.
 Measurements MeasureWithExif(const std::vector<std::string>& images,
                              const CalibrateArguments& arguments,
                              const CommonOptions& common,
                              const Pattern& pattern,
                              const std::function<void(double)>& progress);
 
-/// Measures the folders of --images-at. Their images are named after the value,
-/// too: VALUE/IMAGE. Throws Error(kUsage), InputError.
+/// Detects features in the folders of --images-at. Names of their images
+/// include the value: VALUE/IMAGE. Throws Error(kUsage), InputError.
 Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
                               const CommonOptions& common,
                               const Pattern& pattern,
                               const std::function<void(double)>& progress);
 
-/// The values of the conditions that are asked for, as a session's frame has
-/// them; nothing if it lacks one.
+/// Returns the requested variables of a session's frame; nullopt if one is
+/// missing.
 std::optional<OperatingPoint> GetOperatingPoint(
     const CalibrateArguments& arguments, const SessionFrame& frame);
 
-/// The values in each image; nothing if no condition is asked for. Throws
-/// Error(kUsage), InputError.
+/// Returns the operating points of all images; nullopt if no variable is
+/// requested. Throws Error(kUsage), InputError.
 std::optional<ImageOperatingPoints> ReadOperatingPoints(
     const CalibrateArguments& arguments, const Measurements& measurements);
 
-/// A remark on rows of --operating-points that name none of the images; empty
-/// if all rows do.
+/// Returns a warning about rows of --operating-points that match no image;
+/// empty if there are none.
 std::string WarnAboutUnmatchedRows(const CalibrateArguments& arguments,
                                    const ImageOperatingPoints& conditions,
                                    const Measurements& measurements);
 
-/// A remark on values that are not in dioptres or °C, by their size; empty if
-/// all may be.
+/// Returns a warning about values that are implausible in dioptres or °C; empty
+/// if there are none.
 std::string WarnAboutUnits(const ImageOperatingPoints& conditions);
 
 }  // namespace raygrid

@@ -10,26 +10,26 @@
 
 namespace raygrid {
 
-/// remark: added to the description.
+/// Adds --pattern. warning: added to its description.
 CLI::Option* AddPatternOption(CLI::App* command, std::string* pattern,
                               const std::string& warning = "");
 
-/// Throws Error(kUsage), InputError.
+/// Loads pattern.yaml or parses a spec. Throws Error(kUsage), InputError.
 Pattern LoadPattern(const std::string& pattern);
 
-/// The option --yes, of commands that question unusual lengths.
+/// Adds --yes, for commands that check lengths for plausibility.
 void AddYesOption(CLI::App* command, CommonOptions* common);
 
-/// Asks back, as one who typed metres for millimetres would want: throws
-/// Error(kUsage) for squares outside 1 mm to 1 m and for boards of more than
-/// 5 m, unless they are meant (--yes). mm_option: what the length was given
-/// with, "--square-mm"; empty if it was read from a pattern.
+/// Rejects implausible lengths, as by confusing metres and millimetres: throws
+/// Error(kUsage) for squares outside 1 mm to 1 m and for boards larger than 5
+/// m, unless confirmed (--yes). mm_option: option that specified the length,
+/// such as "--square-mm"; empty if it was read from a pattern.
 void RequirePlausibleLengths(const std::string& source,
                              const std::vector<Board>& boards,
                              const std::string& mm_option,
                              const CommonOptions& common);
 
-/// LoadPattern, and asks back about its lengths.
+/// Calls LoadPattern() and RequirePlausibleLengths().
 Pattern LoadCheckedPattern(const std::string& pattern,
                            const CommonOptions& common);
 

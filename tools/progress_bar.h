@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-/// A bar with the time left on stderr, if that is a terminal.
+/// A progress bar with the remaining time on stderr, if it is a terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(bool quiet);
@@ -14,7 +14,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// done from 0 to 1.
+  /// done: fraction from 0 to 1
   void Show(const std::string& stage, double done);
 
  private:

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// Writes the grid camera of a table of rays, and tells the error it leaves.
-/// The table is of the format; model is one of FitRayGrid().
+/// Fits a grid camera to a table of rays, writes it, and reports the fit error.
+/// format: of the table; model: see FitRayGrid().
 void ImportRays(const RayTable& rays, const std::string& format,
                 const std::string& model, const std::string& output,
                 const CommonOptions& common);

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// The arguments of raygrid, the command first, with former option names
-/// replaced by the current ones: "--flat-board" by "--fix-target-geometry",
-/// "--like=F" by "--prior=F". What follows "--" is left as it is.
+/// Replaces former option names in the arguments of raygrid, the command first:
+/// "--flat-board" by "--fix-target-geometry", "--like=F" by "--prior=F".
+/// Arguments after "--" are unchanged.
 std::vector<std::string> CurrentOptionNames(std::vector<std::string> arguments);
 
 }  // namespace raygrid

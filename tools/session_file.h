@@ -1,4 +1,4 @@
-/// session.json: the frames that a live capture kept, and how the camera stood.
+/// session.json: kept frames of a live capture, and their capture settings.
 #ifndef RAYGRID_TOOLS_SESSION_FILE_H
 #define RAYGRID_TOOLS_SESSION_FILE_H
 
@@ -13,57 +13,57 @@
 
 namespace raygrid {
 
-/// A frame in the session's folder "frames". What the camera did not tell is
-/// not there.
+/// A frame in the session's folder "frames". Values that the camera did not
+/// provide are nullopt.
 struct SessionFrame {
-  std::string image;              ///< name of the file
-  std::optional<double> seconds;  ///< from the first one, or the first resumed
+  std::string image;              ///< file name
+  std::optional<double> seconds;  ///< since the first one, or the first resumed
   std::optional<double> lens_position;  ///< dioptres
   std::optional<double> exposure_us, analogue_gain, zoom;
   std::optional<double> sensor_temperature_c;
   std::optional<int> orientation;
-  std::optional<int> focus_steps;  ///< of lenses whose position has no unit
+  std::optional<int> focus_steps;          ///< focus without a unit
   std::optional<std::array<int, 4>> crop;  ///< x, y, width, height
   std::optional<double> edge_spread_px, white;
-  std::optional<double> variance_taken;  ///< part that the frame took away
+  std::optional<double> variance_taken;  ///< relative reduction
 };
 
 /// The frames of one camera.
 struct Session {
-  std::string camera;  ///< its name in a rig; empty: the only one
+  std::string camera;  ///< name in a rig; empty: single camera
   ImageSize image_size;
-  std::vector<SessionFrame> frames;  ///< in the order in which they were kept
-  std::vector<std::string> locked, not_locked;  ///< the camera's settings
+  std::vector<SessionFrame> frames;             ///< in the order of capture
+  std::vector<std::string> locked, not_locked;  ///< camera settings
 };
 
 constexpr char kSessionFile[] = "session.json";
 constexpr char kSessionFrames[] = "frames";
 constexpr char kSessionPattern[] = "pattern.yaml";
 
-/// Whether a folder is a session's.
+/// Returns whether a folder contains a session.
 bool IsSession(const std::string& folder);
-/// FOLDER/frames/IMAGE, or FOLDER/frames/CAMERA/IMAGE of a rig.
+/// Returns FOLDER/frames/IMAGE, or FOLDER/frames/CAMERA/IMAGE for a rig.
 std::string SessionFramePath(const std::string& folder,
                              const std::string& camera,
                              const std::string& image);
 
-/// The cameras of a rig, or the only one. Frames of one name were taken at one
-/// instant.
+/// Formats a session of a rig's cameras, or of a single one. Frames of equal
+/// name are synchronized.
 std::string FormatSession(const std::vector<Session>& cameras);
 /// Reads FOLDER/session.json. Throws InputError.
 std::vector<Session> ReadSession(const std::string& folder);
 
-/// How the camera stood in all frames; nothing of what differs between them or
-/// was not told.
+/// Returns the capture settings common to all frames, without those that differ
+/// or were not provided.
 Capture CaptureOf(const Session& session);
 
-/// When the frames were taken, as far as that was told. Frames that were added
-/// later, whose clock began anew, are far from those before.
+/// Returns the capture times of frames, if provided. Frames of a resumed
+/// capture, whose clock starts again, are placed far from earlier frames.
 ImageTimes CollectTimes(const Session& session);
 
-/// How a camera stands otherwise than it was calibrated, each in half a
-/// sentence: lens position, crop, zoom, orientation, and a temperature that is
-/// more than 20 K away. What one of them does not tell is not compared.
+/// Describes how capture settings differ from the calibrated ones, each in a
+/// phrase: lens position, crop, zoom, orientation, and a temperature difference
+/// above 20 K. Values missing in either one are not compared.
 std::vector<std::string> ListDifferences(const Capture& calibrated,
                                          const Capture& now);
 

@@ -6,9 +6,9 @@
 
 namespace raygrid {
 
-/// Becomes another program of raygrid, which is sought beside this one, where
-/// it is installed, then in the PATH. Returns only if there is none: the exit
-/// code, once it is said on standard error.
+/// Executes another program of raygrid, from the folder of this one, from where
+/// it is installed, or from the PATH. Returns only if it is not found: prints
+/// an error and returns the exit code.
 int ExecSiblingProgram(const std::string& program,
                        const std::vector<std::string>& arguments);
 

@@ -33,7 +33,7 @@ struct SimulateArguments {
   double line_delay_us = 0, frames_per_second = 30;
 };
 
-/// All but --at and the folder to write to.
+/// Adds all options except --at and the output folder.
 void AddSimulateOptions(CLI::App* command, SimulateArguments* arguments);
 
 }  // namespace raygrid

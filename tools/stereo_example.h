@@ -10,9 +10,9 @@
 
 namespace raygrid {
 
-/// The two cameras of a rig that share the most boards, rectified, at the
-/// instant at which they share the most features; nothing without images, or
-/// if no two cameras can be rectified.
+/// Rectifies the two cameras of a rig that share the most boards, with the
+/// frame in which they share the most features; nullopt without images, or if
+/// no two cameras can be rectified.
 std::optional<StereoExample> MakeStereoExample(
     const std::vector<Measurements>& cameras, const RigResult& result,
     int num_threads);

@@ -14,18 +14,17 @@ namespace raygrid {
 struct TableArguments {
   std::string input, output;
   std::string model;
-  std::string address;  ///< "0x08080000", or "" if it was not given
+  std::string address;  ///< "0x08080000", or "" if not specified
   std::string every;    ///< "8", or ""
   std::optional<double> max_fit_error_px;
   ViewWords view;
-  bool is_reverse = false;               ///< sources are in the view
-  std::string pattern;                   ///< of features.csv
+  bool is_reverse = false;               ///< inverse: sources in the view
+  std::string pattern;                   ///< pattern of features.csv
   std::vector<std::string> image_sizes;  ///< "640x480" or "left=640x480"
 };
 
-/// Writes a format that is made of a blob, a view, rays, poses or
-/// features, and tells what was
-/// written.
+/// Writes a table in a format for a blob, a view, rays, poses or features, and
+/// reports it.
 void ExportTable(const TableFormat& format, const TableArguments& arguments,
                  const CommonOptions& common);
 

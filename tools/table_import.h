@@ -11,21 +11,21 @@
 
 namespace raygrid {
 
-/// The format of a table that is imported alone; null if the first of the texts
-/// is no table. Throws Error for what does not suit a table.
+/// Returns the format of a table that is imported alone; NULL if the first text
+/// is not a table. Throws Error for arguments that are invalid for tables.
 const TableFormat* FindTable(const ImportArguments& arguments,
                              const std::vector<std::string>& texts);
 
-/// Throws Error(kUsage) for options that only tables of a view take.
+/// Throws Error(kUsage) for options that are valid only for tables of a view.
 void RequireNoView(const ImportArguments& arguments);
 
-/// Writes what a table becomes, and tells it: a camera, poses, features or
-/// boards. Throws Error.
+/// Converts a table to a camera, poses, features or boards, writes and reports
+/// it. Throws Error.
 void ImportTable(const TableFormat& table, const ImportArguments& arguments,
                  const std::string& bytes, const CommonOptions& common);
 
-/// The text of pattern.yaml. Throws InputError, naming the file, for a board
-/// that cannot be.
+/// Formats pattern.yaml. Throws InputError, with the file name, for an invalid
+/// board.
 std::string PatternText(const std::string& path,
                         const std::vector<Board>& boards);
 

@@ -5,14 +5,13 @@
 
 namespace raygrid {
 
-/// A unit that one process at a time works on, also of several machines that
-/// share a folder. The lock is a byte of .batch.lock in the folder, and ends
-/// with the process.
+/// Exclusive access to a unit, also across machines that share a folder. Locks
+/// a byte of .batch.lock in the folder, until the process ends.
 class UnitLock {
  public:
-  /// Waits until no other process has it. A file system without locks is taken
-  /// as one that nobody shares. Throws Error(kOutput) if the file cannot be
-  /// made.
+  /// Waits until no other process holds the lock. File systems without locks
+  /// are assumed not to be shared. Throws Error(kOutput) if the file cannot be
+  /// created.
   UnitLock(const std::string& folder, const std::string& serial);
   ~UnitLock();
   UnitLock(const UnitLock&) = delete;

@@ -8,17 +8,17 @@
 
 namespace raygrid {
 
-/// The places of a view's pixels in the camera's image, or the other way
-/// around, and what the user says of them: their file does not.
+/// A remap table of a view, or its inverse, and what the user specifies because
+/// the file does not contain it.
 struct ViewImport {
   std::string path, bytes;
-  ViewWords view;  ///< as it was exported with
+  ViewWords view;  ///< options with which it was exported
   bool is_reverse = false;
-  std::string image_size;  ///< --image-size: of the camera's image; or ""
+  std::string image_size;  ///< --image-size of the camera's image, or ""
 };
 
-/// The rays of the camera's pixels. Throws InputError, naming the file, and
-/// Error(kUsage), naming the option that is missing or does not suit.
+/// Computes rays of the camera's pixels from the table. Throws InputError, with
+/// the file name, and Error(kUsage), with the missing or invalid option.
 RayTable ReadViewTableRays(const TableFormat& format, const ViewImport& import);
 
 }  // namespace raygrid

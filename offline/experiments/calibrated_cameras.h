@@ -1,4 +1,4 @@
-/// Cameras calibrated for experiments, from simulated or user's features.
+/// Cameras calibrated for experiments, from simulated features or a user's.
 #ifndef RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 #define RAYGRID_EXPERIMENTS_CALIBRATED_CAMERAS_H
 
@@ -18,8 +18,8 @@ struct ExperimentFeatures {
   Dataset dataset;
   Pattern pattern;
   std::vector<std::string> hold_out;
-  std::shared_ptr<const CameraModel> truth;  ///< none for a user's features
-  std::vector<Condition> conditions;         ///< in words
+  std::shared_ptr<const CameraModel> truth;  ///< NULL for a user's features
+  std::vector<Condition> conditions;         ///< descriptions
 };
 
 /// Returns the user's features, or simulates a chessboard of 30 x 24 points, at
@@ -31,8 +31,8 @@ ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
 /// A model, and its knot spacing relative to the longer image side.
 struct ModelChoice {
   std::string model;
-  /// Number along the longer side; 0 for a parametric model, and for a grid
-  /// whose knot spacing is selected by held-out error.
+  /// Number of cells along the longer side; 0 for a parametric model, and for a
+  /// grid whose knot spacing is selected by held-out error.
   int cells = 0;
 
   std::string Label() const;
@@ -44,15 +44,15 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
 
-/// The cells with a predicted uncertainty below kKnownPx, or below the median
-/// if that is larger, so at least half of the image. This is larger than the
-/// valid region, which depends on the camera's quality. For a file with only a
-/// validity mask, that mask; nothing without one.
+/// Returns the cells with a predicted uncertainty below kKnownPx, or below the
+/// median if that is larger, so at least half of the image. This is larger than
+/// the valid region, which depends on the camera's quality. For a file with
+/// only a validity mask, that mask; nullopt without one.
 std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file);
 constexpr double kKnownPx = 0.1;
 
 /// Cameras compared in an experiment. The last is the reference: the truth, or
-/// assumed to be.
+/// assumed to be true.
 struct ComparedCameras {
   std::vector<NamedCamera> cameras;
   std::vector<Condition> conditions;  ///< also describes the reference
@@ -68,19 +68,19 @@ struct ComparedCameras {
 ComparedCameras CamerasToCompare(const ExperimentOptions& options,
                                  const std::vector<std::string>& models);
 
-/// Parametric models fitted to another camera in its valid region, with any
-/// rotation; those that converge.
+/// A parametric model fitted to another camera in its valid region, with any
+/// rotation.
 struct FittedCamera {
   NamedCamera camera;
   Eigen::Quaterniond fitted_from_camera;
 };
 std::vector<FittedCamera> FitModels(const NamedCamera& camera);
 
-/// The area in which all cameras are calibrated.
+/// Returns the area in which all cameras are calibrated.
 Area CommonArea(const std::vector<NamedCamera>& cameras);
 
-/// Whether all cameras have a line for the pixel, and it is in the valid region
-/// of an assumed reference.
+/// Returns whether all cameras have a line for the pixel, and it is in the
+/// valid region of an assumed reference.
 bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid

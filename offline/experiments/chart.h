@@ -13,7 +13,7 @@ struct ChartPoint {
 struct ChartSeries {
   std::string name;
   std::vector<ChartPoint> points;
-  bool has_line = true;  ///< connects its points
+  bool has_line = true;  ///< whether its points are connected
 };
 
 struct ChartTick {
@@ -21,13 +21,13 @@ struct ChartTick {
   std::string label;
 };
 
-/// Up to six series over labelled positions on the x axis. Axis labels include
-/// units.
+/// A chart of up to six series over labelled positions on the x axis. Axis
+/// labels include units.
 struct Chart {
-  std::string title, note;  ///< the note is below the title
+  std::string title, note;  ///< note below the title
   std::string x_label, y_label;
   std::vector<ChartTick> ticks;
-  bool is_logarithmic = false;  ///< the y axis; otherwise it starts at 0
+  bool is_logarithmic = false;  ///< y axis; otherwise it starts at 0
   std::vector<ChartSeries> series;
 };
 

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// The structure from motion of a user's images. The intrinsics are not read.
+/// Structure from motion of a user's images, without the intrinsics.
 struct ColmapModel {
   struct Observation {
     Eigen::Vector2d pixel;  ///< (0, 0) is the centre of the first pixel
@@ -22,7 +22,7 @@ struct ColmapModel {
   };
 
   ImageSize size;
-  std::vector<Image> images;  ///< by name
+  std::vector<Image> images;  ///< sorted by name
   std::vector<Eigen::Vector3d> points;
 };
 

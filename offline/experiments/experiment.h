@@ -1,7 +1,6 @@
-/// Experiments, as in the paper, with simulated ground truth or, where
-/// possible, a user's data: each has a name, and produces a table and a chart
-/// of it, some also pictures. To add one, write a function and add it to
-/// Experiments().
+/// Experiments as in the paper, with simulated ground truth or, where possible,
+/// a user's data: each has a name, and produces a table and a chart, some also
+/// pictures. To add one, write a function and add it to Experiments().
 #ifndef RAYGRID_EXPERIMENTS_EXPERIMENT_H
 #define RAYGRID_EXPERIMENTS_EXPERIMENT_H
 
@@ -28,7 +27,7 @@ namespace raygrid {
 struct NamedCamera {
   std::string name;
   std::shared_ptr<const CameraModel> model;
-  std::optional<ValidityMask> known = {};  ///< its valid region, if given
+  std::optional<ValidityMask> known = {};  ///< valid region, if available
 };
 
 /// Two cameras of one rig.
@@ -36,37 +35,37 @@ struct NamedStereo {
   std::string name;
   std::shared_ptr<const CameraModel> left, right;
   Pose right_from_left;
-  std::optional<ValidityMask> left_known = {};  ///< its valid region, if given
+  std::optional<ValidityMask> left_known = {};  ///< valid region, if available
   std::optional<ValidityMask> right_known = {};
 };
 
-/// A user's data, used instead of simulation.
+/// A user's data, used instead of a simulation.
 struct ExperimentData {
   std::optional<Dataset> features;
-  std::optional<std::array<Dataset, 2>> pair_features;  ///< of two cameras
-  Pattern pattern;                                      ///< of the features
-  std::vector<std::string> hold_out;                    ///< held-out images
+  std::optional<std::array<Dataset, 2>> pair_features;  ///< two cameras
+  Pattern pattern;                    ///< pattern of the features
+  std::vector<std::string> hold_out;  ///< held-out images
   std::vector<NamedCamera> cameras;
-  std::optional<CalibrationResult> result;  ///< with budget facts, if known
+  std::optional<CalibrationResult> result;  ///< with budget facts, if available
   std::optional<ColmapModel> walk;
   std::vector<NamedStereo> rigs;
   std::vector<std::string> images;  ///< paths
-  double nearest_m = 0;             ///< of the scene; 0 if not given
+  double nearest_m = 0;             ///< scene distance; 0: not specified
 };
 
-/// The options common to all experiments.
+/// Options common to all experiments.
 struct ExperimentOptions {
   int num_images = 24;
   ImageSize size = {640, 480};
-  double blur_px = 0.7;   ///< of the lens, standard deviation
+  double blur_px = 0.7;   ///< lens blur, standard deviation
   double read_noise = 2;  ///< standard deviation, grey levels
-  int num_walks = 3;      ///< of trajectory-drift
-  bool fine = false;      ///< model-validation: in the paper's regime
+  int num_walks = 3;      ///< trajectories of trajectory-drift
+  bool fine = false;      ///< model-validation in the paper's regime
   std::vector<double> bump_widths_px = {20, 40,
                                         60};  ///< with fine: one lens each
   uint64_t seed = 0;
-  int num_threads = 0;                   ///< 0 means all cores
-  std::function<void(double)> progress;  ///< from 0 to 1, if any
+  int num_threads = 0;                   ///< 0: all cores
+  std::function<void(double)> progress;  ///< fraction done; may be empty
   ExperimentData data;
 };
 
@@ -76,14 +75,14 @@ struct Condition {
 
 using Cell = std::variant<std::string, int, double>;
 
-/// Written to NAME-name.png.
+/// A picture, written to NAME-name.png.
 struct ExperimentPicture {
   std::string name;
   Image image;
 };
 
 struct ExperimentResult {
-  std::vector<Condition> conditions;  ///< of the experiment
+  std::vector<Condition> conditions;  ///< conditions of the experiment
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;
   Chart chart;
@@ -94,16 +93,16 @@ struct Experiment {
   std::string name, summary;
   ExperimentResult (*run)(const ExperimentOptions&);
   int num_images = 24;                    ///< default
-  std::vector<std::string> user_options;  ///< names of the user's data
+  std::vector<std::string> user_options;  ///< options for the user's data
 };
 
 const std::vector<Experiment>& Experiments();
 
-/// The localization error for different numbers of star segments (paper,
-/// "Calibration Pattern Evaluation"; there by reprojection errors).
+/// Localization error by the number of star segments (paper, "Calibration
+/// Pattern Evaluation"; there by reprojection errors).
 ExperimentResult ComparePatternSegments(const ExperimentOptions& options);
 
-/// The error of each refinement method (paper, "Feature Refinement Evaluation";
+/// Error of each refinement method (paper, "Feature Refinement Evaluation";
 /// there by reprojection errors).
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options);
 
@@ -121,11 +120,11 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options);
 /// For a user's images, the displacement of features due to curvature.
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options);
 
-/// How far a camera is from central, and the resulting error of a central model
-/// at distances other than those of the calibration.
+/// Non-centrality of a camera, and the resulting error of a central model at
+/// distances other than those used for calibration.
 ExperimentResult MeasureNoncentrality(const ExperimentOptions& options);
 
-/// The error of a camera's position from 15 known points (paper, "Camera
+/// Error of a camera's position from 15 known points (paper, "Camera
 /// Localization"), for one image and for the mean of many.
 ExperimentResult LocalizeByModels(const ExperimentOptions& options);
 
@@ -134,21 +133,21 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options);
 /// relative to the last of the user's rigs.
 ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
 
-/// The end-point drift of a trajectory optimized with each calibration (paper,
-/// "Camera Trajectory Estimation"); for a user's, relative to the end point
-/// with the last camera.
+/// End-point drift of a trajectory optimized with each calibration (paper,
+/// "Camera Trajectory Estimation"); for a user's trajectory, relative to the
+/// end point with the last camera.
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 
-/// The difference between cameras calibrated from each half of the images,
-/// compared with their predicted uncertainty.
+/// Difference between cameras calibrated from each half of the images, compared
+/// with their predicted uncertainty.
 ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
 
 /// Attributes a calibration's residuals to causes: simulated faults with a
 /// known cause, or a user's calibration.
 ExperimentResult SplitResiduals(const ExperimentOptions& options);
 
-/// The number of images that a simulated operator takes until a camera is
-/// determined, following the next view of capture, ROS's bars or no guidance.
+/// Number of images that a simulated operator captures until a camera is
+/// determined, with capture's next view, ROS's progress bars or no guidance.
 ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options);
 
 }  // namespace raygrid

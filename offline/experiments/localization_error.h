@@ -20,13 +20,13 @@ struct DetectedBoard {
 /// The error of one board and one detection method, over all images.
 struct LocalizationError {
   int num_visible = 0, num_found = 0;
-  int num_compared = 0;      ///< found with every board and method
-  Eigen::Array2d median_px;  ///< of |x| and |y|
-  Eigen::Array2d rms_px;     ///< of x and y
-  double largest_px = 0;     ///< distance
+  int num_compared = 0;      ///< features found with every board and method
+  Eigen::Array2d median_px;  ///< medians of |x| and |y|
+  Eigen::Array2d rms_px;     ///< RMS of x and y
+  double largest_px = 0;     ///< maximum distance
 };
 
-/// The board of all experiments: 12 x 9 features, squares of 12 mm.
+/// The boards of all experiments: 12 x 9 features, squares of 12 mm.
 Board ExperimentStarBoard(int segments);
 Board ExperimentChessboard();
 
@@ -43,7 +43,7 @@ std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
 /// The conditions of MeasureLocalization() in one line.
 std::string LocalizationNote(const ExperimentOptions& options);
 
-/// The last columns of a table, and their cells.
+/// Appends the columns of an error to a table; its cells to a row.
 std::vector<std::string> LocalizationColumns(std::vector<std::string> first);
 std::vector<Cell> LocalizationCells(std::vector<Cell> first,
                                     const LocalizationError& error);

@@ -20,7 +20,7 @@ class PaintedWall {
 
   double distance_m() const { return distance_m_; }
 
-  /// Intersects a line with the wall; nothing if it is parallel or points away.
+  /// Intersects a line with the wall; nullopt if parallel or pointing away.
   std::optional<Eigen::Vector3d> Seen(const ObservationLine& line) const;
 
   /// Renders an image without noise, as 32-bit floats; 0 outside the wall.

@@ -1,4 +1,4 @@
-/// Depth from a rectified pair of images.
+/// Depth from a rectified stereo pair.
 #ifndef RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
 #define RAYGRID_EXPERIMENTS_STEREO_MATCHING_H
 
@@ -11,12 +11,12 @@
 
 namespace raygrid {
 
-/// Exhaustive search along rows by zero-mean normalized cross-correlation, with
-/// parabolic interpolation of the best disparity.
+/// Stereo matching by exhaustive search along rows with zero-mean normalized
+/// cross-correlation, and parabolic interpolation of the best disparity.
 struct Matching {
   static constexpr int kStepPx = 5, kHalfWindowPx = 10;
 
-  double focal_px = 0;  ///< of the rectified images, of the original size
+  double focal_px = 0;  ///< focal length of the rectified images
   int min_disparity = 0, max_disparity = 0;
 };
 
@@ -28,33 +28,33 @@ struct StereoPoint {
   Eigen::Vector3d point;
 };
 
-/// The points over a lattice of the rectified left image, row by row; nothing
-/// without a match.
+/// Points on a lattice of the rectified left image, row by row; nullopt without
+/// a match.
 struct StereoCloud {
   int columns = 0;
   std::vector<std::optional<StereoPoint>> points;
 };
 
-/// Images are grey levels, 32-bit floats.
+/// Matches two images of grey levels, 32-bit floats.
 StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);
 
-/// The point at a pixel of the left image, in the left camera's frame.
+/// Returns the point at a pixel of the left image, in the left camera's frame.
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// Uses a cloud of the same images as the surface, where it is smooth.
+/// Makes a surface from a cloud of the same images, where it is smooth.
 Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
                     const Matching& matching);
 
-/// Evaluates the depth errors of a cloud relative to a surface after alignment
-/// by a similarity (Umeyama, 1991), over the cloud's lattice; NaN where there
-/// is none. Throws Error(kTooFew).
+/// Depth errors of a cloud relative to a surface, after alignment by a
+/// similarity (Umeyama, 1991), over the cloud's lattice; NaN where undefined.
+/// CompareToSurface() throws Error(kTooFew).
 struct DepthErrorMap {
   int columns = 0, num_matched = 0;
   std::vector<double> error_mm;
-  std::vector<double> depth_m;  ///< of the surface
+  std::vector<double> depth_m;  ///< depth of the surface
   double similarity_scale = 1;
 };
 DepthErrorMap CompareToSurface(const StereoCloud& cloud,

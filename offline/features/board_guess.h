@@ -1,5 +1,5 @@
-/// Guesses of what images show where a board is not found as the pattern says
-/// it is.
+/// Guesses the board that images show if the pattern's board is not detected as
+/// specified.
 #ifndef RAYGRID_FEATURES_BOARD_GUESS_H
 #define RAYGRID_FEATURES_BOARD_GUESS_H
 
@@ -10,19 +10,19 @@
 
 namespace raygrid {
 
-/// For a pattern of one chessboard, ChArUco board or AprilGrid that not enough
-/// images show as a whole: looks into some of them for other numbers of columns
-/// and rows, other dictionaries and kinds, and for mirrored boards; with stars
-/// or markers of any pattern, also for boards in white on black. If most of
-/// them agree on one, says so in a line, with what to do; pattern_name is named
-/// there. What was found of the board as asked for is by chance then.
+/// For a pattern of one chessboard, ChArUco board or AprilGrid that too few
+/// images show completely: searches some of them for other numbers of columns
+/// and rows, other dictionaries and kinds, and mirrored boards; for stars or
+/// markers of any pattern, also for white-on-black boards. If most agree on one
+/// board, returns a line with the remedy, which contains pattern_name; features
+/// detected of the specified board are then spurious.
 std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const Pattern& pattern,
                                            const std::string& pattern_name,
                                            int num_threads);
 
-/// The end of an error's line where images show no board: what was searched
-/// for, and what to check.
+/// Returns the end of an error message for images without boards: the expected
+/// boards, and what to check.
 std::string DescribeExpectedBoards(const Pattern& pattern,
                                    const std::string& pattern_name);
 

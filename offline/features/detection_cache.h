@@ -8,32 +8,32 @@
 
 namespace raygrid {
 
-/// The detection in one image, and the image's size, which is not known before
-/// it is decoded.
+/// The detection in one image, and the image size, which is unknown before
+/// decoding.
 struct DetectedImage {
   ImageSize size;
   ImageDetection detection;
 };
 
-/// Remembers what images showed, in a small text file for each. Whatever goes
-/// wrong with a file, the image is just detected again.
+/// Caches detections, in a small text file per image. If a file cannot be read
+/// or written, the image is detected again.
 class DetectionCache {
  public:
-  /// The folder is made when the first file is.
+  /// The folder is created with the first file.
   explicit DetectionCache(std::string folder) : folder_(std::move(folder)) {}
 
-  /// The folder in which the user keeps such files: raygrid in $XDG_CACHE_HOME
-  /// or ~/.cache; empty if there is no such place.
+  /// Returns the user's cache folder: raygrid in $XDG_CACHE_HOME or ~/.cache;
+  /// empty if neither exists.
   static std::string DefaultFolder();
 
-  /// A hash of everything that the detection depends on, this version of the
-  /// library included.
+  /// Returns a hash of everything that the detection depends on, including the
+  /// version of the library.
   static std::string Key(const std::string& image_bytes, const Pattern& pattern,
                          const DetectionOptions& options);
 
   std::optional<DetectedImage> Find(const std::string& key) const;
   void Store(const std::string& key, const DetectedImage& seen) const;
-  /// Removes the oldest files above a number.
+  /// Removes the oldest files above the maximum number.
   void Trim(int max_files = 20000) const;
 
  private:

@@ -5,13 +5,13 @@
 
 namespace raygrid {
 
-/// The image, enlarged if it is small, with what was found in it: a green cross
-/// at each feature, a line to the next one of its row, a circle around the
-/// board's first, rejected features in red with the reason, remarks at the top.
+/// Draws the image, enlarged if small, with its detection: a green cross at
+/// each feature, a line to the next one in its row, a circle around the board's
+/// first one, rejected features in red with the reason, and warnings.
 Image DrawDetection(const GreyImage& image, const ImageDetection& detection);
 
-/// How many features the images have in each part of the image, with a scale:
-/// where there are few, a calibration knows little.
+/// Draws a heat map of the number of features per image region over all images,
+/// with a colour bar.
 Image DrawCoverage(const Dataset& dataset);
 
 }  // namespace raygrid

@@ -11,32 +11,31 @@
 
 namespace raygrid {
 
-/// The brightest that square cells of a camera's images were, row by row: the
-/// means of their pixels, 0 to 255. Cells cut off by the image's edge are left
-/// out.
+/// The maximum brightness of square cells over a camera's images, row by row:
+/// means of pixels, 0 to 255. Incomplete cells at the image's edge are omitted.
 struct BrightestCells {
   int knot_spacing_px = 0, columns = 0, rows = 0;
   std::vector<float> levels;
 
-  /// Dark cells, about 320 along the image's longer side.
+  /// Returns dark cells, about 320 along the longer side of the image.
   static BrightestCells Over(const ImageSize& size);
-  /// An image of this size.
+  /// Adds an image of this size.
   void Add(const GreyLevels& image);
   void Add(const BrightestCells& other);
 
-  /// Bilinear between the cells' middles.
+  /// Interpolates bilinearly between cell centres.
   double At(const Eigen::Vector2d& pixel) const;
   bool IsInside(const Eigen::Vector2d& pixel) const;
 };
 
-/// The image circle that images leave dark around it. Nothing unless they are
-/// bright in the middle, dark beyond a circle whose edge is sharp and is seen
-/// in three quarters of its round at least. Images that light too little of it
-/// do not show it.
+/// Detects the image circle by the dark area around it. Returns nullopt unless
+/// the images are bright at the centre, dark outside a circle, and the circle
+/// has a sharp edge in at least three quarters of its circumference. Images
+/// with too little light in the circle do not show it.
 std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest);
 
-/// The image circle of the images, at most 40 of which are read, evenly chosen.
-/// Throws InputError.
+/// Detects the image circle in at most 40 of the images, evenly spaced. Throws
+/// InputError.
 std::optional<ImageCircle> DetectImageCircle(
     const std::vector<std::string>& image_paths, const ImageSize& size,
     int num_threads);

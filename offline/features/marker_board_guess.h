@@ -1,4 +1,4 @@
-/// Guesses of boards with markers from what an image shows of them.
+/// Guesses the layout of boards with markers from an image.
 #ifndef RAYGRID_FEATURES_MARKER_BOARD_GUESS_H
 #define RAYGRID_FEATURES_MARKER_BOARD_GUESS_H
 
@@ -12,11 +12,11 @@
 namespace raygrid {
 
 /// A board guessed from one image; columns and rows as in pattern.yaml, only
-/// those that are seen.
+/// the visible ones.
 struct Guess {
   std::string kind;
-  /// The dictionary of a ChArUco board, without its number of markers; an
-  /// AprilGrid's family, likewise.
+  /// Dictionary of a ChArUco board, without its number of markers, or family of
+  /// an AprilGrid.
   std::string dictionary;
   bool is_mirrored = false;
   int columns = 0, rows = 0;
@@ -28,8 +28,8 @@ struct Guess {
   bool is_numbered_from_top = false;
 
   bool HasMarkers() const { return !dictionary.empty(); }
-  /// The key that guesses from images of one board have in common: rows of
-  /// markers may be hidden.
+  /// Key with equal values for guesses from different images of one board: rows
+  /// of markers may be hidden.
   auto Key() const {
     return std::make_tuple(kind, dictionary, is_mirrored, is_negative, columns,
                            HasMarkers() ? 0 : rows, border_cells,
@@ -37,20 +37,19 @@ struct Guess {
   }
 };
 
-/// Whether the markers are of the board's kind; if they are on boards of one
-/// kind.
+/// Whether the markers, if any, are of the requested board's kind.
 bool HasRequestedMarkers(const Guess& guess, const Board& asked);
-/// Whether the board may be the one that is guessed.
+/// Whether the guess is consistent with the requested board.
 bool MatchesRequest(const Guess& guess, const Board& asked);
 
-/// The layout of markers that those in the image confirm best: of dictionaries
-/// and families of any name, the asked one first. Nothing if there are too few,
-/// or they contradict each other.
+/// Returns the layout that the markers in the image support best, of all
+/// dictionaries and families, the requested one first. nullopt if markers are
+/// too few or inconsistent.
 std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked);
 std::optional<Guess> GuessAprilGrid(const GreyImage& image, const Board& asked);
 
-/// The name of a dictionary of ArUco's own with its number of markers, as small
-/// as holds a marker; others as they are.
+/// Returns the name of one of ArUco's dictionaries with the smallest number of
+/// markers that includes max_marker; other names are unchanged.
 std::string DictionaryName(const std::string& name, int max_marker);
 
 }  // namespace raygrid

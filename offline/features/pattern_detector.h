@@ -11,11 +11,11 @@
 
 namespace raygrid {
 
-/// Finds all boards of a pattern in images; one serves all threads.
+/// Detects all boards of a pattern in images. Thread-safe.
 class PatternDetector {
  public:
-  /// Throws InputError: kinds of boards that cannot be detected, options out of
-  /// range.
+  /// Throws InputError for kinds of boards that cannot be detected, and options
+  /// out of range.
   PatternDetector(const Pattern& pattern, const DetectionOptions& options);
   ~PatternDetector();
 
@@ -26,23 +26,23 @@ class PatternDetector {
   std::unique_ptr<Data> data_;
 };
 
-/// The detections in a folder of images.
+/// Detections in a set of images.
 struct FolderDetection {
-  Dataset dataset;                     ///< without the images that were skipped
-  std::vector<std::string> paths;      ///< of the dataset's images
-  std::vector<ImageDetection> images;  ///< likewise
+  Dataset dataset;                     ///< without the skipped images
+  std::vector<std::string> paths;      ///< paths of the dataset's images
+  std::vector<ImageDetection> images;  ///< detections of the dataset's images
   std::vector<SkippedImage> skipped;   ///< damaged, or of another size
   std::vector<std::string> turned;     ///< names, for WarnAboutOrientation()
 };
 
-/// The remarks on images, and why those without a board have none: each with
-/// the number of its images and the name of the first.
+/// Summarizes warnings and the reasons for images without a board: each with
+/// its number of images and the name of the first.
 std::vector<std::string> SummarizeWarnings(const FolderDetection& folder);
 
-/// Detects the pattern in all images; told how much is done. Images without a
-/// board have no features. Without a cache, pass nullptr. The size of most
-/// images is the size of all. Throws InputError: no image that can be read, no
-/// size that most images have, several of one name; and as PatternDetector.
+/// Detects the pattern in all images; progress is called with the fraction
+/// done. Images without a board have no features. cache may be NULL. Images
+/// must have the most frequent size. Throws InputError if no image is readable,
+/// no size is frequent, or names are not unique; and as PatternDetector.
 FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
                                const Pattern& pattern,
                                const DetectionOptions& options,

@@ -10,20 +10,20 @@ namespace raygrid {
 
 /// A camera or a rig to be calibrated.
 struct BatchUnit {
-  std::string serial;   ///< letters, digits and . _ - +; also the folder's name
+  std::string serial;   ///< letters, digits and . _ - +; also folder name
   std::string pattern;  ///< as in the plan: a file, or the name of a board
   /// Either a folder of images, or features, or one folder per camera, or per
-  /// value of an operating condition.
+  /// operating point.
   std::string images, features;
   std::map<std::string, std::string> cameras, cameras_at;
   /// Options of raygrid calibrate, in an order that depends only on the plan.
   std::vector<std::string> options;
   /// Files read by options of raygrid calibrate, by option name.
   std::map<std::string, std::string> option_files;
-  std::string lens_batch;  ///< the batch of lenses that it has one of, or ""
-  /// The golden unit of which this is a repeat calibration, or "".
+  std::string lens_batch;  ///< batch of its lens, or ""
+  /// Serial of the golden unit that this calibration repeats, or "".
   std::string repeats;
-  std::string person, station;  ///< who calibrated it, and where, or ""
+  std::string person, station;  ///< operator and station, or ""
 };
 
 /// Lower and upper limits of metrics; both may be infinite.
@@ -32,14 +32,14 @@ using MetricLimits = std::map<std::string, std::pair<double, double>>;
 /// The plan.yaml of raygrid batch; see offline/fleet/README.md.
 struct BatchPlan {
   std::vector<BatchUnit> units;  ///< sorted by serial (bytewise)
-  MetricLimits limits;           ///< keys are ListMetricNames()
+  MetricLimits limits;           ///< keys from ListMetricNames()
 };
 
-/// The metrics of a unit that a plan can limit.
+/// Returns the names of metrics that a plan can limit.
 const std::vector<std::string>& ListMetricNames();
 
-/// Throws InputError naming the path and the fault: not a plan, an unknown key,
-/// a serial that is not a valid folder name or is repeated.
+/// Parses a plan. Throws InputError, with the path, for a malformed plan, an
+/// unknown key, and a serial that is not unique or not a valid folder name.
 BatchPlan ParseBatchPlan(const std::string& path, const std::string& text);
 
 }  // namespace raygrid

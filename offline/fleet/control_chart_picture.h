@@ -10,9 +10,9 @@ namespace raygrid {
 
 /// The context of a chart's values.
 struct ChartSurroundings {
-  std::vector<std::string> serials;  ///< of the units
+  std::vector<std::string> serials;  ///< serials of the units
   std::vector<int> jumps;            ///< units at which the mean jumps
-  /// The lens batch of each unit, counted from 0, or -1; empty if unknown.
+  /// 0-based lens batch of each unit, or -1; empty if unknown.
   std::vector<int> batches;
   std::vector<std::string> batch_names;
 };

@@ -13,15 +13,15 @@ namespace raygrid {
 
 /// The units of a fleet, and the statistics over them.
 struct FleetAnalysis {
-  std::vector<UnitRow> rows;     ///< of all units, with their outlying metrics
-  std::vector<size_t> compared;  ///< rows of the units below, in the same order
+  std::vector<UnitRow> rows;     ///< all units, with their outlying metrics
+  std::vector<size_t> compared;  ///< rows of the compared units, in their order
   FleetStatistics statistics;
   BatchComparison batches;
   GaugeStudy gauge;
 };
 
-/// Compares the units of a table with each other. Repeats of golden units are
-/// excluded. folders: of the rows' units.
+/// Compares the units of a table with each other, without repeats of golden
+/// units. folders: of the rows' units.
 FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const MetricLimits& limits);

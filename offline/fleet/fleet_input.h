@@ -11,14 +11,14 @@ namespace raygrid {
 
 /// The units that can be compared, and the metrics for comparison.
 struct ComparedUnits {
-  std::vector<size_t> rows;  ///< of the table, in the same order
+  std::vector<size_t> rows;  ///< rows of the table, in the same order
   FleetInput input;
 };
 
 /// Selects the units among the given rows whose camera has the image size of
-/// the first; rigs and units without a result are omitted. The units are
-/// compared by 9 x 7 directions, evenly spaced over the first one's image, as
-/// far as all of them see these. folders: of the rows' units.
+/// the first; rigs and units without a result are omitted. Units are compared
+/// by 9 x 7 directions, evenly spaced over the first unit's image, as far as
+/// they are visible to all units. folders: of the rows' units.
 ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const std::vector<size_t>& chosen);

@@ -10,15 +10,15 @@
 
 namespace raygrid {
 
-/// Computes the population mean camera of a fleet, as a grid: each pixel's
-/// direction is the median over the inliers that see it, in both coordinates of
-/// the chart, so that poor extrapolation by single units has no effect. At most
-/// 200 units are used, evenly spaced. Returns nothing for a fleet without
+/// Computes the population mean of a fleet as a grid camera: each pixel's
+/// direction is the median over the inliers that observe it, in both chart
+/// coordinates, so that poor extrapolation by single units has no effect. At
+/// most 200 units are used, evenly spaced. Returns nullopt for a fleet without
 /// charts, or with non-central cameras. folders: of the rows' units.
 std::optional<CameraFile> ComputeMeanCamera(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders);
 
-/// Computes the mean of any number of central cameras; nothing if empty.
+/// Computes the mean of any number of central cameras; nullopt if empty.
 std::optional<CameraFile> ComputeMeanCamera(
     const std::vector<CameraFile>& cameras);
 

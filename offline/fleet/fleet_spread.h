@@ -12,7 +12,7 @@ namespace raygrid {
 /// Estimates the covariance of the units about their mean: principal directions
 /// of their smooth displacements, less the predicted uncertainty in the units'
 /// files, plus the uncertainty of the mean. The strongest directions come
-/// first, with reproducible signs. Returns nothing for fewer than 8 units, or
+/// first, with reproducible signs. Returns nullopt for fewer than 8 units, or
 /// for units that do not differ.
 std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
                                          const std::vector<CameraFile>& units);

@@ -9,19 +9,19 @@
 
 namespace raygrid {
 
-/// A metric of each unit, in their order; NaN if unknown.
+/// A metric of each unit, in the order of units; NaN if unknown.
 struct FleetMetric {
   std::string name;
   std::vector<double> values;
-  bool is_positive = false;  ///< its logarithm is normally distributed
+  bool is_positive = false;  ///< whether its logarithm is normal
 
-  /// The values or their logarithms; NaN for values that are not positive.
+  /// Returns the values or their logarithms; NaN if not positive.
   std::vector<double> Scattering() const;
 };
 
 /// The units in chronological order.
 struct FleetInput {
-  /// One row per unit: its pixels of the common directions.
+  /// One row per unit: its pixels for the common directions.
   Eigen::MatrixXd pixels;
   std::vector<FleetMetric> metrics;
 };
@@ -31,14 +31,14 @@ struct FleetInput {
 struct ControlChart {
   std::string name;
   std::vector<double> values;
-  std::vector<double> middle;   ///< piecewise by jumps, of each unit
+  std::vector<double> middle;   ///< mean of each unit, piecewise by jumps
   double lower = 0, upper = 0;  ///< relative to middle; infinite: no limit
   bool is_logarithm = false;    ///< values and middle are logarithms
 };
 
 struct OutlierUnit {
   int unit = 0;
-  std::vector<std::string> charts;  ///< whose limits it exceeds
+  std::vector<std::string> charts;  ///< charts whose limits it exceeds
 };
 
 struct FleetStatistics {

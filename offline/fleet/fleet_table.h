@@ -16,22 +16,22 @@ struct UnitRow {
   /// result; "missing" if it was not calibrated.
   std::string status = "missing";
   std::string reason;
-  int exit_code = 0;                      ///< of an error
-  std::map<std::string, double> metrics;  ///< of ListMetricNames(), those known
-  double seconds = 0;                     ///< of its calibration; 0: unknown
+  int exit_code = 0;                      ///< exit code of an error
+  std::map<std::string, double> metrics;  ///< by name, if known
+  double seconds = 0;                     ///< calibration time; 0: unknown
   /// Names of the charts whose limits it exceeds (FindOutliers()).
   std::vector<std::string> unusual;
-  /// From the plan, or "" (BatchUnit).
+  /// Values from the plan (BatchUnit), or "".
   std::string lens_batch, repeats, person, station;
 };
 
 /// Reads the row of a unit from its result files. A metric that exceeds its
 /// limits or is unknown makes it "fail". Throws InputError.
 ///
-/// Focal length and principal point are those at the camera's z axis: pixels
-/// per radian, and the pixel that sees along it. The maximum standard deviation
-/// is over the calibrated area, and over the range of an operating-point model.
-/// For rigs, only result.json is used.
+/// Focal length and principal point are evaluated at the camera's z axis:
+/// pixels per radian, and the pixel that observes it. The maximum standard
+/// deviation is over the calibrated area, and over the range of an
+/// operating-point model. For rigs, only result.json is used.
 UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
                     const MetricLimits& limits);
 

@@ -9,33 +9,33 @@
 
 namespace raygrid {
 
-/// The name of a metric in sentences: "the focal length".
+/// Returns the name of a metric in sentences: "the focal length".
 std::string GetMetricTitle(const std::string& name);
-/// The unit of measurement, with a space; empty if it has none.
+/// Returns the unit of measurement, with a leading space; empty if it has none.
 std::string GetMetricUnit(const std::string& name);
 
-/// One clause for each chart in which a unit is an outlier: "the focal length
-/// (focal_px) is 812.4, usual are 798.1 to 803.2 px". unit: a compared one.
+/// Returns a clause for each chart in which a compared unit is an outlier: "the
+/// focal length (focal_px) is 812.4, usual are 798.1 to 803.2 px".
 std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
                                           int unit);
 
-/// One sentence for each jump and drift of a mean, with the names of units, and
-/// of the batch if a jump coincides with its first unit.
+/// Returns a sentence for each jump and drift of a mean, with the names of
+/// units, and of the batch if a jump coincides with its first unit.
 std::vector<std::string> DescribeChanges(const FleetAnalysis& fleet);
 
-/// One sentence for each metric that differs between batches.
+/// Returns a sentence for each metric that differs between batches.
 std::vector<std::string> DescribeBatches(const BatchComparison& batches);
 
-/// One sentence on each gauge metric, then on what is not determined.
+/// Returns a sentence on each gauge metric, then on what is not observable.
 std::vector<std::string> DescribeGauge(const GaugeStudy& gauge);
 
-/// One sentence on the units' calibration times; empty if unknown.
+/// Returns a sentence on the units' calibration times; empty if unknown.
 std::string DescribeDuration(const std::vector<UnitRow>& rows);
 
-/// "12.34 px", or "1.2 %" of a relative deviation.
+/// Formats "12.34 px", or "1.2 %" for a relative deviation.
 std::string FormatGaugeDeviation(const GaugeMetric& metric, double deviation);
 
-/// "< 0.0001", or the value.
+/// Formats "< 0.0001", or the value.
 std::string FormatProbability(double chance);
 
 }  // namespace raygrid

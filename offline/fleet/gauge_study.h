@@ -25,15 +25,15 @@ struct GaugeFactor {
 
 /// The measurement uncertainty of a metric.
 struct GaugeMetric {
-  std::string name;  ///< of the figure; "pixels": the RMS over all directions
-  bool is_logarithm = false;         ///< deviations are relative
-  double repeatability = 0;          ///< deviation under equal conditions
-  std::vector<GaugeFactor> factors;  ///< those that can be separated
-  double gauge = 0;                  ///< of repeats and factors combined
+  std::string name;           ///< metric; "pixels": RMS over all directions
+  bool is_logarithm = false;  ///< deviations are relative
+  double repeatability = 0;   ///< standard deviation under equal conditions
+  std::vector<GaugeFactor> factors;  ///< separable factors
+  double gauge = 0;                  ///< repeats and factors combined
   /// The standard deviation of units in the fleet, the gauge's fraction of it,
   /// and the number of distinct categories, sqrt(2) unit / gauge.
   std::optional<double> fleet, part_of_fleet, num_classes;
-  /// The fraction of the plan's tolerance that six gauge deviations take up.
+  /// Fraction of the plan's tolerance covered by six gauge standard deviations.
   std::optional<double> part_of_limits;
 };
 
@@ -41,7 +41,7 @@ struct GaugeStudy {
   int num_repeats = 0, num_goldens = 0;
   int degrees_of_freedom = 0;  ///< degrees of freedom of the repeatability
   std::vector<GaugeMetric> metrics;
-  /// Why there are no results, or which factor is not determined; else empty.
+  /// Why there are no results, or which factor is not observable; else empty.
   std::vector<std::string> unobservable_reason;
 };
 
@@ -51,9 +51,9 @@ struct GaugeStudy {
 /// the sum of squares with their expectations (Henderson 1953, method 3).
 /// Interactions of operator and unit count as noise.
 ///
-/// input: the repeats. Metrics that some of them lack or that are constant are
-/// ignored, and so is the temperature, which is not a measurement. fleet: the
-/// units for comparison, if there are at least kMinFleetUnits. Both are in
+/// input: the repeats. Metrics that are missing for some repeats or constant
+/// are ignored, and so is the temperature, which is not a measurement. fleet:
+/// the units for comparison, if there are at least kMinFleetUnits. Both are in
 /// the order of their units.
 GaugeStudy StudyGauge(const FleetInput& input,
                       const std::vector<GaugeRepeat>& repeats,

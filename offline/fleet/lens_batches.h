@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// A metric by lens batches, or "lens": the principal directions.
+/// A metric compared between lens batches, or "lens": the principal directions.
 struct BatchedMetric {
   std::string name;
   bool differs = false;  ///< significant at the level per comparison
@@ -23,7 +23,7 @@ struct BatchedMetric {
 /// The differences between batches.
 struct BatchComparison {
   std::vector<std::string> batches;  ///< sorted bytewise
-  std::vector<int> num_units;        ///< compared, in each batch
+  std::vector<int> num_units;        ///< number of compared units in each batch
   std::vector<BatchedMetric> metrics;
 };
 
@@ -36,7 +36,7 @@ constexpr int kMinBatchUnits = 3;
 /// omitted. For equal batches, the probability of any significant difference is
 /// kFleetChance.
 ///
-/// batches: the name of each unit's batch, or "". The result is empty for fewer
+/// batches: name of each unit's batch, or "". The result is empty for fewer
 /// than two batches.
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,

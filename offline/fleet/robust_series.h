@@ -9,16 +9,16 @@ namespace raygrid {
 /// Returns the upper median; NaN if empty.
 double Median(std::vector<double> values);
 
-/// The standard deviation estimated from differences of neighbours, robust to
-/// jumps and outliers; 0 for fewer than two known values. NaN is unknown.
+/// Estimates the standard deviation from differences of neighbours, robust to
+/// jumps and outliers; 0 for fewer than two known values. NaN: unknown.
 double EstimateNeighbourDeviation(const std::vector<double>& values);
 
-/// Clamps values to three deviations from the median of their neighbours, so
-/// that a single outlier is no jump. NaN (unknown) becomes the median.
+/// Clamps values to three standard deviations from the median of neighbours, so
+/// that a single outlier is not a jump. NaN (unknown) becomes the median.
 std::vector<double> ClipOutliers(const std::vector<double>& values,
                                  double deviation);
 
-/// The median of the segment of each value; segments begin at cuts, which
+/// Returns the median of each value's segment; segments start at cuts, which
 /// ascend.
 std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
                                           const std::vector<int>& cuts);

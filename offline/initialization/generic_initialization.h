@@ -11,12 +11,12 @@
 namespace raygrid {
 
 struct GenericInitializationOptions {
-  /// Number of grid cells along the image's longer side.
+  /// Number of grid cells along the longer side of the image.
   int cells_along = 16;
   int max_triplets = 500;
-  uint64_t seed = 0;  ///< for sampling triplets
+  uint64_t seed = 0;  ///< seed for sampling triplets
   int num_threads = 1;
-  /// The calibrated area; nothing: the extent of all features.
+  /// Calibrated area; nullopt: the extent of all features.
   std::optional<Area> area;
 };
 
@@ -30,14 +30,14 @@ struct InitialView {
 struct GenericInitialization {
   CentralGeneric camera;
   std::vector<InitialView> views;
-  /// The median reprojection error of the localized views' features; features
-  /// without a projection count as infinite.
+  /// Median reprojection error of the localized views' features; infinite for
+  /// features without a projection.
   double median_error_px = 0;
 };
 
 /// Initializes a central generic camera from planar boards, assuming only that
 /// neighbouring pixels have similar directions (Ramalingam and Sturm, as in the
-/// paper's supplement, "Calibration initialization"). Returns nothing if no
+/// paper's supplement, "Calibration initialization"). Returns nullopt if no
 /// three overlapping views of tilted boards are consistent.
 std::optional<GenericInitialization> InitializeFromThreeViews(
     const Dataset& dataset, const Pattern& pattern,

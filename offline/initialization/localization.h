@@ -16,9 +16,9 @@ struct PointPixelMatch {
 };
 
 /// Estimates camera_from_pattern with fixed intrinsics (resection): SQPnP on
-/// rays (Terzakis and Lourakis, 2020), then least robust reprojection error
+/// rays (Terzakis and Lourakis, 2020), then minimum robust reprojection error
 /// (Huber, 1 px), linearized at each pixel; repeated without gross outliers.
-/// Ignores pixels outside the calibrated area; returns nothing if fewer than
+/// Ignores pixels outside the calibrated area. Returns nullopt if fewer than
 /// four remain or no pose is found.
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointPixelMatch>& matches);

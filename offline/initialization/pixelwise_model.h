@@ -32,7 +32,7 @@ struct PixelwiseModel {
   std::vector<std::optional<Eigen::Vector3d>> directions;
   std::vector<std::optional<Pose>> camera_from_board;  ///< per view
   double radians_per_px = 0;                           ///< typical value
-  double median_error_px = 0;  ///< of directions between localized views
+  double median_error_px = 0;  ///< median over localized views
 
   int num_localized() const;
 };

@@ -16,7 +16,7 @@ using BoardPointTriple = std::array<Eigen::Vector2d, 3>;
 struct ThreeViews {
   /// A board's x and y axes as printed, z away from the camera.
   std::array<Pose, 3> first_from_board;
-  Eigen::Vector3d center;  ///< of the camera; z < 0
+  Eigen::Vector3d center;  ///< camera centre; z < 0
 
   /// camera_from_board, with camera axes parallel to the first board's.
   Pose CameraFromBoard(int view) const {
@@ -28,34 +28,34 @@ struct ThreeViews {
 enum class ThreeViewsStatus {
   kSolved,
   kTooFewMatches,
-  kParallelBoards,  ///< or nearly: the distance is not observable
+  kParallelBoards,  ///< also nearly parallel: distance not observable
   kImpossible       ///< no camera in front of the boards exists
 };
 
 struct ThreeViewsSolution {
   ThreeViewsStatus status = ThreeViewsStatus::kTooFewMatches;
   ThreeViews views;
-  /// A measure of how far the boards are from parallel: zero if parallel.
+  /// Measure of the angles between the boards: zero if parallel.
   double conditioning = 0;
 };
 
 /// Estimates the relative poses of three views of planar boards for a central
 /// camera with an unknown line per pixel: the linear solution of Ramalingam and
-/// Sturm ("A unifying model for camera calibration", 2016). It is unique: the
-/// mirrored one has the camera behind the boards. Single outliers are rejected.
+/// Sturm ("A unifying model for camera calibration", 2016). It is unique, as
+/// its mirror image has the camera behind the boards. Rejects single outliers.
 ThreeViewsSolution SolveThreeViews(
     const std::vector<BoardPointTriple>& matches);
 
 /// The fit of three views to their matches, and the centre's uncertainty.
 struct ThreeViewsFit {
   bool converged = false;
-  double median_m = 0;  ///< the larger distance of each match
+  double median_m = 0;  ///< median over matches of the larger distance
   /// Standard deviation of the centre, relative to its distance from the board.
   double center_uncertainty = 0;
 };
 
 /// Minimizes, over poses and centre, the distances on the first board between
-/// its points and those of the other boards projected through the centre
+/// its points and the points of the other boards projected through the centre
 /// (Cauchy loss).
 ThreeViewsFit RefineThreeViews(const std::vector<BoardPointTriple>& matches,
                                ThreeViews* views);

@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// Initializes a central camera from planar boards, for a lens of any field of
 /// view that is nearly symmetric about an axis. The calibrated area is the
-/// whole image. Returns nothing if no such lens fits the features.
+/// whole image. Returns nullopt if no such lens fits the features.
 ///
 /// A pixel at d = x - c from the distortion centre c has the direction (d,
 /// G(|d|)), not normalized, for any lens: G = f is a pinhole, G < 0 is behind

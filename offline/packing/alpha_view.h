@@ -10,11 +10,11 @@
 
 namespace raygrid {
 
-/// No image can represent a larger stretch (StretchAngle()).
+/// Maximum stretch that an image can represent (StretchAngle()).
 inline constexpr double kMostStretchRad = 85 * M_PI / 180;
-/// Limit of the stretch of views that are not requested by an angle.
+/// Maximum stretch of views that are not requested by an angle.
 inline constexpr double kUsefulStretchRad = 70 * M_PI / 180;
-/// The longest focal length in px, which blobs store in q16.
+/// Maximum focal length in px, which blobs store in q16.
 inline constexpr double kMaxFocalPx = 65535;
 
 /// A camera, and a view of focal length 1 about (0, 0) that defines the view
@@ -24,7 +24,7 @@ struct CameraAndPlane {
   VirtualView plane;
 };
 
-/// The stretch of a view at a ray in camera axes.
+/// Returns the stretch of a view at a ray in camera axes.
 double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray);
 
 /// A camera's area projected to a plane.
@@ -37,19 +37,19 @@ struct AreaOnPlane {
 AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
                             int num_steps);
 
-/// The view with the given point of the plane at the image centre.
+/// Makes the view with the given point of the plane at the image centre.
 VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
                             const Eigen::Vector2d& middle, double focal_px);
 
-/// The largest view without border that cameras share, with the rotation of the
-/// first: its focal length is the shortest for which all of its pixels have
-/// sources in the areas of all cameras. Nothing if the centres are outside the
-/// areas, and no other common point is found.
+/// Finds the largest view without border that cameras share, with the rotation
+/// of the first: its focal length is the shortest for which all of its pixels
+/// have sources in the areas of all cameras. nullopt if the centres are outside
+/// the areas, and no other common point is found.
 std::optional<VirtualView> FindLargestViewWithoutBorder(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size);
 
 /// The smallest view that shows every pixel of the areas of all cameras, with
-/// the rotation of the first; nothing if the stretch is too large.
+/// the rotation of the first; nullopt if the stretch is too large.
 struct EnclosingView {
   std::optional<VirtualView> view;
   double most_stretch_rad = 0;

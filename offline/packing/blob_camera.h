@@ -37,56 +37,56 @@ class BlobCamera {
   ImageSize image_size() const;
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
-  /// The tables for frames as calibrated.
+  /// Lists the tables for frames as calibrated.
   std::vector<uint32_t> ListCalibratedTables() const;
 
-  /// The range of the operating-point model, as in camera.yaml; nothing if the
-  /// blob has none.
+  /// Range of the operating-point model, as in camera.yaml; nullopt if the blob
+  /// has none.
   std::optional<OperatingRange> Range() const;
   /// Sets the operating point within its range. Throws Error(kBlob).
   void SetCondition(double value);
 
   bool CanProject() const { return camera_.inverse; }
 
-  /// Unprojects a pixel by the runtime, in fixed point.
+  /// Unprojects a pixel with the runtime, in fixed point.
   std::optional<Eigen::Vector3d> Unproject(const Eigen::Vector2d& pixel) const;
 
-  /// Projects a point by the runtime, in fixed point; also a direction, if the
-  /// camera is central.
+  /// Projects a point with the runtime, in fixed point; for central cameras
+  /// also a direction.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point) const;
 
   std::optional<ObservationLine> Line(const Eigen::Vector2d& pixel) const;
 
-  /// The control points in double precision, for functions that the runtime
-  /// does not have.
+  /// Returns a model with the control points in double precision, for functions
+  /// that the runtime does not have.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// The blob's validity mask; nothing if it has none.
+  /// The blob's validity mask; nullopt if it has none.
   std::optional<ValidityMask> GetValidityMask() const;
 
-  /// The capture settings at calibration; nothing if the blob does not have
+  /// Capture settings at calibration; nullopt if the blob does not contain
   /// them.
   std::optional<Capture> GetCalibrationCapture() const;
-  /// The line delay; nothing if the blob does not have it.
+  /// Line delay; nullopt if the blob does not contain it.
   std::optional<LineDelay> GetRowTime() const;
 
-  /// The view of a remap table, the frame size of its source, and its
-  /// direction. Throw Error(kBlob) if there is no table of that index.
+  /// View of a remap table, frame size of its source, and its direction. Throw
+  /// Error(kBlob) if there is no table with this index.
   VirtualView GetRemapView(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
   /// Whether a table is an inverse remap, from the view to the camera's image.
   bool IsInverseRemap(uint32_t remap_index) const;
 
-  /// The sensor modes for which there can be tables.
+  /// The sensor modes of the blob, which tables can refer to.
   std::vector<SensorMode> Modes() const;
-  /// The mode of a table; nothing if it is for frames as calibrated. Throws
-  /// like GetRemapView().
+  /// Mode of a table; nullopt if it is for frames as calibrated. Throws like
+  /// GetRemapView().
   std::optional<SensorMode> GetRemapMode(uint32_t remap_index) const;
-  /// The first table for frames of the mode with this name; nothing if there is
-  /// none.
+  /// Returns the first table for frames of the mode with this name; nullopt if
+  /// there is none.
   std::optional<uint32_t> FindModeTable(const std::string& name) const;
 
-  /// Undistorts an image by the runtime and one of the blob's remap tables,
+  /// Undistorts an image with the runtime and one of the blob's remap tables,
   /// channel by channel, 8 or 16 bits; the image must have the table's
   /// FrameSize().
   Image Undistort(const Image& image, uint8_t border,
@@ -95,7 +95,7 @@ class BlobCamera {
  private:
   Eigen::Vector2d ControlPoint(const Eigen::Vector2i& place,
                                int knots_above) const;
-  // The camera with a remap table selected; throws Error(kBlob).
+  // Returns the camera with a remap table selected; throws Error(kBlob).
   rg_camera WithTable(uint32_t remap_index) const;
 
   std::vector<uint32_t> words_;
@@ -105,7 +105,7 @@ class BlobCamera {
 
 VirtualView GetTableView(const rg_remap_section& table);
 
-/// Whether the file's name or first bytes are those of a blob.
+/// Whether the file name or first bytes identify a blob.
 bool IsBlob(const std::string& path, const std::string& bytes);
 
 }  // namespace raygrid

@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// The sections with a camera's predicted uncertainty, from its file, in the
+/// Sections with a camera's predicted uncertainty, from its file, in the
 /// format's integers.
 struct UncertaintySections {
   rg_uncertainty_section uncertainty = {};
@@ -23,7 +23,7 @@ struct UncertaintySections {
   void AddTo(rg_blob_contents* contents);
 };
 
-/// known: over the area of the blob's grid.
+/// Converts the uncertainty, sampled over the area of the blob's grid.
 UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
                                         const rg_grid_section& grid);
 
@@ -33,7 +33,7 @@ rg_capture_section QuantizeCapture(const Capture& capture);
 /// Converts the line delay to the format's integers.
 rg_row_time_section QuantizeLineDelay(const LineDelay& line_delay);
 
-/// The errors of calibration, as in the file, and of packing; rounded up.
+/// Converts the errors of calibration and of packing; rounded up.
 rg_quality_section QuantizeQuality(const CameraFile& file,
                                    const UnprojectionError& packing);
 

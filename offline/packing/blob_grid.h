@@ -14,12 +14,11 @@
 
 namespace raygrid {
 
-/// The grid that approximates a central camera in a blob, and where.
+/// The grid that approximates a central camera in a blob, and its valid cells.
 struct BlobGrid {
   CentralGeneric grid;
-  /// The valid cells, except those that are not completely regular, and those
-  /// in which the grid's error exceeds the bound; nothing if that is all of
-  /// them.
+  /// The valid cells, without cells that are not completely regular or in which
+  /// the grid's error exceeds the bound; nullopt if these are all cells.
   std::optional<ValidityMask> valid;
   /// Whether the fit error is within the bound in the whole regular region.
   bool follows_all = true;
@@ -45,12 +44,12 @@ struct GridSection {
   ControlPoints control_points;
 };
 
-/// Throws Error(kQuality) for a knot spacing of a pixel or less.
+/// Quantizes a grid. Throws Error(kQuality) for a knot spacing below 1 px.
 GridSection QuantizeGrid(const CentralGeneric& camera);
 
-/// The points of the observation lines in q28 metres, x, y, z for each control
-/// point; fitted if the grid is not the camera's own. Throws Error(kQuality)
-/// for points outside the format's range.
+/// Returns the points of the observation lines in q28 metres, x, y, z for each
+/// control point; fitted if the grid is not the camera's own. Throws
+/// Error(kQuality) for points outside the format's range.
 std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
                                         const BSplineSurface& grid);
 

@@ -7,12 +7,12 @@
 
 namespace raygrid {
 
-/// Unprojection error that a blob may add.
+/// Maximum unprojection error that packing may add.
 constexpr double kMaxPackingErrorPx = 0.002;
-/// Unprojection error that a blob with 16-bit control points may add.
+/// Maximum unprojection error that 16-bit control points may add.
 constexpr double kMaxNarrowErrorRad = 1e-6;
 
-/// Throws Error(kQuality): the format cannot represent the camera; what: why.
+/// Throws Error(kQuality): a blob cannot represent the camera; what: why.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
   throw Error(ExitCode::kQuality,
               "this camera cannot be stored in a blob: " + what);

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// Computes the positions, in a view's picture, of the pixels of a camera's
-/// image within its image circle.
+/// Computes the positions, in a view's image, of the pixels of a camera's image
+/// within its image circle.
 SourceMap MakeDistortionMap(const CameraModel& camera, const VirtualView& view,
                             int num_threads);
 

@@ -20,7 +20,7 @@ struct InverseGrid {
 };
 
 /// Measures the runtime's projection with an inverse grid, on about max_pixels
-/// pixels; nothing if the format cannot represent the grid.
+/// pixels; nullopt if the format cannot represent the grid.
 using MeasureInverse = std::function<std::optional<ProjectionError>(
     const InverseGrid&, double max_pixels)>;
 
@@ -33,10 +33,10 @@ struct MeasuredInverse {
 /// Fits the inverse of a surface over the image, a pixel for each chart
 /// position: the least-squares spline of samples of the whole area except where
 /// it folds, with the fewest cells for which the runtime projects to all valid
-/// pixels, and up to 24 cells if that then takes one step or finds more of the
-/// other pixels. If valid pixels are lost, samples only near them are used, or
-/// the grid that loses fewest. nullptr: all pixels are valid. Nothing if no
-/// valid pixel can be found by any grid.
+/// pixels, and up to 24 cells if projection then needs one step or finds more
+/// of the other pixels. If valid pixels are not found, only samples near them
+/// are used, or the grid that misses fewest. trusted: NULL if all pixels are
+/// valid. nullopt if no grid finds any valid pixel.
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
                                               const ValidityMask* trusted,
                                               const MeasureInverse& measure);
@@ -49,8 +49,8 @@ using MeasureOneInverse = std::function<std::optional<ProjectionError>(
 /// Fits the inverses of the surfaces of one camera at several operating points,
 /// which differ only in control points: over a common rectangle and cone, with
 /// the fewest cells, up to 24, for which the runtime finds all valid pixels of
-/// each surface in one step, otherwise those that lose fewest. Nothing if none
-/// can be stored in 16 bits.
+/// each surface in one step, otherwise the cells that miss fewest. nullopt if
+/// none can be stored in 16 bits.
 std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
     const ValidityMask* trusted, const MeasureOneInverse& measure);

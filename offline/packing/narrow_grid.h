@@ -17,18 +17,18 @@ struct ControlPoints {
 
 /// Control points as a plane and 16-bit residuals.
 struct NarrowGrid {
-  rg_narrow_grid section = {};  // its residuals are not set
+  rg_narrow_grid section = {};  // without its residuals
   std::vector<int16_t> residuals;
 };
 
-/// Narrows a grid with as many fraction bits as fit, up to a limit; nothing if
-/// 16 bits do not suffice.
+/// Converts a grid to 16 bits with the maximum number of fraction bits that
+/// fits, up to a limit; nullopt if 16 bits do not suffice.
 std::optional<NarrowGrid> Narrow(
     const ControlPoints& points,
     uint32_t max_fraction_bits = RG_NARROW_MAX_BITS);
 
-/// Narrows grids with a common number of fraction bits; nothing if one does not
-/// fit.
+/// Converts grids to 16 bits with a common number of fraction bits; nullopt if
+/// one does not fit.
 std::optional<std::vector<NarrowGrid>> NarrowTogether(
     const std::vector<ControlPoints>& grids);
 

@@ -9,14 +9,13 @@
 
 namespace raygrid {
 
-/// Moments of each cell over the pixels with a source. They suffice for a
-/// least-squares fit, since positions are bilinear within a cell.
+/// Moments of each cell over the pixels with a source, sufficient for a
+/// least-squares fit, because positions are bilinear within a cell.
 class CellSums {
  public:
-  /// The sums of 1, x, y, x y of a cell's pixels (x, y) times their source
-  /// (px).
+  /// Sums of 1, x, y, x y of a cell's pixels (x, y), times their source (px).
   using Sources = Eigen::Matrix<double, 4, 2, Eigen::RowMajor>;
-  /// The sums of products of 1, x, y, x y with each other.
+  /// Sums of products of 1, x, y, x y with each other.
   using Products = Eigen::Matrix4d;
 
   CellSums(const SourceMap& map, int num_threads);
@@ -44,7 +43,7 @@ class CellSums {
   std::vector<int> which_;  // index into products
 };
 
-/// The source of each vertex and the bends of edges, in px, row by row.
+/// Source of each vertex, and bends of edges, in px, row by row.
 using NodePositions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// Fits the nodes of used blocks to approximately minimize the maximum error.

@@ -25,14 +25,14 @@ struct RemapRequest {
 
   VirtualView view;
   std::optional<SensorMode> mode;
-  /// The scene surface for a table of a non-central camera; nothing: at
-  /// infinity. Ignored for central cameras.
+  /// Scene surface for a table of a non-central camera; nullopt: at infinity.
+  /// Ignored for central cameras.
   std::optional<SceneSurface> scene;
-  /// An inverse remap: from the view's picture to frames of the camera.
+  /// Whether the table is inverse: from the view's image to camera frames.
   bool distorts = false;
 };
 
-/// A central camera at sampled operating points of one condition, between which
+/// A central camera at sampled operating points of one variable, between which
 /// devices interpolate.
 struct OperatingPointKnots {
   rg_condition condition = RG_CONDITION_LENS_POSITION;
@@ -51,59 +51,58 @@ OperatingPointKnots SelectKnots(
     const std::function<CentralGeneric(double)>& camera_at,
     double max_error_px = 0.01);
 
-/// Samples an operating-point model with one calibrated condition.
+/// Samples an operating-point model of one variable.
 OperatingPointKnots MakeModelKnots(const OperatingPointModel& stack);
 
 struct PackOptions {
-  std::vector<RemapRequest> remaps;  ///< one table for each
+  std::vector<RemapRequest> remaps;  ///< one table per request
   /// Also adds the default view of the camera; a warning if it has none.
   bool has_default_remap = false;
-  double max_error_px = 0.05;  ///< limit of their geometric error
-  /// If small blocks do not reach the limit, allow errors of up to a pixel, and
-  /// report them in a warning.
+  double max_error_px = 0.05;  ///< maximum geometric error of tables
+  /// If small blocks do not reach the limit, allows errors of up to a pixel,
+  /// and reports them in a warning.
   bool is_table_bound_soft = false;
-  /// Limit of the unprojection error of a fitted grid: kMaxPackingErrorPx where
-  /// that is attainable everywhere, and this elsewhere.
+  /// Maximum unprojection error of a fitted grid: kMaxPackingErrorPx where it
+  /// is attainable everywhere, otherwise this.
   double max_ray_error_px = kMaxPackingErrorPx;
-  /// The pixels shown by tables: blocks without any are border. Nothing: all
-  /// pixels.
+  /// Pixels shown by tables: blocks without any of them are border. nullopt:
+  /// all pixels.
   std::optional<ValidityMask> shown;
-  /// An operating-point model in addition to the camera, which is its
-  /// reference. Nothing: that of the camera's file, if there is one.
+  /// Operating-point model in addition to the camera, which is its reference.
+  /// nullopt: from the camera's file, if it has one.
   std::optional<OperatingPointKnots> stack;
-  bool is_narrow_allowed = true;  ///< 16-bit control points
+  bool is_narrow_allowed = true;  ///< whether 16-bit control points may be used
   int num_threads = 0;
-  /// Returning true aborts packing with Error(kNotConverged).
+  /// If it returns true, packing is aborted with Error(kNotConverged).
   std::function<bool()> should_stop = {};
 };
 
 /// A remap table of a blob.
 struct PackedRemap {
   VirtualView view;
-  std::string mode;  ///< of its frames; empty: as calibrated
+  std::string mode;  ///< mode of its frames; empty: as calibrated
   bool distorts = false;
-  /// The maximum source error for points at infinity, if the table is for a
-  /// scene.
+  /// Maximum source error for points at infinity, if the table is for a scene.
   std::optional<double> far_error_px;
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma pixels
   int block_size = 0;
-  int part_size = 0;  ///< of blocks with bent edges; otherwise block_size
+  int part_size = 0;  ///< tile size of bent blocks, else block_size
 };
 
 /// A blob and the errors due to packing.
 struct PackedCamera {
   std::string blob;
-  /// The maximum unprojection error over the pixels of the area; in pixels over
+  /// Maximum unprojection error over the pixels of the area; in pixels over
   /// valid cells.
   double unproject_error_px = 0;
   double unproject_error_rad = 0;
-  std::optional<ProjectionError> projection;  ///< nothing: no projection
+  std::optional<ProjectionError> projection;  ///< nullopt: no inverse grid
   std::vector<PackedRemap> remaps;
-  /// The fraction of the image, of its calibrated and valid part, that is
-  /// invalid in the blob: the camera is not regular there, or no grid fits it.
+  /// Fraction of the calibrated and valid part of the image that is invalid in
+  /// the blob, because the camera is not regular there, or no grid fits it.
   double left_out_part = 0;
-  std::vector<std::string> warnings;  ///< warnings: what it lacks
+  std::vector<std::string> warnings;  ///< such as missing sections
 };
 
 /// Packs a camera of any model; a central one other than central-generic is
@@ -119,7 +118,7 @@ struct PackedCamera {
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Throws Error(kUsage) for a camera name or serial number that a blob cannot
-/// store; what: which of them.
+/// store; what: which one.
 void RequireBlobText(const char* what, const std::string& text);
 
 /// Makes a blob with a default table of the camera's image size, of the

@@ -17,12 +17,12 @@
 
 namespace raygrid {
 
-/// Writes the blob with these contents. Throws Error(kQuality) if the format
+/// Writes a blob with these contents. Throws Error(kQuality) if the format
 /// cannot represent them.
 std::string WriteBlob(const rg_blob_contents& contents);
 
-/// The control points of grids with equal layout, the first in the blob itself
-/// and others in samples: 16 bits if all are within the limits.
+/// Control points of grids with equal layout, the first in the blob itself and
+/// the others in samples: 16 bits if all are within the limits.
 class GridPoints {
  public:
   /// Sets the control points of the first grid in contents. truths: for each
@@ -34,7 +34,7 @@ class GridPoints {
   GridPoints(const GridPoints&) = delete;
   GridPoints& operator=(const GridPoints&) = delete;
 
-  /// The maximum error over all grids.
+  /// Maximum error over all grids.
   const UnprojectionError& error() const { return error_; }
 
   /// Sets a grid's control points in the contents of a blob or sample.
@@ -45,7 +45,7 @@ class GridPoints {
   }
 
  private:
-  // Measures all; false if the format cannot represent one of them.
+  // Measures all grids; false if the format cannot represent one of them.
   bool Measure(const std::vector<PackingTruth>& truths, int num_threads,
                rg_blob_contents* contents);
 
@@ -54,7 +54,7 @@ class GridPoints {
   UnprojectionError error_ = {INFINITY, INFINITY};
 };
 
-/// The inverse grids for projection by the blob's grids.
+/// Inverse grids of the blob's grids, for projection.
 class InverseSections {
  public:
   /// Sets the first one in contents, which has the other sections for
@@ -67,10 +67,10 @@ class InverseSections {
   InverseSections(const InverseSections&) = delete;
   InverseSections& operator=(const InverseSections&) = delete;
 
-  /// The maximum error over all; nothing if there are none.
+  /// Maximum error over all; nullopt without inverse grids.
   std::optional<ProjectionError> error() const;
 
-  /// NULL if there are none.
+  /// NULL without inverse grids.
   const rg_narrow_grid* points(size_t k) const {
     return inverses_.empty() ? nullptr : &points_[k];
   }

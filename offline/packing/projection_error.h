@@ -9,17 +9,17 @@
 
 namespace raygrid {
 
-/// The number of pixels that the runtime finds by projecting their rays.
+/// Result of projecting the rays of pixels with the runtime.
 struct FoundPixels {
-  int64_t num_pixels = 0;      ///< with a unique projection
-  int64_t num_unfindable = 0;  ///< where the surface folds, or 151
+  int64_t num_pixels = 0;      ///< pixels with a unique projection
+  int64_t num_unfindable = 0;  ///< at folds of the surface, or 151
                                ///< degrees from the z axis or more
-  int64_t num_lost = 0;        ///< projection fails
-  int64_t num_off = 0;         ///< by more than kMaxProjectionErrorPx
-  double worst_px = 0;         ///< of those found
+  int64_t num_lost = 0;        ///< pixels not found: projection fails
+  int64_t num_off = 0;         ///< errors above kMaxProjectionErrorPx
+  double worst_px = 0;         ///< maximum error of found pixels
 
   bool AreAllFound() const { return num_lost == 0 && num_off == 0; }
-  /// The fraction lost or off.
+  /// Fraction of pixels that are not found or inaccurate.
   double MissedFraction() const {
     return static_cast<double>(num_lost + num_off) /
            std::max<int64_t>(num_pixels, 1);
@@ -27,20 +27,19 @@ struct FoundPixels {
 };
 
 struct ProjectionError {
-  FoundPixels trusted;  ///< of the whole area without a mask
+  FoundPixels trusted;  ///< valid region; the area without a mask
   FoundPixels others;
 };
 
-/// The maximum radius in the runtime's chart: tan(151 / 2 degrees), less a
-/// margin.
+/// Maximum radius in the runtime's chart: tan(151 / 2 degrees), less a margin.
 constexpr double kMaxChartRadius = 3.85;
 
-/// Limit of the runtime's projection error.
+/// Maximum error of the runtime's projection.
 constexpr double kMaxProjectionErrorPx = 0.002;
 
 /// Measures projection over the pixels of the area and its edge, subsampled to
-/// at most max_pixels, against the blob's own surface in double precision. The
-/// blob must have an inverse grid.
+/// at most max_pixels, relative to the blob's own surface in double precision.
+/// The blob must have an inverse grid.
 ProjectionError MeasureProjection(const BlobCamera& blob,
                                   const ValidityMask* trusted,
                                   double max_pixels, int num_threads);

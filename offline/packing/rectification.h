@@ -12,16 +12,16 @@
 
 namespace raygrid {
 
-/// A camera of a pair, with its name for errors.
+/// A camera of a stereo pair, with its name for errors.
 struct StereoCamera {
   std::string name;
-  const CameraModel& camera;  ///< a central one
+  const CameraModel& camera;  ///< must be central
   Pose camera_from_rig;
 };
 
-/// The requested pair.
+/// A requested rectification.
 struct RectificationRequest {
-  ImageSize size = {0, 0};  ///< 0 x 0: as the first camera's image
+  ImageSize size = {0, 0};  ///< 0 x 0: size of the first camera's image
   /// As in ViewRequest, alpha for both cameras together; at most one is given.
   /// Without either, alpha is 0, and the view is limited to about 120 degrees.
   std::optional<double> alpha, hfov_deg;
@@ -33,17 +33,17 @@ struct Rectification {
   bool is_vertical = false;          ///< the second camera is below the first
   double baseline_m = 0;             ///< distance between the centres, positive
   std::array<VirtualView, 2> views;  ///< camera_from_view in cameras' frames
-  double angle_deg = 0;              ///< between the cameras' z axes
-  /// The fraction of the first camera's image that overlaps the second one's,
-  /// at infinity.
+  double angle_deg = 0;              ///< angle between the cameras' z axes
+  /// Fraction of the first camera's image that overlaps the second one's, at
+  /// infinity.
   double overlap = 0;
 
-  /// The rotation from a camera's axes to those of its view.
+  /// Rotation from a camera's axes to its view's axes.
   Eigen::Matrix3d R(int camera) const {
     return views[camera].camera_from_view.transpose();
   }
   /// Projection matrices of the views for points in the first view's axes, and
-  /// the matrix Q from pixel and disparity to that point, as in OpenCV's
+  /// the matrix Q from pixel and disparity to such points, as in OpenCV's
   /// stereoRectify with a common principal point.
   Eigen::Matrix<double, 3, 4> P(int camera) const;
   Eigen::Matrix4d Q() const;

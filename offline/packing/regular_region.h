@@ -34,7 +34,7 @@ class RegularRegion {
 
   RegularRegion(const CameraModel& camera, int num_threads);
 
-  /// The lattice, row by row, from corner to corner of the camera's area.
+  /// Nodes of the lattice, row by row, from corner to corner of the area.
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   const std::vector<Node>& nodes() const { return nodes_; }
@@ -43,17 +43,17 @@ class RegularRegion {
   /// Whether all of the camera's area is regular; and the regular fraction.
   bool IsWhole() const { return part_ == 1; }
   double Part() const { return part_; }
-  /// The bounding rectangle, at the resolution of the lattice.
+  /// Bounding rectangle, at the resolution of the lattice.
   const Area& area() const { return area_; }
   bool IsEmpty() const { return part_ == 0; }
-  /// Whether a pixel's cell has only regular corners; or at least one.
+  /// Whether all corners of a pixel's cell are regular; or at least one.
   bool Contains(const Eigen::Vector2d& pixel) const;
   bool Touches(const Eigen::Vector2d& pixel) const;
-  /// Whether the ray of a pixel in a touched cell is regular; camera: that of
-  /// the region.
+  /// Whether the ray of a pixel in a touched cell is regular; camera: the
+  /// camera of the region.
   bool IsRegularRay(const CameraModel& camera, const Eigen::Vector2d& pixel,
                     const Eigen::Vector3d& ray) const;
-  /// Contains(), but for cells with good corners only.
+  /// Contains(), but only for cells whose corners are good.
   bool ContainsAmong(const std::vector<bool>& is_good,
                      const Eigen::Vector2d& pixel) const;
 
@@ -74,7 +74,7 @@ class RegularRegion {
     return is_good[k] && is_good[k + 1] && is_good[k + columns_] &&
            is_good[k + columns_ + 1];
   }
-  // The index of the cell of a pixel: that of its upper left node.
+  // Index of a pixel's cell, which is the index of its upper left node.
   int CellIndex(const Eigen::Vector2d& pixel) const;
   bool IsRegularCell(int i, int j) const {
     const int k = j * columns_ + i;
@@ -99,7 +99,7 @@ class RegularRegion {
   Area camera_area_, area_;
   int columns_ = 0, rows_ = 0;
   double part_ = 0;
-  double least_scale_ = 0;  // of a Jacobian, in pixels per radian
+  double least_scale_ = 0;  // of Jacobians, in pixels per radian
   std::vector<Node> nodes_;
 };
 
@@ -125,8 +125,8 @@ class RegularCamera : public CameraWrapper {
                  LinearizedProjection* projection) const override;
 
  private:
-  // Whether a pixel, or the nearest one in the area, is regular and sees the
-  // point.
+  // Whether a pixel, or the nearest one in the area, is regular and observes
+  // the point.
   bool Shows(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point) const;
 
   std::shared_ptr<const RegularRegion> region_;

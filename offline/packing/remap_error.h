@@ -11,11 +11,11 @@
 
 namespace raygrid {
 
-/// The maximum error of a table over all output pixels, px, in the runtime's
-/// integer arithmetic: the distance of a pixel's position from its exact
-/// source; for a pixel without a source, how far inside the rectangle its
-/// position is. Nothing if it exceeds the limit. Deterministic for any number
-/// of threads.
+/// Computes the maximum error of a table over all output pixels, px, in the
+/// runtime's integer arithmetic: the distance of a pixel's position from its
+/// exact source; for a pixel without a source, the distance of its position
+/// from the rectangle's edge if inside. nullopt if it exceeds the limit.
+/// Deterministic for any number of threads.
 std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
                                            const OutputImage& output,
                                            const SourceMap& map,
@@ -23,7 +23,7 @@ std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
                                            const RemapTable& table,
                                            double limit_px, int num_threads);
 
-/// The blocks, all with tiles of their own size, in which this error exceeds a
+/// Returns the blocks, with tiles of equal size, in which this error exceeds a
 /// limit, according to the map; row by row.
 std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        const OutputImage& output,
@@ -32,14 +32,14 @@ std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        const RemapTable& table, double limit_px,
                                        int num_threads);
 
-/// The maximum error of U and V in NV12 and YUYV, in chroma pixels, according
-/// to the map.
+/// Computes the maximum error of U and V in NV12 and YUYV, in chroma pixels,
+/// according to the map.
 double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
                              int num_threads);
 
-/// A lower bound of the maximum error of any table with this tile size: the
-/// error of the best bilinear function at the corners, edge midpoints and
-/// centre of each tile.
+/// Computes a lower bound of the maximum error of any table with this tile
+/// size: the error of the best bilinear function at the corners, edge midpoints
+/// and centre of each tile.
 double ComputeMinRemapError(const SourceMap& map, int part_log2);
 
 }  // namespace raygrid

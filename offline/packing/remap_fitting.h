@@ -18,19 +18,19 @@ struct RemapTable {
   std::vector<int16_t> residuals;
   std::vector<int8_t> bends;  ///< four per vertex, or empty
   std::vector<uint8_t> empty_blocks;
-  double max_error_px = 0;  ///< over all output pixels, integer arithmetic
-  /// The maximum error of U and V in NV12 and YUYV, in chroma pixels; except at
-  /// the edges of their sources.
+  double max_error_px = 0;  ///< maximum over all output pixels
+  /// Maximum error of U and V in NV12 and YUYV, in chroma pixels; except at the
+  /// edges of their sources.
   double max_chroma_error_px = 0;
-  /// Blocks that are border because a corner is beyond 8192 px.
+  /// Number of border blocks with a corner beyond 8192 px.
   int num_out_of_reach = 0;
-  /// Blocks that are border because even the smallest blocks do not reach the
-  /// error limit.
+  /// Number of blocks that are border because even the smallest blocks do not
+  /// reach the error limit.
   int num_rough = 0;
 };
 
-/// What to do if up to 2 % of the blocks of 8 exceed the limit: fail, or make
-/// them border.
+/// Whether up to 2 % of the blocks of 8 px that exceed the limit cause an
+/// error, or become border.
 enum class RoughBlocks { kRefuse, kLeaveOut };
 
 /// Whether a pixel of a camera's image is shown; empty: all are.
@@ -46,8 +46,8 @@ using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// source become border, too. go_on is called regularly, and may throw.
 ///
 /// For several cameras, at different operating points of one camera: one table
-/// each, which differ only as those of samples may. A block is border if it is
-/// with all of them.
+/// each, which differ only where tables of samples may. A block is border if it
+/// is border for all cameras.
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
@@ -55,10 +55,10 @@ std::vector<RemapTable> FitRemapTables(
     RoughBlocks rough = RoughBlocks::kRefuse);
 
 /// Fits inverse tables, which distort: output pixels are those of the camera's
-/// image, sources are in the view's picture. The section has the camera's size,
-/// a source rectangle within the view's picture, and projection, K and rotation
-/// of the view. The error limit holds for calibrated pixels; others in the same
-/// blocks are undefined. Throws like FitRemapTables().
+/// image, sources are in the view's image. The section has the camera's size, a
+/// source rectangle within the view's image, and projection, K and rotation of
+/// the view. The error limit applies to calibrated pixels; other pixels in the
+/// same blocks are undefined. Throws like FitRemapTables().
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,

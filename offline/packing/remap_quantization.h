@@ -10,15 +10,15 @@
 namespace raygrid {
 
 /// Quantizes vertices of tables with common layout in q12: origin and steps are
-/// fitted to the first table's vertices; residuals have the smallest shift with
-/// which those of all used vertices fit. False if none does.
+/// fitted to the first table's vertices; residuals have the smallest shift for
+/// which all used vertices fit. Returns false if there is none.
 bool QuantizeVertices(const Blocks& blocks,
                       const std::vector<NodePositions>& vertices,
                       std::vector<RemapTable>* tables);
 
-/// Quantizes their bends to 8 bits, as 4 / N of the bend of an edge of N tiles,
-/// with the smallest shift with which those of all tables fit; false if none
-/// does.
+/// Quantizes the tables' bends to 8 bits, as 4 / N of the bend of an edge of N
+/// tiles, with the smallest shift for which all tables fit. Returns false if
+/// there is none.
 bool QuantizeBends(const Blocks& blocks,
                    const std::vector<NodePositions>& nodes,
                    std::vector<RemapTable>* tables);

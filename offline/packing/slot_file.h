@@ -13,7 +13,7 @@ namespace raygrid {
 struct BlobSlot {
   bool is_erased;         ///< all bytes are FFh
   bool is_whole;          ///< header and CRCs are correct
-  uint32_t sequence = 0;  ///< and contents, if whole
+  uint32_t sequence = 0;  ///< sequence and contents are set if whole
   std::string blob;
   /// Why the runtime rejects the contents; empty if it opens them.
   std::string fault;
@@ -25,10 +25,10 @@ struct BlobSlot {
 /// Two slots of equal size; the total is a multiple of 8 bytes.
 struct BlobSlots {
   std::array<BlobSlot, 2> slots;
-  std::optional<uint32_t> newest;  ///< usable one; nothing if there is none
+  std::optional<uint32_t> newest;  ///< newest usable slot, if any
 };
 
-/// The slot size in bytes that a blob requires.
+/// Returns the slot size in bytes that a blob requires.
 uint64_t SlotSizeFor(const std::string& blob);
 
 /// Whether bytes are two slots: one has a slot header, or both begin with a
@@ -37,8 +37,8 @@ bool IsSlotFile(const std::string& bytes);
 
 BlobSlots ReadSlots(const std::string& bytes);
 
-/// The offset of a slot that is neither at the start nor in the middle: the
-/// bytes are not the two slots of a device, or incomplete.
+/// Returns the offset of a slot that is neither at the start nor at half of the
+/// bytes: they are incomplete, or not the two slots of a device.
 std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes);
 
 /// Bytes to be written at an offset.
@@ -47,16 +47,16 @@ struct SlotWrite {
   std::string bytes;
 };
 
-/// The writes that store a blob in the slot other than the newest usable one,
-/// or, without any, other than the newest whole one.
+/// Writes that store a blob in the slot other than the newest usable one, or,
+/// without any, other than the newest whole one.
 struct SlotUpdate {
   uint32_t index, sequence;
-  /// In this order. Each must be on disk before the next begins, so that the
+  /// In order. Each must be on disk before the next one starts, so that the
   /// newest blob survives a power loss at any time.
   std::vector<SlotWrite> writes;
 };
 
-/// The blob must fit: SlotSizeFor().
+/// Plans an update. The blob must fit: SlotSizeFor().
 SlotUpdate PlanSlotUpdate(const BlobSlots& slots, uint64_t slot_size,
                           const std::string& blob);
 

@@ -13,8 +13,8 @@
 
 namespace raygrid {
 
-/// The image produced by a table: the direction in camera axes, of any length,
-/// of a pixel, and the inverse; nothing where undefined.
+/// The output image of a table: the direction of a pixel in camera axes, of any
+/// length, and the inverse; nullopt where undefined.
 struct OutputImage {
   ImageSize size;
   std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>
@@ -24,9 +24,9 @@ struct OutputImage {
   bool is_free_where_unseen = false;
 };
 
-/// The image of a view. The view (below: the camera) must outlive the result.
+/// Returns the image of a view, which must outlive the result (so must camera).
 OutputImage MakeViewOutput(const VirtualView& view);
-/// The camera's own image, for tables whose source is a view's picture.
+/// Returns the camera's own image, for tables with sources in a view's image.
 OutputImage MakeCameraOutput(const CameraModel& camera);
 
 /// The sources of the pixels of an output image.
@@ -43,18 +43,18 @@ struct SourceMap {
   static constexpr int32_t kUnknown = INT32_MIN;
 
   int width = 0, height = 0;
-  /// The numbers of cells. Cells at the right and lower edge may extend beyond
-  /// the image, where there is no source.
+  /// Numbers of cells. Cells at the right and lower edge may extend beyond the
+  /// image, where there is no source.
   int columns = 0, rows = 0;
-  /// The rectangle of usable sources: within the calibrated area and the pixel
-  /// centres. Others are defined only near it.
+  /// Rectangle of usable sources: within the calibrated area and the pixel
+  /// centres. Other sources are defined only near it.
   Area rectangle;
-  /// The maximum deviation of sources from the model's.
+  /// Maximum deviation of interpolated sources from the model.
   double max_deviation_px = 0;
-  /// The two coordinates of the sources, in units, row by row of whole cells.
+  /// Both coordinates of the sources, in units, row by row of whole cells.
   std::unique_ptr<int32_t[]> sources[2];
   std::vector<Cell> cells;
-  /// Cells that are to be border although they have sources.
+  /// Cells with sources that become border nevertheless.
   std::vector<bool> is_hidden;
   /// Cells at the edge of the camera's valid pixels within the rectangle: they
   /// have a pixel without a source next to one whose source is not at the
@@ -80,13 +80,13 @@ struct SourceMap {
   }
 };
 
-/// Evaluates the camera at every eighth pixel of every eighth row, and in
-/// between only where interpolation deviates by more than 0.002 px.
-/// Deterministic for any number of threads.
+/// Computes the sources: evaluates the camera at every eighth pixel of every
+/// eighth row, and between them only where interpolation deviates by more than
+/// 0.002 px. Deterministic for any number of threads.
 SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
                         int num_threads);
 
-/// Evaluates the camera itself where the map has a source.
+/// Evaluates the camera itself; nullopt where the map has no source.
 std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
                                            const OutputImage& output,
                                            const SourceMap& map, int x, int y);

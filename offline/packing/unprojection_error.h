@@ -8,14 +8,14 @@
 
 namespace raygrid {
 
-/// The maximum unprojection errors due to packing: in pixels over valid cells,
-/// in radians over the whole area.
+/// Maximum unprojection errors due to packing: in pixels over valid cells, in
+/// radians over the whole area.
 struct UnprojectionError {
   double px = 0, rad = 0;
 };
 
-/// The reference for measuring a blob: the camera in its valid region, if there
-/// is one, and elsewhere the fitted grid.
+/// The reference for measuring a blob: the camera in its valid region, if it
+/// has one, and elsewhere the fitted grid.
 struct PackingTruth {
   const CameraModel& camera;
   const CameraModel& elsewhere;

@@ -20,39 +20,39 @@ struct VirtualView {
 
   bool IsTurned() const { return !camera_from_view.isIdentity(0); }
 
-  /// The direction in camera axes, of any length, of a pixel; nothing for
-  /// pixels outside the range of the projection.
+  /// Returns the direction of a pixel in camera axes, of any length; nullopt
+  /// for pixels outside the range of the projection.
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const;
   /// Projects a direction in camera axes to a pixel, which may be outside the
   /// image.
   std::optional<Eigen::Vector2d> Pixel(const Eigen::Vector3d& direction) const;
 
-  /// Between the outer edges of the first and the last pixels, along the row
-  /// and the column of the principal point.
+  /// Angles between the outer edges of the first and the last pixels, along the
+  /// row and the column of the principal point.
   double HorizontalFieldOfViewDeg() const;
   double VerticalFieldOfViewDeg() const;
 };
 
-/// The angle in degrees between the outer edges of an image's first and last
-/// pixels along an axis, 0 for x and 1 for y; limited to the range of the
+/// Returns the angle in degrees between the outer edges of an image's first and
+/// last pixels along an axis, 0 for x and 1 for y; limited to the range of the
 /// projection.
 double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
                       double center_px, int pixels);
 
-/// The rotation of a view to the right, then up, then clockwise, in degrees:
-/// from view axes to camera axes.
+/// Converts yaw (to the right), then pitch (up), then roll (clockwise),
+/// degrees, to the rotation from view axes to camera axes; and back.
 Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
 Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view);
 
-/// The view as a camera in its own axes, calibrated over its whole image: of a
-/// pinhole the model opencv without distortion, otherwise a ViewCamera.
+/// Returns the view as a camera in its own axes, calibrated over its whole
+/// image: model opencv without distortion for a pinhole, else a ViewCamera.
 std::unique_ptr<CameraModel> MakeViewCamera(const VirtualView& view);
 
-/// The view as a camera in the axes of the original camera.
+/// Returns the view as a camera in the axes of the original camera.
 std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view);
 
-/// The unrotated view that is equivalent to such a camera; nothing if it has
-/// distortion or is of another model.
+/// Returns the unrotated view that is equivalent to such a camera; nullopt if
+/// it has distortion or another model.
 std::optional<VirtualView> MakeCameraView(const CameraModel& camera);
 
 }  // namespace raygrid

@@ -21,10 +21,10 @@ std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
                                       const Eigen::Matrix3d& camera_from_room,
                                       double square);
 
-/// The side of the squares, 2 / 2^k, for about ten lines across a view.
+/// Returns the side of squares, 2 / 2^k, for about ten lines across a view.
 double SquareOfView(const VirtualView& view);
 
-/// The edges of the valid region, also those at the image's edge.
+/// Returns the edges of the valid region, including the image's edge.
 std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,
                                             const ImageSize& size);
 std::vector<PixelCurve> ComputeAreaOutline(const Area& area);
@@ -35,7 +35,7 @@ std::vector<PixelCurve> ProjectCurves(const CameraModel& camera,
                                       const VirtualView& view,
                                       const std::vector<PixelCurve>& curves);
 
-/// The edge of a view's image, where the camera's area covers it.
+/// Returns the edge of a view's image where the camera's area covers it.
 std::vector<PixelCurve> ComputeViewEdge(const CameraModel& camera,
                                         const VirtualView& view);
 

@@ -11,9 +11,9 @@
 namespace raygrid {
 
 /// A requested view. At most one of hfov_deg, vfov_deg, focal_px, alpha and
-/// like is given, except for the two fields of view together, which may result
-/// in pixels that are not square. Without any, the view has the resolution of
-/// the camera's image centre, scaled to the size.
+/// like may be set, except for both fields of view together, which may result
+/// in non-square pixels. Without any, the view has the resolution of the
+/// camera's image centre, scaled to the size.
 struct ViewRequest {
   ImageSize size = {0, 0};                   ///< 0 x 0: the camera's, or like's
   std::optional<ViewProjection> projection;  ///< default: pinhole, or like's
@@ -25,10 +25,10 @@ struct ViewRequest {
   /// 1 the smallest that shows every pixel of the area; focal length and
   /// principal point are interpolated linearly.
   std::optional<double> alpha;
-  /// The principal point: cx, cy. Default: the image centre; not with alpha,
-  /// which determines it.
+  /// Principal point: cx, cy. Default: the image centre; not with alpha, which
+  /// determines it.
   std::optional<Eigen::Vector2d> center_px;
-  std::optional<VirtualView> like;  ///< scaled to the size
+  std::optional<VirtualView> like;  ///< view to copy, scaled to the size
 };
 
 /// Throws Error(kUsage) for requests that no camera can satisfy: mutually
@@ -39,8 +39,8 @@ void RequireValidView(const ViewRequest& request);
 /// store.
 void RequirePackableView(const VirtualView& view);
 
-/// Throws like RequireValidView(), and Error(kUsage) for a view that sees
-/// nothing of the camera's area or that a blob cannot store.
+/// Makes a view. Throws like RequireValidView(), and Error(kUsage) for a view
+/// that does not overlap the calibrated area or that a blob cannot store.
 VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
 
 /// Makes a view of this size without a camera: from like, fields of view or a
@@ -48,9 +48,9 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request);
 VirtualView MakeViewWithoutCamera(const ImageSize& size,
                                   const ViewRequest& request);
 
-/// Makes the view for frames of another mode. Where neither principal point nor
-/// rotation is given, it shows the centre of these frames instead of that of
-/// calibrated frames: a crop stays centred.
+/// Makes the view for frames of another mode. If neither principal point nor
+/// rotation is specified, it shows the centre of these frames instead of the
+/// centre of calibrated frames: a crop stays centred.
 VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
                            const ViewRequest& request);
 

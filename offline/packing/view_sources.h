@@ -14,13 +14,13 @@ namespace raygrid {
 /// evaluated exactly for every pixel.
 struct ViewSources {
   ImageSize size, source_size;
-  /// Row by row; NaN where there is none, as outside the image circle.
+  /// Row by row; NaN without a source, such as outside the image circle.
   std::vector<Eigen::Vector2d> sources;
 };
 
-/// The central camera that approximates a non-central one at infinity, which
-/// the blob's tables use; a copy of a central camera. Throws Error(kUsage),
-/// without the file's name, for other non-central cameras.
+/// Returns the central camera that approximates a non-central one at infinity,
+/// which the blob's tables use; a copy of a central camera. Throws
+/// Error(kUsage), without the file name, for other non-central cameras.
 std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera);
 
 /// Computes the sources of a view's pixels; if is_reverse, of the camera's

@@ -1,4 +1,4 @@
-/// numpy's arrays in and out.
+/// Conversion of numpy arrays.
 #ifndef RAYGRID_PYTHON_ARRAYS_H
 #define RAYGRID_PYTHON_ARRAYS_H
 
@@ -14,25 +14,25 @@ namespace raygrid {
 namespace py = pybind11;
 using DoubleArray = py::array_t<double, py::array::c_style>;
 
-/// Vectors of some length, with any number of axes before: those of an array
-/// that Python gave, which is not copied if it has doubles without gaps.
+/// Vectors of a fixed length from a Python array with any number of leading
+/// axes; a contiguous array of doubles is not copied.
 struct GivenVectors {
   DoubleArray array;
   size_t count = 0;
   int length = 0;
-  std::vector<py::ssize_t> axes;  ///< before the vectors' own
+  std::vector<py::ssize_t> axes;  ///< leading axes
 
   const double* operator[](size_t k) const { return array.data() + k * length; }
-  /// An array with the same axes before, and others behind.
+  /// Returns a new array with the same leading axes, and others appended.
   DoubleArray Like(const std::vector<py::ssize_t>& behind) const;
 };
 
-/// Throws TypeError and ValueError of Python, naming the argument: for what has
-/// no numbers, another length, or numbers that are not finite.
+/// Throws Python's TypeError or ValueError, with the argument's name, if the
+/// array is not numeric, has another length, or is not finite.
 GivenVectors TakeVectors(const py::object& given, int length,
                          const std::string& name);
 
-/// A copy that cannot be written to.
+/// Returns a read-only copy.
 template <typename Matrix>
 DoubleArray ReadOnly(const Matrix& matrix) {
   DoubleArray array({matrix.rows(), matrix.cols()});

@@ -1,4 +1,4 @@
-/// Long work while Python goes on.
+/// Long computations that Python can interrupt.
 #ifndef RAYGRID_PYTHON_BACKGROUND_H
 #define RAYGRID_PYTHON_BACKGROUND_H
 
@@ -13,17 +13,17 @@
 
 namespace raygrid {
 
-/// Thrown by work that was told to stop, where it has nothing to return.
+/// Thrown by interrupted work that has no result.
 struct Interruption {};
 
-/// Long work in a thread of its own, and who waits for it.
+/// Work in a separate thread, and its communication with the waiting thread.
 class Task {
  public:
-  /// Told by the work: the stage, and how much of the whole is done, 0 to 1.
+  /// Called by the work with the stage and the overall fraction done, 0 to 1.
   void Report(const std::string& stage, double done);
-  /// Asked by the work.
+  /// Polled by the work.
   bool ShouldStop() const { return should_stop_; }
-  /// Throws Interruption if the work is to stop.
+  /// Throws Interruption if the work should stop.
   void GoOn() const {
     if (should_stop_) throw Interruption();
   }
@@ -34,9 +34,9 @@ class Task {
   using Clock = std::chrono::steady_clock;
 
   void Finish();
-  // Whether the work is done, or is so after a moment.
+  // Waits a moment; returns whether the work is done.
   bool IsDone();
-  // Lets Python see signals, and calls progress if there is news.
+  // Handles Python's signals, and calls progress if it has changed.
   void Tell(const pybind11::object& progress);
 
   std::atomic<bool> should_stop_{false};
@@ -48,9 +48,9 @@ class Task {
   Clock::time_point start_ = Clock::now();
 };
 
-/// Runs work without Python's lock. Python's signals and progress(stage, done,
-/// seconds_left or None) are served meanwhile, by the thread that calls. If one
-/// of them raises, the work is told to stop, and that exception leaves here.
+/// Runs work in a thread, without the GIL. The calling thread handles signals
+/// and calls progress(stage, done, seconds_left or None). If one of them raises
+/// an exception, stops the work and rethrows the exception.
 void RunInBackground(const pybind11::object& progress,
                      const std::function<void(Task*)>& work);
 

@@ -1,4 +1,4 @@
-/// The types and helpers that parts of the module share.
+/// Types and helpers shared by the parts of the module.
 #ifndef RAYGRID_PYTHON_BINDINGS_H
 #define RAYGRID_PYTHON_BINDINGS_H
 
@@ -16,53 +16,53 @@
 
 namespace raygrid {
 
-/// The Camera of Python.
+/// Python's Camera.
 struct PyCamera {
   CameraFile file;
 };
 
-/// The Detection of Python: the features of an image.
+/// Python's Detection: the features of an image.
 struct PyDetection {
   ImageSize size;
   ImageFeatures features;
   std::vector<std::string> warnings;
 };
 
-/// The Calibration of Python.
+/// Python's Calibration.
 struct PyCalibration {
   RigResult result;
   int num_threads = 0;
 
-  /// The camera of a name, "" of one without a rig. Throws KeyError of Python.
+  /// Index of a camera by name; "" without a rig. Throws Python's KeyError.
   size_t IndexOf(const std::string& name) const;
 };
 
-/// A camera as Python gave it: images, or features.
+/// Images or features of a camera, as passed from Python.
 struct GivenCamera {
   std::string name;
   std::vector<std::string> images;
   std::vector<PyDetection> detections;
 };
 
-/// Images or detections, or by the names of a rig's cameras theirs. Throws
-/// TypeError and ValueError of Python.
+/// Converts images or detections, or a dictionary of them by camera name.
+/// Throws Python's TypeError and ValueError.
 std::vector<GivenCamera> TakeCameras(const py::object& given);
 
-/// The features of a camera that was given as detections. Throws InputError if
-/// they are not of one size, or share names.
+/// Returns the features of a camera given as detections. Throws InputError if
+/// sizes differ or names are not unique.
 Dataset DatasetOf(const GivenCamera& given);
 
-/// The text of camera.yaml. What was not calibrated keeps all digits, so that a
-/// lens comes out of the file as it is.
+/// Formats camera.yaml. Values that were not calibrated keep all digits, so
+/// that parsing restores them exactly.
 std::string ToText(const PyCamera& camera);
 
-/// A path as Python has it: str, bytes or os.PathLike.
+/// Converts a Python path: str, bytes or os.PathLike.
 std::string PathOf(const py::object& path);
 
-/// A warning of Python (UserWarning).
+/// Issues a Python UserWarning.
 void Warn(const std::string& text);
 
-/// A matrix (4, 4), from homogeneous points to such.
+/// Returns the 4 x 4 matrix of a pose, for homogeneous points.
 Eigen::Matrix4d MatrixOfPose(const Pose& pose);
 
 void BindView(py::module_* module);

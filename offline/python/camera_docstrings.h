@@ -1,5 +1,5 @@
 /// Docstrings of the longer methods of Camera, for help() and the API
-/// reference. Sections are those of Google's style.
+/// reference, with sections in Google style.
 #ifndef RAYGRID_PYTHON_CAMERA_DOCSTRINGS_H
 #define RAYGRID_PYTHON_CAMERA_DOCSTRINGS_H
 

@@ -5,9 +5,9 @@
 
 namespace raygrid {
 
-/// Arrays of points to pixels and back: Camera.project(), unproject() and
-/// rays(), whose docstrings in camera_binding.cc say shapes and units. They
-/// compute without Python's lock, by so many threads.
+/// Projection and unprojection of arrays: Camera.project(), unproject() and
+/// rays(); shapes and units are in their docstrings in camera_binding.cc. They
+/// run without the GIL, in num_threads threads.
 py::object Project(const PyCamera& self, const py::object& given,
                    bool with_jacobians, int num_threads);
 py::object Unproject(const PyCamera& self, const py::object& given,

@@ -8,9 +8,9 @@
 namespace raygrid {
 
 /// Formats "residual_budget" of result.json: fractions of the sum of squared
-/// residuals, and the limiting cause, which readers derive again.
+/// residuals, and the limiting cause, which ParseBudget() derives again.
 nlohmann::ordered_json BudgetJson(const ResidualBudget& budget);
-/// Throws nlohmann::json::exception.
+/// Parses a budget. Throws nlohmann::json::exception.
 ResidualBudget ParseBudget(const nlohmann::ordered_json& json);
 
 }  // namespace raygrid

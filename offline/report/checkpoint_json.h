@@ -13,7 +13,7 @@ namespace raygrid {
 std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs);
 
-/// Throws InputError: missing, malformed or modified file, or other inputs.
+/// Throws InputError if the file is missing or malformed, or inputs differ.
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                                         const std::string& inputs);
 

@@ -17,10 +17,10 @@ enum class ColorScale {
   kDirection   ///< twilight: cyclic; opposite directions differ most
 };
 
-/// Returns blue, green and red for a value from 0 to 1.
+/// Returns blue, green and red; part: value from 0 to 1.
 std::array<uint8_t, 3> GetColor(ColorScale scale, double part);
 
-/// "linear-gradient(to right,#000004,...)".
+/// Formats a gradient for CSS: "linear-gradient(to right,#000004,...)".
 std::string CssGradient(ColorScale scale);
 
 /// Draws values row by row, scaled from low to high; NaN is white. Each cell is

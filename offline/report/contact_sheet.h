@@ -11,21 +11,21 @@
 
 namespace raygrid {
 
-/// Red, green and blue, 0 to 1.
+/// Red, green and blue, from 0 to 1.
 using SheetColor = std::array<double, 3>;
 
 constexpr SheetColor kTrustedColor = {0.15, 0.85, 0.25};
 constexpr SheetColor kEmptyColor = {0.23, 0.23, 0.23};
 constexpr SheetColor kAreaColor = {1.0, 0.85, 0.1};
 constexpr SheetColor kStraightColor = {1.0, 0.35, 0.0};
-/// The colour of a view by its index; colours repeat cyclically.
+/// Returns the colour of a view by its index; colours repeat cyclically.
 SheetColor GetViewColor(size_t view);
 
 /// Strokes over a picture, in pixels; (0, 0) is the centre of the first pixel.
 struct SheetCurves {
   std::vector<std::vector<Eigen::Vector2d>> curves;
   SheetColor color = kTrustedColor;
-  double width = 2;  ///< in pixels of the sheet; with a dark outline from 2 on
+  double width = 2;  ///< sheet pixels; with dark outline from 2 on
   bool is_dashed = false;
 };
 
@@ -33,10 +33,10 @@ struct SheetCurves {
 struct SheetTile {
   std::string title;
   std::vector<std::string> caption;
-  Image picture;        ///< 8 bits, grey or BGR; empty: none
+  Image picture;        ///< 8 bits, grey or BGR; may be empty
   std::string message;  ///< replaces the picture
   std::vector<SheetCurves> curves;
-  std::optional<SheetColor> frame;  ///< around the picture
+  std::optional<SheetColor> frame;  ///< colour of a frame around it
 };
 
 struct SheetRow {

@@ -14,14 +14,14 @@ namespace raygrid {
 std::string EscapeHtml(const std::string& text);
 std::string Base64(const std::string& bytes);
 
-/// A table row, whose first cell is its name. Cells are HTML.
+/// Cells of a table row, in HTML; the first is the row's name.
 using HtmlRow = std::vector<std::string>;
 std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows);
 
 /// The labels of a picture's axes and colours.
 struct PictureAxes {
   std::string x_label, y_label;
-  std::vector<std::string> x_ticks, y_ticks;  ///< even, from the top left
+  std::vector<std::string> x_ticks, y_ticks;  ///< evenly spaced
 };
 /// Makes the axes of a picture that shows exactly an area, in its pixels.
 PictureAxes AreaAxes(const Area& area);
@@ -32,16 +32,16 @@ struct ColorBar {
 };
 std::string HtmlColorBar(const ColorBar& bar);
 
-/// A picture with axes; view is the name by which the script zooms it.
+/// Formats a picture with axes; view: name for zooming by the script.
 std::string HtmlPicture(const Image& picture, const std::string& caption,
                         const PictureAxes& axes, const std::string& legend,
                         const std::string& view);
 
-/// A picture without axes.
+/// Formats a picture without axes.
 std::string HtmlImage(const Image& picture, const std::string& alt);
 
-/// The page's style and heading; the page's end, with the data for the script.
-/// A trial runs the runtime in the page.
+/// Format the page's style and heading, and its end with the data for the
+/// script. has_trial: whether the page runs the runtime.
 std::string PageStart(const std::string& heading,
                       const std::string& title = "raygrid calibration");
 std::string PageEnd(const std::string& data_json, bool has_trial = false);

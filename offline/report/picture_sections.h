@@ -7,11 +7,11 @@
 
 namespace raygrid {
 
-/// Pictures of coverage, residuals, bias, histograms and uncertainty.
+/// Formats pictures of coverage, residuals, bias, histograms and uncertainty.
 std::string PicturesSection(const CalibrationResult& result);
 
-/// The distances of a non-central camera's observation lines from the point
-/// closest to all of them; empty for a central camera.
+/// Formats the distances of a non-central camera's observation lines from the
+/// point closest to all of them; empty for a central camera.
 std::string LinesSection(const CalibrationResult& result);
 
 }  // namespace raygrid

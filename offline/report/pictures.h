@@ -25,18 +25,18 @@ Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
 /// Draws the legend of the direction picture: a colour wheel.
 Image DirectionLegend(int size_px);
 
-/// Draws the divergence from noise of each cell of the area; white where there
-/// are too few residuals.
+/// Draws the divergence of residuals from noise in each cell of the area; white
+/// for cells with too few residuals.
 Image BiasPicture(const std::vector<FeatureResidual>& residuals,
                   const Area& area, double full_scale);
 
 /// Draws displacements of the cells of an area, row by row: magnitudes as
-/// colours from 0, dark, to full_scale_px, with arrows. A full-scale arrow is
-/// as long as the arrows' spacing. Cells without data are white.
+/// colours from 0, dark, to full_scale_px, with arrows. A full-scale arrow has
+/// the length of the arrows' spacing. Cells without data are white.
 Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
                           int columns, double full_scale_px);
 
-/// Returns the image, scaled down if it is wider.
+/// Scales the image down if it is wider.
 Image ShrinkImage(const Image& image, int max_width_px);
 
 }  // namespace raygrid

@@ -17,28 +17,28 @@ std::string FormatPixels(double value);
 
 std::string AssessmentSection(const Assessment& assessment);
 
-/// Rows of reprojection errors, and their table.
+/// Formats a row of reprojection errors, and a table of such rows.
 HtmlRow FormatMetricsRow(const std::string& name, const ErrorMetrics& metrics);
 std::string ErrorTable(const std::vector<HtmlRow>& rows);
 
-/// Rows of a camera's model and of other models fitted to the same features, if
-/// any, and their table. Names begin with prefix.
+/// Adds rows of a camera's model and of other models fitted to the same
+/// features, if any; formats their table. Names begin with prefix.
 void AddModelRows(const std::string& prefix, const CalibrationResult& result,
                   std::vector<HtmlRow>* rows);
 std::string ModelTable(const std::vector<HtmlRow>& rows);
 
-/// The canvas for the 3D view of cameras and boards.
+/// Formats the canvas for the 3D view of cameras and boards.
 std::string SpaceSection();
 
-/// Explains the terms of status and tables, one per line.
+/// Formats explanations of the terms of status and tables, one per line.
 std::string GlossarySection();
 
-/// A picture of each board's heights.
+/// Formats a picture of each board's heights.
 std::string BoardSection(const Pattern& pattern);
 /// Describes rigid multi-board targets; empty if there is no summary.
 std::string RigidTargetSection(
     const std::vector<std::string>& rigid_target_summary);
-/// The per-view deformation: one bar per image, and the heights of the largest.
+/// Formats the per-view deformation: a bar per image, heights of the largest.
 std::string DeformationSection(const BoardDeformation& bends,
                                const Pattern& pattern);
 

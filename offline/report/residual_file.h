@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// The maximum number of rows of residuals.csv: more than a calibration with
-/// the maximum number of features writes.
+/// The maximum number of rows of residuals.csv, more than the maximum number of
+/// features requires.
 constexpr size_t kMaxResidualRows = 2000000;
 
 /// The residuals of one camera, or of one camera within a rig.

@@ -19,7 +19,7 @@ namespace raygrid {
 /// Additional outputs of a camera.
 struct CameraExtras {
   std::string blob = {};  ///< empty: none
-  std::string view = {};  ///< the view of its table, a camera file; or empty
+  std::string view = {};  ///< view of its table as a camera file, or empty
   std::optional<PackingMetrics> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};
@@ -28,22 +28,22 @@ struct ResultExtras {
   uint64_t seed = 0;
   int64_t peak_memory_bytes = 0;
   std::vector<CameraExtras> cameras;
-  std::optional<StereoExample> stereo = {};  ///< of a rig with images
+  std::optional<StereoExample> stereo = {};  ///< only for rigs with images
 };
 
-/// The path prefix of a camera's files in the result folder: "NAME/" in a rig,
-/// empty for a single camera.
+/// Returns the path prefix of a camera's files in the result folder: "NAME/" in
+/// a rig, empty for a single camera.
 std::string CameraFolder(const RigResult& result, size_t camera);
 
 /// Adds all files except the report.
 void AddResultFiles(const RigResult& result, const ResultExtras& extras,
                     const std::string& folder, OutputFiles* files);
 
-/// Lists the files that a result in a folder may consist of, including those of
-/// a rig's cameras: they are removed when another result is written there.
+/// Lists the files that a result in a folder may consist of, including files of
+/// a rig's cameras; they are removed when another result is written there.
 std::set<std::string> ResultFiles(const std::string& folder);
 
-/// Whether a folder contains the result of a completed calibration.
+/// Returns whether a folder contains the result of a completed calibration.
 bool HasFinishedResult(const std::string& folder);
 
 /// Reads a calibration's result and metrics from its folder. Throws InputError

@@ -17,19 +17,19 @@ struct ViewMetrics {
   Eigen::Vector2d center_px = {0, 0};  ///< cx, cy
 };
 
-/// The metrics of packing.
+/// Metrics of packing.
 struct PackingMetrics {
   size_t blob_bytes = 0;  ///< 0: no blob
   double unproject_error_px = 0;
   std::optional<double> remap_error_px;
   std::optional<ViewMetrics> view = {};
-  std::vector<std::string> warnings = {};  ///< warnings: what the blob lacks
+  std::vector<std::string> warnings = {};  ///< such as missing sections
 };
 
 /// A rectified stereo pair of a rig, for its report.
 struct StereoMetrics {
   std::string left, right;  ///< camera names; vertical pair: upper, lower
-  std::string instant;      ///< image name
+  std::string instant;      ///< name of the frame
   bool is_vertical = false;
   int num_disparities = 0;  ///< search range, in the pictures' pixels
   /// Vertical disparity (horizontal for a vertical pair) of features in both
@@ -38,24 +38,24 @@ struct StereoMetrics {
   int num_features = 0;
 };
 
-/// The number of features used in the calibration that the final camera cannot
-/// project, so that they are not included in error metrics.
+/// Returns the number of features used in the calibration that the final camera
+/// cannot project, so that they are not included in error metrics.
 size_t CountMissingErrors(const CalibrationResult& result);
 
 /// Formats result.json; see formats/json/result.schema.json. Memory and seconds
 /// vary; everything else is deterministic.
 ///
-/// For a single camera, its metrics are those of the whole. A rig has sums and
-/// errors over all cameras, held-out ones with each board localized once for
-/// all cameras; the relative poses of cameras; then each camera's own metrics,
+/// A single camera has its metrics at the top level. A rig has sums and errors
+/// over all cameras, held-out ones with each board localized once for all
+/// cameras; the relative poses of cameras; then each camera's own metrics,
 /// held-out ones with images localized by that camera only.
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
     const std::vector<std::optional<PackingMetrics>>& packing = {},
     const std::optional<StereoMetrics>& stereo = {});
 
-/// The metrics in result.json; data in files of their own, such as camera,
-/// features and residuals, is empty.
+/// Metrics in result.json; data in separate files, such as camera, features and
+/// residuals, is empty.
 struct ResultMetrics {
   RigResult result;
   std::vector<std::optional<PackingMetrics>> packing;  ///< by camera
@@ -63,7 +63,7 @@ struct ResultMetrics {
   std::vector<std::string> rigid_target_summary;  ///< DescribeRigidTargets()
 };
 
-/// Also reads older versions. Throws InputError, also for newer ones.
+/// Parses result.json, also of older versions. Throws InputError.
 ResultMetrics ParseResultJson(const std::string& path, const std::string& text);
 
 }  // namespace raygrid

@@ -13,8 +13,8 @@ constexpr int kResultSchemaVersion = 2;
 constexpr char kCrossValidation[] = "cross-validation";
 constexpr char kHeldOutImages[] = "held-out images";
 
-/// Renames the keys of an older version that are read to those of this one.
-/// False for unknown versions.
+/// Renames the keys of an older version to the current ones. Returns false for
+/// unknown versions.
 bool UpgradeResult(nlohmann::ordered_json* result);
 
 }  // namespace raygrid

@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// Two rectified images of equal size, 8-bit grey; those of a vertical pair
+/// Two rectified images of equal size, 8-bit grey; images of a vertical pair
 /// share columns.
 struct RectifiedImages {
   Image first, second;

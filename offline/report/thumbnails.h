@@ -19,9 +19,9 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
                           const std::vector<std::string>& paths,
                           int num_threads);
 
-/// thumbnails.json: {"raygrid_thumbnails": 1, "images": {name: Base64}}.
+/// Formats thumbnails.json: {"raygrid_thumbnails": 1, "images": {name: ...}}.
 std::string FormatThumbnails(const Thumbnails& thumbnails);
-/// Reads the thumbnails by name, in Base64. Throws InputError naming the file.
+/// Reads thumbnails by name, in Base64. Throws InputError, with the file name.
 ThumbnailTexts ParseThumbnails(const std::string& path,
                                const std::string& json);
 

@@ -13,20 +13,20 @@ namespace raygrid {
 struct TrackPoint {
   Eigen::Vector3d point;
   Eigen::Vector2d pixel;
-  Eigen::Vector2d place;          ///< on the board, longer side: -1 to 1
+  Eigen::Vector2d place;          ///< board position, longer side: -1 to 1
   size_t image = 0, feature = 0;  ///< in the dataset
 };
 
 /// The views of one board in consecutive frames, ordered by time.
 struct BoardTrack {
   std::vector<double> times_s;
-  std::vector<Pose> poses;  ///< camera_from_board at the middle row
+  std::vector<Pose> poses;  ///< camera_from_board at the central row
   std::vector<std::vector<TrackPoint>> points;
   std::vector<MotionStencil> stencils;
   double half_m = 0;  ///< half of the board's longer side
 };
 
-/// Makes the tracks of all boards. Of frames with equal time, one is used.
+/// Makes the tracks of all boards. Of frames with equal time, only one is used.
 std::vector<BoardTrack> MakeTracks(const MovingViews& views);
 
 }  // namespace raygrid

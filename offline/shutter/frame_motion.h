@@ -21,8 +21,8 @@ struct FrameMotion {
   /// Velocity from the nearest two frames instead of four. The difference
   /// indicates the interpolation error.
   Vector6d coarse_velocity = Vector6d::Zero();
-  /// The deviation of the five poses from a cubic motion. Time stamps with a
-  /// standard deviation of s seconds give it a variance of (s velocity)^2.
+  /// Deviation of the five poses from a cubic motion. A standard deviation of s
+  /// seconds of time stamps results in a variance of (s velocity)^2.
   Vector6d unevenness = Vector6d::Zero();
 
   /// Extrapolates a pose by an interval in seconds.
@@ -35,7 +35,7 @@ struct FrameMotion {
   }
 };
 
-/// The update in UpdatedPose()'s parametrization from one pose to another.
+/// Computes the update from one pose to another, as in UpdatedPose().
 Vector6d ComputeUpdate(const Pose& from, const Pose& to);
 
 /// Five successive frames, and the one at which motion is evaluated.
@@ -46,11 +46,11 @@ struct MotionStencil {
   Eigen::Matrix<double, 5, 1> by_velocity, by_acceleration, by_coarse_velocity,
       by_unevenness;
 
-  /// Whether there are two frames before it and two after it.
+  /// Whether two of the frames are before this frame, and two after it.
   bool IsCentral() const { return frame == first + 2; }
 };
 
-/// Frames further apart are not neighbours.
+/// Maximum interval between neighbouring frames.
 constexpr double kMaxFrameGapS = 0.125;
 
 /// Makes the stencils of frames with ascending times: one for each frame in a

@@ -16,7 +16,7 @@ struct MovingViews {
   const CameraModel* camera = nullptr;
   const Pattern* pattern = nullptr;
   const Dataset* dataset = nullptr;
-  std::vector<BoardPose> poses;  ///< at the middle row; initial values
+  std::vector<BoardPose> poses;  ///< initial values, at the central row
   const ImageTimes* times = nullptr;
   /// Whether the camera was calibrated with rolling-shutter compensation.
   /// Otherwise, its bias makes the line delay vary within a recording.
@@ -24,12 +24,12 @@ struct MovingViews {
 };
 
 /// Estimates the line delay. Images without a time, or without neighbours in
-/// time, do not contribute.
+/// time, are not used.
 LineDelayEstimate EstimateLineDelay(const MovingViews& views);
 
 /// Compensates the rolling shutter: moves features to their positions at the
-/// time of the middle row; omits those that would be outside the image, and
-/// those of frames without a motion estimate.
+/// time of the central row; omits features that would be outside the image, and
+/// features of frames without a motion estimate.
 Dataset ComputeGlobalShutterFeatures(const MovingViews& views,
                                      double line_delay_s);
 

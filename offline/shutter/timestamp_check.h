@@ -15,7 +15,7 @@ struct TimedPose {
   std::string image;
   double time_s = 0;
   Pose pose;             ///< camera_from_board
-  Matrix6d information;  ///< of UpdatedPose()'s update, for noise of 1 px
+  Matrix6d information;  ///< for UpdatedPose(), with noise of 1 px
 };
 
 /// The frames in which a board is visible, ordered by time.

@@ -24,7 +24,7 @@ class BoardSurface {
     double depth = 0;  ///< parameter t of the line
   };
   /// Intersects a line, in the board frame, with the front of the surface, on
-  /// the paper or beside it.
+  /// the paper or beside it; nullopt without an intersection.
   std::optional<Point> Intersect(const ObservationLine& line) const;
 
   double InkFraction(const Eigen::Vector2d& center_m,

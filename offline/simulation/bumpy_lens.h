@@ -38,7 +38,7 @@ class BumpyLens : public LineLens {
                                          double margin_px) const override;
   using CameraModel::Project;
 
-  /// The displacement of a pixel by the bumps, relative to the lens alone.
+  /// Returns the displacement of a pixel by the bumps, relative to the lens.
   Eigen::Vector2d Shift(const Eigen::Vector2d& pixel) const;
 
  private:

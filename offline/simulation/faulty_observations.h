@@ -17,11 +17,11 @@ enum class SimulatedFault {
 };
 constexpr int kNumFaults = 7;
 
-/// "none", "lens model", ...
+/// Returns the name of a fault: "none", "lens model", ...
 const char* ToString(SimulatedFault fault);
 
-/// Adds a fault to SimulateObservations() that displaces features by a few
-/// times strength_px, before poses compensate part of it.
+/// SimulateObservations() with a fault that displaces features by a few times
+/// strength_px, before poses compensate part of it.
 Dataset SimulateFaultyObservations(const CameraModel& camera,
                                    const Pattern& pattern,
                                    const SimulationOptions& options,

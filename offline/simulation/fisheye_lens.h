@@ -13,7 +13,7 @@ namespace raygrid {
 struct FisheyeParameters {
   double f_px = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0;
-  /// The image circle; r must increase monotonically up to it.
+  /// Edge of the image circle, up to which r must increase monotonically.
   double max_theta = 100 * M_PI / 180;
 
   double Radius(double theta) const {
@@ -26,7 +26,7 @@ struct FisheyeParameters {
   }
 };
 
-/// Ground truth; its parameters cannot be optimized.
+/// Ground truth with this model; its parameters cannot be optimized.
 class FisheyeLens : public CameraModel {
  public:
   FisheyeLens(const ImageSize& size, const Area& area,

@@ -16,15 +16,15 @@
 
 namespace raygrid {
 
-/// The observation lines of the pixel corners of some rows.
+/// Observation lines of the pixel corners of some rows.
 class RowsOfRays {
  public:
   /// Computes rows [first, last). Lines are extrapolated by up to one pixel:
   /// areas end at the centres of the outermost pixels, images at their corners.
   RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
 
-  /// The line of pixel corner (column - 0.5, row - 0.5); its direction is NaN
-  /// if there is none.
+  /// Returns the line of pixel corner (column - 0.5, row - 0.5); its direction
+  /// is NaN if there is none.
   const ObservationLine& Line(int column, int row) const {
     return lines_[static_cast<size_t>(row - first_row_) * columns_ + column];
   }
@@ -48,10 +48,10 @@ class PixelRays {
 
  private:
   std::shared_ptr<const CameraModel> camera_;
-  std::shared_ptr<const RowsOfRays> all_;  // null for large images
+  std::shared_ptr<const RowsOfRays> all_;  // NULL for large images
 };
 
-/// The imaging process. Grey levels are of 255, before gamma.
+/// The imaging process. Grey levels are in units of 1/255, before gamma.
 struct ImagingOptions {
   double blur_px = 0.7;  ///< standard deviation of the Gaussian blur
   double black_level = 30, white_level = 220;  ///< ink and paper, image centre
@@ -70,7 +70,7 @@ struct PlacedBoard {
   Pose camera_from_board;
 };
 
-/// Grey levels without noise, row by row: with vignetting and exposure, linear,
+/// Linear grey levels without noise, row by row, with vignetting and exposure,
 /// not clipped.
 struct RenderedImage {
   ImageSize size;
@@ -81,9 +81,9 @@ struct RenderedImage {
   }
 };
 
-/// Boards occlude those behind them. Outside the camera's image circle, with a
-/// soft edge of two pixels, there is no light; pixels without observation lines
-/// show the background. The blur extends the image's edge pixels outwards.
+/// Renders boards, which occlude boards behind them. Outside the image circle,
+/// with a soft edge of two pixels, there is no light; pixels without lines show
+/// the background. Edge pixels are extended for the blur.
 RenderedImage RenderImage(const PixelRays& rays,
                           const std::vector<PlacedBoard>& boards,
                           const ImagingOptions& options, int num_threads);

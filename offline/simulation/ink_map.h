@@ -21,8 +21,8 @@ class Footprint {
   double radius_m() const {
     return (sides_m_.col(0).norm() + sides_m_.col(1).norm()) / 2;
   }
-  /// The fraction, 0 to 1, of the patch where normal . point > 0; its centre is
-  /// at normal . center = distance.
+  /// Returns the fraction, 0 to 1, of the patch where normal . point > 0, if
+  /// normal . center = distance.
   double Beyond(const Eigen::Vector2d& normal, double distance_m) const;
 
  private:
@@ -35,13 +35,13 @@ class InkMap {
  public:
   explicit InkMap(const BoardAppearance& appearance);
 
-  /// The ink coverage, 0 to 1, of the patch about center_m.
+  /// Returns the ink coverage, 0 to 1, of the patch about center_m.
   double InkFraction(const Eigen::Vector2d& center_m,
                      const Footprint& footprint) const;
 
  private:
-  // Black where normal . point > offset, for edges in the first half of edges_;
-  // white there for those in the second half.
+  // A boundary of ink: normal . point > offset is black for edges in the first
+  // half of edges_, white in the second half.
   struct Edge {
     Eigen::Vector2d normal;
     double offset;
@@ -61,11 +61,11 @@ class InkMap {
                          int parts_along_side) const;
 
   BoardAppearance appearance_;
-  Eigen::Vector2d corner_m_;  // of the first cell
+  Eigen::Vector2d corner_m_;  // corner of the first cell
   double cell_m_ = 0;
   int columns_ = 0, rows_ = 0;
   std::vector<Edge> edges_;
-  std::vector<int32_t> cells_;  // an edge, or a value of the enumeration
+  std::vector<int32_t> cells_;  // index into edges_, or an enumerator
 };
 
 }  // namespace raygrid

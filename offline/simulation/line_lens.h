@@ -29,7 +29,7 @@ class LineLens : public CameraModel {
   LineLens(const ImageSize& size, const Area& area) : CameraModel(size, area) {}
 };
 
-/// A lens whose entrance pupil moves forward by theta^2, theta being the angle
+/// A lens whose entrance pupil moves forward by theta^2, with theta the angle
 /// from the axis.
 class MovingPupilLens : public LineLens {
  public:

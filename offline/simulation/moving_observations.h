@@ -17,8 +17,8 @@ struct HandMotion {
 };
 
 struct MovingObservations {
-  SimulatedObservations seen;   ///< poses: at the middle row
-  std::vector<double> times_s;  ///< of images, at the middle row
+  SimulatedObservations seen;   ///< poses at the central row
+  std::vector<double> times_s;  ///< image times, at the central row
 };
 
 /// Simulates the pattern's first board in consecutive frames with a rolling

@@ -43,7 +43,7 @@ class SimulatedCamera : public CameraModel {
   void SetParameters(const Eigen::VectorXd&) override {}
 
  private:
-  // The displacement by the bumps, and its Jacobian with respect to the pixel.
+  // Returns the displacement by the bumps; *derivative is its pixel Jacobian.
   Eigen::Vector2d Bend(const Eigen::Vector2d& pixel,
                        Eigen::Matrix2d* derivative) const;
 

@@ -39,7 +39,7 @@ struct LensState {
 ///                  50 K, less at high temperatures
 std::unique_ptr<CameraModel> MakeChangingLens(const LensState& state,
                                               const ImageSize& size);
-/// The lens at a value of one condition, with the other as in LensState.
+/// Returns the lens at a value of one variable, the other as in LensState.
 std::unique_ptr<CameraModel> MakeChangingLens(OperatingParameter condition,
                                               double value,
                                               const ImageSize& size);

@@ -15,7 +15,7 @@ struct SimulationOptions {
   int num_images = 100;  ///< distinct views
   /// Number of consecutive images of each view, with independent noise.
   int num_shots = 1;
-  int features_per_image = 240;  ///< at most; views with fewer are discarded
+  int features_per_image = 240;  ///< maximum; views with fewer are discarded
   double noise_px = 0.05;        ///< standard deviation of each coordinate
   /// Deflection of the board at its edges: a paraboloid.
   double board_bend_m = 0;
@@ -51,7 +51,7 @@ void ThinOutFeatures(size_t count, Random* random,
 void AddNoise(const SimulationOptions& options, Random* random,
               std::vector<Feature>* features);
 
-/// Projects the features of a board to those visible in the image, exactly.
+/// Projects the features of a board without noise; omits invisible ones.
 std::vector<Feature> VisibleFeatures(const CameraModel& camera,
                                      const Board& board, const Pose& pose);
 

@@ -47,8 +47,8 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const SimulationOptions& options);
 
-/// The same for a rigid multi-board target: in each frame, one of its boards is
-/// held in front of one of the cameras, roughly upright.
+/// SimulateRig() for a rigid multi-board target: in each frame, one of its
+/// boards is held in front of one of the cameras, roughly upright.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const FixedBoards& fixed,

@@ -20,9 +20,9 @@ double SquareOfStraightScene(const CameraModel& camera);
 Image RenderStraightScene(const CameraModel& camera, double square,
                           uint8_t not_calibrated, int num_threads);
 
-/// The angle in degrees between the rays at both ends of an image's middle row
-/// (axis 0) or middle column (axis 1), summed via its centre; limited to the
-/// area.
+/// Returns the angle in degrees between the rays at both ends of an image's
+/// central row (axis 0) or column (axis 1), summed via its centre; limited to
+/// the area.
 double SeenAngleDeg(const CameraModel& camera, int axis);
 
 }  // namespace raygrid

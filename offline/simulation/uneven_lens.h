@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// Ground truth without rotational symmetry: subclasses define the exact
 /// direction of an image position and its inverse. Positions are relative to
-/// the image centre, in image widths. Its parameters cannot be optimized.
+/// the image centre, in image widths. The parameters cannot be optimized.
 class UnevenLens : public CameraModel {
  public:
   std::optional<Eigen::Vector3d> Unproject(

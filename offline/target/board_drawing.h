@@ -1,4 +1,4 @@
-/// Boards drawn with cairo, and what cairo drew as the bytes of a file.
+/// Drawing of boards with cairo, and output of cairo's surfaces.
 #ifndef RAYGRID_TARGET_BOARD_DRAWING_H
 #define RAYGRID_TARGET_BOARD_DRAWING_H
 
@@ -11,19 +11,19 @@
 
 namespace raygrid {
 
-/// The ink, with the board's extent at a place on the page. The squares of a
-/// layer are filled as one path: no seams where they touch.
+/// Draws the ink, with the board's top-left extent at `corner` on the page. The
+/// squares of a layer are filled as one path, to avoid seams between them.
 void DrawBoard(const BoardAppearance& appearance, const Eigen::Vector2d& corner,
                double units_per_m, cairo_t* cr);
 
-/// Appends bytes to a std::string, for cairo's surfaces that write to one.
+/// Callback for cairo surfaces: appends bytes to the std::string `text`.
 cairo_status_t AppendBytes(void* text, const unsigned char* data,
                            unsigned int length);
 
-/// Writes what is left, and frees the surface; throws Error(kOutput).
+/// Finishes and destroys the surface. Throws Error(kOutput).
 void FinishSurface(cairo_surface_t* surface);
 
-/// A picture of width x height pixels.
+/// Draws a PNG of width x height pixels and returns its bytes.
 std::string DrawnPng(int width, int height,
                      const std::function<void(cairo_t*)>& draw);
 

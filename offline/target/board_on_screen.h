@@ -9,30 +9,30 @@
 
 namespace raygrid {
 
-/// Boards of one size to show on a monitor, one at a time: with a whole number
-/// of pixels per square, in the middle of mid-grey, which keeps the exposure
-/// where it is.
+/// Boards of equal size to show on a monitor, one at a time: centred, with an
+/// integer number of pixels per square, on mid-grey, which keeps the exposure
+/// constant.
 struct ScreenBoards {
   std::vector<Board> boards;
   ImageSize screen;
   int square_px = 0;
-  double left_px = 0, top_px = 0;  ///< the ink's top-left corner
+  double left_px = 0, top_px = 0;  ///< top-left corner of the ink
 };
 
-/// Squares of so many pixels; 0: as large as fits. Throws Error(kUsage) for
-/// boards that cannot be or do not fit the screen.
+/// square_px: pixels per square; 0: the maximum. Throws Error(kUsage) for
+/// boards that are invalid or exceed the screen.
 ScreenBoards PlanScreenBoards(std::vector<Board> boards,
                               const ImageSize& screen, int square_px = 0);
 
-/// How many pixels a board's squares have on a monitor of this pixel pitch.
+/// Returns the pixels per square of a board on a monitor of this pixel pitch.
 /// Throws Error(kUsage).
 int SquarePx(const Board& board, double pixels_per_inch);
 
-/// The boards with their lengths on a monitor of this pixel pitch.
+/// Returns the boards with their lengths on a monitor of this pixel pitch.
 ScreenBoards WithPixelPitch(ScreenBoards boards, double pixels_per_inch);
 
-/// The length to measure on the monitor: from the first feature to the last of
-/// a row, or of a column where that is longer.
+/// A length to measure on the monitor: from the first to the last feature of a
+/// row, or of a column if that is longer.
 struct ScreenLength {
   bool is_row = true;
   double squares = 0;

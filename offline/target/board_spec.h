@@ -1,4 +1,4 @@
-/// Boards said in one word, for those who have no pattern.yaml.
+/// Specifications of boards in one word, without a pattern.yaml.
 #ifndef RAYGRID_TARGET_BOARD_SPEC_H
 #define RAYGRID_TARGET_BOARD_SPEC_H
 
@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// The board that `raygrid pattern KIND` makes of the same values:
+/// Parses a specification of the board that `raygrid pattern KIND` would make:
 ///
 ///     KIND:COLUMNSxROWS:LENGTH[:NAME=VALUE]...
 ///
@@ -17,15 +17,15 @@ namespace raygrid {
 ///     aprilgrid:6x6:24mm                      tags; side of a tag's black
 ///     star:16x23:11.132mm                     stars; distance between them
 ///
-/// A LENGTH is a number with mm, cm or m. NAMEs are those of the command's
-/// options, which each kind in dataset/kinds adds; marker is a LENGTH, and
-/// flags take no value. Throws Error(kUsage).
+/// A LENGTH is a number with mm, cm or m. NAMEs are the command's options,
+/// which each kind in dataset/kinds adds; marker is a LENGTH, and flags have no
+/// value. Throws Error(kUsage).
 Pattern ParseBoardSpec(const std::string& spec);
 
-/// Whether a text has a colon and is no file's name.
+/// Whether the string contains a colon and is not an existing file.
 bool IsBoardSpec(const std::string& path_or_spec);
 
-/// pattern.yaml, or a board's spec. Throws Error(kUsage), InputError.
+/// Reads pattern.yaml or parses a spec. Throws Error(kUsage), InputError.
 Pattern ReadPatternOrSpec(const std::string& path_or_spec);
 
 }  // namespace raygrid

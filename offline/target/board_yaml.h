@@ -9,27 +9,27 @@
 
 namespace raygrid {
 
-/// The places of the boards on their pages or screens.
+/// The position of the boards on their pages or screens.
 struct BoardPlace {
-  double width_mm = 0, height_mm = 0;  ///< of the page
-  Eigen::Vector2d first_feature_mm;    ///< from its top-left corner
+  double width_mm = 0, height_mm = 0;  ///< size of the page
+  Eigen::Vector2d first_feature_mm;    ///< position from its top-left corner
 };
 
-/// How many times larger a print came out than it was drawn. Where the two
-/// differ, no square is square: square_m is then the mean, and the boards'
-/// points are written out.
+/// Scale of a print relative to its nominal size. If x and y differ, squares
+/// are not square: square_m is then the mean, and the boards' points are listed
+/// explicitly.
 struct PrintScale {
   double x = 1, y = 1;
 };
 
-/// pattern.yaml without a page.
+/// Formats pattern.yaml without a page.
 std::string BoardsYaml(const std::vector<Board>& boards);
 
-/// pattern.yaml; what it says of the page is what was drawn.
+/// Formats pattern.yaml; the page is described with nominal lengths.
 std::string BoardsYaml(const std::vector<Board>& boards,
                        const BoardPlace& place, const PrintScale& scale);
 
-/// Throws Error(kUsage) for boards that cannot be.
+/// Throws Error(kUsage) for invalid boards.
 void RequirePossibleBoards(const std::vector<Board>& boards);
 
 }  // namespace raygrid

@@ -7,12 +7,12 @@
 
 namespace raygrid {
 
-/// Boards 0, 1, ... like a board with numbered markers, but with markers of
-/// their own: each goes on counting where the one before ended. Throws
-/// Error(kUsage) if there are too few markers.
+/// Returns boards 0, 1, ... like a board with numbered markers, but with
+/// distinct markers: the numbers of each continue after the previous board's.
+/// Throws Error(kUsage) if there are too few markers.
 std::vector<Board> MarkerBoards(Board board, int num_boards);
 
-/// The boards requested of a kind. Throws Error(kUsage).
+/// Returns the requested boards of a kind. Throws Error(kUsage).
 std::vector<Board> MakeBoards(const TargetKind& kind,
                               const BoardRequest& request);
 

@@ -1,6 +1,6 @@
-/* The rows of a part of a grey frame, one after the other: done by the kernel,
- * or found for pixels that are done one by one. In C (grey_rows_c.h), and for
- * Thumb-2 in assembler (grey_rows_thumb2.h). */
+/* Traversal of the rows of a span of grey pixels: either blends them with the
+ * kernel, or returns their positions for processing pixel by pixel. In C
+ * (grey_rows_c.h), and in Thumb-2 assembly (grey_rows_thumb2.h). */
 #ifndef RAYGRID_GREY_ROWS_H
 #define RAYGRID_GREY_ROWS_H
 

@@ -1,4 +1,4 @@
-/* The rows of a part of a grey frame in C: cortex_m/grey_rows.h. */
+/* Rows of a span of grey pixels in C: cortex_m/grey_rows.h. */
 #ifndef RAYGRID_GREY_ROWS_C_H
 #define RAYGRID_GREY_ROWS_C_H
 
@@ -6,24 +6,24 @@
 
 #include "kernels/grey_row.h"
 
-/* The rows of a run that are not done yet. */
+/* The remaining rows of a span. */
 typedef struct rg_grey_rows {
-  rg_position* corners; /* those of a run's block, which are edges by now:
+  rg_position* corners; /* corners of the span's tile, converted to edges by
                            rg_start_edges() */
-  uint32_t rounding; /* that the kernel begins with; 0: the pixels of the rows
-                        are done one by one */
-  uint32_t rest;     /* rows that are not done */
-  uint8_t* out;      /* the first pixel of the next one */
+  uint32_t rounding;    /* rounding constant of the kernel; 0: pixels are
+                           processed one by one */
+  uint32_t rest;        /* number of remaining rows */
+  uint8_t* out;         /* first output pixel of the next row */
 } rg_grey_rows;
 
-/* The rounding that the kernel begins with, in C. */
+/* Returns the rounding constant of the kernel in C. */
 static RG_INLINE uint32_t rg_first_rounding_in_c(const rg_run* run) {
   (void)run;
   return RG_ROUNDING_8;
 }
 
-/* Does all rows that are left, and moves out below them: returns 0.
- * If the rounding is 0, finds the next row instead, and returns 1. */
+/* Blends all remaining rows, advances out past them, and returns 0. If the
+ * rounding is 0, computes the next row's positions instead, and returns 1. */
 static RG_INLINE int rg_do_grey_rows_in_c(rg_grey_rows* rows,
                                           rg_block_row* row) {
   const rg_run* const run =

@@ -1,6 +1,6 @@
-/* The rows of a part of a grey frame for Thumb-2 with the DSP extension:
- * compilers would not keep in registers what a row needs. cortex_m/grey_rows.h.
- */
+/* Rows of a span of grey pixels for Thumb-2 with the DSP extension, in
+ * assembly, because compilers do not keep the values of a row in registers:
+ * cortex_m/grey_rows.h. */
 #ifndef RAYGRID_GREY_ROWS_THUMB2_H
 #define RAYGRID_GREY_ROWS_THUMB2_H
 
@@ -9,8 +9,8 @@
 #include "cortex_m/grey_rows_c.h"
 
 #if RG_GREY_ROW_IN_ASSEMBLER
-/* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the left samples'
- * weight less one. upper is data + row stride + column; then
+/* x is mirrored, 4079 - x = 4095 - (x + 16): its fraction is the weight of the
+ * left samples less one. upper is data + row stride + column; then
  *   pixels = upper[0], upper[1], lower[0], lower[1]
  *   right = upper[1], lower[1] as halves; left - right = pixels - 257 right
  *   h = (left - right) (fraction + 1) + 128 right, both rows at once
@@ -35,13 +35,12 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
-/* The offset of a run's field from its block's corners, in bytes. */
+/* Offset of a field of rg_run from block.corners, in bytes. */
 #define RG_FROM_CORNERS(field) \
   ((int)offsetof(rg_run, field) - (int)offsetof(rg_run, block.corners))
 
-/* A row of n pixels takes half of them, rounded up, as turns, which are counted
- * in the upper four bits; the one below them says that n is odd: the first turn
- * is half a one then. */
+/* A row of n pixels takes ceil(n / 2) iterations, counted in bits 31..28. Bit
+ * 27 is set if n is odd; the first iteration then writes one pixel only. */
 static RG_INLINE uint32_t rg_first_rounding_in_thumb2(const rg_run* run) {
   return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
 }
@@ -53,7 +52,7 @@ static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
   register int32_t step_x __asm__("r2");
   register int32_t step_y __asm__("r3");
   __asm__ goto(
-      /* sums, and those of the row below */
+      /* edges of this row, and of the row below */
       "0:\n\t"
       "ldr lr, %[corners]\n\t"
       "ldm lr, {r0-r7}\n\t"
@@ -62,7 +61,7 @@ static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
       "adds r6, r6, r2\n\t"
       "adds r7, r7, r3\n\t"
       "stm lr, {r4-r7}\n\t"
-      /* start and step */
+      /* start and step of the row */
       "ldrb r4, [lr, %[height_log2]]\n\t"
       "asrs r0, r0, r4\n\t"
       "asrs r1, r1, r4\n\t"
@@ -78,7 +77,7 @@ static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
       "ldr r8, %[rounding]\n\t"
       "lsls r7, r8, #4\n\t"
       "beq %l[is_apart]\n\t"
-      /* the pixels */
+      /* blending of the pixels */
       "movw r4, #4079\n\t"
       "sub r0, r4, r0\n\t"
       "ldr r6, %[out]\n\t"

@@ -1,5 +1,5 @@
-/* Rows of control points of a grid, summed with the weights of a B-spline. In C
- * (grid_rows_c.h), and for Thumb-2 in assembler (grid_rows_thumb2.h). */
+/* B-spline sums of rows of a grid's control points. In C (grid_rows_c.h), and
+ * in Thumb-2 assembly (grid_rows_thumb2.h). */
 #ifndef RAYGRID_GRID_ROWS_H
 #define RAYGRID_GRID_ROWS_H
 
@@ -14,7 +14,7 @@
 #define RG_ADD_LINE_ROW rg_add_line_row_in_c
 #endif
 
-/* C that is written out four times is faster where speed matters. */
+/* When optimizing for speed, the unrolled C code is faster. */
 #if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST
 #define RG_SUM_POINTS rg_sum_points_in_thumb2
 #else

@@ -1,4 +1,4 @@
-/* Rows of control points of a grid in C: cortex_m/grid_rows.h. */
+/* B-spline sums of rows of control points in C: cortex_m/grid_rows.h. */
 #ifndef RAYGRID_GRID_ROWS_C_H
 #define RAYGRID_GRID_ROWS_C_H
 
@@ -10,7 +10,7 @@
 #include "config.h"
 #include "fixed_point.h"
 
-/* Adds a row of control points, times its weight. */
+/* Adds the B-spline of a row of control points, times the row's weight. */
 static RG_INLINE void rg_add_point_row(const uint8_t* points,
                                        const int32_t w_q31[4],
                                        int32_t row_weight_q31,
@@ -31,8 +31,8 @@ static RG_INLINE void rg_add_point_row(const uint8_t* points,
   sums_q27[1] = rg_multiply_high_add(sums_q27[1], row_b, row_weight_q31);
 }
 
-/* The B-spline of 4 x 4 control points of 32 bits: rows, and the column of four
- * rows. Each product is rounded, q29 to q28 and to q27. */
+/* Computes the B-spline of 4 x 4 control points of 32 bits, first along rows
+ * and then along the column. Each product is rounded, q29 to q28 and to q27. */
 static RG_INLINE void rg_sum_points_in_c(const uint8_t* points,
                                          uint32_t columns, int32_t w_q31[2][4],
                                          int32_t sums_q27[2]) {
@@ -48,7 +48,7 @@ static RG_INLINE void rg_sum_points_in_c(const uint8_t* points,
   sums_q27[1] = sums[1];
 }
 
-/* One coordinate of a row of residuals. */
+/* Computes the B-spline of one coordinate of a row of four residuals. */
 static RG_INLINE int32_t rg_sum_residual_row(const uint8_t* residuals,
                                              const int32_t w_q31[4]) {
   const uint32_t size = RG_NARROW_POINT_SIZE;
@@ -60,8 +60,8 @@ static RG_INLINE int32_t rg_sum_residual_row(const uint8_t* residuals,
                 rg_multiply_half(w_q31[3], rg_load_i16(residuals + 3 * size)));
 }
 
-/* The B-spline of 4 x 4 residuals of 16 bits, times 2^15, and half, which
- * rounds the sums later. One coordinate after the other: registers are few. */
+/* Computes the B-spline of 4 x 4 residuals of 16 bits, times 2^15, plus half,
+ * for later rounding. One coordinate at a time, because registers are few. */
 static RG_INLINE void rg_sum_residuals_in_c(const uint8_t* residuals,
                                             uint32_t columns, int32_t half,
                                             int32_t w_q31[2][4],
@@ -77,9 +77,9 @@ static RG_INLINE void rg_sum_residuals_in_c(const uint8_t* residuals,
   }
 }
 
-/* The B-spline of a row of four points of a line, and the column of four rows.
- * Each product is rounded, q28 to q27 and to q26. Returns the row's last point.
- */
+/* Computes the B-spline of a row of four line points and adds it, times the
+ * row's weight, to the sums. Each product is rounded, q28 to q27 and to q26.
+ * Returns the row's last point, and advances *row_weight_q31. */
 static RG_INLINE const uint8_t* rg_add_line_row_in_c(
     const uint8_t* points, const int32_t w_q31[4],
     const int32_t** row_weight_q31, int32_t sums_q26[3]) {

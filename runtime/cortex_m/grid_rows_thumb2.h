@@ -1,6 +1,6 @@
-/* Rows of control points of a grid for Thumb-2 with the DSP extension:
- * compilers would load words one by one, and run out of registers.
- * cortex_m/grid_rows.h. */
+/* B-spline sums of rows of control points for Thumb-2 with the DSP extension,
+ * in assembly, because compilers generate single loads and run out of
+ * registers: cortex_m/grid_rows.h. */
 #ifndef RAYGRID_GRID_ROWS_THUMB2_H
 #define RAYGRID_GRID_ROWS_THUMB2_H
 
@@ -14,7 +14,7 @@
 
 #if RG_ROWS_IN_ASSEMBLER
 
-/* rg_sum_points_in_c(), with turns counted in bits that are shifted out. */
+/* rg_sum_points_in_c(); iterations are counted in bits that are shifted out. */
 static RG_INLINE void rg_sum_points_in_thumb2(const uint8_t* points,
                                               uint32_t columns,
                                               int32_t w_q31[2][4],

@@ -1,5 +1,5 @@
-/* The corners of the parts of a remap table's blocks, part by part:
- * formats/SPEC.md, "Bends". In C, and for Cortex-M in assembler. */
+/* Corners of the tiles (parts) of a remap table's blocks, tile by tile:
+ * formats/SPEC.md, "Bends". In C, and in assembly for Cortex-M. */
 #ifndef RAYGRID_PART_CORNERS_H
 #define RAYGRID_PART_CORNERS_H
 
@@ -15,34 +15,33 @@
 extern "C" {
 #endif
 
-/* The extent of a part on an axis, in q16 blocks: what is before it, and its
- * size. */
+/* The extent of a tile on an axis, in q16 blocks: its start and its size. */
 typedef struct rg_span {
   uint32_t before, size;
 } rg_span;
 
-/* A row of parts of the blocks of a remap section, which must be one that
- * rg_select_remap() accepted. */
+/* A row of tiles across the blocks of a remap section that rg_select_remap()
+ * accepted. */
 typedef struct rg_part_row {
   const uint8_t* section;
-  const uint8_t* block; /* the upper left vertex of the last part's block */
+  const uint8_t* block; /* upper left vertex of the last tile's block */
   uint32_t row_size;    /* bytes from a vertex to the one below it */
-  uint8_t bend_shift;   /* for parts of this width */
-  uint8_t num_log2;     /* log2 of four times a block's parts across */
-  uint8_t is_empty;     /* the table says that no pixel of the last part's block
-                           has a source */
+  uint8_t bend_shift;   /* shift of bends for tiles of this width */
+  uint8_t num_log2;     /* log2 of four times the tiles per block, across */
+  uint8_t is_empty;     /* whether no pixel of the last tile's block has a
+                           source */
   uint8_t vertex_size;  /* in bytes */
-  rg_span spans[2];     /* of the next part across, of the row of parts down */
+  rg_span spans[2];     /* next tile across, row of tiles down */
 } rg_part_row;
 
-/* Sets the parts' size, 2^width_log2 x 2^height_log2 output pixels: a block is
- * 1 to 8 such parts wide and high, 1 in a table without bends. The section is
+/* Sets the tile size, 2^width_log2 x 2^height_log2 output pixels: a block has 1
+ * to 8 tiles in each direction, 1 in a table without bends. The section must be
  * set. */
 static inline void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
                                 uint32_t height_log2) {
   const uint8_t* const section = parts->section;
   const uint32_t whole_log2 =
-      section[RG_REMAP_BLOCK_LOG2] + 2u; /* of four blocks */
+      section[RG_REMAP_BLOCK_LOG2] + 2u; /* block of four blocks */
   const uint32_t num_log2 = whole_log2 - width_log2;
   parts->bend_shift = (uint8_t)(rg_bend_shift(section) + width_log2 -
                                 section[RG_REMAP_PART_LOG2]);
@@ -51,13 +50,13 @@ static inline void rg_set_parts(rg_part_row* parts, uint32_t width_log2,
   parts->spans[1].size = UINT32_C(0x40000) >> (whole_log2 - height_log2);
 }
 
-/* Goes to the first part of row j of parts, the size of which is set. */
+/* Moves to the first tile of row j. The tile size must be set. */
 static RG_INLINE void rg_start_parts(rg_part_row* parts, uint32_t j) {
   parts->spans[0].before = 0;
   parts->spans[1].before = j * parts->spans[1].size;
 }
 
-/* Sets the section and the parts' size, and goes to the first part of row j. */
+/* Sets the section and the tile size, and moves to the first tile of row j. */
 static inline void rg_start_part_row(const uint8_t* section,
                                      uint32_t width_log2, uint32_t height_log2,
                                      uint32_t j, rg_part_row* parts) {
@@ -66,9 +65,9 @@ static inline void rg_start_part_row(const uint8_t* section,
   rg_start_parts(parts, j);
 }
 
-/* Finds the block that the next part is in, and sizes of its vertices.
+/* Finds the block that contains the next tile, and the sizes of its vertices.
  *
- * knot_shift  as rg_camera has it */
+ * knot_shift  as in rg_camera */
 static RG_INLINE void rg_find_block_of_part(rg_part_row* parts,
                                             uint32_t knot_shift) {
   const uint8_t* const section = parts->section;
@@ -87,13 +86,13 @@ static RG_INLINE void rg_find_block_of_part(rg_part_row* parts,
   parts->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
 }
 
-/* Finds the corners of the part, from its block's vertices, and goes on to the
- * next part. Corners of parts are the same, by whatever code: in C, in
- * assembler of Thumb-2, and those that the fast walk finds. */
+/* Computes the corners of the next tile from the vertices of its block, and
+ * advances. All versions compute the same corners: in C, in Thumb-2 assembly,
+ * and in the fast traversal (fast_corners.h). */
 void rg_pass_part_in_c(rg_part_row* parts, rg_position corners[4]);
 void rg_pass_part_in_thumb2(rg_part_row* parts, rg_position corners[4]);
 
-/* rg_pass_part_in_...(), by the code that suits the processor. */
+/* Calls the version of rg_pass_part_in_...() for the target. */
 static RG_INLINE void rg_pass_part(rg_part_row* parts, rg_position corners[4]) {
   if (RG_CORNERS_IN_ASSEMBLER)
     rg_pass_part_in_thumb2(parts, corners);
@@ -101,8 +100,8 @@ static RG_INLINE void rg_pass_part(rg_part_row* parts, rg_position corners[4]) {
     rg_pass_part_in_c(parts, corners);
 }
 
-/* rg_pass_part() between two knots of a stack, for the small walk alone:
- * rg_stack_code. */
+/* rg_pass_part() interpolated between two samples of the operating-point stack,
+ * for the small traversal only: rg_stack_code. */
 #if RG_FAST_WALK
 #define RG_PASS_BLENDED_PART 0
 #else
@@ -111,7 +110,7 @@ void rg_pass_blended_part(rg_part_row* parts, rg_position corners[4],
 #define RG_PASS_BLENDED_PART rg_pass_blended_part
 #endif
 
-/* Finds the part as a block, and goes on to the next one. */
+/* Sets *block to the next tile and advances. */
 void rg_next_block(rg_part_row* parts, rg_block* block);
 
 #ifdef __cplusplus

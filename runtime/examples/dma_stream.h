@@ -1,14 +1,14 @@
-/* Frames that a DMA writes band by band, undistorted while they come: for
- * boards with room for a ring of bands, and none for a frame.
+/* Undistortion of frames while a DMA writes them band by band: for boards with
+ * memory for a ring buffer of bands, but not for a frame.
  *
- * The DMA fills a band of rows after the other, each into the next slot of the
- * ring, and interrupts after each. Meanwhile the processor undistorts what has
- * all its rows. So a band of output leaves as soon as its last row is in.
+ * The DMA writes each band of rows into the next slot of the ring buffer, with
+ * an interrupt after each. Meanwhile the processor undistorts the output rows
+ * whose source rows are complete, so that a band is sent with minimum latency.
  *
- *   dma_stream_check()       once, for a camera
- *   dma_stream_begin()       before the DMA starts with a frame
- *   dma_stream_filled()      by the interrupt handler, for each band
- *   dma_stream_undistort()   the frame */
+ *   dma_stream_check()       once for each camera
+ *   dma_stream_begin()       before the DMA starts a frame
+ *   dma_stream_filled()      in the interrupt handler, for each band
+ *   dma_stream_undistort()   undistorts the frame */
 #ifndef RAYGRID_DMA_STREAM_H
 #define RAYGRID_DMA_STREAM_H
 
@@ -18,56 +18,56 @@
 
 typedef struct dma_stream {
   rg_format format;
-  uint16_t width, height; /* of the sensor */
+  uint16_t width, height; /* size of the sensor's frames */
   uint8_t pixel_bytes;
-  uint8_t band_rows_log2; /* rows of a band the DMA fills; height has whole
-                             bands */
-  uint8_t num_slots_log2; /* bands in the ring */
-  uint8_t out_rows;       /* of the output that are made at once */
-  uint8_t* ring;          /* the DMA writes it, the processor only reads */
-  uint8_t* out[2];        /* the one is made while the other one is sent */
-  uint32_t num_sent;      /* bands of the output, of all frames */
+  uint8_t band_rows_log2; /* log2 of the rows per DMA band; the height must be a
+                             multiple */
+  uint8_t num_slots_log2; /* log2 of the bands in the ring buffer */
+  uint8_t out_rows;       /* rows per output band */
+  uint8_t* ring;          /* written by the DMA, read by the processor */
+  uint8_t* out[2];        /* one is written while the other one is sent */
+  uint32_t num_sent;      /* output bands, total over all frames */
   uint32_t num_seen;      /* bands of this frame that may be read */
-  volatile uint32_t num_filled; /* by the handler: bands of this frame */
-  volatile uint32_t has_failed; /* by a handler: the frame is spoiled */
+  volatile uint32_t num_filled; /* bands of this frame, set by the handler */
+  volatile uint32_t has_failed; /* set by a handler: the frame is incomplete */
 } dma_stream;
 
-/* ---- What a board gives ------------------------------------------------- */
+/* ---- Implemented by the board ------------------------------------------- */
 
-/* Holds interrupts back, and lets them through again. */
+/* Disables interrupts and returns their state; restores the state. */
 uint32_t board_lock(void);
 void board_unlock(uint32_t state);
 
-/* Sleeps until there is an interrupt, also one that is held back. */
+/* Sleeps until an interrupt is pending, even if it is disabled. */
 void board_sleep(void);
 
-/* Makes the processor forget what its cache holds of memory that a DMA has
- * written. Nothing where there is no cache. */
+/* Invalidates the cache of memory that a DMA has written. No effect without a
+ * cache. */
 void board_invalidate(const void* begin, uint32_t num_bytes);
 
-/* Writes what the cache holds to memory that a DMA will read. */
+/* Cleans the cache of memory that a DMA will read: writes it back. */
 void board_clean(const void* begin, uint32_t num_bytes);
 
-/* Waits until what was sent before has left its buffer, then sends. */
+/* Waits until the previous buffer is sent, then starts sending this one. */
 void board_send(const uint8_t* bytes, uint32_t num_bytes);
 
-/* ---- What a board calls ------------------------------------------------- */
+/* ---- Called by the board ------------------------------------------------ */
 
-/* The slot of a band, counted from the top of the frame. */
+/* Returns the slot of a band, 0-based from the top of the frame. */
 uint8_t* dma_stream_slot(const dma_stream* stream, uint32_t band);
 
-/* RG_ERR_FRAME_SIZE where the camera's table is not for this sensor, or its
- * output is wider than the sensor. RG_ERR_ROWS_MISSING where the lens bends
- * rows so much that the ring has too few slots. */
+/* Returns RG_ERR_FRAME_SIZE if the selected table has another source size than
+ * the sensor, or its output is wider; RG_ERR_ROWS_MISSING if the ring buffer
+ * has too few slots for the distortion of rows. */
 rg_status dma_stream_check(const dma_stream* stream, const rg_camera* camera);
 
 void dma_stream_begin(dma_stream* stream);
 void dma_stream_filled(dma_stream* stream);
 void dma_stream_fail(dma_stream* stream);
 
-/* Undistorts the frame and sends it. Returns when the last band of the frame
- * is in. RG_ERR_ROWS_MISSING where the DMA failed, or was so far ahead that it
- * wrote over rows in use: then the frame is cut off before them. */
+/* Undistorts the frame and sends it. Returns when the last band of the frame is
+ * received. RG_ERR_ROWS_MISSING if the DMA failed, or overwrote rows in use;
+ * the rest of the frame is then not sent. */
 rg_status dma_stream_undistort(dma_stream* stream, const rg_camera* camera);
 
 #endif /* RAYGRID_DMA_STREAM_H */

@@ -1,5 +1,5 @@
-/* Registers of the ESP32-S3 that esp32s3_cam.c uses, by the names of its
- * technical reference manual, and the calls of ESP-IDF. */
+/* Registers of the ESP32-S3 that esp32s3_cam.c uses, named as in its technical
+ * reference manual, and functions of ESP-IDF. */
 #ifndef RAYGRID_ESP32S3_REGISTERS_H
 #define RAYGRID_ESP32S3_REGISTERS_H
 
@@ -14,8 +14,8 @@ typedef struct system_registers {
 
 typedef struct gpio_registers {
   volatile uint32_t others[85];
-  volatile uint32_t FUNC_IN_SEL_CFG[256]; /* by signal, from 0x154 on */
-  volatile uint32_t FUNC_OUT_SEL_CFG[49]; /* by pin, from 0x554 on */
+  volatile uint32_t FUNC_IN_SEL_CFG[256]; /* one per signal, from 0x154 */
+  volatile uint32_t FUNC_OUT_SEL_CFG[49]; /* one per pin, from 0x554 */
 } gpio_registers;
 
 typedef struct io_mux_registers {
@@ -39,7 +39,7 @@ typedef struct uart_registers {
   volatile uint32_t STATUS;
 } uart_registers;
 
-/* A descriptor of the GDMA. */
+/* A GDMA descriptor. */
 typedef struct gdma_descriptor {
   volatile uint32_t DW0;
   uint32_t buffer, next; /* addresses */
@@ -52,10 +52,10 @@ typedef struct gdma_descriptor {
 #define GDMA_IN0 REGISTERS(gdma_in_registers, 0x6003f000u)
 #define UART0 REGISTERS(uart_registers, 0x60000000u)
 
-#define SYSTEM_DMA (1u << 6) /* in PERIP_CLK_EN1 and PERIP_RST_EN1 */
+#define SYSTEM_DMA (1u << 6) /* bit of PERIP_CLK_EN1, PERIP_RST_EN1 */
 #define SYSTEM_LCD_CAM (1u << 8)
 
-#define GPIO_SIG_IN_SEL (1u << 7) /* by the matrix */
+#define GPIO_SIG_IN_SEL (1u << 7) /* input through the matrix */
 #define IO_MUX_FUN_IE (1u << 9)
 #define IO_MUX_MCU_SEL_GPIO (1u << 12)
 #define CAM_DATA_IN0_IDX 133u
@@ -72,11 +72,11 @@ typedef struct gdma_descriptor {
 #define CAM_CTRL1_RESET (1u << 30)
 #define CAM_CTRL1_AFIFO_RESET (1u << 31)
 
-#define CAM_VSYNC_INT (1u << 2) /* LC_DMA_INT_.. */
+#define CAM_VSYNC_INT (1u << 2) /* bit of LC_DMA_INT_.. */
 
-#define GDMA_IN_RST (1u << 0)    /* CONF0 */
-#define GDMA_IN_DONE (1u << 0)   /* INT_..: a descriptor is full */
-#define GDMA_IN_ERRORS (7u << 2) /* of an end, of the list, its end */
+#define GDMA_IN_RST (1u << 0)    /* bit of CONF0 */
+#define GDMA_IN_DONE (1u << 0)   /* bit of INT_..: a descriptor is full */
+#define GDMA_IN_ERRORS (7u << 2) /* EOF, descriptor, list end */
 #define GDMA_INLINK_STOP (1u << 21)
 #define GDMA_INLINK_START (1u << 22)
 #define GDMA_PERI_LCD_CAM 5u
@@ -85,7 +85,7 @@ typedef struct gdma_descriptor {
 #define UART_TXFIFO_CNT(status) ((status) >> 16 & 0x3ffu)
 #define UART_TXFIFO_SIZE 128u
 
-/* ESP-IDF's esp_intr_alloc.h, which declares the handle as a pointer. */
+/* From ESP-IDF's esp_intr_alloc.h, which declares the handle as a pointer. */
 #define ETS_DMA_IN_CH0_INTR_SOURCE 66
 #define ESP_INTR_FLAG_LEVEL3 (1 << 3)
 int esp_intr_alloc(int source, int flags, void (*handler)(void*),

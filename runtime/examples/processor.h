@@ -1,6 +1,6 @@
-/* The processor below the examples of boards: registers at their
- * addresses, interrupts held back, lines of the cache. A test puts memory and
- * functions of its own in their place. */
+/* Access of the examples to the processor: registers at their addresses,
+ * masking of interrupts, and cache lines. A test substitutes memory and
+ * functions of its own. */
 #ifndef RAYGRID_EXAMPLES_PROCESSOR_H
 #define RAYGRID_EXAMPLES_PROCESSOR_H
 
@@ -8,13 +8,13 @@
 
 #if !defined(BOARD_IS_MOCK)
 
-/* A peripheral whose registers are the fields of a type. */
+/* Registers of a peripheral as a struct at a fixed address. */
 #define REGISTERS(type, address) ((type*)(address))
 
-/* In loops that wait for a register. */
+/* Called in loops that wait for a register. */
 #define POLL() ((void)0)
 
-/* To a register that takes one value after the other. */
+/* Writes to a FIFO register. */
 #define WRITE_FIFO(fifo, value) ((fifo) = (value))
 
 #if defined(__arm__)
@@ -29,7 +29,7 @@ static inline void release_interrupts(uint32_t state) {
   __asm__ volatile("msr primask, %0\n\tisb" : : "r"(state) : "memory");
 }
 
-/* An interrupt that is held back ends this, too. */
+/* Returns also if a masked interrupt is pending. */
 static inline void wait_for_interrupt(void) {
   __asm__ volatile("dsb\n\twfi" : : : "memory");
 }
@@ -50,7 +50,7 @@ static inline void release_interrupts(uint32_t state) {
   __asm__ volatile("wsr %0, ps\n\trsync" : : "r"(state) : "memory");
 }
 
-/* Lets them through while it waits. */
+/* Enables interrupts while waiting. */
 static inline void wait_for_interrupt(void) {
   __asm__ volatile("waiti 0" : : : "memory");
 }

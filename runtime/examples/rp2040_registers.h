@@ -1,5 +1,5 @@
-/* Registers of the RP2040 that rp2040_pio.c uses, by the names of its data
- * sheet. */
+/* Registers of the RP2040 that rp2040_pio.c uses, named as in its data sheet.
+ */
 #ifndef RAYGRID_RP2040_REGISTERS_H
 #define RAYGRID_RP2040_REGISTERS_H
 
@@ -26,14 +26,14 @@ typedef struct pio_registers {
 
 typedef struct dma_channel_registers {
   volatile uint32_t READ_ADDR, WRITE_ADDR, TRANS_COUNT, CTRL_TRIG;
-  volatile uint32_t AL1_CTRL; /* the same register, but starts nothing */
+  volatile uint32_t AL1_CTRL; /* alias of the register, without trigger */
   volatile uint32_t others[11];
 } dma_channel_registers;
 
 typedef struct dma_registers {
   dma_channel_registers CH[12];
   volatile uint32_t unused[64];
-  volatile uint32_t INTR, INTE0, INTF0, INTS0; /* from 0x400 on */
+  volatile uint32_t INTR, INTE0, INTF0, INTS0; /* 0x400 */
   volatile uint32_t others[13];
   volatile uint32_t CHAN_ABORT; /* 0x444 */
 } dma_registers;
@@ -71,7 +71,7 @@ typedef struct nvic_registers {
 #define PIO_SHIFTCTRL_IN_RIGHT (1u << 18)
 #define PIO_SHIFTCTRL_FJOIN_RX (1u << 31)
 
-/* Instructions of the state machine. */
+/* PIO instructions. */
 #define PIO_WAIT_GPIO(level, pin) (0x2000u | (level) << 7 | (pin))
 #define PIO_IN_PINS(bits) (0x4000u | (bits))
 #define PIO_JMP(address) (address)
@@ -83,7 +83,7 @@ typedef struct nvic_registers {
 #define DMA_CTRL_CHAIN_TO(channel) ((uint32_t)(channel) << 11)
 #define DMA_CTRL_TREQ(request) ((uint32_t)(request) << 15)
 #define DMA_CTRL_BUSY (1u << 24)
-#define DMA_CTRL_ERRORS (7u << 29) /* a bus error, of reading or writing */
+#define DMA_CTRL_ERRORS (7u << 29) /* bus errors of reads and writes */
 #define DREQ_PIO0_RX0 4u
 #define DREQ_SPI0_TX 16u
 

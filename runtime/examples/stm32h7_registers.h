@@ -1,5 +1,5 @@
-/* Registers of the STM32H743 and of its Cortex-M7 that stm32h7_dcmi.c uses, by
- * the names of the manuals RM0433 and PM0253. */
+/* Registers of the STM32H743 and of its Cortex-M7 that stm32h7_dcmi.c uses,
+ * named as in the manuals RM0433 and PM0253. */
 #ifndef RAYGRID_STM32H7_REGISTERS_H
 #define RAYGRID_STM32H7_REGISTERS_H
 
@@ -7,7 +7,7 @@
 
 typedef struct rcc_registers {
   volatile uint32_t other[54];
-  volatile uint32_t AHB1ENR, AHB2ENR, AHB4ENR; /* from 0xd8 on */
+  volatile uint32_t AHB1ENR, AHB2ENR, AHB4ENR; /* 0xd8 */
   volatile uint32_t APB3ENR, APB1LENR, APB1HENR, APB2ENR;
 } rcc_registers;
 
@@ -40,7 +40,7 @@ typedef struct nvic_registers {
   volatile uint32_t ISER[8];
 } nvic_registers;
 
-/* The cache, by address: a line becomes invalid; a line is cleaned. */
+/* Cache maintenance by address: invalidates or cleans a line. */
 typedef struct cache_registers {
   volatile uint32_t ICIALLU, reserved, ICIMVAU, DCIMVAC, DCISW, DCCMVAU,
       DCCMVAC;
@@ -60,12 +60,12 @@ typedef struct cache_registers {
 #define RCC_APB2ENR_SPI1EN (1u << 12)
 
 #define DCMI_CR_CAPTURE (1u << 0)
-#define DCMI_CR_CM (1u << 1) /* one frame */
+#define DCMI_CR_CM (1u << 1) /* single frame */
 #define DCMI_CR_PCKPOL (1u << 5)
 #define DCMI_CR_HSPOL (1u << 6)
 #define DCMI_CR_VSPOL (1u << 7)
 #define DCMI_CR_ENABLE (1u << 14)
-#define DCMI_OVR (1u << 1) /* in RIS, IER, MIS and ICR */
+#define DCMI_OVR (1u << 1) /* bit of RIS, IER, MIS and ICR */
 
 #define DMA_CR_EN (1u << 0)
 #define DMA_CR_TEIE (1u << 2)
@@ -78,11 +78,11 @@ typedef struct cache_registers {
 #define DMA_CR_MSIZE_16 (1u << 13)
 #define DMA_CR_MSIZE_32 (2u << 13)
 #define DMA_CR_PL_HIGHEST (3u << 16)
-#define DMA_CR_DBM (1u << 18) /* two buffers by turns */
-#define DMA_CR_CT (1u << 19)  /* the one in use: M0AR or M1AR */
+#define DMA_CR_DBM (1u << 18) /* double buffer mode */
+#define DMA_CR_CT (1u << 19)  /* buffer in use: M0AR or M1AR */
 #define DMA_FCR_DMDIS (1u << 2)
 #define DMA_FCR_FTH_FULL (3u << 0)
-#define DMA_LISR_STREAM0 0x3du /* its flags, the lowest of all */
+#define DMA_LISR_STREAM0 0x3du /* flags of stream 0, the lowest bits */
 #define DMA_LISR_TEIF0 (1u << 3)
 #define DMA_LISR_TCIF0 (1u << 5)
 #define DMA_LISR_STREAM1 (0x3du << 6)
@@ -94,7 +94,7 @@ typedef struct cache_registers {
 #define SPI_CR1_SSI (1u << 12)
 #define SPI_CFG1_DSIZE_16 15u
 #define SPI_CFG1_TXDMAEN (1u << 15)
-#define SPI_CFG1_MBR_4 (1u << 28) /* a quarter of the kernel's clock */
+#define SPI_CFG1_MBR_4 (1u << 28) /* a quarter of the kernel clock */
 #define SPI_CFG2_COMM_TX (1u << 17)
 #define SPI_CFG2_MASTER (1u << 22)
 #define SPI_CFG2_SSM (1u << 26)

@@ -11,14 +11,14 @@
 #include "kernels/kernel.h"
 #include "raygrid.h"
 
-/* More than rounding displaces the positions of a block beyond its corners, and
- * than the rounding of a position, in q12. */
+/* Maximum distance of rounded positions from the quadrilateral of the tile's
+ * corners, with a margin, in q12 pixels. */
 #define RG_POSITION_MARGIN 64
 
-/* The source of a component, in the component's pixels. */
+/* Size of a component's source, in component pixels. */
 typedef struct rg_source {
   uint16_t size[2];   /* width, height */
-  uint16_t ring_rows; /* of the ring buffer with its rows; 0: none */
+  uint16_t ring_rows; /* rows of the ring buffer; 0: whole frame */
 } rg_source;
 
 /* Sets the size for an image of the given size in pixels. */
@@ -29,7 +29,7 @@ static RG_INLINE void rg_set_source_size(const rg_camera* camera,
   source->size[1] = (uint16_t)(camera->frame_height >> lattice->log2[1]);
 }
 
-/* Sets the component's position in the planes of image and target: data, out
+/* Sets the component's addresses in the planes of image and target: data, out
  * and strides of the span, and the rows of the ring buffer. */
 static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
                                     const rg_image* image,
@@ -46,9 +46,9 @@ static RG_INLINE void rg_set_planes(const rg_lattice* lattice,
   run->out_stride = out_stride * lattice->row_step;
 }
 
-/* The rows of a ring buffer, from one multiple of its size to the next, are
- * contiguous in memory. Returns how many of these the position needs, and the
- * first one. */
+/* Rows [k n, (k + 1) n) of a ring buffer of n rows are contiguous in memory.
+ * Returns the number and the first one of the rows contiguous with the row of a
+ * position. */
 static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
                                             int32_t y_q12, uint32_t* first) {
   const uint32_t row = y_q12 < 0 ? 0 : (uint32_t)y_q12 >> 12;
@@ -57,7 +57,7 @@ static RG_INLINE uint32_t rg_find_ring_rows(const rg_source* source,
   return rest < source->ring_rows ? rest : source->ring_rows;
 }
 
-/* Returns a row of the source in memory; the span has the address of row 0. */
+/* Returns the address of a source row; run->data is the address of row 0. */
 static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
                                               const rg_run* run, uint32_t row) {
   if (source->ring_rows != 0)
@@ -65,7 +65,7 @@ static RG_INLINE const uint8_t* rg_source_row(const rg_source* source,
   return run->data + (size_t)row * run->stride;
 }
 
-/* Coordinate c of a position, rounded to the last bit in use. */
+/* Coordinate c of a position, rounded to the precision of the interpolation. */
 static RG_INLINE int32_t rg_round_position(rg_sampling sampling,
                                            const rg_lattice* lattice,
                                            int32_t q12, int c) {
@@ -76,15 +76,15 @@ static RG_INLINE int32_t rg_round_position(rg_sampling sampling,
   return (int32_t)(pixel << 12);
 }
 
-/* Coordinate c of the nearest position with a source. */
+/* Coordinate c of the nearest position with a source pixel. */
 static RG_INLINE int32_t rg_nearest_source(const rg_source* source,
                                            rg_range range, int32_t q12, int c) {
   return rg_clamp(rg_clamp(q12, range.min_q12, range.max_q12), 0,
                   (source->size[c] - 1) << 12);
 }
 
-/* Finds the rows and the right neighbours of the position in at, which is
- * rounded. Neighbours beyond the last pixel have weight zero. */
+/* Finds the rows of at->position, which is rounded, and the distance of its
+ * right neighbours. Neighbours beyond the last pixel have weight zero. */
 static RG_INLINE void rg_find_neighbors(const rg_source* source,
                                         const rg_run* run,
                                         const rg_lattice* lattice,
@@ -96,8 +96,8 @@ static RG_INLINE void rg_find_neighbors(const rg_source* source,
       (rg_q12_of(at, 0) >> 12) + 1 < source->size[0] ? lattice->sample_step : 0;
 }
 
-/* Sets a pixel of the output row in at to the border's values, unless it is to
- * be kept. */
+/* Sets a pixel of the output row at->out to the border values, unless the
+ * border keeps the contents. */
 static RG_INLINE void rg_put_border(const rg_target* target,
                                     const rg_lattice* lattice,
                                     const rg_neighbors* at,
@@ -110,8 +110,8 @@ static RG_INLINE void rg_put_border(const rg_target* target,
 }
 
 /* Interpolates a grey pixel at a position with a source, thus within the frame.
- * In the last column, the neighbour's weight is zero, or one if the pair starts
- * at the previous column; likewise in the last row. */
+ * In the last column, the right neighbour's weight is zero, or one if the pair
+ * starts at the previous column; likewise in the last row. */
 static RG_INLINE uint32_t rg_blend_careful_grey(const rg_source* source,
                                                 const rg_run* run,
                                                 const rg_position* position) {

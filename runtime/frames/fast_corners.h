@@ -1,6 +1,6 @@
-/* The corners of the tiles of a row, as the fast traversal computes them: along
- * two lines, above and below the row of tiles. Values shared by tiles are kept
- * from one to the next, and two positions are in one vector. formats/SPEC.md,
+/* The corners of the tiles of a row, computed by the fast traversal along two
+ * lines, above and below the row of tiles. Values shared by tiles are kept from
+ * one tile to the next, and vectors contain two positions. formats/SPEC.md,
  * "Bends". Positions are q12 source pixels. */
 #ifndef RAYGRID_FAST_CORNERS_H
 #define RAYGRID_FAST_CORNERS_H
@@ -43,31 +43,31 @@ static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
  * which must have been accepted by rg_select_remap(). */
 typedef struct rg_corner_lines {
   const uint8_t* section;
-  const uint8_t* vertices;        /* of the table, or of a sample */
+  const uint8_t* vertices;        /* vertices of the table, or of a sample */
   uint8_t is_empty;               /* no pixel of the last tile's block
                                      has a source */
-  uint8_t part_log2[2];           /* output pixels of a tile: across, down */
-  uint16_t row;                   /* of tiles */
-  uint16_t next_part;             /* in the row */
-  uint32_t vertex_size, row_size; /* of vertices, in bytes */
+  uint8_t part_log2[2];           /* log2 of tile size in output px: x, y */
+  uint16_t row;                   /* index of the row of tiles */
+  uint16_t next_part;             /* index of the next tile in the row */
+  uint32_t vertex_size, row_size; /* bytes per vertex, per row of vertices */
   uint32_t knot_size;             /* as in rg_camera */
   int32_t weight;
-  int32_t residual_shift, bend_shift[2], num_log2[2]; /* of a block's tiles */
-  uint32_t next_mark;                                 /* the next block's */
-  const uint8_t* marks;         /* of empty blocks, one bit each */
-  const uint8_t* above;         /* the next column's vertex above the row */
-  rg_modular_lanes plane;       /* the next column's vertices above and below
-                                   the row but for their residuals */
-  rg_modular_lanes column_step; /* of that */
-  rg_lanes line, rest;          /* the lines above and below the row of parts,
-                                   counted in the block from above and below */
-  /* The lines at the end of the last tile: right is their positions; sums are
-   * these times the number of tiles, and rounded; steps are the increments of
-   * sums per tile, and turns those of steps. */
+  int32_t residual_shift, bend_shift[2], num_log2[2]; /* tiles/block, log2 */
+  uint32_t next_mark;                                 /* next block index */
+  const uint8_t* marks;         /* one bit per block; 1: empty */
+  const uint8_t* above;         /* next column's vertex above the row */
+  rg_modular_lanes plane;       /* next column's vertices above and below the
+                                   row, without their residuals */
+  rg_modular_lanes column_step; /* increment of plane per column */
+  rg_lanes line, rest;          /* tiles from the block's upper edge to the two
+                                   lines, and from there to its lower edge */
+  /* The lines at the right edge of the last tile: right are their positions;
+   * sums are the positions times the number of tiles, plus rounding; steps are
+   * the first differences of sums per tile, and turns the second ones. */
   rg_lanes right, sums, steps, turns;
 } rg_corner_lines;
 
-/* Interpolates the points where the lines cross edges between two positions. */
+/* Interpolates where the lines cross the edge between two vertices. */
 static RG_INLINE rg_lanes rg_cross_edges(const rg_corner_lines* lines,
                                          rg_lanes edges, rg_lanes bends) {
   const int32_t log2 = lines->num_log2[1];
@@ -85,7 +85,7 @@ static RG_INLINE rg_lanes rg_load_residuals(const uint8_t* above,
   return (rg_lanes)halves >> 16;
 }
 
-/* Loads the bends of the edges to the left of two vertices. */
+/* Loads the bends of the block edges to the left of two vertices. */
 static RG_INLINE rg_lanes rg_load_level_bends(const uint8_t* above,
                                               const uint8_t* below) {
   const uint32_t a = rg_load_u32(above + RG_VERTEX_HX);
@@ -94,7 +94,7 @@ static RG_INLINE rg_lanes rg_load_level_bends(const uint8_t* above,
   return (rg_lanes)bytes >> 24;
 }
 
-/* Loads the bend of the edge from the first vertex to the second, twice. */
+/* Loads the bend of the block edge from above to below, into both positions. */
 static RG_INLINE rg_lanes rg_load_steep_bend(const uint8_t* above,
                                              const uint8_t* below) {
   (void)above;
@@ -103,8 +103,8 @@ static RG_INLINE rg_lanes rg_load_steep_bend(const uint8_t* above,
   return (rg_lanes)bytes >> 24;
 }
 
-/* Values of the next column's vertices as stored, loaded by one of these
- * functions; for operating-point models, interpolated. */
+/* Loads values of the next column's vertices with one of these functions; for
+ * operating-point models, interpolates between the samples. */
 typedef rg_lanes rg_load_numbers(const uint8_t* above, const uint8_t* below);
 static RG_INLINE rg_lanes rg_load_column(const rg_corner_lines* lines,
                                          rg_load_numbers* load) {
@@ -121,8 +121,8 @@ static RG_INLINE rg_lanes rg_shift_lanes(rg_lanes lanes, int32_t shift) {
   return (rg_lanes)((rg_modular_lanes)lanes << shift);
 }
 
-/* Advances to the next column of vertices: where the lines cross it, and the
- * bends of the edges to it, twice, if blocks have several tiles. */
+/* Advances to the next column of vertices. Returns the crossings of the lines
+ * with it, and twice the bends of the edges to it in *turns (one tile: 0). */
 static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
                                          rg_lanes* turns) {
   const rg_lanes none = {0, 0, 0, 0};
@@ -191,7 +191,7 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   lines->right = rg_next_column(lines, &turns);
 }
 
-/* Enters the block that begins with the next tile. */
+/* Advances to the block that starts with the next tile. */
 static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
   const int32_t log2 = lines->num_log2[0];
   const uint32_t mark = lines->next_mark++;
@@ -205,8 +205,8 @@ static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
   lines->turns = turns;
 }
 
-/* Computes the corners of the next tile, on the upper and the lower line. It
- * must be after the first column. */
+/* Computes the corners of the next tile, on the upper and the lower line, after
+ * rg_start_columns(). */
 static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
                                       rg_lanes* lower) {
   const int32_t log2 = lines->num_log2[0];
@@ -223,12 +223,12 @@ static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
   *lower = (rg_lanes)below;
 }
 
-/* ---- Lattices ------------------------------------------------------------ */
+/* ---- Components ---------------------------------------------------------- */
 
 /* The transformation of tile corners for a component: rg_lattice_block(). */
 typedef struct rg_lattice_lanes {
-  rg_lanes offset, is_coarse; /* of a coordinate: half pixels; all bits where
-                                 the lattice has fewer pixels */
+  rg_lanes offset, is_coarse; /* half-pixel offset per coordinate; all bits set
+                                 where the component is subsampled */
   int32_t half[2], shift;
 } rg_lattice_lanes;
 
@@ -242,7 +242,7 @@ rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
   return found;
 }
 
-/* Transforms the corners on a line; displacements are along and by down. */
+/* Transforms the corners on a line; across and down are edges of the tile. */
 static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
                                               rg_lanes corners, rg_lanes across,
                                               rg_lanes down) {
@@ -253,7 +253,7 @@ static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
   return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
 }
 
-/* The difference from the first of two corners to the second, twice. */
+/* Returns the vector from the first of two corners to the second, twice. */
 static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
   return rg_twice_pair(corners, 1) - rg_twice_pair(corners, 0);
 }

@@ -14,8 +14,8 @@
 extern "C" {
 #endif
 
-/* Converts image coordinate c, q12, to component pixels; bias is added where
- * halves are rounded. */
+/* Converts image coordinate c, q12, to component pixels; bias is added before
+ * halving for subsampled components. */
 static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
                                     int32_t q12, int32_t bias) {
   const uint32_t log2 = lattice->log2[c]; /* 0 or 1 */
@@ -23,12 +23,12 @@ static inline int32_t rg_to_lattice(const rg_lattice* lattice, int c,
   return (int32_t)(moved + (uint32_t)bias * log2) >> log2;
 }
 
-/* A range of one coordinate of positions, inclusive. */
+/* Inclusive range of one coordinate. */
 typedef struct rg_range {
   int32_t min_q12, max_q12;
 } rg_range;
 
-/* The range of coordinate c of positions with a source. */
+/* Range of coordinate c in which positions have a source pixel. */
 static RG_INLINE rg_range rg_source_range(const uint8_t* section,
                                           const rg_lattice* lattice, int c) {
   const uint8_t* const field = section + RG_REMAP_MIN_X + 4 * c;
@@ -39,7 +39,7 @@ static RG_INLINE rg_range rg_source_range(const uint8_t* section,
 }
 
 /* log2 of the width (axis 0) or height (1) of tiles in output pixels: as in the
- * table, but at least 16 for chroma, 8 of its own pixels. */
+ * table, but at least 16 px for chroma, 8 chroma pixels. */
 static inline uint8_t rg_part_log2(const uint8_t* section,
                                    const rg_lattice* lattice, int axis) {
   const uint8_t part_log2 = section[RG_REMAP_PART_LOG2];

@@ -11,16 +11,16 @@
 extern "C" {
 #endif
 
-/* Finds the component of a format by index, from 0. Returns 0, without a
- * component, if the index is too large or the format is invalid. */
+/* Finds the index-th component of a format, 0-based. Returns 0, with *lattice
+ * unchanged, if the index is too large or the format is invalid. */
 int rg_find_lattice(rg_format format, uint32_t index, rg_lattice* lattice);
 
 /* 1 if the rows of a format come in pairs, otherwise 0. The format must be
  * below RG_NUM_FORMATS. */
 uint32_t rg_row_pairs(rg_format format);
 
-/* The number of bytes in a row of the component's plane; 0 if the width is not
- * a multiple of component pixels or packed groups. */
+/* Returns the bytes in a row of the component's plane; 0 if the width is not a
+ * multiple of component pixels or packed groups. */
 uint32_t rg_plane_row_bytes(const rg_lattice* lattice, uint32_t width);
 
 #ifdef __cplusplus

@@ -3,7 +3,7 @@
  * implement all of its functions, with identical output. RG_FAST_WALK in
  * config.h selects the file that is built. runtime/DESIGN.md, "Two traversals".
  *
- * The callers have checked all arguments, so that no function here fails. Those
+ * The callers check all arguments, so that no function here fails. Functions
  * with a status always return RG_OK, so that callers can end with a tail call,
  * which frees their stack. */
 #ifndef RAYGRID_WALK_H
@@ -16,17 +16,17 @@
 extern "C" {
 #endif
 
-/* Undistorts a band of a grey frame: rg_remap_grey(). A separate function, so
- * that a program with grey frames only does not link the others. */
+/* Implements rg_remap_grey(): undistorts a band of a grey frame. A separate
+ * function, so that programs for grey frames only do not link the others. */
 rg_status rg_walk_grey(const rg_camera* camera, const rg_frame* frame,
                        const rg_band* band);
 
-/* Undistorts all components of a frame's rows: rg_remap(). */
+/* Implements rg_remap(): undistorts all components of the target's rows. */
 rg_status rg_walk_image(const rg_camera* camera, const rg_image* image,
                         const rg_target* target);
 
-/* Adds the image rows that the output's rows require, in all components of the
- * format: rg_remap_source_rows(). */
+/* Implements rg_remap_source_rows(): extends search->source by the image rows
+ * that the output rows depend on, in all components of the format. */
 void rg_walk_source_rows(const rg_camera* camera, rg_format format,
                          rg_row_search* search);
 

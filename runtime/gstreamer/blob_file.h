@@ -1,4 +1,4 @@
-/// A blob in memory, and its remap tables.
+/// A blob file in memory, and its remap tables.
 #ifndef RAYGRID_GSTREAMER_BLOB_FILE_H
 #define RAYGRID_GSTREAMER_BLOB_FILE_H
 
@@ -11,23 +11,23 @@
 
 namespace raygrid {
 
-/// An open blob. It cannot be moved, since the camera refers to its memory.
+/// An open blob. Not movable, because the camera points into its memory.
 class BlobFile {
  public:
-  /// Throws CameraError, with the file's name.
+  /// Throws CameraError, with the file name.
   explicit BlobFile(const std::string& path);
   BlobFile(const BlobFile&) = delete;
   BlobFile& operator=(const BlobFile&) = delete;
 
   const rg_camera& camera() const { return camera_; }
-  /// The sizes of all tables, or of the one with this index. Throws CameraError
-  /// if there is none.
+  /// Returns the sizes of all tables, or of the one with this index. Throws
+  /// CameraError if it does not exist.
   std::vector<TableSizes> Tables(int table) const;
-  /// Throws CameraError if no table, or not the one with this index, accepts
-  /// frames of that size.
+  /// Throws CameraError if no table, or not the one with this index, is for
+  /// frames of this size.
   void RequireTableFor(int table, int width, int height) const;
   /// Selects a table of these sizes: the one with this index, or the first if
-  /// it is -1. Throws CameraError if there is none.
+  /// it is -1. Throws CameraError if it does not exist.
   void SelectTable(int table, const TableSizes& sizes);
   /// Sets the operating point, clamped to its range. Throws CameraError if the
   /// blob has no operating-point model.

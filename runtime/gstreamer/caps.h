@@ -13,21 +13,21 @@
 
 namespace raygrid {
 
-/// Caps of all supported formats, of any size. To be unreferenced.
+/// Returns caps of all supported formats, of any size. The caller owns them.
 GstCaps* TemplateCaps();
 
 /// Frames of fixed caps: their memory layout unless a buffer overrides it.
 struct FrameLayout {
   StreamFormat format;
-  GstVideoInfo info;  ///< not for Bayer, which GstVideoInfo lacks
+  GstVideoInfo info;  ///< unset for Bayer, which GstVideoInfo lacks
   bool is_bayer = false;
   size_t num_bytes = 0;
 };
 
-/// Nothing if the runtime does not support the format, or the size.
+/// Returns nullopt if the runtime does not support the format, or the size.
 std::optional<FrameLayout> LayoutOf(const GstCaps* caps);
 
-/// The frame sizes of a blob's table: input and output.
+/// The sizes of a remap table's input and output frames.
 struct TableSizes {
   uint16_t frame_width, frame_height, view_width, view_height;
 
@@ -38,12 +38,12 @@ struct TableSizes {
   }
 };
 
-/// Caps on the other side of tables: of their output for GST_PAD_SINK, of their
-/// input for GST_PAD_SRC. The first table's come first. To be unreferenced.
+/// Converts caps from one side of tables to the other: to the caps of their
+/// output for GST_PAD_SINK, of their input for GST_PAD_SRC, in the order of
 GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
                    const std::vector<TableSizes>& tables);
 
-/// Replaces the size in caps by any size. To be unreferenced.
+/// Replaces the size in caps by any size. The caller owns the result.
 GstCaps* OfAnySize(const GstCaps* caps);
 
 }  // namespace raygrid

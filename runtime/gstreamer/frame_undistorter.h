@@ -1,4 +1,4 @@
-/// Undistorts GStreamer's buffers.
+/// Undistortion of GStreamer buffers.
 #ifndef RAYGRID_GSTREAMER_FRAME_UNDISTORTER_H
 #define RAYGRID_GSTREAMER_FRAME_UNDISTORTER_H
 
@@ -19,7 +19,7 @@ namespace raygrid {
 /// The values of the element's properties.
 struct UndistortSettings {
   std::string blob;
-  int table = -1;  ///< -1: the first one for the frame size
+  int table = -1;  ///< index; -1: the first one for the frame size
   bool is_enabled = true;
   bool only_trusted = false;
   rg_border border = RG_BORDER_VALUE;
@@ -27,7 +27,7 @@ struct UndistortSettings {
   unsigned num_threads = 1;  ///< 0: one per processor
 };
 
-/// A blob, with the fixed caps of its table's input and output frames.
+/// A blob, and the fixed caps of its table's input and output frames.
 class FrameUndistorter {
  public:
   /// Throws CameraError if the blob is unusable.
@@ -39,18 +39,18 @@ class FrameUndistorter {
   /// Throws CameraError if no table accepts frames of this size.
   void RequireTableFor(const GstCaps* frames) const;
 
-  /// Throws CameraError if no table matches them.
+  /// Throws CameraError if no table matches the caps.
   void SetCaps(const GstCaps* frames, const GstCaps* views);
 
   /// Sets the lens position or temperature of the blob's operating-point model.
   /// Throws CameraError if the blob has none.
   void SetCondition(double value) { blob_.SetCondition(value); }
 
-  /// Undistorts a frame, with the strides and offsets of both buffers. Caps
-  /// must be set. Throws CameraError.
+  /// Undistorts a frame, using the strides and offsets of both buffers, after
+  /// SetCaps(). Throws CameraError.
   void Undistort(GstBuffer* frame, GstBuffer* view);
 
-  /// Transforms a frame's regions of interest to the view, if visible there.
+  /// Transforms the regions of interest that are visible in the view to it.
   void MoveRegions(GstBuffer* frame, GstBuffer* view) const;
 
  private:
@@ -59,7 +59,7 @@ class FrameUndistorter {
   const std::vector<TableSizes> tables_;
   BandRemap bands_;
   std::optional<FrameLayout> frames_, views_;
-  std::optional<UntrustedBlocks> untrusted_;  // that become border
+  std::optional<UntrustedBlocks> untrusted_;  // blocks to fill with border
 };
 
 }  // namespace raygrid

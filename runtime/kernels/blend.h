@@ -1,4 +1,4 @@
-/* The blend of four neighbours: formats/SPEC.md, "Remap arithmetic". */
+/* Bilinear interpolation of neighbours: formats/SPEC.md, "Remap arithmetic". */
 #ifndef RAYGRID_BLEND_H
 #define RAYGRID_BLEND_H
 
@@ -13,12 +13,12 @@
 #include "kernels/block.h"
 #include "kernels/samples.h"
 
-/* Two neighbours, the left one in the low byte. */
+/* Loads two neighbouring samples, the left one into the low byte. */
 static inline uint32_t rg_load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
 
-/* Bytes 0 and 2 to halves, and bytes 1 and 3. */
+/* Extracts bytes 0 and 2 into halves; the next function bytes 1 and 3. */
 static inline uint32_t rg_even_bytes(uint32_t bytes) {
 #if RG_HAVE_SIMD32
   return (uint32_t)__uxtb16(bytes);
@@ -35,11 +35,11 @@ static inline uint32_t rg_odd_bytes(uint32_t bytes) {
 #endif
 }
 
-/* The sum of both roundings of a blended pixel of 8 bits. */
+/* Sum of the rounding constants of both interpolations of 8-bit pixels. */
 #define RG_ROUNDING_8 UINT32_C(0x407ff)
 
-/* With weights across, up to 128, and down, up to 4096; both roundings in one.
- * Samples are the upper row's in the low half, the lower row's in the high. */
+/* Interpolates with weights across (q7) and down (q12), with one rounding.
+ * Low halves are samples of the upper row, high halves of the lower row. */
 static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
                                      uint32_t wx_q7, uint32_t wy_q12) {
   /* h0 below and h1 above 16 bits */
@@ -57,14 +57,14 @@ static RG_INLINE uint32_t rg_blend_8(uint32_t left, uint32_t right,
 #endif
 }
 
-/* Half the last bit that a position keeps across, and down: added before the
- * position is cut into pixel and weight. */
+/* Half the last bit of the weights across (c = 0) and down, which is added to a
+ * position before it is split into pixel and weight. */
 static inline uint32_t rg_rounding(uint32_t kind, int c) {
   return kind != RG_SAMPLE_8 ? 8 : c == 0 ? 16 : 0;
 }
 
-/* Rounds the positions of a row: to the last bit that is kept, or to whole
- * pixels that are copied. */
+/* Rounds the positions of a row: to the last bit of the weights, or, to copy
+ * the nearest pixel, to whole pixels. */
 static RG_INLINE void rg_round_row(uint32_t kind, int is_copy,
                                    rg_block_row* row) {
   for (int c = 0; c < 2; ++c)
@@ -72,8 +72,8 @@ static RG_INLINE void rg_round_row(uint32_t kind, int is_copy,
                                is_copy ? 2048 : (int32_t)rg_rounding(kind, c));
 }
 
-/* The blend of the bytes around a position to which the rounding was added. The
- * right samples lie right bytes on. */
+/* Interpolates the bytes around a position that includes the rounding. The
+ * right samples are `right` bytes after the left ones. */
 static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                                          const uint8_t* lower, uint32_t right,
                                          uint32_t x_q12, uint32_t y_q12) {
@@ -82,33 +82,33 @@ static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
                     (x_q12 >> 5) & 127, y_q12 & 4095);
 }
 
-/* The neighbours around a position to which the rounding was added, and the row
- * of the output that the pixel is in. */
+/* The neighbours of a position that includes the rounding, and the output row
+ * of the pixel. */
 typedef struct rg_neighbors {
   rg_position position;
-  const uint8_t *upper, *lower; /* rows */
-  uint32_t right;               /* samples to the right ones */
+  const uint8_t *upper, *lower; /* rows of the source */
+  uint32_t right;               /* samples to the right neighbours */
   uint8_t* out;
 } rg_neighbors;
 
-/* Coordinate c of the position, which is not negative. */
+/* Coordinate c of the position, which must not be negative. */
 static inline uint32_t rg_q12_of(const rg_neighbors* at, int c) {
   return (uint32_t)at->position.q12[c];
 }
 
-/* Two samples of a row, of up to 16 bits, with 8-bit weights. */
+/* Interpolates two samples of a row, of up to 16 bits, with 8-bit weights. */
 static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
                                      uint32_t right) {
   const uint32_t wx_q8 = (rg_q12_of(at, 0) >> 4) & 255;
   return left * (256 - wx_q8) + right * wx_q8;
 }
 
-/* The blend of samples of more than 8 bits: sample number index of the upper
- * row, and its neighbours. Sums of samples of 16 bits are below 2^32 - 2^15. */
+/* Interpolates samples of more than 8 bits: sample `index` of the upper row,
+ * and its neighbours. Sums for 16-bit samples are below 2^32 - 2^15. */
 static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
                                         uint32_t index) {
   uint32_t left = rg_load_sample(kind, at->upper, index);
-  RG_FORGET(at); /* its fields are read when they are needed */
+  RG_FORGET(at); /* loads fields only when needed */
   uint32_t right = rg_load_sample(kind, at->upper, index + at->right);
   const uint32_t upper_q8 = rg_blend_pair(at, left, right);
   left = rg_load_sample(kind, at->lower, index);
@@ -119,7 +119,7 @@ static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
-/* The blend of samples of any kind. */
+/* Interpolates samples of any kind. */
 static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
                                            const rg_neighbors* at,
                                            uint32_t index) {
@@ -129,16 +129,16 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
              : rg_blend_wide(kind, at, index);
 }
 
-/* rg_store_sample(), out of line. */
+/* rg_store_sample(), not inlined. */
 void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index, uint32_t value);
 
-/* rg_mix_samples() blends one sample of more than 8 bits, rg_mix_bytes() so
- * many of 8 bits that follow each other. */
+/* rg_mix_samples() interpolates one sample of more than 8 bits, rg_mix_bytes()
+ * num_channels consecutive samples of 8 bits. */
 uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
 void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                   uint32_t num_channels);
 
-/* A pixel of any lattice, to the row of the output that at has. */
+/* Interpolates a pixel of any component and stores it in the row at->out. */
 static RG_INLINE void rg_blend_pixel(const rg_lattice* lattice,
                                      const rg_neighbors* at,
                                      uint32_t out_pixel) {

@@ -1,4 +1,4 @@
-/* A block of output pixels, and the source positions of its pixels:
+/* A tile of output pixels, and the source positions of its pixels:
  * formats/SPEC.md, "Remap arithmetic". All positions are q12 source pixels. */
 #ifndef RAYGRID_BLOCK_H
 #define RAYGRID_BLOCK_H
@@ -7,19 +7,19 @@
 
 #include "fixed_point.h"
 
-/* x, y */
+/* A position: x, y. */
 typedef struct rg_position {
   int32_t q12[2];
 } rg_position;
 
-/* A block, or a part of one, of 2^width_log2 x 2^height_log2 pixels, and where
- * its corners come from: top left, top right, bottom left, bottom right. */
+/* A block, or a tile of one, of 2^width_log2 x 2^height_log2 pixels, with the
+ * source positions of its corners: top left, top right, bottom left, right. */
 typedef struct rg_block {
   uint8_t width_log2, height_log2;
   rg_position corners[4];
 } rg_block;
 
-/* A row of a block: pixel k comes from start + k step. */
+/* A row of a block: pixel k has the source position start + k step. */
 typedef struct rg_block_row {
   rg_position start, step;
 } rg_block_row;
@@ -36,8 +36,8 @@ static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
                 rg_round_shift(((uint32_t)to - (uint32_t)from) * r, shift));
 }
 
-/* Coordinate c of row r of a block, r less than its height. Modulo 2^32, as all
- * that a forged table may bring there. */
+/* Computes coordinate c of row r of a block, r less than its height. Modulo
+ * 2^32: malformed tables may overflow. */
 static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
                                        rg_block_row* row) {
   const rg_position* const corners = block->corners;
@@ -50,7 +50,7 @@ static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
       rg_round_shift((uint32_t)right - (uint32_t)left, block->width_log2);
 }
 
-/* Row r of a block, in place. */
+/* Computes row r of a block, inlined. */
 static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
                                   rg_block_row* row) {
   rg_find_row_axis(block, r, 0, row);
@@ -60,17 +60,17 @@ static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
 #ifdef __cplusplus
 extern "C"
 #endif
-    /* Row r of a block, out of line. */
+    /* Computes row r of a block, not inlined. */
     void
     rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
 
-/* To the position of a row's next pixel. */
+/* Advances to the position of the next pixel of a row. */
 static RG_INLINE void rg_go_on(const rg_position* step, rg_position* position) {
   for (int c = 0; c < 2; ++c)
     position->q12[c] = rg_add(position->q12[c], step->q12[c]);
 }
 
-/* The position of pixel k of a row, modulo 2^32. */
+/* Returns the position of pixel k of a row, modulo 2^32. */
 static RG_INLINE rg_position rg_row_position(const rg_block_row* row,
                                              uint32_t k) {
   rg_position p;

@@ -1,5 +1,5 @@
-/* Rows of a block: where their pixels come from, and the kernel for grey pixels
- * that defines the others' bits. */
+/* Source positions of a block's rows, and the portable kernel for grey pixels,
+ * which defines the exact results. */
 #ifndef RAYGRID_GREY_ROW_H
 #define RAYGRID_GREY_ROW_H
 
@@ -9,12 +9,12 @@
 
 /* ---- Edges --------------------------------------------------------------- */
 
-/* x and y of the left edge, and of the right one, row by row: four sums >>
- * height_log2, modulo 2^32; and behind them, four heights that these change by.
- */
+/* x and y of the left edge, then of the right edge, at the current row: four
+ * sums, to be shifted right by height_log2, modulo 2^32. The next four are the
+ * increments of these sums per row. */
 typedef uint32_t rg_edges[8];
 
-/* edges may be the corners themselves. */
+/* Starts at the span's first row. edge may be the memory of the corners. */
 static RG_INLINE void rg_start_edges(const rg_run* run, const int32_t* corner,
                                      uint32_t* edge) {
   const uint32_t log2 = run->block.height_log2;
@@ -27,7 +27,7 @@ static RG_INLINE void rg_start_edges(const rg_run* run, const int32_t* corner,
   } while (++corner != bottom);
 }
 
-/* Coordinate c of the next row. */
+/* Computes coordinate c of the next row. */
 static RG_INLINE void rg_next_row_axis(const rg_block* block, uint32_t* edges,
                                        int c, rg_block_row* row) {
   const uint32_t left = edges[c], right = edges[2 + c];
@@ -40,7 +40,7 @@ static RG_INLINE void rg_next_row_axis(const rg_block* block, uint32_t* edges,
       rg_round_shift((uint32_t)end - (uint32_t)start, block->width_log2);
 }
 
-/* The block's next row. */
+/* Computes the block's next row. */
 static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
                                   rg_block_row* row) {
   rg_next_row_axis(block, edges, 0, row);
@@ -49,7 +49,7 @@ static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
 
 /* ---- Grey pixels --------------------------------------------------------- */
 
-/* From one pixel of a row to the next: two ways, by what registers hold. */
+/* Advances from one pixel of a row to the next, depending on register width. */
 #if defined(__LP64__) || defined(_WIN64)
 
 typedef struct rg_grey_walk {

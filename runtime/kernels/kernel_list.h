@@ -1,14 +1,14 @@
-/* The kernels of instruction sets, the fastest first, and which of them a
- * target has. Declarations, the choice at run time, tests, fuzz targets and
- * benches are made from these lists; users define the macro that a list calls.
- */
+/* The kernels by instruction set, the fastest first, and the list for each
+ * target. Declarations, the selection at run time, tests, fuzz targets and
+ * benchmarks are generated from these lists; users define the macro that a list
+ * calls. */
 #ifndef RAYGRID_KERNEL_LIST_H
 #define RAYGRID_KERNEL_LIST_H
 
 #include "config.h"
 
-/* RG_KERNEL(name, kernels of several parts: RG_PARTS or RG_NO_PARTS, abilities,
- * whether this processor runs it) */
+/* RG_KERNEL(name, kernels of several tiles: RG_PARTS or RG_NO_PARTS, abilities,
+ * expression: whether this processor supports it) */
 /* clang-format off */
 #define RG_X86_KERNELS \
   RG_KERNEL(avx512, RG_PARTS, RG_HAS_VECTORS | RG_HAS_WORDS, rg_has_avx512()) \
@@ -22,9 +22,9 @@
   RG_X86_KERNELS RG_NEON_KERNELS RG_RVV_KERNELS RG_HELIUM_KERNELS
 /* clang-format on */
 
-/* RG_KERNELS is the target's list. RG_BUILT_IN() names the kernels that every
- * program has: on boards those of the list, which are known when it is compiled
- * and need no spare rows. */
+/* RG_KERNELS is the target's list. RG_BUILT_IN() names the kernels that are
+ * always available: on microcontrollers the kernels of the list, which are
+ * fixed when compiling and need no spare rows. */
 #if defined(__x86_64__)
 #define RG_KERNELS RG_X86_KERNELS
 #elif defined(__aarch64__) || defined(__ARM_NEON)

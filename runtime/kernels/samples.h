@@ -1,7 +1,7 @@
-/* The samples of a frame, as lattices. A lattice is a regular grid of samples
- * of one kind that is remapped onto itself: the luma of NV12, its chroma pairs,
- * or one of the four colours of a Bayer frame. formats/SPEC.md, "Components".
- */
+/* The samples of a frame, grouped into components (lattices). A component is a
+ * regular grid of samples of one kind that is remapped onto itself: the luma of
+ * NV12, its chroma pairs, or one of the four colours of a Bayer frame.
+ * formats/SPEC.md, "Components". */
 #ifndef RAYGRID_SAMPLES_H
 #define RAYGRID_SAMPLES_H
 
@@ -9,39 +9,39 @@
 
 #include "bytes.h"
 
-/* The packed kinds (12P, 10P) come in groups of 2^kind samples: a byte of each,
- * and one more with their low bits. */
+/* Packed kinds (12P, 10P) have groups of 2^kind samples: the high byte of each,
+ * and one byte with the low bits of all. */
 typedef enum rg_sample_kind {
   RG_SAMPLE_8,
   RG_SAMPLE_12P, /* CSI-2: 2 samples in 3 bytes */
   RG_SAMPLE_10P, /* CSI-2: 4 samples in 5 bytes */
   RG_SAMPLE_16,  /* little-endian */
-  RG_SAMPLE_565  /* of each four samples, three are the fields of a
+  RG_SAMPLE_565  /* three of each four samples are the fields of a
                     little-endian word, from the high bits down; the fourth is
-                    none */
+                    unused */
 } rg_sample_kind;
 
 typedef struct rg_lattice {
   uint8_t kind; /* rg_sample_kind */
   uint8_t plane;
-  uint8_t first_sample; /* of a row, counted in samples of the plane */
-  uint8_t sample_step;  /* from one lattice pixel to the next */
-  uint8_t num_channels; /* consecutive samples of a lattice pixel */
-  uint8_t log2[2];      /* image pixels per lattice pixel, as a power: x, y */
-  uint8_t half[2];      /* where lattice pixel (0, 0) is: half pixels */
+  uint8_t first_sample; /* in a row, in samples of the plane */
+  uint8_t sample_step;  /* from one component pixel to the next */
+  uint8_t num_channels; /* consecutive samples of a component pixel */
+  uint8_t log2[2];      /* image pixels per component pixel, log2: x, y */
+  uint8_t half[2];      /* position of component pixel (0, 0), half pixels */
   uint8_t first_row, row_step; /* rows of the plane */
-  uint8_t index; /* of the format's lattices; of the first channel's border
-                    value, too */
+  uint8_t index; /* of the component in the format, and of its first channel's
+                    border value */
 } rg_lattice;
 
-/* The number of a lattice pixel's first sample, in its row of the plane. */
+/* Returns the index of a component pixel's first sample in its plane row. */
 static inline uint32_t rg_first_sample(const rg_lattice* lattice,
                                        uint32_t pixel) {
   return lattice->first_sample + pixel * lattice->sample_step;
 }
 
-/* The channels of a lattice of 8 bits that fill the plane; 0 for other
- * lattices. */
+/* Returns the number of channels of an 8-bit component that fills the plane; 0
+ * for other components. */
 static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
   const uint32_t channels = lattice->num_channels;
   return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == channels
@@ -49,27 +49,27 @@ static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
              : 0;
 }
 
-/* Whether the lattice has one byte in each group of 2 or 4, which fill the
- * plane: luma and chroma of YUYV, a colour of a Bayer frame. */
+/* Whether the component is strided: one byte in each group of 2 or 4, such as
+ * luma and chroma of YUYV, or a colour of a Bayer frame. */
 static inline int rg_is_spread(const rg_lattice* lattice) {
   return lattice->kind == RG_SAMPLE_8 && lattice->num_channels == 1 &&
          (lattice->sample_step == 2 || lattice->sample_step == 4);
 }
 
-/* Whether the lattice is a byte a pixel, and fills the plane. */
+/* Whether the component has one byte per pixel, and fills the plane. */
 static inline int rg_is_grey(const rg_lattice* lattice) {
   return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1;
 }
 
-/* The lowest bit of field k in a word of RG_SAMPLE_565. */
+/* Returns the lowest bit of field k in a word of RG_SAMPLE_565. */
 static inline uint32_t rg_field_shift(uint32_t k) {
   return 0x05bu >> 4 * k & 15;
 }
 
-/* The bits of field k of RG_SAMPLE_565, when they are shifted down. */
+/* Returns the mask of field k of RG_SAMPLE_565, shifted down. */
 static inline uint32_t rg_field_mask(uint32_t k) { return 31u | (k & 1) << 5; }
 
-/* Sample number index of a row. */
+/* Loads sample `index` of a row. */
 static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
                                       uint32_t index) {
   if (kind >= RG_SAMPLE_16) {
@@ -85,7 +85,7 @@ static inline uint32_t rg_load_sample(uint32_t kind, const uint8_t* row,
          ((row[size] >> (low_bits * index)) & ((1u << low_bits) - 1));
 }
 
-/* Writes sample number index of a row, and no other bit. */
+/* Stores sample `index` of a row, and changes no other bit. */
 static inline void rg_store_sample(uint32_t kind, uint8_t* row, uint32_t index,
                                    uint32_t value) {
   if (kind == RG_SAMPLE_16) {

@@ -1,5 +1,5 @@
-/* Rows of a run, and whether segments of them, neighbouring pixels that a
- * kernel takes at once, fit into its registers. */
+/* Rows of a span, and whether segments of them, neighbouring pixels that a
+ * kernel processes at once, fit into its registers. */
 #ifndef RAYGRID_SEGMENTS_H
 #define RAYGRID_SEGMENTS_H
 
@@ -8,30 +8,30 @@
 #include "kernels/block.h"
 #include "kernels/kernel.h"
 
-/* From a row of the run's block: position (0, 0) becomes data. */
+/* Converts a row of the span's block: position (0, 0) becomes run->data. */
 static RG_INLINE void rg_move_to_run(const rg_run* run, rg_block_row* row) {
   row->start = rg_row_position(row, run->first_pixel);
   row->start.q12[1] -= (int32_t)run->first_source_row << 12;
 }
 
-/* Row r of a run. */
+/* Computes row r of a span. */
 static RG_INLINE void rg_find_run_row(const rg_run* run, uint32_t r,
                                       rg_block_row* row) {
   rg_find_row(&run->block, run->first_row + r, row);
   rg_move_to_run(run, row);
 }
 
-/* The step between neighbouring pixels of the block's upper (0) or lower (1)
- * edge. Steps of rows lie between these but for rounding, which is less than 2.
- */
+/* Returns coordinate c of the step between neighbouring pixels of the block's
+ * upper (k = 0) or lower (1) edge. Steps of rows are between both, up to
+ * rounding of less than 2. */
 static inline int32_t rg_edge_step(const rg_run* run, uint32_t k, int c) {
   const rg_position* const edge = run->block.corners + 2 * k;
   return (edge[1].q12[c] - edge[0].q12[c]) >> run->block.width_log2;
 }
 
-/* Whether any so many neighbouring pixels of a run, and their own neighbours,
- * lie in windows of a number of pixels that start at the first one, on two
- * rows. */
+/* Whether any num_pixels neighbouring pixels of a span, with their bilinear
+ * neighbours, are in a window of window_pixels pixels that starts at the first
+ * one, on two rows. */
 static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
                                   uint32_t window_pixels) {
   const int32_t steps = (int32_t)num_pixels - 1;
@@ -45,12 +45,12 @@ static inline int rg_fits_windows(const rg_run* run, uint32_t num_pixels,
   return run->num_pixels >= num_pixels;
 }
 
-/* Whether positions of so many neighbouring pixels, in q12, and the offsets of
- * their samples, in bytes, fit into 16 bits when counted from the least. */
+/* Whether the positions of num_pixels neighbouring pixels, in q12, and the byte
+ * offsets of their samples fit into 16 bits relative to the smallest one. */
 static inline int rg_fits_offsets(const rg_run* run, uint32_t num_pixels,
                                   uint32_t channels) {
   for (uint32_t k = 0; k < 2; ++k) {
-    uint32_t beyond[2]; /* pixels that the last one is away at most */
+    uint32_t beyond[2]; /* maximum distance of the last pixel */
     for (int c = 0; c < 2; ++c) {
       const int32_t step = rg_edge_step(run, k, c);
       const uint32_t size = (uint32_t)(step < 0 ? -step : step) + 2;

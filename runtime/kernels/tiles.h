@@ -1,14 +1,14 @@
-/* The portable kernels where compilers make vectors of loops. */
+/* Portable kernels for compilers that vectorize loops. */
 #ifndef RAYGRID_TILES_H
 #define RAYGRID_TILES_H
 
 #include "kernels/kernel.h"
 
-/* Blends a run that is made of tiles of 8 x 8 pixels, of 1 to 4 interleaved
- * channels; 0 if it is not, or there are no such kernels. */
+/* Blends a span of whole tiles of 8 x 8 pixels, with 1 to 4 interleaved
+ * channels. Returns 0 for other spans, or without such kernels. */
 int rg_blend_tiles(const rg_run* run, uint32_t channels);
 
-/* Copies the nearest pixels of such a run, of one channel; 0 likewise. */
+/* Copies the nearest pixels of such a span, with one channel; 0 likewise. */
 int rg_copy_tiles(const rg_run* run);
 
 #endif /* RAYGRID_TILES_H */

@@ -14,15 +14,15 @@
 
 namespace raygrid {
 
-/// Threads that undistort bands of rows of one frame, each its own bands first.
-/// The output is identical to one rg_remap() of the whole frame.
+/// A pool of threads that undistort a frame in bands of rows, each thread its
+/// own bands first. The output is identical to one rg_remap() of the frame.
 ///
-/// Waking a thread takes a tenth of the time of a grey frame of 1280 x 800. An
+/// Waking a thread costs a tenth of the time of a grey frame of 1280 x 800. An
 /// idle thread therefore polls for work for a tenth of a millisecond before it
-/// sleeps, so that frames in quick succession find it awake.
+/// sleeps, so that it is still awake if frames follow quickly.
 class BandRemap {
  public:
-  /// num_threads: including the one that calls Remap(); 0: one per processor
+  /// num_threads: including the thread that calls Remap(); 0: one per processor
   explicit BandRemap(unsigned num_threads);
   ~BandRemap();
   BandRemap(const BandRemap&) = delete;
@@ -32,9 +32,9 @@ class BandRemap {
     return static_cast<unsigned>(threads_.size()) + 1;
   }
 
-  /// Undistorts all rows of the target, whose planes are laid out by format
-  /// except for their strides, which are the target's own. Returns the status
-  /// of the first band that fails, or RG_OK. Not reentrant.
+  /// Undistorts all rows of the target, whose planes are laid out as in format,
+  /// but with the strides of the target. Returns the status of the first band
+  /// that fails, or RG_OK. Not reentrant.
   rg_status Remap(const rg_camera& camera, const rg_image& image,
                   const StreamFormat& format, const rg_target& target);
 
@@ -54,10 +54,10 @@ class BandRemap {
   rg_status RemapBand(const Job& job, uint32_t first_row) const;
 
   std::vector<std::thread> threads_;
-  std::mutex mutex_;  // guards all below; atomics are also read without
+  std::mutex mutex_;  // guards the rest; atomics are also read without
   std::condition_variable has_work_, is_done_;
   Job job_;
-  std::atomic<uint64_t> free_bands_{0};  // one bit each, from the first band on
+  std::atomic<uint64_t> free_bands_{0};  // one bit per band
   std::atomic<uint32_t> num_undone_{0};
   std::atomic<bool> is_stopped_{false};
   rg_status status_ = RG_OK;

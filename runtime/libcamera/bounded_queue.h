@@ -9,15 +9,15 @@
 
 namespace raygrid {
 
-/// A bounded queue between threads; memory is allocated at construction. After
-/// closing, it returns its remaining items and accepts no others.
+/// A bounded queue between threads; memory is allocated at construction. A
+/// closed queue returns its remaining items and rejects new ones.
 template <typename T>
 class BoundedQueue {
  public:
   explicit BoundedQueue(size_t capacity) : items_(capacity) {}
 
-  /// Returns the item that was displaced: the oldest one if the queue was full,
-  /// the new one if it is closed.
+  /// Returns the item that was dropped: the oldest one if the queue was full,
+  /// the new one if it is closed; otherwise nullopt.
   std::optional<T> Push(T item) {
     std::optional<T> dropped;
     {
@@ -30,8 +30,8 @@ class BoundedQueue {
     return dropped;
   }
 
-  /// Returns the oldest item; nothing if there is none before the timeout or
-  /// when the queue is closed.
+  /// Removes and returns the oldest item; nullopt on timeout, or if the queue
+  /// is closed and empty.
   std::optional<T> Pop(std::chrono::milliseconds timeout) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, timeout,

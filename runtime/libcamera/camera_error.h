@@ -9,12 +9,12 @@ namespace raygrid {
 enum class CameraExit {
   kDone = 0,
   kUsage = 1,
-  kInput = 2,  // a file, or the camera
+  kInput = 2,  // invalid file, or camera
   kOutput = 7,
   kBlob = 8  // corrupt, or for another stream
 };
 
-/// An error in one line: what failed, where, and the remedy.
+/// An error message of one line: what failed, where, and the remedy.
 class CameraError : public std::runtime_error {
  public:
   CameraError(CameraExit code, const std::string& message)

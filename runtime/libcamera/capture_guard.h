@@ -14,70 +14,70 @@
 
 namespace raygrid {
 
-/// Reads the blob's capture section; nothing if it has none. Throws CameraError
-/// if it is corrupt, or has impossible values.
+/// Returns the blob's capture section, or nullopt if it has none. Throws
+/// CameraError if it is corrupt or has values out of range.
 std::optional<rg_capture_section> ReadCapture(const std::string& path,
                                               const void* blob,
                                               uint32_t num_bytes);
 
-/// The sensor crop of calibrated frames, if it is recorded.
+/// Returns the sensor crop of calibrated frames, or nullopt if not recorded.
 std::optional<SensorCrop> RecordedCrop(
     const std::optional<rg_capture_section>& recorded);
 
-/// "rotated by 180 degrees (3)"; "" for an invalid number.
+/// Formats an EXIF orientation: "rotated by 180 degrees (3)"; "" if invalid.
 std::string OrientationText(int orientation);
 
-/// The orientation, 1 to 8, of frames after additional mirroring.
+/// Returns the orientation, 1 to 8, of frames after additional mirroring.
 int Mirrored(int orientation, bool flip_x, bool flip_y);
 
-/// How frames of one orientation are mirrored relative to another one; nothing
-/// if rows and columns are exchanged, or a number is invalid.
+/// Mirroring of frames with one orientation relative to another one; nullopt if
+/// rows and columns are exchanged, or an orientation is invalid.
 struct Flips {
   bool x = false, y = false;
 };
 std::optional<Flips> FlipsBetween(int orientation, int other);
 
-/// Compares lens position, crop, zoom and orientation of each frame with those
-/// recorded at calibration. Reports each difference once, and settings that the
-/// source does not provide. Counts such frames. A large difference of the
-/// sensor temperature is reported once, but not counted.
+/// Compares lens position, crop, zoom and orientation of each frame with the
+/// settings recorded at calibration, and counts frames that differ. Reports
+/// each difference once, and settings missing in the metadata. A large
+/// difference of the sensor temperature is reported once, but not counted.
 class CaptureGuard {
  public:
   using Say = std::function<void(const std::string&)>;
 
-  /// In strict mode, throws instead. A camera without the calibrated settings
-  /// has this time, and this number of frames, to reach them; these frames are
-  /// held back.
+  /// In strict mode, differences throw CameraError. At the start, the camera
+  /// has this time, and this number of frames, to reach the calibrated
+  /// settings; until then frames are held back.
   static constexpr std::chrono::seconds kSettlingTime{2};
   static constexpr uint64_t kSettlingFrames = 8;
 
-  /// what: the name of frames in messages: "camera"; say: called with a message
-  /// for the user, by the thread of Check()
+  /// what: name of the frames' source in messages, such as "camera"; say:
+  /// receives messages for the user, in the thread of Check()
   CaptureGuard(const std::optional<rg_capture_section>& recorded,
                const std::string& what, bool is_strict, Say say);
 
-  /// Whether nothing is recorded: frames are not compared.
+  /// Whether no settings are recorded, so that frames are not compared.
   bool is_idle() const { return !recorded_; }
-  /// The sensor crop of calibrated frames, if it is recorded.
+  /// Sensor crop of calibrated frames; nullopt if not recorded.
   std::optional<SensorCrop> crop() const { return RecordedCrop(recorded_); }
-  /// How frames are mirrored relative to calibrated ones, if known.
+  /// Returns the mirroring of frames relative to calibrated ones, if known.
   Flips FlipsOf(const FrameInfo& info) const;
 
-  /// Whether the frame is usable. Throws CameraError.
-  /// in_use       the sensor mode of the table; NULL: as calibrated
-  /// shows_mode   whether the frame shows the sensor crop of this mode
+  /// Returns whether the frame is usable. Throws CameraError.
+  /// in_use       sensor mode of the table; NULL: as calibrated
+  /// shows_mode   whether the frame has the sensor crop of this mode
   bool Check(const FrameInfo& info, const rg_mode* in_use, bool shows_mode,
              Clock::time_point arrived);
-  /// Reports settings that no frame provided.
+  /// Reports recorded settings that no frame provided.
   void Finish();
 
   uint64_t num_not_as_calibrated() const { return num_not_as_calibrated_; }
-  /// The number of those that were not used.
+  /// Number of frames with differences that were not used.
   uint64_t num_held_back() const { return num_held_back_; }
 
  private:
   enum Kind { kLens, kCrop, kZoom, kOrientation, kNumKinds };
-  // Descriptions of a frame's differences, by kind; "" if there is none.
+  // Descriptions of a frame's differences by kind; "" if there is none.
   struct Faults {
     std::string of[kNumKinds];
   };

@@ -6,8 +6,8 @@
 
 namespace raygrid {
 
-/// DMA_BUF_IOCTL_SYNC before or after reading a dma-buf. Returns 0, or the
-/// errno.
+/// Calls DMA_BUF_IOCTL_SYNC before or after reading a dma-buf. Returns 0, or
+/// the errno.
 int SyncDmaBuf(int fd, bool begins);
 
 /// Synchronizes the processor's caches with memory written by devices, if the
@@ -18,7 +18,7 @@ class DmaBufSync {
   explicit DmaBufSync(SyncFunction sync = SyncDmaBuf);
 
   /// Called before and after reading a frame. Returns whether the data read is
-  /// what the device wrote.
+  /// coherent with the device's.
   bool BeginRead(int fd) { return Sync(fd, true); }
   void EndRead(int fd) { Sync(fd, false); }
 

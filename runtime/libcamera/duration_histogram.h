@@ -12,8 +12,8 @@ class DurationHistogram {
  public:
   void Add(std::chrono::nanoseconds duration);
   uint64_t count() const { return count_; }
-  /// The quantile of the durations in milliseconds, for a part from 0 to 1; 0
-  /// if there are none.
+  /// Returns a quantile of the durations in milliseconds, for a fraction from 0
+  /// to 1; 0 without durations.
   double Quantile_ms(double part) const;
 
  private:

@@ -1,4 +1,4 @@
-/// A source of frames: a camera, or memory.
+/// A source of frames: a camera, or a recording in memory.
 #ifndef RAYGRID_LIBCAMERA_FRAME_SOURCE_H
 #define RAYGRID_LIBCAMERA_FRAME_SOURCE_H
 
@@ -17,7 +17,7 @@ namespace raygrid {
 
 using Clock = std::chrono::steady_clock;
 
-/// A rectangle of the sensor's pixels.
+/// A rectangle in sensor pixels.
 struct SensorCrop {
   int x, y;
   unsigned width, height;
@@ -27,7 +27,7 @@ inline bool operator==(const SensorCrop& a, const SensorCrop& b) {
   return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
 }
 
-/// A camera control by name, and its value as given by the user.
+/// Name of a camera control, and its value as specified by the user.
 using ControlValue = std::pair<std::string, std::string>;
 using ControlValues = std::vector<ControlValue>;
 
@@ -41,19 +41,19 @@ struct FrameInfo {
   std::optional<int> orientation;      // 1 to 8, as in EXIF
   std::optional<float> sensor_temperature_c;
   std::optional<float> exposure_us;
-  std::optional<float> analogue_gain;  // a factor
-  // The focus of lenses without a unit of position, for detecting motion only.
-  // V4L2 is polled once a second, so frames may have an older value.
+  std::optional<float> analogue_gain;  // factor
+  // Focus of lenses whose position has no unit, only to detect its motion. V4L2
+  // is polled once a second, so the value may be older than the frame.
   std::optional<int> focus_steps;
 };
 
-/// The focus in a FrameInfo.
+/// The focus values of a FrameInfo.
 struct LensFocus {
   std::optional<float> lens_position;  // dioptres
   std::optional<int> focus_steps;
 };
 
-/// A frame in the source's own memory, which the caller owns until it is
+/// A frame in the source's own memory, which the caller may use until it is
 /// released.
 struct CapturedFrame {
   rg_image image;
@@ -64,48 +64,48 @@ struct CapturedFrame {
 
 struct SourceCounts {
   uint64_t arrived;  // complete frames
-  uint64_t dropped;  // of these, not taken in time
-  uint64_t damaged;  // incomplete, or with an error
+  uint64_t dropped;  // complete frames not taken in time
+  uint64_t damaged;  // incomplete frames, or with an error
   uint64_t missed;   // sequence numbers that the camera skipped
 };
 
 /// Start() and Stop() are called once, by the same thread; Next() and Release()
-/// by one thread in between; LockState() and UnlockState() by any thread.
-/// Frames that are not released are not available to the camera, which has only
-/// the configured number of buffers.
+/// by one thread in between; LockState() and UnlockState() by any thread. The
+/// camera has only the configured number of buffers; it cannot reuse those of
+/// frames that are not released.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual const StreamFormat& format() const = 0;
   /// Whether frames have their sensor crop.
   virtual bool tells_crops() const { return false; }
-  /// The owner of the frames' memory, for display; empty: this program.
+  /// Owner of the frames' memory, for display; empty: this program.
   virtual std::string memory() const { return ""; }
   virtual void Start() = 0;
-  /// Returns the oldest frame; nothing on timeout.
+  /// Returns the oldest frame; nullopt on timeout.
   virtual std::optional<CapturedFrame> Next(
       std::chrono::milliseconds timeout) = 0;
   virtual void Release(const CapturedFrame& frame) = 0;
-  /// Whether no more frames will come.
+  /// Whether the stream has ended.
   virtual bool is_finished() const = 0;
-  /// Why the stream ended; empty if regularly.
+  /// Returns why the stream ended; empty if it ended regularly.
   virtual std::string fault() const = 0;
   virtual SourceCounts counts() const = 0;
   /// Fixes focus, exposure, gain and white balance at their current values, so
   /// that all later frames have a constant lens position and brightness. Call
   /// it when frames arrive and the image is sharp. It does not wait: the next
-  /// few frames may still have other values. Frames taken before may have
+  /// few frames may still have other values. Frames captured before may have
   /// another lens position, whatever their metadata: discard them. Controls
-  /// that the camera rejects stay automatic, without an error. Calling it again
+  /// that the camera rejects stay automatic, without an error. Another call
   /// fixes the values at that time.
   virtual StateLock LockState() {
     return NothingLocked("the source is not a camera");
   }
-  /// Makes LockState() move the lens to the focus of an earlier frame, instead
-  /// of leaving it unchanged.
+  /// Makes LockState() set the focus of an earlier frame instead of leaving it
+  /// unchanged.
   virtual void FocusAt(const LensFocus&) {}
-  /// Restores the automatic modes that LockState() ended. Stop() does so, too,
-  /// since some cameras keep their controls after a program ends.
+  /// Restores the automatic modes that LockState() disabled. Stop() does so,
+  /// too, because some cameras keep their controls after a program ends.
   virtual void UnlockState() {}
   virtual void Stop() = 0;
 };

@@ -1,4 +1,4 @@
-/// Controls of libcamera's cameras by name: ExposureTime, AfMode.
+/// libcamera controls by name, such as ExposureTime or AfMode.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_CONTROLS_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_CONTROLS_H
 
@@ -10,14 +10,14 @@
 
 namespace raygrid {
 
-/// Makes the list for camera.start(). A value is a number, true or false, or a
-/// rectangle X,Y,WxH; AfMode also accepts Manual, Auto and Continuous. Throws
+/// Returns the list for camera.start(). A value is a number, true or false, or
+/// a rectangle X,Y,WxH; AfMode also accepts Manual, Auto and Continuous. Throws
 /// CameraError (wrong usage) for an unknown control, or a value of another type
-/// or outside the range.
+/// or out of range.
 libcamera::ControlList MakeControlList(
     const libcamera::ControlInfoMap& controls, const ControlValues& values);
 
-/// "  --control ExposureTime=100 to 33333" and so on, one per line.
+/// Lists controls, one per line: "  --control ExposureTime=100 to 33333".
 std::string DescribeControls(const libcamera::ControlInfoMap& controls);
 
 }  // namespace raygrid

@@ -18,7 +18,7 @@
 
 namespace raygrid {
 
-/// libcamera's list of cameras; at most one per process.
+/// libcamera's list of cameras; at most one instance per process.
 class CameraList {
  public:
   CameraList();
@@ -26,7 +26,7 @@ class CameraList {
 
   /// Lists cameras, their formats and sizes, as text.
   std::string Describe() const;
-  /// Finds a camera by id, or by a unique part of it; the only one for "".
+  /// Finds a camera by its id or a unique part of it; "": the only camera.
   std::shared_ptr<libcamera::Camera> Find(const std::string& id) const;
 
  private:
@@ -34,8 +34,8 @@ class CameraList {
 };
 
 struct LibcameraOptions {
-  std::string format;  // "": the camera's choice, where the runtime knows it
-  unsigned width, height;    // the camera's validate() may adjust them
+  std::string format;        // "": the camera's default, if supported
+  unsigned width, height;    // requested; validate() may adjust them
   bool every_frame = false;  // never drop a frame for a newer one
   ControlValues controls;    // set in this order, before the first frame
 };
@@ -75,9 +75,9 @@ class LibcameraSource : public FrameSource {
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   StreamFormat format_;
-  int orientation_ = 0;  // of the configuration; 0: not one of EXIF's
+  int orientation_ = 0;  // of the configuration; 0: not an EXIF value
   unsigned widest_ = 0;  // sensor width in pixels; 0: unknown
-  libcamera::ControlList controls_;  // before the first frame
+  libcamera::ControlList controls_;  // set before the first frame
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::unique_ptr<MappedBuffers> buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
@@ -86,7 +86,7 @@ class LibcameraSource : public FrameSource {
   std::optional<FrameInfo> last_info_;
   LensFocus focus_;                       // for LockState()
   libcamera::ControlList next_controls_;  // for the next request
-  libcamera::ControlList releasing_;      // what UnlockState() sets
+  libcamera::ControlList releasing_;      // set by UnlockState()
   std::atomic<bool> is_running_{false}, is_disconnected_{false};
   std::optional<uint32_t> last_sequence_;  // used by libcamera's thread
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};

@@ -9,13 +9,13 @@
 namespace raygrid {
 
 struct LibcameraLock {
-  libcamera::ControlList fixing, releasing;  // for a request
+  libcamera::ControlList fixing, releasing;  // for requests
   StateLock told;
 };
 
-/// Selects from the camera's controls. `given` were set at the start: modes are
-/// restored to them, or to the camera's defaults. `now` is the last frame's
-/// metadata, with the lens position to fix.
+/// Selects from the camera's controls. `given`: controls set at the start, to
+/// which modes are restored, otherwise to the camera's defaults. `now`:
+/// metadata of the last frame, with the lens position to fix.
 LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
                                 const libcamera::ControlList& given,
                                 const FrameInfo& now);

@@ -1,5 +1,5 @@
-/// Differences between versions of libcamera: the oldest supported one is 0.0.3
-/// (Debian 12); 0.4.0 and 0.7.2 have been compiled.
+/// Compatibility with versions of libcamera: the oldest supported one is 0.0.3
+/// (Debian 12); 0.4.0 and 0.7.2 were compiled.
 #ifndef RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 #define RAYGRID_LIBCAMERA_LIBCAMERA_VERSION_H
 
@@ -14,21 +14,21 @@
 
 namespace raygrid {
 
-/// Since 0.1, the roles are a span instead of a vector.
+/// The roles are a span since 0.1, before a vector.
 inline std::unique_ptr<libcamera::CameraConfiguration> GenerateConfiguration(
     libcamera::Camera* camera, libcamera::StreamRole role) {
   return camera->generateConfiguration({role});
 }
 
-/// A string before 0.7, a view of one since then.
+/// The model property is a view of a string since 0.7, before a string.
 inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
   const auto model = camera.properties().get(libcamera::properties::Model);
   if (!model) return std::nullopt;
   return std::string(*model);
 }
 
-/// The EXIF orientation of frames: before 0.2, the configuration specifies
-/// flips followed by a transposition, since then the orientation itself.
+/// Returns the EXIF orientation of frames. The configuration specifies flips
+/// followed by a transposition before 0.2, and the orientation since then.
 #if LIBCAMERA_VERSION_MAJOR == 0 && LIBCAMERA_VERSION_MINOR < 2
 inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
   static const int kOrientations[] = {1, 2, 4, 3, 5, 6, 8, 7};

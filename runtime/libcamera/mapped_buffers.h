@@ -24,7 +24,7 @@ class MappedBuffers {
   MappedBuffers(const MappedBuffers&) = delete;
   MappedBuffers& operator=(const MappedBuffers&) = delete;
 
-  /// The start of each plane of a buffer.
+  /// Addresses of the planes of a buffer.
   const std::array<const uint8_t*, 3>& planes(size_t buffer) const {
     return planes_[buffer];
   }
@@ -49,7 +49,7 @@ class MappedBuffers {
   DmaBufSync sync_;
 };
 
-/// Whether a completed buffer contains all bytes of the format's planes.
+/// Returns whether a completed buffer contains all bytes of the planes.
 bool IsWhole(const StreamFormat& format,
              const libcamera::FrameMetadata& metadata);
 

@@ -12,12 +12,12 @@ namespace raygrid {
 
 struct MemorySourceOptions {
   double frames_per_second = 30;
-  uint64_t num_frames = 0;   // until the end; 0: repeat the recording
+  uint64_t num_frames = 0;   // total; 0: repeat the recording endlessly
   bool every_frame = false;  // waits for the consumer; else drops the oldest
 };
 
-/// Plays a recording like a camera: in a thread of its own, at its own pace,
-/// with few buffers. Frames are contiguous, rows without padding.
+/// Plays a recording like a camera: in a separate thread, at a fixed rate, with
+/// few buffers. Frames are contiguous, with rows without padding.
 class MemorySource : public FrameSource {
  public:
   MemorySource(const StreamFormat& format, std::vector<uint8_t> recording,

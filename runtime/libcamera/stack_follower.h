@@ -1,4 +1,4 @@
-/// Updates the intrinsics for each frame by a blob's operating-point model.
+/// Updates the intrinsics for each frame from a blob's operating-point model.
 #ifndef RAYGRID_LIBCAMERA_STACK_FOLLOWER_H
 #define RAYGRID_LIBCAMERA_STACK_FOLLOWER_H
 
@@ -11,23 +11,23 @@
 
 namespace raygrid {
 
-/// The number of frames with an unknown or clamped operating point.
+/// Numbers of frames with an unknown or clamped operating point.
 struct StackCounts {
-  uint64_t untold = 0;   ///< no value in metadata: keeps the last one
-  uint64_t outside = 0;  ///< outside the range: clamped
+  uint64_t untold = 0;   ///< no value in the metadata: keeps the last one
+  uint64_t outside = 0;  ///< value out of range: clamped
 };
 
-/// Sets a camera to each frame's lens position or temperature.
+/// Sets a camera's operating point from the metadata of each frame.
 class StackFollower {
  public:
-  /// The camera must outlive it, and must not be in use during updates.
+  /// The camera must outlive this object, and not be in use during updates.
   explicit StackFollower(rg_camera* camera);
 
   /// Whether the blob has no operating-point model.
   bool is_idle() const { return !condition_; }
-  /// Throws CameraError if the model is corrupt.
+  /// Updates from metadata. Throws CameraError if the model is corrupt.
   void Follow(const FrameInfo& info);
-  /// The same for a value of the condition; the blob must have a model.
+  /// Updates from a value; the blob must have an operating-point model.
   void FollowValue(double value);
   const StackCounts& counts() const { return counts_; }
 

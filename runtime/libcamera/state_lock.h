@@ -7,17 +7,17 @@
 
 namespace raygrid {
 
-/// The result of LockState(), in short texts for display. Each begins with its
+/// Result of LockState(): short texts for display. Each begins with its
 /// subject: focus, exposure, gain or white balance.
 struct StateLock {
   std::vector<std::string> locked;  // "focus at 1.25 dioptres", "gain 2.1"
   std::vector<std::string> open;    // "focus: the camera has no control for it"
 };
 
-/// Nothing could be fixed, for this reason.
+/// Returns a result in which no setting is fixed, with the reason.
 StateLock NothingLocked(const std::string& reason);
 
-/// "exposure 8.3 ms"
+/// Formats an exposure time: "exposure 8.3 ms".
 std::string DescribeExposure(double exposure_us);
 
 }  // namespace raygrid

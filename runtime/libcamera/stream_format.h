@@ -12,23 +12,23 @@ namespace raygrid {
 
 enum class ColourModel : uint8_t { kGrey, kRgb, kYuv, kBayer };
 
-/// A pixel format by libcamera's name, from formats/pixel_formats.toml. DRM's
-/// names, which libcamera uses, refer to little-endian words: RGB888 is blue,
-/// green, red in memory.
+/// A pixel format by libcamera's name, from formats/pixel_formats.toml.
+/// libcamera uses DRM names, which refer to little-endian words: RGB888 is
+/// blue, green, red in memory.
 struct PixelFormatInfo {
   const char* name;
   rg_format format;
   ColourModel model;
   uint8_t bits;  // per sample
-  /// Channels of red, the first green, and blue, or of Y, U and V.
+  /// Channel indices of red, the first green and blue, or of Y, U and V.
   uint8_t order[3];
-  /// Its name in V4L2, also with separate memory for each plane, in ffmpeg and
+  /// Names in V4L2, in V4L2 with separate memory for each plane, in ffmpeg and
   /// in GStreamer's caps; NULL if there is none.
   const char *v4l2, *v4l2_separate, *ffmpeg, *gstreamer;
 };
 
-/// A channel of a frame: those of a format's components in order, as in
-/// border_values of rg_target.
+/// A channel of a frame: channels are numbered over a format's components in
+/// order, as in border_values of rg_target.
 struct SampleChannel {
   rg_lattice lattice;
   uint32_t first_sample;
@@ -41,16 +41,16 @@ const std::vector<PixelFormatInfo>& PixelFormats();
 const PixelFormatInfo* FindPixelFormat(const std::string& name);
 
 /// FindPixelFormat() for an option --format. Throws CameraError (wrong usage),
-/// with libcamera's name for a format known by another name.
+/// which suggests libcamera's name if the format has another name elsewhere.
 const PixelFormatInfo& RequirePixelFormat(const std::string& name);
 
-/// "R8 is its name here" for a name of another program; else empty.
+/// Formats the hint "R8 is its name here" for another program's name, or "".
 std::string DescribeOtherName(const std::string& name);
 
-/// The name in GStreamer's rawvideoparse; empty if there is none.
+/// Returns the name for GStreamer's rawvideoparse; empty if there is none.
 std::string RawVideoParseName(const PixelFormatInfo& format);
 
-/// index must be less than the number of channels.
+/// Returns a channel; index must be less than the number of channels.
 SampleChannel FindChannel(rg_format format, uint32_t index);
 
 struct PlaneLayout {
@@ -64,23 +64,23 @@ struct StreamFormat {
   uint16_t width, height;
   int num_planes;
   PlaneLayout planes[3];
-  /// Whether Y of YUV is 0 for black and 255 for white; otherwise 16 and 235.
+  /// Whether Y is 0 for black and 255 for white; otherwise 16 and 235.
   bool is_full_range;
 
-  uint32_t packed_size() const;  // of a frame with rows without padding
+  uint32_t packed_size() const;  // bytes of a frame without row padding
 };
 
-/// Assumes the limited range, as from cameras.
-/// stride: of the first plane; 0: rows without padding. Strides of the other
-/// planes follow from it as in V4L2. Throws CameraError for a size that is
-/// invalid for the format, or a stride that is too small.
+/// Returns the layout of frames, with limited range as from cameras.
+/// stride: bytes per row of the first plane; 0: rows without padding. Strides
+/// of the other planes follow as in V4L2. Throws CameraError if the size is
+/// invalid for the format, or the stride too small.
 StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
                               uint32_t width, uint32_t height, uint32_t stride);
 
-/// Makes an image from a frame's planes.
+/// Returns an image with the given planes.
 rg_image MakeImage(const StreamFormat& format, const uint8_t* const planes[3]);
 
-/// Sets border_values of rg_target to black, and to full opacity.
+/// Sets border_values of rg_target to opaque black.
 void SetBlackBorder(const StreamFormat& format, rg_target* target);
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Checks that a blob fits the frames of a stream.
+/// Checks whether a blob matches the frames of a stream.
 #ifndef RAYGRID_LIBCAMERA_STREAM_GUARD_H
 #define RAYGRID_LIBCAMERA_STREAM_GUARD_H
 
@@ -11,32 +11,32 @@
 
 namespace raygrid {
 
-/// The sensor mode of frames of width x height with the given sensor crop;
-/// calibrated: the crop of the calibrated frames. flips: relative to these.
+/// Returns the sensor mode of frames of width x height with a sensor crop;
+/// calibrated: crop of the calibrated frames; flips: relative to these frames.
 std::optional<rg_mode> FindSensorMode(const rg_camera& camera,
                                       const SensorCrop& calibrated,
                                       const SensorCrop& crop, uint16_t width,
                                       uint16_t height, const Flips& flips = {});
 
-/// The blob's table for frames of a format with a sensor crop, or RG_NO_TABLE.
-/// calibrated: the crop of the calibrated frames; if it is unknown, frames of
-/// equal size are assumed to have it.
+/// Returns the blob's table for frames of a format with a sensor crop, or
+/// RG_NO_TABLE. calibrated: crop of the calibrated frames; if it is unknown,
+/// frames of equal size are assumed to have the same crop.
 uint32_t FindTable(const rg_camera& camera, const StreamFormat& format,
                    const std::optional<SensorCrop>& calibrated,
                    const std::optional<SensorCrop>& shown,
                    const Flips& flips = {});
 
-/// Why rg_select_remap() rejects a table, with the remedy: "has no remap table
-/// 7, only 0 to 2; choose one of these".
+/// Explains why rg_select_remap() rejects a table, with the remedy: "has no
+/// remap table 7, only 0 to 2; choose one of these".
 std::string DescribeTableFault(const rg_camera& camera, uint32_t table);
 
 /// Whether the blob has tables for other sensor modes.
 bool HasTablesOfModes(const rg_camera& camera);
 
-/// Checks that frames have the size and sensor crop of the table in use. If the
-/// crop at calibration is unknown, all frames must have that of the first one.
-/// For points, other frames may be usable by conversion. If the blob records
-/// the crop, a CaptureGuard decides about frames with another one.
+/// Checks that frames have the size and sensor crop of the selected table. If
+/// the crop at calibration is unknown, all frames must have the first frame's
+/// crop. For points, frames of other sensor modes may be usable by conversion.
+/// If the blob records the crop, a CaptureGuard handles other crops.
 class StreamGuard {
  public:
   enum class Use { kFrames, kPositions };
@@ -49,16 +49,16 @@ class StreamGuard {
               const std::optional<SensorCrop>& calibrated,
               CaptureGuard* capture = nullptr);
 
-  /// Throws CameraError if the blob does not fit the format, before any frame.
+  /// Throws CameraError if the blob does not match the format, without a frame.
   void CheckFormat() { IsShownAsInUse({}); }
   /// Whether the frame is usable. Throws CameraError if the blob does not fit.
   bool Check(const FrameInfo& info, Clock::time_point arrived = Clock::now());
-  /// The number of frames that were held back.
+  /// Number of frames that were held back.
   uint64_t num_held_back() const {
     return capture_ ? capture_->num_held_back() : 0;
   }
 
-  /// The last frame's sensor mode; nothing: as calibrated.
+  /// Sensor mode of the last frame; nullopt: as calibrated.
   const std::optional<rg_mode>& mode() const { return mode_; }
 
  private:
@@ -75,7 +75,7 @@ class StreamGuard {
   const Use use_;
   const std::string serial_;
   CaptureGuard* const capture_;
-  const bool is_told_;  // calibrated crop, given by the user
+  const bool is_told_;  // whether the user specified the calibrated crop
   std::optional<SensorCrop> calibrated_, first_, last_;
   std::optional<int> last_orientation_;
   bool is_known_ = false, is_served_ = false;  // for the last frame

@@ -1,5 +1,5 @@
-/// Undistorts the frames of a source, in order, in a thread of its own, with
-/// the intrinsics updated from each frame's metadata if the blob allows it.
+/// Undistorts the frames of a source, in order, in a separate thread, with
+/// intrinsics updated from each frame's metadata if the blob supports it.
 #ifndef RAYGRID_LIBCAMERA_UNDISTORTER_H
 #define RAYGRID_LIBCAMERA_UNDISTORTER_H
 
@@ -21,17 +21,17 @@
 
 namespace raygrid {
 
-/// An undistorted frame, rows without padding, contiguous planes.
+/// An undistorted frame, with contiguous planes and rows without padding.
 struct UndistortedFrame {
   std::vector<uint8_t> bytes;
-  rg_target target;  // into bytes
+  rg_target target;  // points into bytes
   FrameInfo info;
   Clock::time_point arrived;
   Clock::duration remap_time;  // including the border of UntrustedBlocks
 };
 
-/// Called with each frame before and after undistortion, in the undistorter's
-/// thread; data is valid only during the call.
+/// Called with each frame before and after undistortion, in the thread of the
+/// Undistorter; data is valid only during the call.
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
@@ -43,12 +43,12 @@ struct UndistorterOptions {
   uint32_t num_buffers = 4;
   unsigned num_threads = 1;   // see BandRemap
   bool every_frame = false;   // waits for the consumer; else drops the oldest
-  bool only_trusted = false;  // UntrustedBlocks become border
+  bool only_trusted = false;  // fills UntrustedBlocks with border
 };
 
 struct UndistorterStatistics {
   uint64_t undistorted = 0;
-  uint64_t dropped = 0;  // of these, not taken in time
+  uint64_t dropped = 0;  // undistorted frames not taken in time
   DurationHistogram remap;
   FrameInfo last_info = {};
   StackCounts stack;
@@ -56,9 +56,9 @@ struct UndistorterStatistics {
 
 class Undistorter {
  public:
-  /// Source and guard must outlive it; the camera is copied. Throws CameraError
-  /// if the blob has no remap table, or its output size is invalid for the
-  /// format, or only_trusted is set and no block is valid.
+  /// Source and guard must outlive this object; the camera is copied. Throws
+  /// CameraError if the blob has no remap table, its output size is invalid for
+  /// the format, or only_trusted is set and no block is valid.
   Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
@@ -67,12 +67,12 @@ class Undistorter {
   const StreamFormat& format() const { return format_; }
 
   void Start(FrameObserver* observer = nullptr);
-  /// Returns the oldest frame; nothing on timeout. To be given back.
+  /// Returns the oldest frame, to be returned by GiveBack(); NULL on timeout.
   UndistortedFrame* Take(std::chrono::milliseconds timeout);
   void GiveBack(UndistortedFrame* frame) { free_.Push(frame); }
-  /// Whether no more frames will come.
+  /// Whether the stream has ended.
   bool is_finished() const { return ready_.is_finished(); }
-  /// The error that ended the stream; nothing if it ended regularly.
+  /// The error that ended the stream; nullopt if it ended regularly.
   std::optional<CameraError> fault() const;
   UndistorterStatistics statistics() const;
   void Stop();
@@ -91,10 +91,10 @@ class Undistorter {
   FrameObserver* observer_ = nullptr;
   StreamFormat format_;
   std::vector<UndistortedFrame> frames_;
-  std::optional<UntrustedBlocks> untrusted_;  // that become border
+  std::optional<UntrustedBlocks> untrusted_;  // blocks to fill with border
   BandRemap bands_;
   BoundedQueue<UndistortedFrame*> free_, ready_;
-  mutable std::mutex mutex_;  // guards the two below
+  mutable std::mutex mutex_;  // guards the next two
   UndistorterStatistics statistics_;
   std::optional<CameraError> fault_;
   std::atomic<bool> is_stopped_{false};

@@ -10,18 +10,18 @@
 
 namespace raygrid {
 
-/// The blocks of 8 x 8 pixels of the undistorted image without a valid source
-/// pixel, by rg_is_valid().
+/// The blocks of 8 x 8 pixels of the undistorted image that have no valid
+/// source pixel (rg_is_valid()).
 class UntrustedBlocks {
  public:
-  /// A table of the camera must be selected, for frames of this format.
-  /// target: with the values of the border
+  /// A table of the camera for frames of this format must be selected.
+  /// target: provides the border values
   UntrustedBlocks(const rg_camera& camera, const StreamFormat& format,
                   const rg_target& target);
 
-  /// Whether all blocks are untrusted.
+  /// Whether all blocks are outside the valid region.
   bool are_all() const { return are_all_; }
-  /// Sets their pixels to the values of the border, in a whole frame.
+  /// Sets the pixels of these blocks to the border values, in a whole frame.
   void FillWithBorder(const rg_target& target) const;
 
  private:
@@ -30,15 +30,15 @@ class UntrustedBlocks {
     uint32_t x0, x1, y0, y1;
   };
 
-  // validity: of the undistorted image's pixels, 1 or 0.
+  // validity: 1 or 0 for each pixel of the undistorted image
   bool HasOne(const std::vector<uint8_t>& validity, const Run& block) const;
   void FindRuns(const std::vector<uint8_t>& validity);
   void MakeBorderRows(const rg_target& target);
 
   const StreamFormat format_;
-  std::vector<Run> runs_;  // of adjacent blocks
+  std::vector<Run> runs_;  // adjacent blocks, merged
   bool are_all_ = true;
-  // Two rows of border for each plane: Bayer frames have two types of rows.
+  // Two border rows for each plane: rows of Bayer frames alternate.
   std::vector<uint8_t> border_rows_[3];
 };
 

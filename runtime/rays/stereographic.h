@@ -11,7 +11,7 @@ typedef struct rg_chart_point {
   int32_t q27[2]; /* a, b */
 } rg_chart_point;
 
-/* The direction of a chart position, |a| and |b| below 4:
+/* Computes the direction of a chart position, |a| and |b| below 4:
  * (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
 static RG_INLINE void rg_direction_of(const rg_chart_point* point,
                                       rg_ray* ray) {
@@ -30,7 +30,7 @@ static RG_INLINE void rg_direction_of(const rg_chart_point* point,
   ray->z_q30 = (int32_t)(2 * (uint32_t)r_q30 - (UINT32_C(1) << 30));
 }
 
-/* sqrt(s) in q29, for s_q28 from 2^26 to below 2^30: s in [1/4, 4). */
+/* sqrt(s) in q29, for s_q28 in [2^26, 2^30): s in [1/4, 4). */
 static RG_INLINE int32_t rg_square_root(uint32_t s_q28) {
   uint32_t u_q31 = s_q28 << 1; /* s / 4, or s */
   int shift = 2;
@@ -42,7 +42,7 @@ static RG_INLINE int32_t rg_square_root(uint32_t s_q28) {
          << shift;
 }
 
-/* All bits that a value requires, except the sign. */
+/* The bits of a value that differ from its sign bit. */
 static inline uint32_t rg_bits_of(int32_t value) {
   return (uint32_t)(value ^ (value >> 31));
 }
@@ -51,10 +51,10 @@ static inline uint32_t rg_bits_of(int32_t value) {
  * a^2 + b^2): (x, y) / (n + z) with n the length.
  *
  * limit_q30  c |c|, with c a cosine: directions farther from the z axis are
- *            rejected early. -2^30: none.
+ *            rejected early. -2^30: no limit.
  *
- * Returns 0, with *point unchanged, for those, for (0, 0, 0), and for angles of
- * 151 degrees or more, where a^2 + b^2 would reach 15. */
+ * Returns 0, with *point unchanged, for rejected directions, for (0, 0, 0), and
+ * for angles of 151 degrees or more, where a^2 + b^2 would reach 15. */
 static RG_INLINE int rg_chart_point_of(const rg_ray* direction,
                                        int32_t limit_q30,
                                        rg_chart_point* point) {

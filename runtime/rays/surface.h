@@ -16,8 +16,8 @@ typedef struct rg_cell_position {
   int32_t t_q30;
 } rg_cell_position;
 
-/* Finds a position on an axis of a grid: axis is the grid for x, 4 bytes after
- * it for y. Returns 0 if value is outside. */
+/* Finds a position on an axis of a grid; axis is the grid's address for x, plus
+ * 4 bytes for y. Returns 0 if value is outside. */
 static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
                                      uint32_t last_cell, int32_t value,
                                      rg_cell_position* position) {
@@ -37,14 +37,14 @@ static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
 /* A position in a grid, central or inverse, and the value of its spline. */
 typedef struct rg_place {
   rg_chart_point value; /* of an inverse grid: pixels in q15 */
-  uint32_t cells;       /* column; row in the upper half */
+  uint32_t cells;       /* column in the lower half, row in the upper */
   int32_t t_q30[2];     /* position in the cell, across and down */
   uint32_t first;       /* index of the first of 16 control points */
   int32_t weights_q31[2][4];
 } rg_place;
 
 /* Finds the cell of a pixel in q16, or of a chart position in q27, and
- * evaluates the spline; RG_ERR_OUTSIDE_AREA if it is outside. */
+ * evaluates the spline. RG_ERR_OUTSIDE_AREA if the position is outside. */
 rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
                         rg_place* place);
 
@@ -58,7 +58,7 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
       !rg_find_on_axis(grid + 4, rg_load_u32(grid + RG_GRID_SCALE_Y),
                        rg_load_u16(grid + RG_GRID_ROWS) - 4u, y, &down))
     return 0;
-  /* In the order in which registers are stored in pairs. */
+  /* In this order, pairs of registers are stored at once. */
   place->cells = down.cell << 16 | across.cell;
   place->t_q30[0] = across.t_q30;
   place->first = down.cell * columns + across.cell;
@@ -81,8 +81,8 @@ static RG_INLINE int32_t rg_evaluate_plane(const uint8_t* plane,
   return rg_multiply_high_add(sum_q27, row_step_q29, place->t_q30[1]);
 }
 
-/* The derivatives of both coordinates of an inverse grid along an axis of the
- * chart, in q5 pixels per unit. */
+/* Computes the derivatives of both coordinates of an inverse grid along both
+ * chart axes, in q5 pixels per unit. */
 void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
                     int32_t slopes_q5[2][2]);
 

@@ -10,13 +10,13 @@
 #define RG_SURFACE_PORTABLE 0
 #define RG_SURFACE_AVX2 1
 
-/* Selects the fastest code that the processor supports. */
+/* Returns the fastest code that the processor supports. */
 static RG_INLINE uint16_t rg_best_surface(void) {
   return RG_CHOOSE_SURFACE && rg_has_avx2_surface() ? RG_SURFACE_AVX2
                                                     : RG_SURFACE_PORTABLE;
 }
 
-/* rg_find_place() in a grid without interpolation between samples. */
+/* rg_find_place() in a grid, without interpolation between samples. */
 static RG_INLINE rg_status rg_find_in_knot(const rg_camera* camera,
                                            const uint8_t* grid, int32_t x,
                                            int32_t y, rg_place* place) {

@@ -15,14 +15,14 @@ namespace raygrid {
 /// A buffer filled by the driver.
 struct V4l2Filled {
   uint32_t buffer;
-  bool is_whole;     // without an error, and complete
+  bool is_whole;     // complete, without an error
   size_t num_bytes;  // size of a JPEG
   uint32_t sequence;
   uint64_t timestamp_ns;
 };
 
-/// Memory for frames, mapped during the object's lifetime: from a dma-buf heap,
-/// which is cached, if the driver accepts it; otherwise the driver's own.
+/// Memory for frames, mapped during the object's lifetime: allocated from a
+/// dma-buf heap, which is cached, if the driver accepts it, else by the driver.
 class V4l2Buffers {
  public:
   /// Queues all buffers to the driver. Throws CameraError if memory cannot be
@@ -33,9 +33,9 @@ class V4l2Buffers {
   V4l2Buffers& operator=(const V4l2Buffers&) = delete;
 
   uint32_t number() const { return static_cast<uint32_t>(buffers_.size()); }
-  /// The owner of the memory, for display.
+  /// Owner of the memory, for display.
   const std::string& memory() const { return memory_; }
-  /// The start of each plane of a buffer.
+  /// Addresses of the planes of a buffer.
   const std::array<const uint8_t*, 3>& planes(uint32_t buffer) const {
     return buffers_[buffer].planes;
   }
@@ -50,7 +50,7 @@ class V4l2Buffers {
 
  private:
   struct Memory {
-    int fd = -1;  // of a heap's memory
+    int fd = -1;  // dma-buf from a heap
     uint8_t* start = nullptr;
     size_t size = 0;
   };
@@ -58,7 +58,7 @@ class V4l2Buffers {
     std::array<Memory, 3> memories;
     std::array<const uint8_t*, 3> planes;
   };
-  // A v4l2_buffer with its planes, to which it points.
+  // A v4l2_buffer and the planes that it points to.
   struct Description;
 
   int Request(uint32_t kind, uint32_t number, uint32_t flags,

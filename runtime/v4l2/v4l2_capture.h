@@ -1,4 +1,4 @@
-/// The capture settings of a V4L2 device that its driver provides.
+/// Capture settings of a V4L2 device, as far as its driver provides them.
 #ifndef RAYGRID_V4L2_V4L2_CAPTURE_H
 #define RAYGRID_V4L2_V4L2_CAPTURE_H
 
@@ -12,13 +12,13 @@
 
 namespace raygrid {
 
-/// Reads the crop, zoom_absolute, whose ratio to its minimum is the
-/// magnification, flips, and the exposure time if it is in effect.
-/// focus_absolute has no unit: its steps are provided instead of lens
-/// positions. Gains have no unit either.
+/// Reads the crop, the zoom (the ratio of zoom_absolute to its minimum), flips,
+/// and the exposure time if it is in effect. focus_absolute has no unit: its
+/// steps are provided instead of lens positions. Gains have no unit either and
+/// are not read.
 class V4l2CaptureReader {
  public:
-  /// Finds the device's controls. The device must outlive this object.
+  /// Queries the device's controls. The device must outlive this object.
   explicit V4l2CaptureReader(V4l2Device* device);
 
   bool tells_crops() const { return has_crop_; }

@@ -13,19 +13,19 @@
 
 namespace raygrid {
 
-/// Sets controls in order, since some of them enable others. Throws CameraError
-/// for an unknown control or a rejected value.
+/// Sets controls in order, because some enable others. Throws CameraError for
+/// an unknown control or a rejected value.
 void SetV4l2Controls(V4l2Device* device, const ControlValues& controls);
 
-/// Queries a control by its id; nothing if the device does not have it.
+/// Queries a control by its id; nullopt if the device does not have it.
 std::optional<v4l2_query_ext_ctrl> QueryV4l2Control(V4l2Device* device,
                                                     uint32_t id);
 std::optional<int32_t> GetV4l2Control(V4l2Device* device, uint32_t id);
-/// Returns 0, or the errno.
+/// Sets a control. Returns 0, or the errno.
 int SetV4l2Control(V4l2Device* device, uint32_t id, int32_t value);
 
-/// Whether a control's value is in effect. A control governed by an automatic
-/// mode is inactive, and its value may be outdated, unless it is volatile.
+/// Returns whether a control's value is in effect. A control governed by an
+/// automatic mode is inactive, with an outdated value unless it is volatile.
 inline bool IsInEffect(const v4l2_query_ext_ctrl& control) {
   return (control.flags & V4L2_CTRL_FLAG_INACTIVE) == 0 ||
          (control.flags & V4L2_CTRL_FLAG_VOLATILE) != 0;

@@ -1,4 +1,4 @@
-/// V4L2's codes of pixel formats.
+/// V4L2's codes of pixel formats (FourCC).
 #ifndef RAYGRID_V4L2_V4L2_FORMATS_H
 #define RAYGRID_V4L2_V4L2_FORMATS_H
 
@@ -9,13 +9,13 @@
 
 namespace raygrid {
 
-/// NULL for a format that the runtime does not support.
+/// Finds a format; NULL if the runtime does not support it.
 const PixelFormatInfo* FindV4l2Format(uint32_t code);
 
-/// Whether each frame is a JPEG.
+/// Whether frames of this format are JPEGs.
 bool IsJpegFormat(uint32_t code);
 
-/// libcamera's name if supported; MJPEG; otherwise V4L2's four characters.
+/// Returns libcamera's name if supported; MJPEG; otherwise the FourCC.
 std::string V4l2FormatName(uint32_t code);
 
 }  // namespace raygrid

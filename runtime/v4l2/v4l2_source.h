@@ -1,4 +1,4 @@
-/// Frames of a V4L2 device, in its buffers: no pixels are copied.
+/// Frames of a V4L2 device, in its own buffers: no pixels are copied.
 #ifndef RAYGRID_V4L2_V4L2_SOURCE_H
 #define RAYGRID_V4L2_V4L2_SOURCE_H
 
@@ -20,18 +20,18 @@
 
 namespace raygrid {
 
-/// Decodes a JPEG to pixels, rows without padding; false if it is corrupt, or
-/// has another format.
+/// Decodes a JPEG to a frame with rows without padding. Returns false if it is
+/// corrupt or has another format.
 using JpegDecoder =
     std::function<bool(const uint8_t* bytes, size_t number,
                        const StreamFormat& format, uint8_t* frame)>;
 
 struct V4l2Options {
-  std::string format;        // libcamera's name; "": the device's choice
-  unsigned width, height;    // the driver may adjust them
+  std::string format;        // libcamera's name; "": the device's default
+  unsigned width, height;    // requested; the driver may adjust them
   bool every_frame = false;  // never drop a frame for a newer one
   ControlValues controls;    // set in this order, before the first frame
-  JpegDecoder decode_jpeg = nullptr;  // none: JPEGs are not accepted
+  JpegDecoder decode_jpeg = nullptr;  // null: JPEGs are not accepted
 };
 
 class V4l2Source : public FrameSource {
@@ -73,11 +73,11 @@ class V4l2Source : public FrameSource {
   std::unique_ptr<V4l2Buffers> buffers_;
   std::unique_ptr<V4l2CaptureReader> reader_;
   V4l2StateLock state_;
-  FrameInfo told_ = {};  // by the reader, in the thread
+  FrameInfo told_ = {};  // last values of the reader, in the thread
   Clock::time_point told_at_;
   std::atomic<bool> has_changed_{false};  // since the last reading
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
-  // For JPEGs: decoded pixels, and the queue of those to be decoded.
+  // JPEGs only: decoded frames, and the queue of free ones.
   const JpegDecoder decode_jpeg_;
   std::vector<std::vector<uint8_t>> decoded_;
   BoundedQueue<uint32_t> free_;
@@ -85,8 +85,8 @@ class V4l2Source : public FrameSource {
   bool is_streaming_ = false;
   mutable std::mutex mutex_;  // guards the fault
   std::string fault_;
-  std::optional<uint32_t> last_sequence_;  // used by the thread, like failures
-  int num_failures_ = 0;                   // consecutive
+  std::optional<uint32_t> last_sequence_;  // used by the thread, as the next
+  int num_failures_ = 0;                   // consecutive failures
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};
   std::thread thread_;
 };

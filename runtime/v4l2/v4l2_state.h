@@ -13,7 +13,7 @@
 
 namespace raygrid {
 
-/// Lock() and Unlock() may be called by any thread, while others read frames.
+/// Lock() and Unlock() may be called by any thread while others read frames.
 class V4l2StateLock {
  public:
   /// The device must outlive this object.
@@ -22,9 +22,9 @@ class V4l2StateLock {
   V4l2StateLock(const V4l2StateLock&) = delete;
   V4l2StateLock& operator=(const V4l2StateLock&) = delete;
 
-  /// Makes Lock() move the lens to this focus; nothing: leaves it unchanged.
+  /// Makes Lock() set this focus; nullopt: the current focus is kept.
   void FocusAt(std::optional<int> focus_steps);
-  /// Disables automatic modes, one control after the other.
+  /// Disables automatic modes, one control after another.
   StateLock Lock();
   /// Restores the modes that Lock() disabled, and the original focus, as far as
   /// the device accepts them.
@@ -42,8 +42,8 @@ class V4l2StateLock {
   bool Fix(const Subject& subject, StateLock* lock);
 
   V4l2Device* const device_;
-  std::mutex mutex_;         // guards all below, and a lock as a whole
-  std::vector<Mode> ended_;  // with their original values
+  std::mutex mutex_;         // guards the rest; held during Lock() and Unlock()
+  std::vector<Mode> ended_;  // disabled modes with their original values
   std::optional<int32_t> focus_;
 };
 

@@ -15,35 +15,35 @@ namespace raygrid {
 
 struct V4l2Stream {
   uint32_t buffer_type;  // V4L2_BUF_TYPE_VIDEO_CAPTURE, or multiplanar
-  bool is_jpeg;          // JPEGs, decoded to the format
+  bool is_jpeg;          // frames are JPEGs, decoded to the format
   StreamFormat format;
-  uint32_t num_memories;  // per frame: one, or one for each plane
+  uint32_t num_memories;  // memories per frame: one, or one for each plane
   std::array<uint32_t, 3> memory_sizes;
   struct Place {
     uint32_t memory, offset;
   };
-  std::array<Place, 3> places;  // of the format's planes
+  std::array<Place, 3> places;  // location of each plane
 
   bool has_planes_apart() const {
     return buffer_type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   }
 };
 
-/// A device error, in one line.
+/// Returns an error of a device, in one line.
 CameraError V4l2Error(const V4l2Device& device, const std::string& what);
 
-/// For the errno of a failed call: another process uses the device, or words,
-/// the meaning of the errno, and the remedy.
+/// Returns an error for the errno of a failed call: "another process uses the
+/// device", or words, the description of the errno, and the remedy.
 CameraError V4l2Error(const V4l2Device& device, const std::string& words,
                       int error, const std::string& remedy);
 
-/// Finds the type of the device's capture buffers. Throws CameraError if it has
-/// none, or does not support streaming.
+/// Returns the type of the device's capture buffers. Throws CameraError if it
+/// has none, or does not support streaming.
 uint32_t FindBufferType(V4l2Device* device);
 
 /// Sets the device's format: the named one, or for "" the first supported one
-/// of that size, preferring uncompressed formats and the current one. JPEGs are
-/// the last choice, if accepted; their name is MJPEG.
+/// of this size, preferring uncompressed formats and the current one. JPEG
+/// (name MJPEG) is the last choice, if takes_jpegs.
 V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
                         unsigned width, unsigned height, bool takes_jpegs);
 

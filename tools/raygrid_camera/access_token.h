@@ -5,17 +5,17 @@
 
 namespace raygrid {
 
-/// The word that a page's clients must know.
+/// The secret word that clients of a page must present.
 class AccessToken {
  public:
-  /// 128 bits that nobody can guess, of the kernel.
+  /// Returns 128 random bits from the kernel.
   static AccessToken MakeRandom();
-  /// The word in a file: 16 to 128 letters, digits, - or _, and a line's end.
-  /// Throws CameraError (wrong usage).
+  /// Reads the token from a file: 16 to 128 letters, digits, - or _, and a
+  /// newline. Throws CameraError (wrong usage).
   static AccessToken Read(const std::string& path);
 
   const std::string& text() const { return text_; }
-  /// Takes the same time wherever a guess goes wrong.
+  /// Compares in constant time.
   bool Is(const std::string& guess) const;
 
  private:

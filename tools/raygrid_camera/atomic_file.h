@@ -9,15 +9,15 @@
 
 namespace raygrid {
 
-/// Makes the folder, if there is none. Throws CameraError.
+/// Creates the folder if it does not exist. Throws CameraError.
 void MakeFolder(const std::string& folder);
 
-/// A file that appears whole or not at all: written beside, then renamed. No
-/// memory is allocated.
+/// A file that is written completely or not at all: a temporary file is
+/// renamed. No memory is allocated.
 class AtomicFile {
  public:
   explicit AtomicFile(const char* path);
-  ~AtomicFile();  // removes what was not committed
+  ~AtomicFile();  // removes the file if it was not committed
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
@@ -31,7 +31,7 @@ class AtomicFile {
   int fd_;
 };
 
-/// Throws CameraError.
+/// Reads a file. Throws CameraError.
 std::vector<uint8_t> ReadWholeFile(const std::string& path);
 
 }  // namespace raygrid

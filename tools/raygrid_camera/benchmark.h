@@ -1,4 +1,4 @@
-/// Times of a stream's steps, for --benchmark.
+/// Timings of a stream's steps, for --benchmark.
 #ifndef RAYGRID_CAMERA_BENCHMARK_H
 #define RAYGRID_CAMERA_BENCHMARK_H
 
@@ -11,24 +11,24 @@
 
 namespace raygrid {
 
-/// Skips 30 frames, in which cameras settle, and times undistorting and output
-/// of 30. Of 30 more it times how long reading them from their memory takes.
+/// Skips 30 frames, in which cameras settle, and times undistortion and output
+/// of the next 30. For 30 more it times reading them from their memory.
 class Benchmark {
  public:
   static constexpr uint64_t kNumFrames = 90;
 
-  /// source  outlives it
+  /// source  must outlive this object
   Benchmark(FrameSource* source, unsigned num_threads);
   ~Benchmark();
 
-  /// The source that is to be undistorted, which times reading.
+  /// The source to undistort from, which times reading.
   FrameSource* source();
-  /// A frame after its output.
+  /// Counts a frame after its output.
   void Count(const UndistortedFrame& frame, Clock::duration output);
-  /// All frames came.
+  /// Whether all frames were counted.
   bool is_complete() const { return num_counted_ >= kNumFrames; }
   uint64_t num_counted() const { return num_counted_; }
-  /// The figures, a line each. Takes a moment: it times copies, too.
+  /// Formats the timings, one per line. Also benchmarks memory copies.
   std::string Describe() const;
 
  private:

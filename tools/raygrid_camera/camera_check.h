@@ -1,4 +1,4 @@
-/// One undistorted frame and a line of text, which --check asks for.
+/// The option --check: one undistorted frame and a line of text.
 #ifndef RAYGRID_CAMERA_CAMERA_CHECK_H
 #define RAYGRID_CAMERA_CAMERA_CHECK_H
 
@@ -10,17 +10,17 @@
 
 namespace raygrid {
 
-/// The arguments of a session that undistorts as these ask, ends after a frame,
-/// and neither writes nor serves.
+/// Returns arguments of a session that undistorts equally, but ends after one
+/// frame and has no output or server.
 CameraArguments MakeCheckArguments(CameraArguments arguments);
 
-/// The blob, the frames and their source in a line. Throws CameraError where no
-/// frame was undistorted.
+/// Describes the blob, the frames and their source in a line. Throws
+/// CameraError if no frame was undistorted.
 std::string DescribeCheck(const CameraArguments& arguments,
                           const FrameSource& source,
                           const Undistorter& undistorter);
 
-/// Throws the CameraError of a check that ended before a frame came.
+/// Throws the CameraError of a check that ended before the first frame.
 [[noreturn]] void FailCheck();
 
 }  // namespace raygrid

@@ -8,15 +8,15 @@
 
 namespace raygrid {
 
-/// Frames from the source to where the arguments say, until their number is
-/// reached, the source ends or a signal comes. Throws CameraError.
-/// recorded  how the camera stood while it was calibrated, if the blob says so
+/// Undistorts frames of the source to the outputs in the arguments, until their
+/// number is reached, the source ends or a signal arrives. Throws CameraError.
+/// recorded  capture settings of the calibration, if the blob has them
 void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
                       const std::optional<rg_capture_section>& recorded,
                       FrameSource* source);
 
-/// Makes SIGINT and SIGTERM end a session in order; a second one ends the
-/// program at once.
+/// Makes SIGINT and SIGTERM end a session regularly; a second signal ends the
+/// program immediately.
 void InstallSignalHandlers();
 bool IsSignalled();
 

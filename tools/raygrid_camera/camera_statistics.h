@@ -9,13 +9,13 @@
 
 namespace raygrid {
 
-/// Says on standard error how it goes: on a terminal once a second, and at the
-/// end.
+/// Prints statistics on standard error: once a second if it is a terminal, and
+/// at the end.
 class CameraStatistics {
  public:
-  /// capture  outlives it
+  /// capture  must outlive this object
   CameraStatistics(const CaptureGuard& capture, bool is_quiet);
-  /// A frame that was taken to be written.
+  /// Counts a frame that was taken for output.
   void Count(const UndistortedFrame& frame);
   void ShowPeriodically(const SourceCounts& source,
                         const Undistorter& undistorter);
@@ -30,7 +30,7 @@ class CameraStatistics {
   const Clock::time_point start_;
   Clock::time_point last_;
   uint64_t last_undistorted_ = 0;
-  DurationHistogram waited_;  // from arrival on, without the remap
+  DurationHistogram waited_;  // time since arrival, without the remap
 };
 
 }  // namespace raygrid

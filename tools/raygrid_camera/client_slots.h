@@ -1,4 +1,4 @@
-/// Places for clients, which those lose who hold others up.
+/// Connection slots of a server; clients that block others lose them.
 #ifndef RAYGRID_CAMERA_CLIENT_SLOTS_H
 #define RAYGRID_CAMERA_CLIENT_SLOTS_H
 
@@ -10,11 +10,11 @@
 
 namespace raygrid {
 
-/// A client that asks, or whose request has not come as a whole, takes one of
-/// some places, one that watches pictures one of as many others. Where all are
-/// taken, those go that have left already; else the one that has asked for
-/// longest, or one that has taken one picture for 5 seconds, if one has. Used
-/// by libmicrohttpd's thread only.
+/// Clients with a pending request occupy one of max_clients slots, viewers of
+/// pictures one of max_clients others. If all are occupied, closed connections
+/// are evicted first; then the client whose request is pending longest, or a
+/// viewer that has been receiving one picture for 5 seconds, if any. Used by
+/// libmicrohttpd's thread only.
 class ClientSlots {
  public:
   using Clock = std::chrono::steady_clock;
@@ -23,25 +23,25 @@ class ClientSlots {
     MHD_socket socket;
     bool is_watching = false;
     bool is_sent_away = false;
-    /// When it began to ask, or its picture to be sent; kIdle: neither.
+    /// Start of the request, or of the picture being sent; kIdle: neither.
     Clock::time_point since;
   };
   static constexpr Clock::time_point kIdle = Clock::time_point::max();
 
   explicit ClientSlots(size_t max_clients) : max_clients_(max_clients) {}
 
-  /// MHD_OPTION_NOTIFY_CONNECTION, with the places.
+  /// Callback of MHD_OPTION_NOTIFY_CONNECTION; places: the ClientSlots.
   static void OnConnection(void* places, MHD_Connection* connection,
                            void** client, MHD_ConnectionNotificationCode what);
 
   static Client* Of(MHD_Connection* connection);
 
-  /// The client's answer is pictures from now on; false: there is no place.
+  /// Makes the client a viewer of pictures; false if no slot is free.
   bool AdmitViewer(Client* client);
 
  private:
   static void Disconnect(Client* client);
-  /// False: all such clients stay.
+  /// Returns false if no such client can be evicted.
   bool EvictClient(bool is_watching, Clock::duration patience);
 
   const size_t max_clients_;

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// The name and the value of --control NAME=VALUE. Throws CameraError (wrong
-/// usage) where one of them is missing.
+/// Parses --control NAME=VALUE. Throws CameraError (wrong usage) if the name or
+/// the value is missing.
 ControlValue ParseControl(const std::string& text);
 
 }  // namespace raygrid

@@ -6,12 +6,12 @@
 
 namespace raygrid {
 
-/// Numbers of frames that are written: 0 is the first one, and a gap is where
-/// the source had frames that are not.
+/// Numbers of output frames: the first is 0, and frames of the source that are
+/// not output leave a gap.
 class FrameNumbers {
  public:
-  /// sequence  the source's number of the next frame. Those of drivers that do
-  ///           not count, or begin again, leave no gap.
+  /// sequence  number of the next frame in the source. Drivers that do not
+  ///           count frames, or restart counting, cause no gap.
   uint64_t Next(uint32_t sequence) {
     if (last_) {
       const uint32_t step = sequence - *last_;

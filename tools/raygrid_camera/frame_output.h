@@ -13,26 +13,26 @@ namespace raygrid {
 class FrameOutput {
  public:
   virtual ~FrameOutput() = default;
-  /// Throws CameraError; nothing half-written stays.
+  /// Writes a frame. Throws CameraError, and leaves no incomplete file.
   ///
-  /// number  of the frame, as FrameNumbers has it
+  /// number  of the frame, from FrameNumbers
   virtual void Write(const UndistortedFrame& frame, uint64_t number) = 0;
 };
 
-/// FOLDER/frame-000000.raw and so on: a text header that ends with a line
-/// "...", and the planes.
+/// Writes FOLDER/frame-000000.raw and so on: a text header, which
+/// ends with a line "...", and the planes.
 std::unique_ptr<FrameOutput> MakeRawFiles(const std::string& folder,
                                           const StreamFormat& format);
 
-/// FOLDER/frame-000000.png and so on, 8 bits a channel.
+/// Writes FOLDER/frame-000000.png and so on, 8 bits per channel.
 std::unique_ptr<FrameOutput> MakePngFiles(const std::string& folder,
                                           const StreamFormat& format);
 
-/// Planes to a pipe, frame after frame. When is_stopped says so, a reader that
-/// takes nothing is waited for a second more.
+/// Writes the planes of all frames to a pipe. Once is_stopped() returns true, a
+/// stalled reader is waited for one more second.
 std::unique_ptr<FrameOutput> MakePipe(int fd, std::function<bool()> is_stopped);
 
-/// The commands that play the pipe.
+/// Describes commands that play the pipe.
 std::string DescribePipe(const StreamFormat& format, double frames_per_second);
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Frames of a stream of bytes.
+/// Readers of frames from a byte stream.
 #ifndef RAYGRID_CAMERA_FRAME_READER_H
 #define RAYGRID_CAMERA_FRAME_READER_H
 
@@ -21,18 +21,18 @@ class FrameReader {
 
   virtual ~FrameReader() = default;
   virtual const StreamFormat& format() const = 0;
-  /// The next frame, rows without gaps, to a place of format().packed_size()
-  /// bytes. Throws CameraError where the stream cannot be followed any more.
+  /// Reads the next frame, rows without padding, to format().packed_size()
+  /// bytes at `frame`. Throws CameraError if the stream cannot be decoded.
   virtual Outcome Read(uint8_t* frame) = 0;
-  /// The remedy for a stream that is cut.
+  /// The remedy for a truncated stream.
   virtual const char* remedy() const {
     return "see the messages of the program that writes it";
   }
 };
 
-/// The reader for what comes: Y4M by its header; JPEG, one picture behind the
-/// other, for the format MJPEG or for none; else frames of that format and
-/// size. Throws CameraError where the stream is none of them. It must outlive
+/// Returns a reader for the stream: Y4M by its header; concatenated JPEGs if
+/// the format is MJPEG or empty; otherwise raw frames of the format and size.
+/// Throws CameraError if the stream is none of them. The stream must outlive
 /// the reader.
 std::unique_ptr<FrameReader> MakeFrameReader(InputStream* stream,
                                              const std::string& format,

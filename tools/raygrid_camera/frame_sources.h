@@ -9,14 +9,14 @@
 
 namespace raygrid {
 
-/// The camera, the recording or the input that the arguments ask for; NULL
-/// where a signal comes first. Throws CameraError.
+/// Opens the camera, the recording or the input specified by the arguments.
+/// NULL if a signal arrives first. Throws CameraError.
 std::unique_ptr<FrameSource> OpenFrameSource(const CameraArguments& arguments);
 
-/// Whether frames come from a file on standard input, all of which can wait.
+/// Whether frames are read from a file on standard input, so that all can wait.
 bool CanFramesWait(const CameraArguments& arguments);
 
-/// All cameras that can be asked for, as text for people.
+/// Lists all available cameras, as text for users.
 std::string DescribeCameras();
 
 }  // namespace raygrid

@@ -1,4 +1,4 @@
-/// Under which names a server may be asked.
+/// Host names under which a server accepts requests.
 #ifndef RAYGRID_CAMERA_HOST_NAMES_H
 #define RAYGRID_CAMERA_HOST_NAMES_H
 
@@ -10,27 +10,27 @@
 
 namespace raygrid {
 
-/// A foreign page's name can be made to mean this machine (DNS rebinding); the
-/// browser then lets that page read what the server answers, but says the
-/// foreign name in the field Host. Own names are: localhost, the machine's name
-/// with and without ".local", loopback addresses, the address that is listened
-/// at, and the one that the client reached, all with the port (80 may be left
-/// out); and those added.
+/// Protection against DNS rebinding: the name of a foreign page may resolve to
+/// this machine, whose answers the browser then lets that page read; but the
+/// Host field contains the foreign name. Accepted names are localhost, the
+/// machine's name with and without ".local", loopback addresses, the listening
+/// address, and the address that the client connected to, all with the port (80
+/// may be omitted); and additional names.
 class HostNames {
  public:
-  /// address  that is listened at
-  /// added    NAME, with the port or without one; or NAME:PORT, as it is
+  /// address  listening address
+  /// added    NAME, accepted with the port or without; or NAME:PORT
   HostNames(const sockaddr* address, uint16_t port,
             std::vector<std::string> added);
 
-  /// host     the field's value
-  /// reached  the connection's own end
+  /// host     value of the Host field
+  /// reached  local address of the connection
   bool IsLocalHost(const std::string& host, const sockaddr* reached) const;
 
  private:
   bool IsLocalName(const std::string& name, const sockaddr* reached) const;
 
-  const std::string listening_;  // an address's bytes
+  const std::string listening_;  // bytes of the address
   const std::string port_;
   const std::vector<std::string> added_;
   std::vector<std::string> names_;

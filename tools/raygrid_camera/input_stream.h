@@ -7,19 +7,19 @@
 
 namespace raygrid {
 
-/// Bytes of a pipe, as they come; whoever waits for them can be stopped.
+/// Buffered bytes of a pipe; waiting for them can be interrupted.
 class InputStream {
  public:
-  /// is_stopped  is asked while nothing comes
+  /// is_stopped  polled while waiting
   InputStream(int fd, std::function<bool()> is_stopped);
 
-  /// The next bytes, at least so many, without taking them: fewer at the end,
-  /// or when stopped.
+  /// Waits for at least `number` bytes without consuming them. Returns the
+  /// number available, which is smaller at the end, or when stopped.
   size_t Await(size_t number);
-  /// The bytes that were awaited and not taken.
+  /// Available bytes that were not consumed.
   const uint8_t* data() const { return bytes_.data() + begin_; }
   void Take(size_t number) { begin_ += number; }
-  /// Takes bytes to a place; returns how many came until the end.
+  /// Reads and consumes bytes. Returns their number, smaller at the end.
   size_t Read(uint8_t* to, size_t number);
 
  private:

@@ -8,13 +8,13 @@
 
 namespace raygrid {
 
-/// Frames as JPEG, in memory that is allocated once.
+/// Encodes frames as JPEG, in memory that is allocated once.
 class JpegEncoder {
  public:
   explicit JpegEncoder(const StreamFormat& format);
 
-  /// Size of the picture in bytes(); 0 where it does not get smaller than the
-  /// buffer, or memory ends.
+  /// Returns the size of the JPEG in bytes(); 0 if it exceeds the buffer, or
+  /// memory is exhausted.
   size_t Encode(const rg_image& image);
   const uint8_t* bytes() const { return bytes_.data(); }
   size_t max_size() const { return bytes_.size(); }

@@ -7,13 +7,13 @@
 
 namespace raygrid {
 
-/// Makes a frame, rows without gaps, of a JPEG that has the format's size and,
-/// for R8, no colours. Returns whether all pixels are as they were written.
+/// Decodes a JPEG of the format's size, without colours for R8, to a frame with
+/// rows without padding. Returns false if any data is missing or corrupt.
 bool DecodeJpeg(const uint8_t* bytes, size_t number, const StreamFormat& format,
                 uint8_t* frame);
 
-/// Pictures in JPEG one behind the other, whatever stands between them, all of
-/// one size. Grey ones become R8, others BGR888.
+/// Reads concatenated JPEGs of equal size, ignoring bytes between them. Grey
+/// pictures become R8, others BGR888.
 std::unique_ptr<FrameReader> MakeJpegReader(InputStream* stream);
 
 }  // namespace raygrid

@@ -13,25 +13,25 @@
 
 namespace raygrid {
 
-/// The newest part of an endless answer, and the clients that see it change.
-/// Who is slow misses parts, and who comes gets the newest one.
+/// An endless HTTP answer whose parts replace each other. New clients start
+/// with the newest part, and slow clients skip parts.
 class NewestStream {
  public:
-  /// type      of the answer; stays where it is
-  /// first     what each answer begins with; stays where it is
-  /// max_size  bytes of a part, for which memory is taken beforehand
+  /// type      content type; must outlive this object
+  /// first     beginning of each answer; must outlive this object
+  /// max_size  maximum bytes of a part, allocated at construction
   NewestStream(const char* type, std::string_view first, size_t max_size);
 
-  /// Sends a part, in these pieces, to all clients that are ready for one.
+  /// Sends a part, concatenated from pieces, to all clients ready for one.
   void Publish(std::initializer_list<std::string_view> pieces);
-  /// Ends all clients' streams, after the newest part; wakes those that wait.
+  /// Ends all streams after the newest part, and wakes waiting clients.
   void End();
   bool has_clients() const { return num_clients_ > 0; }
 
-  /// The endless answer to a request.
+  /// Starts an endless answer to a request.
   ///
-  /// since  when the part that is being sent was begun; its end of time while
-  ///        there is none
+  /// since  set to the time at which the current part was started; to max()
+  ///        while no part is being sent
   MHD_Result Answer(MHD_Connection* connection,
                     std::chrono::steady_clock::time_point* since);
 
@@ -46,8 +46,8 @@ class NewestStream {
   const char* const type_;
   const std::string_view first_;
   const size_t max_size_;
-  std::mutex mutex_;           // of all that follows
-  std::vector<uint8_t> part_;  // as sent
+  std::mutex mutex_;           // guards the rest
+  std::vector<uint8_t> part_;  // newest part
   uint64_t number_ = 0;
   bool is_ended_ = false;
   std::vector<Client*> waiting_;

@@ -1,4 +1,4 @@
-/// The port of a page: who may ask there, and by which names.
+/// An HTTP server for a page, with access control by host name and token.
 #ifndef RAYGRID_CAMERA_PAGE_SERVER_H
 #define RAYGRID_CAMERA_PAGE_SERVER_H
 
@@ -17,22 +17,22 @@ namespace raygrid {
 class NewestStream;
 
 struct PageAddress {
-  std::string number = "127.0.0.1";  // numerical; that is this machine only
+  std::string number = "127.0.0.1";  // numerical address; default: local only
   uint16_t port = 0;
   std::vector<std::string> more_names;  // see host_names.h
-  std::string token_file;               // empty: none
+  std::string token_file;               // empty: no file
 };
 
-/// The program and its options, as errors name them.
+/// Names of the program and its options, for error messages.
 struct PageWords {
   std::string program;  ///< such as raygrid-camera
   std::string number = "--listen", port = "--http", name = "--http-name";
 };
 
-/// Fields of an answer, in pairs of name and value.
+/// Header fields of an answer, as pairs of name and value.
 using AnswerFields = std::initializer_list<std::pair<const char*, const char*>>;
 
-/// text  stays where it is
+/// text  not copied; must stay valid
 MHD_Result AnswerText(MHD_Connection* connection, unsigned status,
                       const char* type, const char* text,
                       AnswerFields fields = {});
@@ -40,36 +40,36 @@ MHD_Result AnswerBytes(MHD_Connection* connection, const char* type,
                        const std::vector<uint8_t>& bytes,
                        AnswerFields fields = {});
 
-/// Opens a port, and hands requests on that may be asked: under one of the
-/// server's own names, with the token where there is one, and, if they change
-/// something (POST), by no other site's page. No client can make it keep more
-/// than a few kilobytes and one part of a stream, and there are at most 16 that
+/// Listens on a port, and passes on authorized requests: with one of the
+/// server's host names, with the token if there is one, and, if they change
+/// state (POST), not from pages of other sites. A client can make it allocate
+/// at most a few kilobytes and one part of a stream, and at most 16 clients can
 /// watch streams.
 ///
-/// Who asks at an address that other machines reach must know a token: as the
-/// page's link has it, in a cookie that the link sets, or as
-/// "Authorization: Bearer TOKEN". So it is at loopback if the token is told.
+/// On an address that other machines can reach, a token is required: from the
+/// page's link, in a cookie that the link sets, or as "Authorization: Bearer
+/// TOKEN". On loopback it is required only if a token is specified.
 class PageServer {
  public:
-  /// Called by one thread. The path is as it came, with its escapes; so are the
-  /// values of its parameters. Bodies are not read.
+  /// Called by a single thread. Path and parameter values are not unescaped.
+  /// Bodies are not read.
   using Handler = std::function<MHD_Result(
       MHD_Connection* connection, const std::string& path, bool is_post)>;
 
-  /// port 0 of the address: any that is free.
-  /// takes_posts  else there is only GET
-  /// Throws CameraError where the port is taken, or the token cannot be had.
+  /// Port 0 in the address: any free port.
+  /// takes_posts  whether POST is allowed in addition to GET
+  /// Throws CameraError if the port is in use, or the token is not readable.
   PageServer(const PageAddress& address, const PageWords& words,
              bool takes_posts, Handler handler);
-  /// Streams that it answers with must have ended.
+  /// The streams passed to AnswerStream() must have ended.
   ~PageServer();
 
   uint16_t port() const;
-  /// The address of the page, with the token if that was made just now.
+  /// Address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 
-  /// The parts of a stream, or that too many watch already.
+  /// Answers with a stream, or with an error if too many clients watch already.
   MHD_Result AnswerStream(MHD_Connection* connection, NewestStream* stream);
 
  private:

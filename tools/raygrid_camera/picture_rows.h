@@ -7,15 +7,15 @@
 
 namespace raygrid {
 
-/// Colours for people to look at: 8 bits of red, green, blue. Each 2 x 2 pixels
-/// of a Bayer frame become one colour; YUV is that of BT.601.
+/// Converts a row to 8-bit RGB for display. Each 2 x 2 pixels of a Bayer frame
+/// become one colour; YUV is converted by BT.601.
 void ReadPictureRow(const StreamFormat& format, const rg_image& image,
                     uint32_t row, uint8_t* rgb);
 
-/// The image of a frame without gaps.
+/// Returns an image of a frame without padding.
 rg_image MakePackedImage(const StreamFormat& format, const uint8_t* bytes);
 
-/// Rows of all planes to bytes without gaps, packed_size() of them.
+/// Copies the rows of all planes to packed_size() bytes, without padding.
 void CopyPlanes(const StreamFormat& format, const rg_image& image,
                 uint8_t* bytes);
 

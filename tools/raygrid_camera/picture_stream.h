@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// The newest JPEG of one kind, as motion JPEG.
+/// A motion JPEG stream of the newest picture.
 class PictureStream : public NewestStream {
  public:
   explicit PictureStream(size_t max_size);

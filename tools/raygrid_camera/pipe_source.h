@@ -17,19 +17,19 @@
 namespace raygrid {
 
 struct PipeOptions {
-  std::string format;      // libcamera's name, or MJPEG; "": the stream says it
-  unsigned width, height;  // where the stream does not say them
-  bool every_frame = false;  // the writer waits
+  std::string format;        // libcamera's name, or MJPEG; "": by header
+  unsigned width, height;    // if the stream does not specify them
+  bool every_frame = false;  // make the writer wait
   double timeout_s = 5;      // for the first byte
 };
 
-/// Frames that another program writes. Who is slow gets the newest ones, as of
-/// a camera, or the writer waits.
+/// Frames from another program through a pipe. If processing is slow, frames
+/// are dropped as by a camera, or the writer waits.
 class PipeSource : public FrameSource {
  public:
-  /// Reads what says the format. Throws CameraError where none comes.
+  /// Reads the header of the stream. Throws CameraError if none arrives.
   ///
-  /// is_signalled  that the program is to end
+  /// is_signalled  whether the program should end
   PipeSource(int fd, const PipeOptions& options,
              std::function<bool()> is_signalled);
   ~PipeSource() override { Stop(); }
@@ -52,15 +52,15 @@ class PipeSource : public FrameSource {
 
   const std::function<bool()> is_signalled_;
   std::atomic<bool> is_stopped_{false};
-  std::optional<Clock::time_point> deadline_;  // for the stream's first bytes
+  std::optional<Clock::time_point> deadline_;  // for the first bytes
   InputStream stream_;
   std::unique_ptr<FrameReader> reader_;
   std::vector<std::vector<uint8_t>> buffers_;
   BoundedQueue<CapturedFrame> queue_;
   BoundedQueue<uint32_t> free_;
-  mutable std::mutex mutex_;  // of the fault
+  mutable std::mutex mutex_;  // guards the fault
   std::string fault_;
-  uint32_t num_read_ = 0;  // of the thread
+  uint32_t num_read_ = 0;  // used by the thread
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0};
   std::thread thread_;
 };

@@ -11,10 +11,10 @@
 
 namespace raygrid {
 
-/// Lines x,y (pixels of the mode) to lines x,y,u,v (pixels of the undistorted
-/// image; empty where there is none), each as soon as it is there. A third
-/// number of a line is where in the blob's range its frame was taken, and those
-/// behind it, too. A first line that is no numbers is a header. Throws
+/// Reads lines x,y (pixels of the mode) and writes lines x,y,u,v (pixels of the
+/// undistorted image; empty if not visible), each immediately. A third number
+/// is the operating point of the point's frame, which also applies to the
+/// following lines. A first line without numbers is a header. Throws
 /// CameraError.
 ///
 /// stack  of the camera

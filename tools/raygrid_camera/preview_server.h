@@ -1,4 +1,4 @@
-/// A page with the frames before and after, as motion JPEG over HTTP.
+/// A page with the frames before and after undistortion, as motion JPEG.
 #ifndef RAYGRID_CAMERA_PREVIEW_SERVER_H
 #define RAYGRID_CAMERA_PREVIEW_SERVER_H
 
@@ -10,17 +10,17 @@
 
 namespace raygrid {
 
-/// Serves "/", "/before" and "/after", nothing else. Encodes only while someone
-/// looks, on a thread of its own; who is slow sees fewer frames. PageServer
-/// says who may ask.
+/// Serves only "/", "/before" and "/after". Encodes frames in a separate thread
+/// while a client watches; slow clients receive fewer frames. PageServer
+/// controls access.
 class PreviewServer : public FrameObserver {
  public:
-  /// Throws CameraError where the port is taken, or the token cannot be had.
+  /// Throws CameraError if the port is in use, or the token is not readable.
   PreviewServer(const PageAddress& address, const StreamFormat& before,
                 const StreamFormat& after);
   ~PreviewServer() override;
 
-  /// The address of the page, with the token if that was made just now.
+  /// Address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 

@@ -5,18 +5,18 @@
 
 namespace raygrid {
 
-/// Tells systemd that frames pass. Does nothing where systemd did not start the
-/// program, or libsystemd is not built in.
+/// Notifies systemd of processed frames. No effect if systemd did not start the
+/// program, or without libsystemd.
 class ServiceNotice {
  public:
   ServiceNotice();
-  /// A frame was undistorted and went where it was to go. The first one makes
-  /// the service ready, and each says to systemd's watchdog that it lives.
+  /// Called after the output of a frame. The first call reports the service as
+  /// ready, and each call feeds systemd's watchdog.
   void OnFrame();
 
  private:
   bool is_ready_ = false;
-  const Clock::duration interval_;  // between words to the watchdog; 0: none
+  const Clock::duration interval_;  // between notifications; 0: none
   Clock::time_point next_;
 };
 

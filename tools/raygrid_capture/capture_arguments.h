@@ -23,13 +23,13 @@ struct CaptureArguments {
   PageAddress page;
 };
 
-/// Declares all options.
+/// Adds all options.
 void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments);
 
-/// Reads what options hold as text. Throws Error(kUsage).
+/// Parses option values that are text. Throws Error(kUsage).
 void FinishCaptureArguments(CaptureArguments* arguments);
 
-/// Opens all --source. NULL: a signal came first. Throws Error, CameraError.
+/// Opens all sources; NULL if a signal arrives. Throws Error, CameraError.
 std::unique_ptr<PairedFrames> OpenFrames(const CaptureArguments& arguments);
 
 }  // namespace raygrid

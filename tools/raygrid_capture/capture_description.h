@@ -1,5 +1,5 @@
-/// The state of a capture as people and programs see it: from its frames and
-/// its guidance.
+/// Converts a capture's frames and guidance to the state shown to users and
+/// programs.
 #ifndef RAYGRID_CAPTURE_CAPTURE_DESCRIPTION_H
 #define RAYGRID_CAPTURE_CAPTURE_DESCRIPTION_H
 
@@ -13,28 +13,28 @@
 
 namespace raygrid {
 
-/// A camera's frame of an instant, and the word on it.
+/// A camera's image of a frame, and its assessment.
 struct AssessedFrame {
-  const LiveFrame* frame = nullptr;  ///< NULL: the camera has none
+  const LiveFrame* frame = nullptr;  ///< NULL: no image
   DetectedFrame seen;
   std::string word, hint;
 
-  /// Good enough to be kept with others of its instant.
+  /// Whether it is good enough to be kept together with others of its frame.
   bool IsUsable() const { return frame && (word == "kept" || word == "known"); }
 };
 using AssessedFrames = std::vector<AssessedFrame>;  ///< by camera
 
-/// The frame itself: word, size, features, sharpness, brightness. It must be
-/// there.
+/// Sets the state of the image itself: word, size, features, sharpness,
+/// brightness. judged.frame must not be NULL.
 void DescribeFrame(const AssessedFrame& judged, CaptureState* state);
-/// How well a camera is known, and what is left to do.
+/// Sets the camera's predicted uncertainty and the remaining images.
 void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state);
-/// The next view, and the way there from where the features are, which its
-/// camera sees.
+/// Sets the next view, and the direction to it from the current features, for
+/// the camera that the view is for.
 void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
                   CaptureState* state);
-/// All cameras of a rig in short, and how they stand to each other. shown is
-/// the camera that the state tells of.
+/// Sets the summary of all cameras of a rig and their relative poses. shown:
+/// camera described by the state.
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
                  const AssessedFrames& judged, size_t shown,
                  CaptureState* state);

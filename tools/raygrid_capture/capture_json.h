@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// A state as one line of JSON, by formats/json/capture.schema.json. Numbers
-/// that are none become null; pixels are rounded to a tenth.
+/// Formats a state as one line of JSON (formats/json/capture.schema.json). Non-
+/// finite numbers become null; pixels are rounded to a tenth.
 std::string CaptureJson(const CaptureState& state);
 
 }  // namespace raygrid

@@ -24,26 +24,26 @@
 namespace raygrid {
 
 struct CaptureLoopOptions {
-  std::string source;  ///< for errors
+  std::string source;  ///< name for errors
   GuideOptions guide;
   FrameAssessorOptions judge;
   int num_threads = 0;
-  double timeout_s = 5;  ///< without a frame
+  double timeout_s = 5;  ///< maximum time without a frame
 };
 
-/// The ones who are told; those that are empty are not.
+/// Callbacks with results; empty ones are not called.
 struct CaptureViewers {
-  /// After each instant.
+  /// Called after each frame set.
   std::function<void(const CaptureState&)> show;
-  /// The grey levels of the frame that the state tells of, before that.
+  /// Called before show(), with the grey image that the state describes.
   std::function<void(const GreyImage&)> show_picture;
-  /// An instant was kept, or is there from the start: the frames that it has.
+  /// Called for each kept frame set, also those of a resumed session.
   std::function<void(const std::string& name,
                      const std::vector<const GreyImage*>&)>
       add_kept;
 };
 
-/// Wishes of people. Any thread may have some.
+/// Requests of users. Thread-safe.
 class CaptureRequests {
  public:
   void Pause(bool is_paused);
@@ -59,25 +59,25 @@ class CaptureRequests {
   std::vector<std::string> deleted_;
 };
 
-/// Takes frames of a camera, or of a rig's cameras at one instant each, until
-/// the guide says done, the source ends, someone wishes it or a signal comes.
-/// An instant is kept if one of its frames tells enough of its camera, or some
-/// together of how cameras stand to each other; all its good frames are.
-/// Cameras are adjusted by a thread of its own: live frames are judged
-/// meanwhile, by what was known before; those of files wait for it, so that the
-/// same files give the same session.
+/// Processes frames of a camera, or frame sets of a rig, until the guide
+/// reports completion, the source ends, a user requests it or a signal arrives.
+/// A frame set is kept if one image contributes enough information about its
+/// camera, or several about relative poses; all its good images are kept.
+/// Bundle adjustment runs in a separate thread: meanwhile live images are
+/// assessed with the last estimate, whereas files wait for it, so that equal
+/// files result in equal sessions.
 class CaptureLoop {
  public:
-  /// All but the options outlive it.
+  /// All arguments except the options must outlive this object.
   CaptureLoop(const CaptureLoopOptions& options, const Pattern& pattern,
               PairedFrames* frames, SessionFolder* session,
               CaptureViewers viewers, CaptureRequests* wishes);
   ~CaptureLoop();
 
-  /// Throws Error, CameraError, also where no frame came; what was kept is in
+  /// Throws Error, CameraError, also if no frame arrived; kept frames stay in
   /// the session.
   void Run();
-  /// The state after the last instant.
+  /// The state after the last frame set.
   const CaptureState& state() const { return state_; }
 
  private:
@@ -110,20 +110,20 @@ class CaptureLoop {
   SessionFolder* const session_;
   const CaptureViewers viewers_;
   CaptureRequests* const wishes_;
-  std::deque<CapturedCamera> cameras_;  // they cannot be moved
-  // The thread has these while it adjusts.
+  std::deque<CapturedCamera> cameras_;  // not movable
+  // Used by the adjustment's thread while it runs.
   std::vector<std::unique_ptr<LiveCamera>> live_;
   std::vector<std::shared_ptr<const CaptureGuide>> guides_;
   std::vector<std::vector<Pose>> avoided_;  // by camera
   std::unique_ptr<RigGuide> next_guide_;
   std::unique_ptr<RigGuide> guide_;
   std::future<void> adjusting_;
-  size_t shown_ = 0;  // the camera that the state tells of
+  size_t shown_ = 0;  // camera described by the state
   CaptureState state_;
   std::vector<std::string> lock_remarks_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
   bool has_seen_frames_ = false, has_connected_in_vain_ = false;
-  int num_without_board_ = 0;  // instants, one after the other
+  int num_without_board_ = 0;  // consecutive frame sets
   std::chrono::steady_clock::time_point guided_since_;
 };
 

@@ -1,5 +1,5 @@
-/// The page of a live capture: what the camera sees, what to do next, and what
-/// is known by now, over HTTP.
+/// The page of a live capture over HTTP: live image, next view, and progress of
+/// the calibration.
 #ifndef RAYGRID_CAPTURE_CAPTURE_PAGE_H
 #define RAYGRID_CAPTURE_CAPTURE_PAGE_H
 
@@ -15,58 +15,56 @@
 
 namespace raygrid {
 
-/// A button of the page that somebody pressed.
+/// A command from a button of the page.
 struct CaptureCommand {
   enum class Kind { kPause, kGoOn, kUndo, kFinish, kDelete };
   Kind kind = Kind::kPause;
-  std::string name;  ///< of the frame to delete; else empty
+  std::string name;  ///< frame to delete; else empty
 };
 
-/// 8 bits, rows without gaps.
+/// 8-bit grey, rows without padding.
 struct GreyPicture {
   int width = 0, height = 0;
   std::vector<uint8_t> bytes;
 };
 
 /// Serves the page and its files, the state as server-sent events (/state), the
-/// live picture as motion JPEG (/live), kept frames small (/kept/NAME.jpg) and
-/// whole (/picture/NAME.jpg), and takes commands: POST /pause, /go-on, /undo,
-/// /finish and /delete?name=NAME. PageServer says who may ask. Paths are
-/// compared with known ones, and none is opened.
+/// live picture as motion JPEG (/live), kept frames as thumbnails
+/// (/kept/NAME.jpg) and in full size (/picture/NAME.jpg), and accepts commands:
+/// POST /pause, /go-on, /undo, /finish and /delete?name=NAME. PageServer
+/// controls access. Paths are compared with known ones, never opened.
 ///
-/// Pictures are encoded only while someone looks, on a thread of their own; who
-/// is slow sees fewer. Small pictures of kept frames stay in memory, at most
-/// 24 kB each. All functions may be called by any thread.
+/// Pictures are encoded in separate threads, and only while a client watches;
+/// slow clients receive fewer. Thumbnails of kept frames stay in memory, at
+/// most 24 kB each. Thread-safe.
 class CapturePage {
  public:
-  /// Called by the server's thread, which waits for it: put the command aside.
+  /// Called by the server's thread, which it blocks: only store the command.
   using OnCommand = std::function<void(const CaptureCommand&)>;
-  /// Reads a kept frame from disk; false: it cannot be read. Called by a thread
-  /// of the page's own, one frame at a time. Must not throw.
+  /// Reads a kept frame from disk; returns false if it cannot. Called by a
+  /// thread of the page, one frame at a time. Must not throw.
   using ReadKept = std::function<bool(const std::string& name, GreyPicture*)>;
 
-  /// Throws CameraError where the port is taken, or the token cannot be had.
+  /// Throws CameraError if the port is in use, or the token is not readable.
   CapturePage(const PageAddress& address, const PageWords& words,
               OnCommand on_command, ReadKept read_kept);
-  /// The last state that was shown still reaches those who watch, and that the
-  /// capture has ended.
+  /// Still sends the last state, and the end of the capture, to all clients.
   ~CapturePage();
 
   uint16_t port() const;
-  /// The address of the page, with the token if that was made just now.
+  /// Address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 
-  /// Small pictures of frames that a state had and this one has not are
-  /// forgotten.
+  /// Sends a state, and discards thumbnails of frames that it does not contain.
   void Show(const CaptureState& state);
 
-  /// Copies the frame, if someone looks.
+  /// Copies the frame if a client watches.
   void ShowPicture(const StreamFormat& format, const rg_image& image);
   void ShowPicture(const uint8_t* grey, int width, int height,
                    size_t row_bytes);
 
-  /// The small picture of a frame that the next state has among those kept.
+  /// Adds the thumbnail of a kept frame of the next state.
   void AddKept(const std::string& name, const uint8_t* grey, int width,
                int height, size_t row_bytes);
 

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// Lines for a terminal, without colours: the image with the board (o), the
-/// view to fill (#), and how well places are known (. to @, the less the
-/// darker); then the word, the hint and how far it is.
+/// Draws a state for a terminal, without colours: the image with the features
+/// (o), the view to fill (#), and the predicted uncertainty (. to @, from low
+/// to high); then the word, the hint and the progress.
 std::string DrawState(const CaptureState& state, int num_columns);
 
 }  // namespace raygrid

@@ -13,29 +13,29 @@
 
 namespace raygrid {
 
-/// One camera of a capture: finds boards in its frames, judges them, and keeps
-/// the camera as it is.
+/// One camera of a capture: detects boards in its frames, assesses them, and
+/// checks that the camera's settings stay constant.
 class CapturedCamera {
  public:
   CapturedCamera(const Pattern& pattern, const FrameAssessorOptions& options);
 
-  /// The boards of a frame, without a name. Any thread may call it.
+  /// Detects the boards of a frame, without a name. Thread-safe.
   DetectedFrame See(const LiveFrame& frame) const;
   ImageFeatures Detect(const std::string& name, const GreyImage& grey) const;
 
-  /// Judges frames in the order in which they came.
+  /// Assesses frames, in the order of their capture.
   FrameStatus Assess(const DetectedFrame& seen, const CaptureGuide& guide);
 
-  /// The word on a frame that is good enough to be kept, where the camera's
-  /// state forbids it: "locking", "refocused", "cropped"; "" where it does not.
-  /// The first such frame locks the camera, source, if there is one. first is
-  /// the state of its first kept frame, or NULL.
+  /// Returns the word for a good frame that the camera's settings prevent from
+  /// being kept: "locking", "refocused", "cropped"; otherwise "". The first
+  /// such frame locks the settings of source, unless NULL. first: record of the
+  /// first kept frame, or NULL.
   std::string GetStateText(const LiveFrame& frame, FrameSource* source,
                            const SessionFrame* first);
-  /// The lock that GetStateText() has just made, once; nothing else.
+  /// Returns the lock that GetStateText() has made, once; otherwise nullopt.
   std::optional<StateLock> TakeLock();
 
-  /// How the camera stood in a frame, and how good that is.
+  /// Returns the capture settings and quality of a frame.
   SessionFrame RecordOf(const LiveFrame& frame,
                         const DetectedFrame& seen) const;
 

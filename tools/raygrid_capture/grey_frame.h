@@ -6,13 +6,13 @@
 
 namespace raygrid {
 
-/// Throws CameraError for formats that hold no grey level of each pixel: those
-/// of colour filters, and packed ones.
+/// Throws CameraError for formats without a grey level per pixel: Bayer and
+/// packed formats.
 void RequireGrey(const PixelFormatInfo& pixel_format);
 
-/// The grey levels of a frame: its own, with all their bits, where it has them,
-/// as grey and YUV formats do. Of red, green and blue they are made as of files
-/// in colour. More than 8 bits become 16, the highest ones in use.
+/// Returns the grey levels of a frame: the luma of grey and YUV formats, with
+/// all bits; computed from RGB as for colour files. More than 8 bits are
+/// shifted to the highest bits of 16.
 Image GreyOf(const StreamFormat& format, const rg_image& frame);
 
 }  // namespace raygrid

@@ -11,14 +11,14 @@
 
 namespace raygrid {
 
-/// Small JPEGs of kept frames, of at most 320 pixels a side and 24 kB.
+/// Thumbnails of kept frames: JPEGs of at most 320 pixels per side and 24 kB.
 class KeptPictures {
  public:
   void Add(const std::string& name, const StreamFormat& format,
            const rg_image& image);
-  /// Forgets those of a former list that this one has not.
+  /// Discards thumbnails of all other names.
   void KeepOnly(const std::vector<std::string>& names);
-  /// Empty where there is none.
+  /// Returns a thumbnail; empty if it does not exist.
   std::vector<uint8_t> Find(const std::string& name) const;
 
  private:

@@ -12,16 +12,16 @@
 
 namespace raygrid {
 
-/// The newest frame as motion JPEG of at most 1280 pixels a side and 15 a
-/// second, encoded by a thread of its own while someone looks.
+/// Motion JPEG of the newest frame, at most 1280 pixels per side and 15 frames
+/// per second, encoded in a separate thread while a client watches.
 class LivePicture {
  public:
   LivePicture();
   ~LivePicture() { End(); }
 
-  /// Copies the frame, unless nobody looks.
+  /// Copies the frame if a client watches.
   void Show(const StreamFormat& format, const rg_image& image);
-  /// No picture comes after.
+  /// Ends the stream.
   void End();
   NewestStream* stream() { return &stream_; }
 
@@ -29,10 +29,10 @@ class LivePicture {
   void Encode();
 
   NewestStream stream_;
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // guards the rest
   std::condition_variable changed_;
   StreamFormat format_ = {};
-  std::vector<uint8_t> bytes_;  // the newest frame's copy
+  std::vector<uint8_t> bytes_;  // copy of the newest frame
   bool is_full_ = false, is_stopped_ = false;
   std::thread encoder_;
 };

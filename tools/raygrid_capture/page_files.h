@@ -3,7 +3,7 @@
 
 namespace raygrid {
 
-/// The files of page/, as embed.cmake puts them into the program.
+/// The files of page/, embedded into the program by embed.cmake.
 extern const char kCaptureHtml[];
 extern const char kCaptureStyle[];
 extern const char kCaptureScript[];

@@ -1,4 +1,4 @@
-/// Frames that the cameras of a rig took at one instant.
+/// Synchronized frames of the cameras of a rig.
 #ifndef RAYGRID_CAPTURE_PAIRED_FRAMES_H
 #define RAYGRID_CAPTURE_PAIRED_FRAMES_H
 
@@ -11,12 +11,12 @@
 
 namespace raygrid {
 
-/// The frames of all cameras that were taken at one instant; nothing of a
-/// camera that has none.
+/// A frame set: synchronized frames of all cameras; nullopt for cameras without
+/// one.
 using FrameSet = std::vector<std::optional<LiveFrame>>;
 
 struct NamedFrames {
-  std::string camera;  ///< empty: the only one
+  std::string camera;  ///< empty: single camera
   std::unique_ptr<LiveFrames> frames;
 };
 
@@ -24,13 +24,13 @@ struct NamedFrames {
 /// names, and frames of videos by their numbers. Frames of a single camera are
 /// passed on.
 ///
-/// Live frames without a partner are given alone once no pair was found for a
-/// second: each still tells of its own camera.
+/// If no pair was found for a second, unpaired live frames are returned alone,
+/// because each still contributes to its own camera.
 class PairedFrames {
  public:
-  /// Frames of live cameras are of one instant if their time stamps differ by
-  /// no more than the tolerance. Throws Error(kUsage) where live cameras,
-  /// videos and folders are mixed.
+  /// Frames of live cameras are synchronized if their time stamps differ by no
+  /// more than the tolerance. Throws Error(kUsage) if live cameras, videos and
+  /// folders are mixed.
   PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s);
 
   size_t size() const { return cameras_.size(); }
@@ -38,18 +38,18 @@ class PairedFrames {
     return cameras_[camera].camera;
   }
   std::vector<std::string> names() const;
-  /// The camera behind; NULL for files.
+  /// The camera; NULL for files.
   FrameSource* source(size_t camera) const {
     return cameras_[camera].frames->source();
   }
 
-  /// The next frames; nothing when none come soon. Throws InputError,
-  /// CameraError.
+  /// Returns the next frame set; nullopt if none arrives soon. Throws
+  /// InputError, CameraError.
   std::optional<FrameSet> Next();
-  /// Files: all were taken. Cameras: one of them has ended.
+  /// Files: whether all were returned. Cameras: whether one of them has ended.
   bool is_finished() const;
   bool is_live() const { return cameras_[0].frames->is_live(); }
-  /// Live frames come, and for a second no two of them within the tolerance.
+  /// Whether live frames arrive, but no pair was found for a second.
   bool is_unpaired() const { return is_unpaired_; }
 
  private:
@@ -60,7 +60,7 @@ class PairedFrames {
 
   std::vector<NamedFrames> cameras_;
   const double tolerance_s_;
-  FrameSet pending_;  // frames that wait for others of their instant
+  FrameSet pending_;  // frames waiting for others of their set
   Clock::time_point last_pair_;
   bool is_unpaired_ = false;
 };

@@ -9,43 +9,42 @@
 
 namespace raygrid {
 
-/// A camera's frame of an instant, to be kept.
+/// A camera's image of a frame set, to be kept.
 struct KeptFrame {
   size_t camera = 0;
   ImageSize size;
-  SessionFrame record;  ///< with the instant's name as its image
-  std::string bytes;    ///< of the image's file
+  SessionFrame record;  ///< its image is the name of the frame set
+  std::string bytes;    ///< contents of the image file
 };
 
 /// The folder of a live capture: frames/, session.json and pattern.yaml. Each
-/// file appears whole or not at all. session.json names the frames of an
-/// instant once all their images are there, so that a program that is killed
-/// loses none. Nobody else may write to it meanwhile.
+/// file is written completely or not at all. A frame set is listed in
+/// session.json after all its images are written, so that killing the program
+/// loses none. Locked against other programs.
 class SessionFolder {
  public:
-  /// Makes a session, or goes on with the folder's own. cameras are the names
-  /// of a rig's, or one that is empty. Throws Error: the folder has a session
-  /// and none is to be resumed, or the other way round, or one of another
-  /// pattern or other cameras, or a pattern.yaml of another target; another
-  /// program writes to it; it cannot be written.
+  /// Creates a session, or resumes that of the folder. cameras: names in a rig,
+  /// or one empty name. Throws Error if a session exists and resume is false,
+  /// or vice versa; if its pattern, cameras or pattern.yaml differ; if another
+  /// program writes to the folder; or if it is not writable.
   SessionFolder(const std::string& folder, const Pattern& pattern,
                 const std::vector<std::string>& cameras, bool resume);
-  /// Removes a session that was made and kept no frame.
+  /// Removes a new session without frames.
   ~SessionFolder();
   SessionFolder(const SessionFolder&) = delete;
   SessionFolder& operator=(const SessionFolder&) = delete;
 
   const std::vector<Session>& cameras() const { return cameras_; }
-  /// The names of all instants, the oldest first.
+  /// Names of all frame sets, oldest first.
   std::vector<std::string> CollectFrameSets() const;
-  /// The file of a frame, there or not.
+  /// Path of an image, which need not exist.
   std::string PathOf(size_t camera, const std::string& image) const;
 
-  /// A name that no instant has: frame-0001.png and so on, or a photograph's
-  /// own.
+  /// Returns an unused frame name: frame-0001.png and so on, or the name of the
+  /// photograph.
   std::string NewName(const std::string& photograph);
-  /// Adds the frames of an instant. Throws Error(kOutput); the instants before
-  /// stay.
+  /// Adds a frame set. Throws Error(kOutput); earlier frame sets are not
+  /// affected.
   void Save(std::vector<KeptFrame> frames);
   void Remove(const std::string& image);
   void RecordLocked(size_t camera, const std::vector<std::string>& locked,
@@ -59,7 +58,7 @@ class SessionFolder {
 
   std::string folder_;
   std::vector<Session> cameras_;
-  int number_ = 0;  // of the last name
+  int number_ = 0;  // number in the last name
   int lock_ = -1;
   bool is_new_ = false, has_made_pattern_ = false;
 };

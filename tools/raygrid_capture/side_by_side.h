@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// Pictures from left to right, top sides in one line; black below lower ones.
+/// Concatenates pictures horizontally, aligned at the top, with black below.
 GreyPicture SideBySide(const std::vector<const GreyImage*>& pictures);
 
 }  // namespace raygrid

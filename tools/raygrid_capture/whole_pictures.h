@@ -14,16 +14,16 @@
 
 namespace raygrid {
 
-/// Kept frames of their full size, read and encoded when asked for, by a thread
-/// of its own, one after the other.
+/// Kept frames in full size, read and encoded on request, one at a time in a
+/// separate thread.
 class WholePictures {
  public:
   explicit WholePictures(CapturePage::ReadKept read);
   ~WholePictures() { End(); }
 
-  /// A frame that cannot be read closes the connection.
+  /// Answers a request; if the frame cannot be read, closes the connection.
   MHD_Result Answer(MHD_Connection* connection, const std::string& name);
-  /// Nobody waits after.
+  /// Ends all waiting requests.
   void End();
 
  private:
@@ -34,7 +34,7 @@ class WholePictures {
   void Work();
 
   const CapturePage::ReadKept read_;
-  std::mutex mutex_;  // of all that follows, and of the jobs
+  std::mutex mutex_;  // guards the rest and the jobs
   std::condition_variable changed_;
   std::deque<std::shared_ptr<Job>> waiting_;
   bool is_stopped_ = false;

@@ -1,4 +1,4 @@
-/// The vocabulary of detection: what is asked for, and what was found.
+/// Types of detection: options and results.
 #ifndef RAYGRID_FEATURES_BOARD_VIEW_DETECTION_H
 #define RAYGRID_FEATURES_BOARD_VIEW_DETECTION_H
 
@@ -10,9 +10,9 @@
 
 namespace raygrid {
 
-/// How features are brought to sub-pixel accuracy (paper, "Feature
-/// Extraction"): by symmetry of one of three images made from the photograph,
-/// by OpenCV's cornerSubPix, or not at all after the first localisation.
+/// Methods of sub-pixel refinement (paper, "Feature Extraction"): by symmetry
+/// of one of three images derived from the photograph, by OpenCV's
+/// cornerSubPix, or none after the initial localization.
 enum class Refinement {
   kIntensities,
   kGradientsXY,
@@ -23,15 +23,15 @@ enum class Refinement {
 
 struct DetectionOptions {
   Refinement refinement = Refinement::kIntensities;
-  int window_px = 21;  ///< side of the refinement's window, odd
+  int window_px = 21;  ///< side of the refinement window, odd
 };
 
-/// A photograph as detectors want it.
+/// A grey image as input of detectors.
 struct GreyImage {
   ImageSize size;
-  std::vector<float> levels;   ///< row by row; 0 to 255, whatever the file has
-  std::vector<uint8_t> bytes;  ///< the same, rounded
-  float level_step = 1;        ///< between the values of its file
+  std::vector<float> levels;   ///< row by row, scaled to 0 to 255
+  std::vector<uint8_t> bytes;  ///< levels, rounded
+  float level_step = 1;        ///< step of the file's levels
   bool was_mosaic = false;     ///< see BalanceMosaic()
 
   float at(int x, int y) const { return levels[y * size.width + x]; }
@@ -40,19 +40,19 @@ struct GreyImage {
 GreyImage MakeGreyImage(const Image& image);
 GreyImage MakeGreyImage(GreyLevels grey);
 
-/// False for images so small that no board is in them; libraries are not made
-/// for those.
+/// Whether an image is large enough to contain a board; libraries for detection
+/// may fail for smaller ones.
 bool IsLargeEnough(const ImageSize& size);
 
-/// Left and right exchanged.
+/// Flips the image horizontally.
 GreyImage MirrorImage(GreyImage image);
 
-/// Half as wide and high: pixel (x, y) is the mean of four, (2 x, 2 y) the
-/// first of them.
+/// Halves width and height: pixel (x, y) is the mean of four, the first of
+/// which is (2 x, 2 y).
 GreyImage Halved(const GreyImage& image);
 
-/// A place in an image that was halved until it is of 1 / scale of the size,
-/// and back.
+/// Converts a pixel to an image downscaled by averaging to 1 / scale of the
+/// size, and back.
 inline Eigen::Vector2d ToDownscaled(const Eigen::Vector2d& pixel,
                                     double scale) {
   return (pixel.array() + 0.5) / scale - 0.5;
@@ -67,11 +67,11 @@ struct RejectedFeature {
   std::string reason;  ///< a few words
 };
 
-/// The features that one image shows, and those rejected.
+/// Accepted and rejected features of one image.
 struct ImageDetection {
   std::vector<Feature> features;  ///< by board, row, column
   std::vector<RejectedFeature> rejected;
-  std::vector<std::string> warnings;  ///< about the image: mirrored, other tags
+  std::vector<std::string> warnings;  ///< such as mirrored board, other tags
 };
 
 }  // namespace raygrid

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// The features of one board found so far, by their places.
+/// The features of one board found so far, by column and row.
 class FeatureLattice {
  public:
   explicit FeatureLattice(const Board& board);
@@ -28,20 +28,20 @@ class FeatureLattice {
   void Remove(int column, int row);
   int num_found() const { return num_found_; }
 
-  /// The found ones at most reach columns and rows away from a place; offsets
-  /// from there in squares, nearer ones with more weight.
+  /// Returns the features at most `reach` columns and rows away, with offsets
+  /// from (column, row) in squares, and higher weights for closer ones.
   std::vector<Correspondence> Around(int column, int row, int reach,
                                      bool with_itself) const;
 
-  /// How many of the 24 places around are found.
+  /// Returns how many of the 24 surrounding features are found.
   int CountNeighbours(int column, int row) const;
 
-  /// The features by row and column.
+  /// Returns the features by row and column.
   std::vector<Feature> Features() const;
 
  private:
   const Board* board_;
-  std::vector<Eigen::Vector2d> places_;  // in squares
+  std::vector<Eigen::Vector2d> places_;  // target positions in squares
   std::vector<Eigen::Vector2d> pixels_;
   std::vector<char> found_;
   int num_found_ = 0;

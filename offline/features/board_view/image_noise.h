@@ -7,18 +7,18 @@
 
 namespace raygrid {
 
-/// The standard deviation of the noise, grey levels, where the image is
-/// smoothest: what Immerkaer's filter (1996), blind to edges, leaves there.
+/// Estimates the standard deviation of the noise, grey levels, in the smoothest
+/// parts of the image, with Immerkaer's filter (1996), which suppresses edges.
 double EstimateNoise(const GreyImage& image);
 
-/// The noise of pixels of about one level.
+/// Noise of pixels near a grey level.
 struct NoiseAtLevel {
   double level, noise;
 };
 
-/// How noise changes with brightness, by rising levels, as EstimateNoise()
-/// estimates it from the parts of an image with about these levels. Noise grows
-/// with the square root of the light at most: what exceeds that is the scene's.
+/// Estimates the noise by brightness, in ascending order, by EstimateNoise() on
+/// the parts of the image near each level. Noise increases at most with the
+/// square root of the light: larger values are attributed to the scene.
 std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image);
 
 }  // namespace raygrid

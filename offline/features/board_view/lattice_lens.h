@@ -11,27 +11,27 @@
 
 namespace raygrid {
 
-/// The radial lens, and the pose of a flat board, that explain one lattice of
-/// features best: a direction at the angle t from the axis is seen
-/// f (t + k1 t^3 + k2 t^5) from the centre. Where there are no features, as on
-/// large tags at a fisheye's rim, and behind them, it tells where the board
-/// goes on; to a pixel or so, as real lenses are not quite radial.
+/// A radial lens model and the pose of a planar board, fitted to the features
+/// of one lattice: a direction at the angle t from the axis is projected to the
+/// distance f (t + k1 t^3 + k2 t^5) from the centre. It predicts missing
+/// features within and beyond the lattice, as around large tags near a
+/// fisheye's edge, to about a pixel, as real lenses are not exactly radial.
 class LatticeLens {
  public:
-  /// Nothing for less than 20 features, or where half of them are seen more
-  /// than a pixel from where any such lens would show them.
+  /// Returns nullopt for fewer than 20 features, or if half of them have
+  /// residuals above a pixel.
   static std::optional<LatticeLens> Fit(const std::vector<Feature>& features,
                                         const ImageSize& size);
 
-  /// The pixel where a place on the lattice, in squares, is seen; nothing where
-  /// its angle from the axis is a fifth larger than any feature's.
+  /// Projects a point of the lattice, in squares; nullopt if its angle from the
+  /// axis exceeds the largest angle of a feature by a fifth.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector2d& place) const;
-  /// How the board appears within a square of a place, or half of one where the
-  /// lens is not known farther: a polynomial of degree 3.
+  /// Returns the local mapping within a square around a point, or half a square
+  /// near the maximum angle: a polynomial of degree 3; nullopt if not defined.
   std::optional<LocalMapping> Around(const Eigen::Vector2d& place) const;
 
-  /// f in pixels, k1, k2; the centre in pixels; the pose: the rotation vector
-  /// and the translation in squares, camera from board.
+  /// f in pixels, k1, k2; centre in pixels; camera_from_board: rotation vector,
+  /// and translation in squares.
   using Parameters = std::array<double, 11>;
 
  private:
@@ -41,7 +41,7 @@ class LatticeLens {
       const Eigen::Vector2d& place, double reach) const;
 
   Parameters parameters_;
-  double max_angle_rad_;  // from the axis
+  double max_angle_rad_;  // angle from the axis
 };
 
 }  // namespace raygrid

@@ -6,12 +6,12 @@
 
 namespace raygrid {
 
-/// How a small part of a board appears in the image. Offset s = (u, v) on the
-/// board, in squares from a feature, is seen at
+/// Local mapping from board to image. Offset s = (u, v) on the board, in
+/// squares from a feature, is projected to
 ///   x(s) = center + A s / (1 + h . s) + W m(s),
 ///   m(s) = (u^2, u v, v^2, u^3, u^2 v, u v^2, v^3):
-/// a homography (the paper's H, its eight parameters being center, A and h),
-/// and the curvature that the lens adds to it.
+/// a homography (the paper's H, with the eight parameters center, A and h),
+/// and the curvature added by lens distortion.
 struct LocalMapping {
   static constexpr int kNumMonomials = 7;
 
@@ -23,10 +23,10 @@ struct LocalMapping {
 
   Eigen::Vector2d operator()(const Eigen::Vector2d& offset) const;
 
-  /// A square's width or height in the image, the smaller one.
+  /// Width or height of a square in the image, whichever is smaller.
   double SpacingPx() const;
-  /// How wide a circle in a square appears where it is narrowest: less than the
-  /// spacing where a square is foreshortened along its diagonal.
+  /// Smallest width of a square's inscribed circle in the image: less than the
+  /// spacing if the square is foreshortened along its diagonal.
   double CircleWidthPx() const;
 };
 
@@ -34,24 +34,24 @@ struct LocalMapping {
 Eigen::Matrix<double, LocalMapping::kNumMonomials, 1> CurvatureMonomials(
     const Eigen::Vector2d& offset);
 
-/// A place on the board, as an offset in squares, and where it is seen.
+/// An offset on the board, in squares, and its pixel.
 struct Correspondence {
   Eigen::Vector2d offset;
   Eigen::Vector2d pixel;
   double weight = 1;
 };
 
-/// The mapping nearest to correspondences: a polynomial of the highest degree,
-/// at most max_degree (1 to 3), that they determine well; without the offset 0
-/// it predicts that feature. Returns the degree; 0 if there are too few, or all
-/// on a line.
+/// Fits a mapping to correspondences: a polynomial of the highest degree, at
+/// most max_degree (1 to 3), that is well determined; without a correspondence
+/// at offset 0, it predicts that feature. Returns the degree; 0 if there are
+/// too few, or all are collinear.
 int FitLocalMapping(const std::vector<Correspondence>& correspondences,
                     int max_degree, LocalMapping* mapping);
 
-/// Fits a mapping with the perspective of the homography nearest to the
-/// correspondences: where this is strong, as in squares that fill much of an
-/// image, it predicts better than a polynomial. 0, too, if no homography comes
-/// near.
+/// Fits a mapping with the perspective of the homography fitted to the
+/// correspondences: for strong perspective, as of squares that fill much of an
+/// image, it is more accurate than a polynomial. Returns 0 also if no
+/// homography fits.
 int FitPerspectiveMapping(const std::vector<Correspondence>& correspondences,
                           int max_degree, LocalMapping* mapping);
 

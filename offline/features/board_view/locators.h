@@ -1,4 +1,4 @@
-/// What locates the features of each kind of target.
+/// Approximate localization of features for each kind of target.
 #ifndef RAYGRID_FEATURES_BOARD_VIEW_LOCATORS_H
 #define RAYGRID_FEATURES_BOARD_VIEW_LOCATORS_H
 
@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// Finds a board's features approximately. Empty for star boards, all of which
-/// are detected at once.
+/// Detects a board's features approximately. Empty for star boards, which are
+/// detected jointly.
 using Locator = std::function<ImageDetection(const GreyImage&)>;
 
 #define RAYGRID_TARGET_KIND(Name) Locator Make##Name##Locator(const Board&);

@@ -1,4 +1,4 @@
-/// Images of low contrast: those of thermal cameras, and of a lens cap.
+/// Images of low contrast, such as from thermal cameras or with a lens cap.
 #ifndef RAYGRID_FEATURES_BOARD_VIEW_LOW_CONTRAST_H
 #define RAYGRID_FEATURES_BOARD_VIEW_LOW_CONTRAST_H
 
@@ -8,23 +8,22 @@
 
 namespace raygrid {
 
-/// An image of more than 8 bits whose noise is far below a grey level may show
-/// a board within a few levels, too little for the bounds of detection. This is
-/// it with levels, from below 0 to above 255, that are larger by a power of
-/// two, so that its noise is about one level. Its bytes show the differences
-/// from the mean around each pixel. Nothing for images with more noise, or
-/// where the file has no finer levels.
+/// Amplifies an image of more than 8 bits whose noise is far below a grey
+/// level, and in which a board may span only a few levels, too few for
+/// detection. Levels are scaled by a power of two, so that the noise is about
+/// one level, and may exceed 0 to 255. Bytes contain differences from the local
+/// mean. Returns nullopt for images with more noise, or without finer levels.
 std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image);
 
-/// Whether an image shows noise alone: no board could be found in it.
+/// Whether an image contains only noise, so that no board can be detected.
 bool IsPureNoise(const GreyImage& image);
 
-/// An image so smoothed that its noise is a small part of its contrast, where
-/// it is not: libraries that read markers take long for noise.
+/// Smooths an image unless its noise is a small part of its contrast, because
+/// marker libraries are slow on noise.
 GreyImage Denoise(const GreyImage& image);
 
-/// Whether hardly anything stands out from the noise, or from the steps of the
-/// file's levels.
+/// Whether hardly any contrast exceeds the noise, or the quantization steps of
+/// the file.
 bool HasLowContrast(const GreyImage& image);
 
 }  // namespace raygrid

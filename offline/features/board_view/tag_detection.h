@@ -19,41 +19,41 @@ enum class TagFamily {
   k36h11,
   k25h9,
   k16h5,
-  // With a black border of two cells, as in AprilGrids.
+  // With a black border of two cells, as on AprilGrids.
   k36h11WideBorder,
   k25h9WideBorder,
   k16h5WideBorder,
   kStandard41h12
 };
 
-/// An AprilTag in an image: the corners of its black square, clockwise from the
-/// top left as the tag stands.
+/// An AprilTag in an image: corners of its black square, clockwise from the top
+/// left of the upright tag.
 struct DetectedTag {
   TagFamily family = TagFamily::k36h11;
   int id = 0;
   std::array<Eigen::Vector2d, 4> corners;
 };
 
-/// The defaults are libapriltag's.
+/// Options of tag detection; defaults as in libapriltag.
 struct TagOptions {
-  /// Squares are sought in every decimate-th row and column; corners are found
-  /// in all.
+  /// Squares are searched in every decimate-th row and column; corners are
+  /// located at full resolution.
   float decimate = 1;
-  int max_wrong_bits = 2;  ///< none of tag16h5: any square would pass
-  /// Squared pixels that the edges of squares may be off a straight line.
+  int max_wrong_bits = 2;  ///< 0 for tag16h5: any square would match
+  /// Maximum mean squared deviation of a square's edges from lines, px^2.
   float max_line_fit_mse = 10;
-  /// Grey levels between the cells and their threshold, on average.
+  /// Minimum mean difference of cells from the threshold, grey levels.
   float min_margin = 0;
 };
 
-/// libapriltag's detector. Serves one thread at a time.
+/// libapriltag's detector. Not thread-safe.
 class TagDetector {
  public:
   TagDetector(const std::vector<TagFamily>& families,
               const TagOptions& options);
   ~TagDetector();
 
-  /// All tags of the families in a grey image, 8 bits; by id.
+  /// Detects all tags of the families in an 8-bit grey image, ordered by id.
   std::vector<DetectedTag> Detect(const cv::Mat& image) const;
 
  private:
@@ -61,18 +61,18 @@ class TagDetector {
   std::unique_ptr<Data> data_;
 };
 
-/// kQuick leaves out every second row and column of large images, and with
-/// them tags less than about 20 px wide.
+/// kQuick skips every second row and column of large images, and thereby misses
+/// tags less than about 20 px wide.
 enum class TagSearch { kQuick, kThorough };
 
-/// All tags of tag36h11 with one wrong bit at most and wholly in the image.
+/// Detects all tags of tag36h11 with at most one bit error, inside the image.
 std::vector<DetectedTag> DetectTags(const GreyImage& image,
                                     TagSearch search = TagSearch::kQuick);
-/// Whether images of this size are not large.
+/// Whether images of this size are so small that kQuick skips no rows.
 bool IsQuickSearchThorough(const ImageSize& size);
 
-/// Describes other tags where DetectTags() finds nothing: "mirrored tag 3",
-/// "tag 3 of family tag25h9". For messages.
+/// Describes other tags if DetectTags() finds none: "mirrored tag 3", "tag 3 of
+/// family tag25h9". For messages.
 std::vector<std::string> DescribeOtherTags(const GreyImage& image);
 
 }  // namespace raygrid

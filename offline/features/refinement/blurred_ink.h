@@ -7,17 +7,17 @@
 
 namespace raygrid {
 
-/// Ink from (u0, v0) to (u1, v1): offsets on a board, in squares.
+/// A rectangle of ink, (u0, v0) to (u1, v1): offsets on a board, in squares.
 struct InkRectangle {
   double u0, v0, u1, v1;
 };
 
-/// Ink as a sum of quadrants that begin at crossings of lines: each has a
-/// weight, and covers what has larger u and v.
+/// Ink as a weighted sum of quadrants, each of which starts at a crossing of
+/// lines and covers larger u and v.
 class Quadrants {
  public:
-  /// The ink of rectangles that do not overlap, as far as they reach into the
-  /// square from -reach to reach.
+  /// Converts non-overlapping rectangles, clipped to the square from -reach to
+  /// reach.
   Quadrants(const std::vector<InkRectangle>& ink, double reach);
 
   const std::vector<double>& u() const { return u_; }
@@ -29,30 +29,30 @@ class Quadrants {
   Eigen::MatrixXd weights_;
 };
 
-/// A Gaussian blur in the image as it is on the board: standard deviations in
-/// squares, and the correlation of u and v where squares are seen askew.
+/// A Gaussian blur of the image in board coordinates: standard deviations in
+/// squares, and the correlation of u and v due to oblique views.
 struct BoardBlur {
   double sigma_u, sigma_v, correlation;
 };
 
-/// Ink after blur, 0 to 1, and its derivatives, also with respect to the
+/// Blurred ink, 0 to 1, and its derivatives with respect to u, v, and the
 /// logarithm of both standard deviations.
 struct BlurredInk {
   double ink = 0, by_u = 0, by_v = 0, by_log_sigma = 0;
 };
 
 /// Blurs ink: the bivariate normal distribution of each quadrant, by its
-/// tetrachoric series to the fourth power of the correlation; derivatives by
-/// one power less.
+/// tetrachoric series up to the fourth power of the correlation; derivatives up
+/// to the third.
 class InkBlurrer {
  public:
-  /// Keeps a reference.
+  /// Keeps a reference to quadrants.
   InkBlurrer(const Quadrants& quadrants, const BoardBlur& blur);
 
   BlurredInk At(double u, double v);
 
  private:
-  // A half-plane after blur: a normal distribution.
+  // A blurred half-plane: a normal distribution.
   struct Step {
     double t, density, sum;  // t in standard deviations
   };

@@ -12,28 +12,28 @@
 
 namespace raygrid {
 
-/// How the camera sees the surroundings of a board's point, as far as the
-/// window reaches, board and camera being where they are known to be. Nothing
-/// where the camera is not calibrated. The centre is the feature's pixel.
+/// Computes the local mapping around a target point within the window, from the
+/// estimated camera and pose, centred at the feature's pixel. nullopt outside
+/// the calibrated area.
 std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
                                                  const Pose& camera_from_board,
                                                  const Board& board,
                                                  const Feature& feature,
                                                  int window_px);
 
-/// The scene as it is known once a camera is calibrated.
+/// The estimated camera, target and poses.
 struct EstimatedScene {
   const CameraModel* camera;
-  const Pattern* pattern;  ///< points where they were found to be
+  const Pattern* pattern;  ///< with estimated target geometry
   std::vector<BoardPose> poses;
 };
 
-/// The features of images measured once more, with the mappings that the camera
-/// tells: unlike those from neighbouring features, they are free of noise, and
-/// as good at the board's edge as in its middle. Those of boards without a pose
-/// and those that symmetry does not pull to a place near stay as they are.
-/// Images are read again; paths are those of the dataset's images. Throws
-/// InputError for an image that cannot be read any more.
+/// Refines the features of images with mappings computed from the camera:
+/// unlike mappings fitted to neighbouring features, they are free of noise, and
+/// equally accurate at the board's edge. Features of boards without a pose, and
+/// features for which refinement fails, are unchanged. Images are read again
+/// from paths, those of the dataset's images. Throws InputError for an image
+/// that is no longer readable.
 Dataset RefineFeaturesWithCamera(const std::vector<std::string>& paths,
                                  const Dataset& dataset,
                                  const EstimatedScene& scene,

@@ -12,10 +12,9 @@
 
 namespace raygrid {
 
-/// Brings approximate features (within 2 px or a tenth of a square) of one
-/// board to the accuracy of the options; every kind of board whose features are
-/// point-symmetric: star, chessboard, charuco, aprilgrid. What fails a check is
-/// among the rejected.
+/// Refines approximate features (within 2 px or a tenth of a square) of one
+/// board, of any kind with point-symmetric features: star, chessboard, charuco,
+/// aprilgrid. Features that fail a check are rejected.
 class FeatureRefiner {
  public:
   FeatureRefiner(const Board& board, const DetectionOptions& options);
@@ -27,9 +26,9 @@ class FeatureRefiner {
   ImageDetection Refine(const GreyImage& image,
                         const std::vector<Feature>& approximate) const;
 
-  /// Refined ones once more, with mappings known from elsewhere. Those without
-  /// one, and those found to be nowhere near, stay as they are; all of them
-  /// where the options' refinement does not go by symmetry.
+  /// Refines features again with given mappings. Features are unchanged if they
+  /// have no mapping or refinement fails; all are if the method in the options
+  /// is not based on symmetry.
   using MappingCallback =
       std::function<std::optional<LocalMapping>(const Feature&)>;
   std::vector<Feature> RefineWith(const GreyImage& image,

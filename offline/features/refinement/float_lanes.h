@@ -1,5 +1,5 @@
-/// Four floats at a time, with the compiler's vector extensions: the same
-/// operations in the same order on every machine.
+/// Vectors of four floats, with the compiler's vector extensions: operations
+/// and their order are equal on every machine.
 #ifndef RAYGRID_FEATURES_REFINEMENT_FLOAT_LANES_H
 #define RAYGRID_FEATURES_REFINEMENT_FLOAT_LANES_H
 
@@ -22,13 +22,13 @@ inline float SumLanes(const FloatLanes& lanes) {
   return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
 }
 
-/// A value and its gradient by bilinear interpolation.
+/// A value and its gradient, interpolated bilinearly.
 struct SampledLanes {
   FloatLanes value, dx, dy;
 };
 
-/// At x and y, neither of them negative, from the value with index origin on;
-/// rows have the stated width. Reads the values right of and below each place.
+/// Interpolates at x and y, which must not be negative, relative to the value
+/// with index origin; width: of rows. Reads the right and lower neighbours.
 inline SampledLanes Bilinear(const float* values, int width, int origin,
                              FloatLanes x, FloatLanes y) {
   const auto ix = __builtin_convertvector(x, IntLanes);

@@ -8,20 +8,20 @@ namespace raygrid {
 
 constexpr const char* kNotInLine = "inconsistent with its neighbours";
 
-/// How far a feature may lie from where others say that it is: pixels, and a
-/// part of a square's width, one added to the other.
+/// Maximum distance of a feature from its prediction: the sum of pixels and a
+/// fraction of a square's width.
 struct Tolerance {
   double px, squares;
 };
 
-/// Removes the feature and says why.
+/// Removes the feature and records the reason.
 void Reject(const Board& board, int column, int row, const std::string& reason,
             FeatureLattice* lattice, ImageDetection* detection);
 
-/// Removes the feature that is farthest from where its neighbours say that it
-/// is, until there is none; kNotInLine is the reason. Some are told best by a
-/// polynomial, others with perspective, others by the lens that explains the
-/// whole lattice: a feature is in line that is where one of them says.
+/// Repeatedly removes the feature farthest from its prediction by neighbours,
+/// with the reason kNotInLine. Features are predicted by a polynomial, with
+/// perspective, and by a lens model of the whole lattice: a feature is an
+/// inlier if one of the predictions is within the tolerance.
 void RejectOutliers(const Board& board, const ImageSize& size,
                     const Tolerance& tolerance, int window_px,
                     FeatureLattice* lattice, ImageDetection* detection);

@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// The places around a feature where its board is point-symmetric: cells over
-/// offsets of -kReach to kReach squares. Tags, markers and the board's edge are
-/// not, nor are places so near to them that blur mixes them.
+/// The area around a feature in which its board is point-symmetric: cells over
+/// offsets of -kReach to kReach squares. Excludes tags, markers, the board's
+/// edge, and their surroundings within the reach of blur.
 class SymmetryMask {
  public:
   static constexpr double kReach = 1.5;
@@ -25,15 +25,15 @@ class SymmetryMask {
            cells_[j * kCells + i] != 0;
   }
 
-  /// One for each feature of the board, by PointIndex().
+  /// Returns one mask for each feature of the board, by PointIndex().
   static std::vector<SymmetryMask> MakeBoardMasks(const Board& board);
 
  private:
   std::vector<char> cells_;
 };
 
-/// True for stars of 6, 10, 14 ... segments: point reflection turns black into
-/// white.
+/// Whether point reflection exchanges black and white: for stars of 6, 10, 14
+/// ... segments.
 inline bool ReflectionInvertsColors(const Board& board) {
   return board.segments % 4 == 2;
 }

@@ -8,41 +8,40 @@
 
 namespace raygrid {
 
-/// The part of a photograph around a feature in which symmetry is sought:
-/// intensities, the magnitude of the gradient, or its two components. Enlarged
-/// twice by a long filter, so that bilinear interpolation between its values
-/// errs four times less than between the photograph's.
+/// The image patch around a feature used for symmetry: intensities, gradient
+/// magnitudes, or both gradient components. Upsampled twice by a long filter,
+/// so that the error of bilinear interpolation is a quarter of that in the
+/// original image.
 class SymmetryPatch {
  public:
   static constexpr int kEnlargement = 2;
 
-  /// Holds all pixels at most reach_px away from pixel (x, y) of center; beyond
-  /// the image's edge its last pixels are repeated.
+  /// Contains all pixels within reach_px of pixel (x, y) of center; the image's
+  /// edge pixels are repeated beyond it.
   SymmetryPatch(const GreyImage& image, Refinement refinement,
                 const Eigen::Vector2i& center, int reach_px);
 
-  /// Values in a row, and rows.
+  /// Number of rows, and of values per row.
   int side() const { return side_; }
-  /// The position of pixel (x, y) in the channels' rows.
+  /// Converts pixel (x, y) to a position in the channels.
   Eigen::Vector2d FromPixel(const Eigen::Vector2d& pixel) const {
     return kEnlargement * (pixel - origin_.cast<double>());
   }
   const std::vector<std::vector<float>>& channels() const { return channels_; }
 
-  /// The effect of the pattern's point reflection on the channels: it keeps the
-  /// values (1) or turns their sign (-1), about an unknown middle if
-  /// has_middle.
+  /// Effect of the pattern's point reflection on the channels: it keeps values
+  /// (1) or negates them (-1), relative to an unknown mean if has_middle.
   struct Reflection {
     float sign;
     bool has_middle;
   };
-  /// The reflection of a pattern whose colours it keeps, or inverts.
+  /// Returns the reflection for a pattern whose colours it keeps or inverts.
   Reflection ReflectionOf(bool inverts_colors) const;
 
  private:
   Refinement refinement_;
   int side_;
-  Eigen::Vector2i origin_;  // the pixel of the first value
+  Eigen::Vector2i origin_;  // pixel of the first value
   std::vector<std::vector<float>> channels_;
 };
 

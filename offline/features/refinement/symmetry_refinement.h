@@ -9,10 +9,10 @@
 
 namespace raygrid {
 
-/// Offsets in the window, in pixels, of one of each mirrored pair: several
-/// random ones in every pixel, the same for all features (paper, "Feature
-/// Extraction": randomness spares us the artefacts of bilinear interpolation on
-/// a lattice).
+/// Sample offsets in the window, in pixels, one of each mirrored pair: several
+/// random ones per pixel, equal for all features (paper, "Feature Extraction":
+/// random positions avoid artefacts of bilinear interpolation on a regular
+/// lattice).
 struct SymmetrySamples {
   int window_px = 0, per_pixel = 0;
   std::vector<float> x, y;
@@ -22,31 +22,31 @@ SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel);
 struct SymmetryOptions {
   Refinement refinement = Refinement::kIntensities;
   /// Point reflection keeps the colours of stars of 4, 8, 12 ... segments, and
-  /// inverts those of 6, 10, 14 ...
+  /// inverts the colours of stars of 6, 10, 14 ... segments.
   bool inverts_colors = false;
-  /// The centre alone, where the rest of the mapping is known well.
+  /// Optimize only the centre, if the rest of the mapping is accurate.
   bool center_only = false;
   double max_move_px = 2;
-  double noise = 0;  ///< of the image, grey levels
+  double noise = 0;  ///< standard deviation, grey levels
 };
 
 /// The result of refining the window around a feature.
 struct WindowFit {
   bool is_converged = false;
-  LocalMapping mapping;  ///< refined
-  double rms = 0;        ///< of the differences, grey levels
+  LocalMapping mapping;  ///< refined mapping
+  double rms = 0;        ///< RMS difference, grey levels
   double contrast = 0;   ///< RMS deviation from the mean, grey levels
-  /// Standard deviation of the centre by the image's noise, along its less
-  /// certain direction; of intensities.
+  /// Standard deviation of the centre due to image noise, in its less certain
+  /// direction; for intensities only.
   double deviation_px = 0;
 };
 
-/// Minimises C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's
-/// eight parameters by Levenberg and Marquardt's method (paper, eq. of
-/// C_sym), with the curvature fixed; or over its centre alone.
+/// Minimizes C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's
+/// eight parameters by Levenberg-Marquardt (paper, eq. of C_sym), with fixed
+/// curvature; or over its centre only.
 ///
-/// Not converged: too few samples in the image and on symmetric ground, or
-/// moved by more than max_move_px.
+/// Not converged: too few samples in the image and the symmetric area, or moved
+/// by more than max_move_px.
 WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
                          const SymmetryMask& mask, const LocalMapping& start,
                          const SymmetryOptions& options);

@@ -13,18 +13,18 @@ namespace raygrid {
 
 struct TagCornerOptions {
   int window_px = 21;
-  /// The edges' directions are those of the mapping; otherwise they are
-  /// estimated, too.
+  /// Whether directions of the edges are fixed to the mapping's; otherwise they
+  /// are estimated, too.
   bool has_known_edges = false;
   double max_move_px = 2;
-  double noise = 0;  ///< of the image, grey levels
-  /// How far grey levels are from being proportional to light; 0 if they are:
-  /// of light x, from 0 (ink) to 1 (paper), log(1 + (e^tone - 1) x) / tone is
-  /// seen. Gamma 2.2 is a tone of about 1. It moves edges towards the ink.
+  double noise = 0;  ///< standard deviation, grey levels
+  /// Nonlinearity of grey levels; 0 if they are proportional to light: for
+  /// light x, from 0 (ink) to 1 (paper), log(1 + (e^tone - 1) x) / tone is
+  /// recorded. Gamma 2.2 is a tone of about 1. It shifts edges towards the ink.
   double tone = 0;
 };
 
-/// A corner as it is known before, and how its surroundings are seen.
+/// An approximate corner, and the local mapping around it.
 struct TagCorner {
   int column = 0, row = 0;
   LocalMapping mapping;
@@ -32,26 +32,25 @@ struct TagCorner {
 
 /// Refines the corners of tags on white paper (AprilGrids without corner
 /// squares), which are not point-symmetric: a window of the image is compared
-/// with the blurred drawing of the two edges that meet in the corner.
+/// with a blurred rendering of the two edges that meet in the corner.
 class TagCornerRefiner {
  public:
-  /// Throws as BoardAppearance.
+  /// Throws like BoardAppearance.
   explicit TagCornerRefiner(const Board& board);
   ~TagCornerRefiner();
 
-  /// Minimises the sum of squared differences between image and drawing over
-  /// the corner, the directions of its edges, the width of the blur (a
-  /// Gaussian), and the levels of ink and paper, by Levenberg and Marquardt's
-  /// method. The curvature of the mapping stays fixed. The tags may be drawn
-  /// in any quarter turn.
+  /// Minimizes the sum of squared differences between image and rendering over
+  /// the corner, the directions of its edges, the width of the (Gaussian) blur,
+  /// and the levels of ink and paper, by Levenberg-Marquardt. The curvature of
+  /// the mapping is fixed. Tags may be rotated by any multiple of 90 degrees.
   ///
   /// Not converged: too little of the window in the image, or moved by more
   /// than max_move_px.
   WindowFit Refine(const GreyImage& image, const TagCorner& start,
                    const TagCornerOptions& options) const;
 
-  /// The tone of an image, which its corners have in common; 0 if there are
-  /// too few.
+  /// Estimates the tone common to the corners of an image; 0 if there are too
+  /// few.
   double EstimateTone(const GreyImage& image,
                       const std::vector<TagCorner>& corners,
                       TagCornerOptions options) const;

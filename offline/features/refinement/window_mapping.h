@@ -9,22 +9,22 @@
 
 namespace raygrid {
 
-/// How the board appears within a feature's window.
+/// The local mapping within a feature's window.
 struct WindowMapping {
   LocalMapping mapping;
-  int degree = 0;  ///< of its polynomial; 0 if it is not known
-  /// The lens's bend that symmetry takes, or would take, for a shift of the
-  /// centre: the standard deviation of the part that the mapping does not know,
-  /// in pixels.
+  int degree = 0;  ///< degree of its polynomial; 0: unknown
+  /// Displacement of the centre, in pixels, caused by lens curvature in
+  /// symmetry refinement: the standard deviation of the part that the mapping
+  /// does not compensate.
   double bend_deviation_px = 0;
 };
 
-/// The windows of one lattice's features. What a feature's neighbours say of
-/// the window is enough for most; where the lens bends it much, the lens that
-/// explains the whole lattice says more.
+/// Mappings of the windows of a lattice's features. They are fitted to the
+/// neighbours of each feature, or, for strong lens curvature, computed from the
+/// lens model fitted to the whole lattice.
 class WindowMappings {
  public:
-  /// Keeps references.
+  /// Keeps references to the board and the lattice.
   WindowMappings(const Board& board, const FeatureLattice& lattice,
                  const ImageSize& size, double window_px)
       : board_(board), lattice_(lattice), size_(size), window_px_(window_px) {}

@@ -9,14 +9,13 @@
 
 namespace raygrid {
 
-/// All tags of some families, whatever board they are on; found also where
-/// black squares touch their corners. kQuick leaves out tags that are small or
-/// blurred.
+/// Detects all tags of some families, on any board, also if black squares touch
+/// their corners. kQuick omits small or blurred tags.
 std::vector<DetectedTag> FindGridTags(const GreyImage& image,
                                       const std::vector<TagFamily>& families,
                                       TagSearch search = TagSearch::kThorough);
 
-/// The family of an AprilGrid's AprilTags by its name.
+/// Returns the AprilTag family of an AprilGrid by name.
 TagFamily GridFamily(const std::string& tag_family, int border_cells);
 
 }  // namespace raygrid

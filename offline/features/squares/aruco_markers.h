@@ -1,4 +1,4 @@
-/// ArUco markers, as ChArUco boards and OpenCV's GridBoards have them.
+/// ArUco markers of ChArUco boards and OpenCV's GridBoards.
 #ifndef RAYGRID_FEATURES_SQUARES_ARUCO_MARKERS_H
 #define RAYGRID_FEATURES_SQUARES_ARUCO_MARKERS_H
 
@@ -11,13 +11,13 @@
 
 namespace raygrid {
 
-/// A dictionary of a board's markers only, in their order: others cannot be
-/// mistaken for them.
+/// Returns a dictionary of only the board's markers, in their order, so that
+/// others are not mistaken for them.
 cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
     const std::vector<PlacedMarker>& markers, int border_cells);
 
-/// The markers of a dictionary in an image; their indices are those of the
-/// dictionary. Corners are accurate to about a pixel.
+/// Detects markers of a dictionary; indices refer to the dictionary. Corners
+/// are accurate to about a pixel.
 std::vector<DetectedMarker> FindArucoMarkers(
     const GreyImage& image, const cv::Ptr<cv::aruco::Dictionary>& dictionary,
     int border_cells);

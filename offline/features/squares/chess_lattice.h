@@ -9,18 +9,18 @@
 
 namespace raygrid {
 
-/// Finds lattices of chessboard corners in images, whatever their numbers are:
-/// as features of a chessboard that is so large that the one sought fits on it
-/// with any of its corners in the middle. Right below features of even column +
-/// row it is dark.
+/// Detects lattices of chessboard corners of any size in images, as features of
+/// a canvas: a chessboard large enough to contain the board with any of its
+/// corners at the centre. The square to the lower right of features with even
+/// column + row is dark.
 class ChessLatticeFinder {
  public:
-  /// A finder for boards of at most max_side corners along each side.
+  /// max_side: maximum number of corners along each side of boards
   explicit ChessLatticeFinder(int max_side);
 
   const Board& canvas() const { return canvas_; }
 
-  /// Calls is_wanted for one lattice after the other until it returns true.
+  /// Calls is_wanted for each lattice until it returns true.
   void Find(const GreyImage& image,
             const std::function<bool(const FeatureLattice&)>& is_wanted) const;
 

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// How many inner corners a chessboard in an image has along its sides, as it
-/// is seen; of the first one that is seen without gaps.
+/// Number of inner corners along the sides of a chessboard in an image, as
+/// oriented there; of the first one that is detected without gaps.
 struct ChessboardSize {
   int columns = 0, rows = 0;
 };

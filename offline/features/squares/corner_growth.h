@@ -9,22 +9,22 @@
 
 namespace raygrid {
 
-/// Finds the features of a board that has squares, approximately: each where
-/// the image looks like the drawing, near where its neighbours say.
+/// Detects the features of a board with squares, approximately, where the image
+/// matches a drawing of the corner near the prediction by neighbours.
 class CornerGrowth {
  public:
   explicit CornerGrowth(const Board& board);
 
-  /// Looks for one feature.
+  /// Searches one feature; returns whether it is found.
   bool Find(const GreyImage& image, int column, int row,
             const LocalMapping& prediction, double search_squares,
             const PatchCriterion& criterion, FeatureLattice* lattice) const;
-  /// Looks for all others, outwards from those that are found.
+  /// Searches all other features, outwards from those already found.
   void Grow(const GreyImage& image, const PatchCriterion& criterion,
             FeatureLattice* lattice) const;
-  /// Looks on, outwards from those that are found, where squares shrink faster
-  /// than polynomials predict, as at a fisheye's rim. For boards of evenly
-  /// spaced features. Whether it found any.
+  /// Extends the lattice outwards where squares shrink faster than polynomials
+  /// predict, as near a fisheye's edge. For boards with evenly spaced features.
+  /// Returns whether any feature was found.
   bool GrowByRatio(const GreyImage& image, const PatchCriterion& criterion,
                    FeatureLattice* lattice) const;
 
@@ -36,12 +36,12 @@ class CornerGrowth {
                    FeatureLattice* lattice) const;
 
   Board board_;
-  // The patches by place. The near ones tell more exactly where a corner is if
-  // the neighbours predict the squares' shape badly.
+  // Patches by feature. Near ones locate a corner more accurately if neighbours
+  // predict the shape of squares poorly.
   std::vector<DrawnPatch> patches_, near_patches_;
 };
 
-/// Predicts the place of a feature from its neighbours.
+/// Predicts the position of a feature from its neighbours.
 bool PredictFeature(const FeatureLattice& lattice, int column, int row,
                     LocalMapping* prediction);
 

@@ -1,5 +1,5 @@
-/// Square markers seen in an image, some of them wrongly: the common part of
-/// ChArUco boards and AprilGrids.
+/// Square markers detected in an image, including false detections: common code
+/// for ChArUco boards and AprilGrids.
 #ifndef RAYGRID_FEATURES_SQUARES_DETECTED_MARKERS_H
 #define RAYGRID_FEATURES_SQUARES_DETECTED_MARKERS_H
 
@@ -15,42 +15,41 @@
 namespace raygrid {
 
 struct DetectedMarker {
-  int index = 0;  ///< among the board's markers
-  /// The corners of the marker's outermost cells: from the top left, clockwise
-  /// as printed.
+  int index = 0;  ///< index among the board's markers
+  /// Corners of the marker's outermost cells: from the top left, clockwise as
+  /// printed.
   std::array<Eigen::Vector2d, 4> corners_px;
 
   Eigen::Vector2d center_px() const;
 };
 
-/// The image as libraries that read markers want it: dark ones made as bright
-/// as others.
+/// Converts the image for marker detectors: brightens dark images.
 cv::Mat ReadableImage(const GreyImage& image);
 
-/// Markers in an image together with where they are on the board.
+/// Markers in an image and their positions on the board.
 class MarkerConstellation {
  public:
-  /// pitch_m is the distance between markers that are next to each other. A
-  /// marker that was seen twice is left out.
+  /// pitch_m: distance between adjacent markers. Markers detected twice are
+  /// omitted.
   MarkerConstellation(const std::vector<PlacedMarker>& placed, double pitch_m,
                       const std::vector<DetectedMarker>& seen);
 
-  /// The constellation without the markers that most of their neighbours
-  /// contradict, or that have no neighbour to confirm them.
+  /// Returns the constellation without markers that are inconsistent with most
+  /// of their neighbours, or have no consistent neighbour.
   MarkerConstellation Consistent() const;
-  /// How many pairs of neighbours confirm each other, less those that do not.
+  /// Returns the number of consistent pairs of neighbours less the others.
   int Agreement() const;
 
   const std::vector<DetectedMarker>& seen() const { return seen_; }
   int size() const { return static_cast<int>(seen_.size()); }
-  /// The distance from a point to a marker's centre on the board, metres.
+  /// Returns the distance from a point to a marker's centre, metres.
   double Distance(const DetectedMarker& marker,
                   const Eigen::Vector2d& point_m) const;
-  /// The markers within a distance from a point, nearest first, count at most.
+  /// Returns at most `count` markers within a distance, nearest first.
   std::vector<DetectedMarker> Nearest(const Eigen::Vector2d& point_m,
                                       double distance_m, int count) const;
-  /// How the board around a point is seen, from all corners of some markers, in
-  /// squares of this length.
+  /// Fits the local mapping around a point to all corners of some markers, in
+  /// squares of the given length.
   LocalMapping MappingAt(const Eigen::Vector2d& point_m, double square_m,
                          const std::vector<DetectedMarker>& markers) const;
 

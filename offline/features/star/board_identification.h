@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-/// A star board with its tags' cells.
+/// A star board with the cells of its tags.
 struct TaggedBoard {
   explicit TaggedBoard(const Board& b)
       : board(b), tags(BoardAppearance(b).markers()) {}
@@ -21,15 +21,15 @@ struct TaggedBoard {
   std::vector<PlacedMarker> tags;
 };
 
-/// Tells from the cells of tags, wholly or partly in the image, on which board
-/// a lattice of stars lies and where; nothing unless all of these hold:
-///   - its stars lie where the board has some,
-///   - the tags' white margins and black borders are as they must be, near the
-///     stars at least,
-///   - the cells of their codes that are seen would agree as well by chance
-///     once in 500 times, all placements with a tag there counted,
-///   - no other placement agrees nearly as well.
-/// Detected tags help to see where cells are.
+/// Identifies the board and placement of a lattice of stars from tag cells that
+/// are completely or partly in the image; nullopt unless all of these hold:
+///   - its stars coincide with stars of the board,
+///   - white margins and black borders of the tags are as expected, at least
+///     near the stars,
+///   - the visible cells of their codes would match equally well by chance at
+///     most once in 500 times, counting all placements with a tag there,
+///   - no other placement matches nearly as well.
+/// Detected tags help to locate cells.
 std::optional<LatticePlacement> IdentifyBoard(
     const GreyImage& image, const FeatureLattice& lattice,
     const std::vector<DetectedTag>& detected,

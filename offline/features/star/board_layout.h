@@ -10,16 +10,15 @@
 
 namespace raygrid {
 
-/// The placement of a lattice of stars on a board that is known to be the one,
-/// told by all that is seen of the board: its edges, the place of its tags, and
-/// the visible parts of them. Nothing unless the board looks as it must, and
-/// each other placement is refuted: where it would look otherwise, it does not
-/// look so.
+/// Determines the placement of a lattice of stars on a known board from all its
+/// visible parts: edges, positions of tags, and parts of them. nullopt unless
+/// the image matches the board in this placement, and contradicts every other
+/// one where the board would look different.
 std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
                                                const FeatureLattice& lattice,
                                                const Board& board);
 
-/// Whether stars of another board would lie on a board that is so placed.
+/// Whether stars of another board would be on the board in this placement.
 bool AreOnBoard(const std::vector<Feature>& others,
                 const FeatureLattice& lattice,
                 const LatticePlacement& placement, const Board& board);

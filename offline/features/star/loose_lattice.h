@@ -10,39 +10,39 @@
 
 namespace raygrid {
 
-/// The number of quarter turns by which a lattice of such stars looks the same:
-/// 4 for all, 2 for 0 and 2, 1 for none but 0.
+/// Returns the number of quarter turns under which a lattice of such stars is
+/// invariant: 4 for all, 2 for 0 and 2, 1 for none but 0.
 int FindStarSymmetries(int segments);
 
-/// Stars without a board: finds lattices of them where candidates are, whatever
-/// board they are on and wherever on it.
+/// Detects lattices of stars from candidates, for unknown boards and positions
+/// on them.
 class LooseLatticeFinder {
  public:
-  /// A finder for boards of such stars with at most this many columns and rows.
+  /// For boards of such stars with at most max_side columns and rows.
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 
-  /// The lattice around the surest of some of the candidates, first without,
-  /// then with doubtful stars; nothing if there is none. Of stars of four
-  /// segments the lattices between them too. Its places count from
-  /// anywhere, right and down as on a board that is turned by some quarter
-  /// turns. Candidates on it and those that were tried are removed. The first
-  /// stars are sought in a smaller image, of 1 / scale of the size, in which
-  /// large ones hardly differ from ordinary ones; candidates and lattices are
-  /// in the image's pixels.
+  /// Grows the lattice around the most certain of some candidates, first
+  /// without, then with uncertain stars; empty if there is none. For stars of
+  /// four segments, also the lattices between them. Columns and rows start
+  /// anywhere, in the directions of a board rotated by any number of quarter
+  /// turns. Removes candidates on the lattice and those that were tried. The
+  /// first stars are searched in an image of 1 / scale of the size, in which
+  /// large stars resemble ordinary ones; candidates and lattices are in pixels
+  /// of the image.
   std::vector<FeatureLattice> Find(
       const GreyImage& image, const GreyImage& smaller, double scale,
       std::vector<StarCandidate>* candidates) const;
 
  private:
-  Board board_;  // large enough wherever the first star is
+  Board board_;  // large enough for any first star
   StarTexture texture_;
-  std::vector<SymmetryMask> masks_;  // one for all
+  std::vector<SymmetryMask> masks_;  // one for all stars
   DetectionOptions options_;
 
   struct Seed {
     LocalMapping mapping;
-    double total = 0;  // of correlations
+    double total = 0;  // sum of correlations
   };
   std::optional<Seed> SeedAt(const GreyImage& image,
                              const std::vector<StarCandidate>& candidates,
@@ -54,7 +54,7 @@ class LooseLatticeFinder {
                           double alike) const;
 };
 
-/// Removes candidates on the stars of a lattice or near to them.
+/// Removes candidates on or near the stars of a lattice.
 void RemoveExplained(const FeatureLattice& lattice,
                      std::vector<StarCandidate>* candidates);
 

@@ -8,16 +8,15 @@
 
 namespace raygrid {
 
-/// A place at which many edges point.
+/// A point towards which many edges are directed.
 struct StarCandidate {
   Eigen::Vector2d pixel;
-  double scatter = 1;  ///< of the edges around it; 0: all point at it
+  double scatter = 1;  ///< of surrounding edges; 0: all meet here
 };
 
-/// Places where stars may be, of any size and seen from anywhere, those with
-/// the least scatter first. Junctions as Foerstner and Guelch (1987) find them:
-/// edges keep pointing at a star's centre however lens and perspective bend its
-/// outline.
+/// Returns possible star centres, for any size and pose, least scatter first:
+/// junctions as in Foerstner and Guelch (1987). Edges are directed towards a
+/// star's centre, however lens and perspective deform its outline.
 std::vector<StarCandidate> FindStarCandidates(const GreyImage& image);
 
 }  // namespace raygrid

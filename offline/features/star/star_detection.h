@@ -7,11 +7,11 @@
 
 namespace raygrid {
 
-/// Finds the star boards of a pattern in images (paper's supplement, "Feature
+/// Detects the star boards of a pattern in images (paper's supplement, "Feature
 /// detection"): AprilTags, local mappings from pattern to image, growth
-/// outwards, one star at a time. Where that leaves boards out though there are
-/// more stars, lattices of them are grown from anywhere and told by what is
-/// seen of their tags. One detector serves all threads.
+/// outwards, one star at a time. If boards are missing but there are further
+/// stars, grows lattices from any star and identifies them by the visible parts
+/// of tags. Thread-safe.
 class StarDetector {
  public:
   StarDetector(const Pattern& pattern, const DetectionOptions& options);

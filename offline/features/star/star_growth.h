@@ -17,57 +17,57 @@
 
 namespace raygrid {
 
-/// The fewest stars on a board that is believed.
+/// The minimum number of stars of a credible board.
 constexpr int kMinStarsOnBoard = 5;
 
-/// A tag of a board, seen in the image.
+/// A tag of a board that is detected in the image.
 struct VisibleTag {
   BoardTag tag;
   std::array<Eigen::Vector2d, 4> corners;
   Eigen::Matrix3d homography;  ///< from squares to pixels
 };
 
-/// The corners of a tag's black square, clockwise from the top left, in
+/// Returns the corners of a tag's black square, clockwise from the top left, in
 /// squares.
 std::array<Eigen::Vector2d, 4> CornersOnBoard(const BoardTag& tag);
 
-/// The tags of a board among those detected.
+/// Returns the detected tags that belong to a board.
 std::vector<VisibleTag> FindVisibleTags(
     const Board& board, const std::vector<DetectedTag>& detected);
 
-/// Finds the stars of one board, each beside one that is found.
+/// Detects the stars of one board, starting from known stars or tags.
 class StarGrowth {
  public:
-  /// Keeps references. One mask for each feature of the board, or one for all.
+  /// Keeps references. masks: one per feature of the board, or one for all.
   StarGrowth(const GreyImage& image, const Board& board,
              const StarTexture& texture, const std::vector<SymmetryMask>& masks,
              const DetectionOptions& options, std::vector<VisibleTag> tags);
 
-  /// A star that is known.
+  /// Sets a known star.
   void Set(int column, int row, const Eigen::Vector2d& pixel) {
     lattice_.Set(column, row, pixel);
   }
-  /// Stars must correlate with their rendering at least this part as much as
-  /// their neighbours do.
+  /// Requires the correlation of stars with their rendering to be at least this
+  /// fraction of their neighbours'.
   void RequireAlike(double part) { alike_ = part; }
-  /// Looks for a star within a part of a square around where it would be;
+  /// Searches a star within search_squares of its predicted position; returns
   /// whether it is found.
   bool Try(int column, int row, const LocalMapping& mapping,
            double search_squares, double min_correlation);
-  /// Looks around the tags, then beside each star, until there are no more.
+  /// Searches around tags, then beside each star, until no more are found.
   void Grow();
-  /// Looks where the lens that explains what is found shows stars that nothing
-  /// found is beside, as behind a tag at the image's edge; and beside those.
+  /// Searches stars that the lens model fitted to the lattice predicts beyond
+  /// gaps, as behind a tag at the image's edge; and beside these stars.
   void GrowAcrossGaps();
 
-  /// Whether the stars around each tag are where its corners say.
+  /// Whether the stars around each tag are consistent with its corners.
   bool AgreesWithTags() const;
-  /// Whether there are enough stars, and for each at most so many places where
-  /// one was sought in vain.
+  /// Whether there are enough stars, with at most max_in_vain unsuccessful
+  /// searches per star.
   bool IsSound(double max_in_vain) const;
 
   const FeatureLattice& lattice() const { return lattice_; }
-  /// The places where stars were sought in vain, and why.
+  /// Returns the positions of unsuccessful searches, with the reasons.
   std::vector<RejectedFeature> Rejected() const;
 
  private:
@@ -96,12 +96,12 @@ class StarGrowth {
   const std::vector<SymmetryMask>& masks_;
   const DetectionOptions& options_;
   std::vector<VisibleTag> tags_;
-  std::vector<GreyImage> smaller_;  // each half as large as the one before
+  std::vector<GreyImage> smaller_;  // each half the size of the previous one
   FeatureLattice lattice_;
   double alike_ = 0;
-  std::vector<double> correlations_;  // by place
-  std::vector<int> tried_with_;       // how many neighbours, by place; or -1
-  // The attempts by row and column: where a star was sought in vain, and why.
+  std::vector<double> correlations_;  // by feature
+  std::vector<int> tried_with_;       // number of neighbours, by feature; or -1
+  // Unsuccessful searches by column and row: position and reason.
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       attempts_;
 };
