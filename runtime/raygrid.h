@@ -517,7 +517,7 @@ typedef enum rg_format {
   RG_FORMAT_NV12,     /**< NV12 (NV21): two planes */
   RG_FORMAT_YUV420,   /**< YUV420 (YVU420): three planes */
   RG_FORMAT_BAYER8,   /**< 8-bit Bayer, any order; each colour of the 2 x 2
-                         pattern is remapped separately */
+                         pattern is remapped by itself */
   RG_FORMAT_BAYER16,  /**< Bayer of 10, 12, 14 or 16 bits: the low bits of 16 */
   RG_FORMAT_BAYER10P, /**< 10-bit packed Bayer */
   RG_FORMAT_BAYER12P, /**< 12-bit packed Bayer */
