@@ -137,10 +137,11 @@ void AssessImageSize(const CalibrationMetrics& metrics, Findings* findings) {
 void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
   if (metrics.different_views < kEnoughViews)
     findings->Fail(fmt::format(
-        "{} images show only {} different views of the target; move and tilt "
-        "it between images",
+        "{} images show only {} different {} of the target; move and tilt it "
+        "between images",
         metrics.images_used + metrics.num_duplicate_images,
-        metrics.different_views));
+        metrics.different_views,
+        metrics.different_views == 1 ? "view" : "views"));
   else if (metrics.tilt_rad && *metrics.tilt_rad < kEnoughTiltRad)
     findings->Fail(
         fmt::format("the focal length is not observable: the target has the "

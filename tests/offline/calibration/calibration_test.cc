@@ -50,7 +50,7 @@ std::set<std::string> ImagesOf(const std::vector<FeatureResidual>& residuals) {
 }
 
 TEST(Calibrate, NeedsThreeImages) {
-  ExpectError(ExitCode::kTooFew, {"2 images"},
+  ExpectError(ExitCode::kTooFew, {"2 image(s)"},
               [] { Calibrate(Simulate(2), TestBoard(), Coarse()); });
   ExpectError(ExitCode::kTooFew, {},
               [] { Calibrate(Dataset(), TestBoard(), Coarse()); });
@@ -437,7 +437,7 @@ TEST(Calibrate, FailsWhereAllViewsAreTheSame) {
       Calibrate(Observe(std::vector<Pose>(12, PoseOver(0, 0, 0.5, 0.6))),
                 TestBoard(), HoldingOut({"view11.png"}));
   EXPECT_EQ(result.assessment.word, "fail");
-  EXPECT_TRUE(HasReason(result, "images show only 1 different views"));
+  EXPECT_TRUE(HasReason(result, "images show only 1 different view of"));
 }
 
 TEST(Calibrate, NamesImagesOfAnotherCamera) {
@@ -447,8 +447,8 @@ TEST(Calibrate, NamesImagesOfAnotherCamera) {
       feature.pixel = {feature.pixel.x(), 0.8 * feature.pixel.y()};
   const CalibrationResult result = Calibrate(dataset, TestBoard(), Coarse());
   EXPECT_EQ(result.assessment.word, "warn");
-  EXPECT_TRUE(HasReason(
-      result, "2 images (" + dataset.images[4].image + ", ...) do not fit"));
+  EXPECT_TRUE(HasReason(result, "2 images (" + dataset.images[4].image +
+                                    ", ...) are inconsistent"));
 }
 
 // Two images show a side that the others cannot predict.
