@@ -851,7 +851,7 @@ class Exports(ExchangeTest):
                 ((*export, "--hfov", 60), 1, ("--hfov", "--rectified")),
                 ((*export, "--max-fit-error-px", -1), 1, ("--max-fit-error-px",)),
                 (("export", self.camera, "--to", "none", "-o", "x"), 1, ("--to none", "opencv")),
-                (("import", self.camera, "-o", "x.yaml"), 2, ("raygrid file already",)),
+                (("import", self.camera, "-o", "x.yaml"), 2, ("already a raygrid file",)),
                 (("import", write(self.path("a.txt"), "hello\n"), "-o", "x.yaml"), 2,
                  ("a.txt", "supported format")),
                 (("import", write(self.path("b.yaml"), OPENCV_FILE), "--from", "none", "-o", "x"),
