@@ -411,7 +411,7 @@ class CameraProgram(unittest.TestCase):
         process = self.start("-o", "-", "--fps", 200)
         time.sleep(1)
         error = self.assert_ends(process, 7, signal.SIGTERM)
-        self.assertIn("is not reading", error)
+        self.assertIn("has stalled", error)
 
     # ---- Bad input ----
 

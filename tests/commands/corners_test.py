@@ -536,11 +536,11 @@ boards:
         refused(good[:38] + b"\x7f" + good[39:], "truncated after")
         refused(changed(lambda sizes, _, __: sizes.__setitem__(0, (0, 240))), "0 x 240")
         refused(changed(lambda _, imagesets, geometries: geometries.clear()), "feature 0",
-                "known geometries")
+                "known_geometries")
         refused(first(math.nan, 3, 0), "expected a finite number")
         refused(first(320.5, 3, 0), "feature 0 at (320.5, 3)", "320 x 240")
         refused(first(-1, 3, 0), "outside")
-        refused(first(5, 3, 99), "imageset 0, camera 0: feature 99", "known geometries")
+        refused(first(5, 3, 99), "imageset 0, camera 0: feature 99", "known_geometries")
         refused(first(5, 3, -1), "feature -1")
         refused(first(5, 3, 2), "feature 2 is a duplicate")
         refused(place(16, -1, 0), "feature 16: column -1")
