@@ -127,7 +127,10 @@ cv::Mat Decode(const std::string& name, const std::string& file,
   cv::Mat decoded;
   if (end != JpegEnd::kCut) decoded = DecodeImage(bytes, conversion);
   if (decoded.empty())
-    throw InputError(name + ": not an image, or corrupt; remove or replace it");
+    throw InputError(name +
+                     ": not an image, corrupt, or of an unsupported kind "
+                     "(CMYK, PBM, compressed BMP); convert it to PNG, or "
+                     "remove it");
   return decoded;
 }
 
