@@ -78,15 +78,15 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
     result["warnings"] = packed.warnings;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
-      nlohmann::ordered_json told = ViewJson(remap.view);
-      if (!remap.mode.empty()) told["mode"] = remap.mode;
-      if (remap.distorts) told["direction"] = "distort";
-      if (remap.far_error_px) told["far_error_px"] = *remap.far_error_px;
-      told.update({{"error_px", remap.error_px},
-                   {"chroma_error_px", remap.chroma_error_px},
-                   {"block_px", remap.block_size},
-                   {"tile_px", remap.part_size}});
-      result["remaps"].push_back(told);
+      nlohmann::ordered_json entry = ViewJson(remap.view);
+      if (!remap.mode.empty()) entry["mode"] = remap.mode;
+      if (remap.distorts) entry["direction"] = "distort";
+      if (remap.far_error_px) entry["far_error_px"] = *remap.far_error_px;
+      entry.update({{"error_px", remap.error_px},
+                    {"chroma_error_px", remap.chroma_error_px},
+                    {"block_px", remap.block_size},
+                    {"tile_px", remap.part_size}});
+      result["remaps"].push_back(entry);
     }
     PrintCommandJson(result);
     return;

@@ -359,7 +359,7 @@ PoseTable TableOfPoses(const TableFormat& format,
   return {path, arguments.output, poses};
 }
 
-// The size that is told for a camera; WxH is for all that have no NAME=WxH.
+// The size given for a camera; WxH is for all that have no NAME=WxH.
 ImageSize SizeOfFeatures(const TableArguments& arguments,
                          const std::string& camera) {
   std::string size;

@@ -336,10 +336,10 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
     if (!arguments.images.empty())
       image = arguments.images[arguments.images.size() == 1 ? 0 : k];
     ViewedRow row = RowOfFile(arguments.files[k], image, arguments, common);
-    nlohmann::ordered_json told = {{"file", arguments.files[k]}};
-    if (!image.empty()) told["image"] = image;
-    told.update(row.json);
-    files.push_back(std::move(told));
+    nlohmann::ordered_json entry = {{"file", arguments.files[k]}};
+    if (!image.empty()) entry["image"] = image;
+    entry.update(row.json);
+    files.push_back(std::move(entry));
     rows.push_back(std::move(row.row));
   }
   const Image sheet = ContactSheet(rows, MarksOf(rows));

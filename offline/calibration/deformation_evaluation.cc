@@ -55,19 +55,19 @@ std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
     const Pattern& pattern, int num_threads) {
   std::vector<std::vector<FeatureResidual>> residuals(rig.cameras.size());
   std::vector<RejectedImage> rejected;
-  CalibrationProblem told =
+  CalibrationProblem determined =
       BuildProblem(Halves(datasets, true), pattern, &rejected);
-  AdjustmentState state = LocalizeRigViews(rig, &told, num_threads);
-  state.SetModes(GetDeformationModes(told), DeformationScope::kPose);
-  if (told.views.empty() || state.modes.count() == 0) return residuals;
+  AdjustmentState state = LocalizeRigViews(rig, &determined, num_threads);
+  state.SetModes(GetDeformationModes(determined), DeformationScope::kPose);
+  if (determined.views.empty() || state.modes.count() == 0) return residuals;
   GaussianPrior prior;
   prior.points_mean = state.points;
   AdjustmentOptions options;
   options.fix_cameras = options.fix_points = true;
   options.num_threads = num_threads;
-  OptimizeWithLearnedPrior(told.views, options, &prior, &state);
+  OptimizeWithLearnedPrior(determined.views, options, &prior, &state);
 
-  const Places places = CollectFeaturePositions(told);
+  const Places places = CollectFeaturePositions(determined);
   const CalibrationProblem asked =
       BuildProblem(Halves(datasets, false), pattern, &rejected);
   for (size_t v = 0; v < asked.views.size(); ++v) {

@@ -49,7 +49,7 @@ size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
 
 // The result for a pair of boards.
 struct PairFinding {
-  BoardPair told;
+  BoardPair board_pair;
   int first = 0, second = 0;  // indices
   Pose first_from_second;
   std::vector<std::string> far_images;  // which show them elsewhere
@@ -60,7 +60,7 @@ std::optional<PairFinding> FindingOf(
     const Eigen::Vector3d& middle) {
   const MeanRelativePose mean = ComputeRobustMean(relations);
   PairFinding finding;
-  BoardPair& told = finding.told;
+  BoardPair& board_pair = finding.board_pair;
   finding.first_from_second = {mean.turn, mean.middle - mean.turn * middle};
   std::vector<const RelativeBoardPose*> near;
   double square_sum = 0;
@@ -74,11 +74,11 @@ std::optional<PairFinding> FindingOf(
     square_sum += is_far ? 0 : square;
   }
   const double count = static_cast<double>(near.size());
-  told.num_instants = static_cast<int>(relations.size());
+  board_pair.num_instants = static_cast<int>(relations.size());
   const double degrees = RelativeBoardPose::kDimensions * (count - 1) -
                          (relations.front().J_scale.isZero() ? 0 : 1);
   const bool is_told = NumDifferent(near) >= kMinInstants;
-  told.fixed =
+  board_pair.fixed =
       is_told &&
       static_cast<double>(finding.far_images.size()) <=
           kMaxApartPart * static_cast<double>(relations.size()) &&
@@ -87,19 +87,21 @@ std::optional<PairFinding> FindingOf(
     return std::nullopt;  // always in one view
   double number = 0;
   for (const RelativeBoardPose& relation : relations) {
-    if (told.fixed &&
+    if (board_pair.fixed &&
         !(SquaredMahalanobis(mean, relation) <= kMaxSquaredMahalanobis))
       continue;
     const RelativeBoardPose::Vector deviation =
         ComputeDeviation(mean, relation);
-    told.deviation_rad += deviation.head<3>().squaredNorm();
-    told.deviation_m += deviation.tail<3>().squaredNorm();
-    told.expected_rad += relation.covariance.topLeftCorner<3, 3>().trace();
-    told.expected_m += relation.covariance.bottomRightCorner<3, 3>().trace();
+    board_pair.deviation_rad += deviation.head<3>().squaredNorm();
+    board_pair.deviation_m += deviation.tail<3>().squaredNorm();
+    board_pair.expected_rad +=
+        relation.covariance.topLeftCorner<3, 3>().trace();
+    board_pair.expected_m +=
+        relation.covariance.bottomRightCorner<3, 3>().trace();
     ++number;
   }
-  for (double* square : {&told.deviation_rad, &told.deviation_m,
-                         &told.expected_rad, &told.expected_m})
+  for (double* square : {&board_pair.deviation_rad, &board_pair.deviation_m,
+                         &board_pair.expected_rad, &board_pair.expected_m})
     *square = std::sqrt(*square / number);
   return finding;
 }
@@ -136,8 +138,8 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
       if (!finding) continue;
       finding->first = first;
       finding->second = second;
-      finding->told.first = pattern.boards[first].id;
-      finding->told.second = pattern.boards[second].id;
+      finding->board_pair.first = pattern.boards[first].id;
+      finding->board_pair.second = pattern.boards[second].id;
       findings.push_back(std::move(*finding));
     }
   return findings;
@@ -175,7 +177,7 @@ bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
   const int a = rigid_targets.frames[finding.first];
   const int b = rigid_targets.frames[finding.second];
   return std::any_of(findings.begin(), findings.end(), [&](const auto& other) {
-    if (other.told.fixed) return false;
+    if (other.board_pair.fixed) return false;
     const int first = rigid_targets.frames[other.first];
     const int second = rigid_targets.frames[other.second];
     return (first == a || first == b) && (second == a || second == b);
@@ -188,7 +190,7 @@ void SetApart(const std::vector<PairFinding>& findings,
               RigidTargets* rigid_targets) {
   std::map<std::string, std::vector<const PairFinding*>> far;
   for (const PairFinding& finding : findings)
-    if (finding.told.fixed)
+    if (finding.board_pair.fixed)
       for (const std::string& image : finding.far_images)
         far[image].push_back(&finding);
   for (auto& [image, pairs] : far) {
@@ -264,9 +266,9 @@ std::vector<BoardPair> CompareBoardPoses(
   *rigid_targets = NoRigidTargets(pattern.boards.size());
   std::vector<const PairFinding*> best;
   for (const PairFinding& finding : findings)
-    if (finding.told.fixed) best.push_back(&finding);
+    if (finding.board_pair.fixed) best.push_back(&finding);
   std::stable_sort(best.begin(), best.end(), [](const auto* a, const auto* b) {
-    return a->told.num_instants > b->told.num_instants;
+    return a->board_pair.num_instants > b->board_pair.num_instants;
   });
   for (const PairFinding* finding : best)
     if (!WouldBreak(*finding, *rigid_targets, findings))
@@ -274,7 +276,8 @@ std::vector<BoardPair> CompareBoardPoses(
   SetApart(findings, rigid_targets);
   if (rigid_targets->Groups().empty()) *rigid_targets = {};
   std::vector<BoardPair> pairs;
-  for (const PairFinding& finding : findings) pairs.push_back(finding.told);
+  for (const PairFinding& finding : findings)
+    pairs.push_back(finding.board_pair);
   return pairs;
 }
 

@@ -151,7 +151,7 @@ BudgetAssessment OfLargeErrors(const ResidualBudget& budget) {
           "features there"};
 }
 
-// "; image place and ... cannot be told", or empty.
+// "; effects that these images do not determine: ...", or empty.
 std::string UntoldCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)

@@ -122,24 +122,25 @@ Information Gather(const std::vector<ReducedView>& views, double noise_px) {
 // The eigenvectors of a symmetric matrix, scaled to unit diagonal, whose
 // eigenvalues differ from zero. For a pinhole, a shift of the image and a tilt
 // of the sensor are not distinguishable on a board.
-struct ToldApart {
+struct ObservableDirections {
   Eigen::VectorXd unit;     // of each parameter
   Eigen::MatrixXd vectors;  // columns
   Eigen::VectorXd values;   // eigenvalues
 };
 
-ToldApart DirectionsTold(const Eigen::MatrixXd& matrix) {
+ObservableDirections FindObservableDirections(const Eigen::MatrixXd& matrix) {
   constexpr double kSmallest = 1e-6;
-  ToldApart told;
-  told.unit = matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  ObservableDirections observable;
+  observable.unit =
+      matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      told.unit.asDiagonal() * matrix * told.unit.asDiagonal());
+      observable.unit.asDiagonal() * matrix * observable.unit.asDiagonal());
   const Eigen::Index size = matrix.rows();
   Eigen::Index first = 0;  // eigenvalues ascend
   while (first < size && solver.eigenvalues()[first] < kSmallest) ++first;
-  told.vectors = solver.eigenvectors().rightCols(size - first);
-  told.values = solver.eigenvalues().tail(size - first);
-  return told;
+  observable.vectors = solver.eigenvectors().rightCols(size - first);
+  observable.values = solver.eigenvalues().tail(size - first);
+  return observable;
 }
 
 // The estimate of some changes, all others being zero.
@@ -166,16 +167,17 @@ Estimate EstimateOf(const Information& information,
   Eigen::VectorXd right(size);
   for (Eigen::Index i = 0; i < size; ++i)
     right[i] = information.right[parameters[i]];
-  const ToldApart told = DirectionsTold(matrix);
+  const ObservableDirections observable = FindObservableDirections(matrix);
   const Eigen::VectorXd along =
-      told.vectors.transpose() * told.unit.cwiseProduct(right);
-  const Eigen::VectorXd shares = along.cwiseQuotient(told.values);
+      observable.vectors.transpose() * observable.unit.cwiseProduct(right);
+  const Eigen::VectorXd shares = along.cwiseQuotient(observable.values);
   Estimate estimate;
-  estimate.values = told.unit.cwiseProduct(told.vectors * shares);
-  estimate.deviations = told.unit.cwiseProduct(
-      (told.vectors.cwiseAbs2() * told.values.cwiseInverse()).cwiseSqrt());
+  estimate.values = observable.unit.cwiseProduct(observable.vectors * shares);
+  estimate.deviations = observable.unit.cwiseProduct(
+      (observable.vectors.cwiseAbs2() * observable.values.cwiseInverse())
+          .cwiseSqrt());
   estimate.chi_squared = along.dot(shares);
-  estimate.degrees_of_freedom = static_cast<int>(told.values.size());
+  estimate.degrees_of_freedom = static_cast<int>(observable.values.size());
   return estimate;
 }
 
@@ -249,12 +251,12 @@ struct LocalEquations {
 
 LocalEquations WithoutSmooth(const Information& information) {
   const auto& matrix = information.matrix;
-  const ToldApart told =
-      DirectionsTold(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
+  const ObservableDirections observable =
+      FindObservableDirections(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
   // R with R R^T the inverse of the information on smooth changes.
   const Eigen::MatrixXd root =
-      told.unit.asDiagonal() * told.vectors *
-      told.values.cwiseSqrt().cwiseInverse().asDiagonal();
+      observable.unit.asDiagonal() * observable.vectors *
+      observable.values.cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd mixed =
       root.transpose() * matrix.topRightCorner<kNumSmooth, kNumLocal>();
   return {matrix.bottomRightCorner<kNumLocal, kNumLocal>() -

@@ -57,25 +57,25 @@ std::string SummarySection(const FleetAnalysis& fleet) {
   const bool is_unusual = !statistics.unusual.empty() ||
                           !statistics.jumps.empty() ||
                           !statistics.drifts.empty();
-  std::vector<std::string> told = {DescribeCounts(fleet.rows)};
+  std::vector<std::string> sentences = {DescribeCounts(fleet.rows)};
   if (statistics.charts.empty())
-    told.push_back(
+    sentences.push_back(
         fmt::format("{} units can be compared; outliers are determined from {} "
                     "units upwards",
                     fleet.compared.size(), kMinFleetUnits));
   else
-    told.push_back(
+    sentences.push_back(
         fmt::format("{} of {} units are outliers, the mean changes {} times",
                     statistics.unusual.size(), fleet.compared.size(),
                     statistics.jumps.size() + statistics.drifts.size()));
   if (const std::string seconds = DescribeDuration(fleet.rows);
       !seconds.empty())
-    told.push_back(seconds);
+    sentences.push_back(seconds);
   return fmt::format("<div class=\"verdict {}\">\n{}</div>\n",
                      has_failed   ? "fail"
                      : is_unusual ? "warn"
                                   : "pass",
-                     HtmlList(told));
+                     HtmlList(sentences));
 }
 
 // ---- What is unusual -------------------------------------------------------
@@ -96,9 +96,9 @@ std::string UnusualSection(const FleetAnalysis& fleet) {
 }
 
 std::string ChangesSection(const FleetAnalysis& fleet) {
-  const std::vector<std::string> told = DescribeChanges(fleet);
-  if (told.empty()) return "";
-  return "<h2>Changes over time</h2>\n" + HtmlList(told);
+  const std::vector<std::string> sentences = DescribeChanges(fleet);
+  if (sentences.empty()) return "";
+  return "<h2>Changes over time</h2>\n" + HtmlList(sentences);
 }
 
 // ---- Charts ----------------------------------------------------------------

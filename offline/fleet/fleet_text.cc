@@ -84,7 +84,7 @@ std::string GetMetricUnit(const std::string& name) {
 
 std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
                                           int unit) {
-  std::vector<std::string> told;
+  std::vector<std::string> sentences;
   for (const OutlierUnit& unusual : statistics.unusual) {
     if (unusual.unit != unit) continue;
     for (const std::string& name : unusual.charts) {
@@ -99,25 +99,25 @@ std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
                             metric(middle + chart.lower),
                             metric(middle + chart.upper))
               : fmt::format("the limit is {}", metric(chart.upper));
-      told.push_back(fmt::format("{} ({}) is {}, {}{}", GetMetricTitle(name),
-                                 name, metric(chart.values[unit]), usual,
-                                 GetMetricUnit(name)));
+      sentences.push_back(
+          fmt::format("{} ({}) is {}, {}{}", GetMetricTitle(name), name,
+                      metric(chart.values[unit]), usual, GetMetricUnit(name)));
     }
   }
-  return told;
+  return sentences;
 }
 
 std::vector<std::string> DescribeChanges(const FleetAnalysis& fleet) {
-  std::vector<std::string> told;
+  std::vector<std::string> sentences;
   for (const MeanJump& jump : fleet.statistics.jumps)
-    told.push_back(DescribeJump(fleet, jump));
+    sentences.push_back(DescribeJump(fleet, jump));
   for (const MeanDrift& drift : fleet.statistics.drifts)
-    told.push_back(DescribeDrift(fleet, drift));
-  return told;
+    sentences.push_back(DescribeDrift(fleet, drift));
+  return sentences;
 }
 
 std::vector<std::string> DescribeBatches(const BatchComparison& batches) {
-  std::vector<std::string> told;
+  std::vector<std::string> sentences;
   for (const BatchedMetric& metric : batches.metrics) {
     if (!metric.differs) continue;
     std::string means;
@@ -129,15 +129,16 @@ std::vector<std::string> DescribeBatches(const BatchComparison& batches) {
                           WithUnit(metric.name, *most),
                           batches.batches[most - metric.means.begin()]);
     }
-    told.push_back(fmt::format("lens batches differ in {} ({}){} (p value {})",
-                               GetMetricTitle(metric.name), metric.name, means,
-                               FormatProbability(metric.chance)));
+    sentences.push_back(
+        fmt::format("lens batches differ in {} ({}){} (p value {})",
+                    GetMetricTitle(metric.name), metric.name, means,
+                    FormatProbability(metric.chance)));
   }
-  return told;
+  return sentences;
 }
 
 std::vector<std::string> DescribeGauge(const GaugeStudy& gauge) {
-  std::vector<std::string> told;
+  std::vector<std::string> sentences;
   for (const GaugeMetric& metric : gauge.metrics) {
     std::string sentence = fmt::format(
         "repeatability of {} ({}): {}", GetMetricTitle(metric.name),
@@ -151,11 +152,11 @@ std::vector<std::string> DescribeGauge(const GaugeStudy& gauge) {
     if (metric.part_of_limits)
       sentence += fmt::format("; 6 sigma is {:.1f} % of the tolerance",
                               100 * *metric.part_of_limits);
-    told.push_back(sentence);
+    sentences.push_back(sentence);
   }
-  told.insert(told.end(), gauge.unobservable_reason.begin(),
-              gauge.unobservable_reason.end());
-  return told;
+  sentences.insert(sentences.end(), gauge.unobservable_reason.begin(),
+                   gauge.unobservable_reason.end());
+  return sentences;
 }
 
 std::string DescribeDuration(const std::vector<UnitRow>& rows) {

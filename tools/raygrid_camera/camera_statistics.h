@@ -15,7 +15,7 @@ class CameraStatistics {
  public:
   /// capture  must outlive this object
   CameraStatistics(const CaptureGuard& capture, bool is_quiet);
-  /// Counts a frame that was taken for output.
+  /// Counts a frame that is used for output.
   void Count(const UndistortedFrame& frame);
   void ShowPeriodically(const SourceCounts& source,
                         const Undistorter& undistorter);
