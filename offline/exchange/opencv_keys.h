@@ -56,6 +56,9 @@ struct DistortionCoefficients {
 };
 DistortionCoefficients Coefficients(const CameraKeys& keys,
                                     const Affixes& affixes);
+
+/// Returns whether there are distortion coefficients, as a vector or by names
+/// such as k1.
 bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes = {});
 
 }  // namespace opencv_file
