@@ -55,13 +55,16 @@ double AreaOf(const Polygon& polygon) {
   return std::abs(twice) / 2;
 }
 
+// Over plain numbers, since test code is not optimized.
 bool IsInside(const Polygon& polygon, const Eigen::Vector2d& p) {
+  const double x = p.x(), y = p.y();
+  const double* vertex = polygon.front().data();
+  const size_t count = polygon.size();
   bool is_inside = false;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
+  for (size_t i = 0, last = count - 1; i < count; last = i++) {
+    const double *a = vertex + 2 * last, *b = vertex + 2 * i;
+    if ((a[1] > y) != (b[1] > y) &&
+        x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]))
       is_inside = !is_inside;
   }
   return is_inside;
