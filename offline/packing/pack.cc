@@ -695,6 +695,18 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   return packed;
 }
 
+PackingMetrics ComputePackingMetrics(const PackedCamera& packed) {
+  PackingMetrics metrics;
+  metrics.blob_bytes = packed.blob.size();
+  metrics.unproject_error_px = packed.unproject_error_px;
+  metrics.warnings = packed.warnings;
+  if (packed.remaps.empty()) return metrics;
+  const VirtualView& view = packed.remaps[0].view;
+  metrics.remap_error_px = packed.remaps[0].error_px;
+  metrics.view = {view.size, view.focal_px, view.center_px};
+  return metrics;
+}
+
 PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
                                 const std::function<bool()>& should_stop) {
   PackOptions options;

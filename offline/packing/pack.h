@@ -10,6 +10,7 @@
 #include "camera/equivalent_central_camera.h"
 #include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
+#include "dataset/packing_metrics.h"
 #include "packing/blob_limits.h"
 #include "packing/projection_error.h"
 #include "packing/view.h"
@@ -104,6 +105,8 @@ struct PackedCamera {
   double left_out_part = 0;
   std::vector<std::string> warnings;  ///< such as missing sections
 };
+
+PackingMetrics ComputePackingMetrics(const PackedCamera& packed);
 
 /// Packs a camera of any model; a central one other than central-generic is
 /// approximated by the coarsest grid that fits it in its regular region
