@@ -18,6 +18,7 @@
 #include "help_formatter.h"
 #include "json_output.h"
 #include "pattern_input.h"
+#include "report/result_fields.h"
 
 namespace raygrid {
 namespace {
@@ -73,19 +74,11 @@ Dataset ReadSingleCamera(const std::string& path) {
 
 using Residuals = std::vector<FeatureResidual>;
 
-nlohmann::ordered_json JsonOf(const ErrorMetrics& metrics) {
-  return {{"median_px", metrics.median_px},
-          {"rms_px", metrics.rms_px},
-          {"max_px", metrics.max_px},
-          {"count", metrics.count}};
-}
-
 nlohmann::ordered_json ToJson(const Evaluation& evaluation,
                               const Residuals& flexed) {
-  nlohmann::ordered_json json =
-      JsonOf(ComputeErrorMetrics(evaluation.residuals));
+  nlohmann::ordered_json json = ComputeErrorMetrics(evaluation.residuals);
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorMetrics(flexed));
+  if (!flexed.empty()) json["deformed"] = ComputeErrorMetrics(flexed);
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected_images"].push_back(
@@ -150,7 +143,7 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   if (common.json) {
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
     if (as_bodies) {
-      json["with_rigid_targets"] = JsonOf(*as_bodies);
+      json["with_rigid_targets"] = *as_bodies;
       json["rigid_targets"] = RigidTargetsJson(pattern);
     }
     PrintCommandJson(json);
