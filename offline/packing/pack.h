@@ -120,10 +120,6 @@ PackingMetrics ComputePackingMetrics(const PackedCamera& packed);
 /// cannot represent the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
-/// Throws Error(kUsage) for a camera name or serial number that a blob cannot
-/// store; what: which one.
-void RequireBlobText(const char* what, const std::string& text);
-
 /// Makes a blob with a default table of the camera's image size, of the
 /// resolution of the image centre, otherwise of the calibrated area only.
 /// Warnings state why it lacks the table or the operating-point model, or why
