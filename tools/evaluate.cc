@@ -63,15 +63,6 @@ nlohmann::ordered_json RigidTargetsJson(const Pattern& pattern) {
   return json;
 }
 
-Dataset ReadSingleCamera(const std::string& path) {
-  const auto datasets = ReadFeatures(path);
-  if (datasets.size() > 1)
-    throw InputError(path +
-                     ": contains features of several cameras; split it into "
-                     "one file per camera");
-  return datasets.begin()->second;
-}
-
 using Residuals = std::vector<FeatureResidual>;
 
 nlohmann::ordered_json ToJson(const Evaluation& evaluation,
@@ -125,9 +116,8 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
                const CommonOptions& common) {
   const CameraInput input = ParseCamera(arguments.camera, bytes, common.at);
   const Pattern pattern = PatternOf(arguments);
-  Dataset dataset = ReadSingleCamera(arguments.features);
-  dataset.image_size = input.file.camera->image_size();
-  RequireConsistent(arguments.features, dataset, pattern);
+  const Dataset dataset = ReadCameraFeatures(
+      arguments.features, input.file.camera->image_size(), pattern);
   const Evaluation evaluation =
       EvaluateCamera(*input.file.camera, dataset, pattern, common.threads);
   RequireResiduals(evaluation.residuals.size());
