@@ -1,8 +1,7 @@
 /* rg_blob_open(): all limits of SPEC.md, "Sections", those too that no board
  * depends on. */
-#include "blob_limits.h"
-
 #include "blob_checks.h"
+#include "blob_stack.h"
 #include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
@@ -87,8 +86,9 @@ static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
   return 1;
 }
 
-rg_status rg_check_whole_grid(const uint8_t* section, uint32_t size,
-                              const uint8_t* camera) {
+/* Checks the central grid or, if camera is NULL, the inverse grid. */
+static rg_status check_grid(const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
   const uint32_t fraction_bits = rg_load_u16(section + RG_GRID_FRACTION_BITS);
   const int is_wide = fraction_bits == RG_CONTROL_POINT_BITS;
   if (camera && rg_load_u32(section + RG_GRID_RESERVED) != 0)
@@ -310,8 +310,8 @@ static rg_status check_capture(const uint8_t* section, uint32_t size,
              : RG_ERR_CAPTURE;
 }
 
-rg_status rg_check_whole_remap(const uint8_t* bytes, const uint8_t* section,
-                               uint32_t size, const uint8_t* camera) {
+static rg_status check_remap(const uint8_t* bytes, const uint8_t* section,
+                             uint32_t size, const uint8_t* camera) {
   if (section[RG_REMAP_PART_LOG2] == 0 && rg_bend_shift(section) != 0)
     return RG_ERR_RESERVED;
   rg_status status = rg_check_remap(
@@ -326,6 +326,15 @@ rg_status rg_check_whole_remap(const uint8_t* bytes, const uint8_t* section,
   return rg_has_view(section) ? check_view(bytes, section, camera) : RG_OK;
 }
 
+static rg_status check_part(const uint8_t* bytes, uint32_t type,
+                            const uint8_t* section, uint32_t size,
+                            const uint8_t* camera) {
+  return type == RG_SECTION_REMAP
+             ? check_remap(bytes, section, size, camera)
+             : check_grid(section, size,
+                          type == RG_SECTION_CENTRAL_GRID ? camera : 0);
+}
+
 /* A section's fields and arrays, by those of the camera and the grid, which may
  * not have been checked yet. */
 static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
@@ -334,13 +343,14 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
   const uint32_t size = rg_load_u32(entry + RG_ENTRY_SIZE);
   const uint8_t* const camera = sections->of[RG_SECTION_CAMERA].bytes;
   const uint8_t* const grid = sections->of[RG_SECTION_CENTRAL_GRID].bytes;
-  switch (rg_load_u16(entry + RG_ENTRY_TYPE)) {
+  const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
+  switch (type) {
     case RG_SECTION_CAMERA:
       return check_camera(section);
     case RG_SECTION_CENTRAL_GRID:
-      return rg_check_whole_grid(section, size, camera);
     case RG_SECTION_REMAP:
-      return rg_check_whole_remap(bytes, section, size, camera);
+    case RG_SECTION_INVERSE:
+      return check_part(bytes, type, section, size, camera);
     case RG_SECTION_LINE_POINTS:
       return check_line_points(section, size, grid);
     case RG_SECTION_MASK:
@@ -349,12 +359,10 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
       return check_uncertainty(section, size, grid);
     case RG_SECTION_MODES:
       return check_modes(section, size);
-    case RG_SECTION_INVERSE:
-      return rg_check_whole_grid(section, size, 0);
     case RG_SECTION_CAPTURE:
       return check_capture(section, size, camera);
     case RG_SECTION_STACK:
-      return rg_check_stack(bytes, section, size, sections);
+      return rg_check_stack(bytes, section, size, sections, check_part);
     case RG_SECTION_ROW_TIME:
       return rg_check_row_time(section, size);
     default:

@@ -1,8 +1,9 @@
 /* The stack of cameras, as whole readers see it: SPEC.md, "Operating points".
  */
+#include "blob_stack.h"
+
 #include <string.h>
 
-#include "blob_limits.h"
 #include "bytes.h"
 #include "rg_blob.h"
 
@@ -65,20 +66,11 @@ static int is_like_own_table(const uint8_t* part, const part_walk* walk) {
   return memcmp(part + mask, own + mask, walk->size - mask) == 0;
 }
 
-static rg_status check_part(const uint8_t* part, const part_walk* walk,
-                            const uint8_t* camera) {
-  if (walk->type == RG_SECTION_REMAP) {
-    const rg_status status =
-        rg_check_whole_remap(walk->bytes, part, walk->size, camera);
-    if (status != RG_OK) return status;
-    return is_like_own_table(part, walk) ? RG_OK : RG_ERR_STACK;
-  }
-  const rg_status status = rg_check_whole_grid(
-      part, walk->size, walk->type == RG_SECTION_CENTRAL_GRID ? camera : 0);
-  if (status != RG_OK) return status;
-  return memcmp(part, walk->own, rg_load_u32(part + RG_GRID_DATA_OFFSET)) == 0
-             ? RG_OK
-             : RG_ERR_STACK;
+static int is_like_own(const uint8_t* part, const part_walk* walk) {
+  return walk->type == RG_SECTION_REMAP
+             ? is_like_own_table(part, walk)
+             : memcmp(part, walk->own,
+                      rg_load_u32(part + RG_GRID_DATA_OFFSET)) == 0;
 }
 
 int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot) {
@@ -106,7 +98,8 @@ static int are_values_in_order(const rg_stack_section* stack) {
 }
 
 rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
-                         uint32_t size, const rg_sections* sections) {
+                         uint32_t size, const rg_sections* sections,
+                         rg_part_check* check) {
   const uint32_t parts_size = size_of_parts(bytes, section);
   const rg_stack_section stack = read_stack(section, parts_size);
   if (stack.condition - 1u >= RG_CONDITION_TEMPERATURE ||
@@ -122,9 +115,10 @@ rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
   for (uint32_t k = 0; k < stack.num_knots; ++k) {
     part_walk walk = start_walk(bytes);
     while (go_to_next_part(&walk)) {
-      const rg_status status =
-          check_part(part, &walk, sections->of[RG_SECTION_CAMERA].bytes);
+      const rg_status status = check(bytes, walk.type, part, walk.size,
+                                     sections->of[RG_SECTION_CAMERA].bytes);
       if (status != RG_OK) return status;
+      if (!is_like_own(part, &walk)) return RG_ERR_STACK;
       part += walk.size;
     }
     part += RG_KNOT_VALUE_SIZE;

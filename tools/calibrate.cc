@@ -107,18 +107,6 @@ Measurements CalibratedPart(const Measurements& all) {
   return part;
 }
 
-PackingMetrics ComputeMetrics(const PackedCamera& packed) {
-  PackingMetrics metrics;
-  metrics.blob_bytes = packed.blob.size();
-  metrics.unproject_error_px = packed.unproject_error_px;
-  metrics.warnings = packed.warnings;
-  if (packed.remaps.empty()) return metrics;
-  const VirtualView& view = packed.remaps[0].view;
-  metrics.remap_error_px = packed.remaps[0].error_px;
-  metrics.view = {view.size, view.focal_px, view.center_px};
-  return metrics;
-}
-
 int64_t PeakMemoryBytes() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
@@ -146,7 +134,7 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
     if (camera.checkpoint || has_wrong_times) continue;
     const PackedCamera packed =
         PackSupportedParts(camera.camera, common.threads, IsInterrupted);
-    own.packing = ComputeMetrics(packed);
+    own.packing = ComputePackingMetrics(packed);
     if (!result.IsRig() && !packed.remaps.empty())
       own.example = ExampleImage(calibrated, camera, arguments, circumstances,
                                  packed.blob);

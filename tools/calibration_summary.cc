@@ -181,11 +181,10 @@ void PrintSingleCamera(const CalibrationResult& result) {
         *result.bias_kl, *result.noise_bias_kl);
   if (result.camera.uncertainty)
     PrintUncertainty(*result.camera.uncertainty, *result.camera.camera);
-  if (result.model_error_px)
-    fmt::print(
-        "  model error: {:.2g} px (median), estimated with a more flexible "
-        "model\n",
-        *result.model_error_px);
+#define RAYGRID_METRIC(name, title, unit, meaning) \
+  if (result.name)                                 \
+    fmt::print("  {}: {}\n", title, FormatMetric(*result.name, unit));
+#include "evaluation/metrics.inc"
   PrintModelChoice(result);
   if (result.camera.stack) {
     PrintKnownOverRanges(result.camera);

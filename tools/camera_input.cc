@@ -165,6 +165,27 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
   return cameras;
 }
 
+void AddCameraArgument(CLI::App* command, std::string* path) {
+  command
+      ->add_option("camera", *path,
+                   "camera.yaml (double precision) or blob (fixed-point "
+                   "runtime)")
+      ->required();
+}
+
+Dataset ReadCameraFeatures(const std::string& path, const ImageSize& size,
+                           const Pattern& pattern) {
+  auto cameras = ReadFeatures(path);
+  if (cameras.size() > 1)
+    throw InputError(path +
+                     ": contains features of several cameras; split it into "
+                     "one file per camera");
+  Dataset dataset = std::move(cameras.begin()->second);
+  dataset.image_size = size;
+  RequireConsistent(path, dataset, pattern);
+  return dataset;
+}
+
 std::optional<ValidityMask> LoadValidityMask(const CameraInput& input) {
   if (input.blob) return input.blob->GetValidityMask();
   if (input.file.uncertainty) return input.file.uncertainty->mask;

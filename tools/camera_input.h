@@ -1,6 +1,7 @@
 #ifndef RAYGRID_TOOLS_CAMERA_INPUT_H
 #define RAYGRID_TOOLS_CAMERA_INPUT_H
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <array>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "dataset/camera_file.h"
+#include "dataset/dataset.h"
 #include "packing/blob_camera.h"
 #include "requested_operating_point.h"
 
@@ -28,6 +30,8 @@ struct CameraInput {
 /// the camera has no such model.
 CameraInput ReadCamera(const std::string& path,
                        const RequestedOperatingPoint& at = {});
+/// Adds the argument of a command that projects or unprojects with a camera.
+void AddCameraArgument(CLI::App* command, std::string* path);
 /// Parses a camera from the bytes of a file; path is used in errors. Reports on
 /// standard error what is not imported from another program's file.
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
@@ -43,6 +47,11 @@ CameraInput ReadCameraOrStack(const std::string& path,
 std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
                                           const RequestedOperatingPoint& at);
+
+/// Reads the features of a single camera with images of this size. Throws
+/// InputError for features of several cameras, or of another pattern.
+Dataset ReadCameraFeatures(const std::string& path, const ImageSize& size,
+                           const Pattern& pattern);
 
 /// Returns the valid region, if the camera's file or blob has one.
 std::optional<ValidityMask> LoadValidityMask(const CameraInput& input);

@@ -65,17 +65,8 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
                const CameraFile& file, const Pattern& pattern,
                std::vector<RejectedImage>* rejected) {
   const ImageSize size = file.camera->image_size();
-  if (!arguments.features.empty()) {
-    auto cameras = ReadFeatures(arguments.features);
-    if (cameras.size() > 1)
-      throw InputError(arguments.features +
-                       ": contains features of several cameras; split it into "
-                       "one file per camera");
-    Dataset dataset = cameras.begin()->second;
-    dataset.image_size = size;
-    RequireConsistent(arguments.features, dataset, pattern);
-    return dataset;
-  }
+  if (!arguments.features.empty())
+    return ReadCameraFeatures(arguments.features, size, pattern);
   Measurements measurements =
       Measure(arguments.images, pattern, PatternPath(arguments), common, {});
   for (const auto& images : {measurements.skipped, measurements.left_out})

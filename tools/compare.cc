@@ -46,14 +46,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
                              const CameraModel& first,
                              const CameraModel& second, int num_threads) {
   const Pattern pattern = LoadPattern(arguments.pattern);
-  auto cameras = ReadFeatures(arguments.features);
-  if (cameras.size() > 1)
-    throw InputError(arguments.features +
-                     ": contains features of several cameras; split it into "
-                     "one file per camera");
-  Dataset dataset = cameras.begin()->second;
-  dataset.image_size = first.image_size();
-  RequireConsistent(arguments.features, dataset, pattern);
+  const Dataset dataset =
+      ReadCameraFeatures(arguments.features, first.image_size(), pattern);
   const auto residuals = [&](const CameraModel& camera) {
     return EvaluateCamera(camera, dataset, pattern, num_threads).residuals;
   };

@@ -18,6 +18,7 @@
 #include "help_formatter.h"
 #include "json_output.h"
 #include "pattern_input.h"
+#include "report/result_fields.h"
 
 namespace raygrid {
 namespace {
@@ -62,30 +63,13 @@ nlohmann::ordered_json RigidTargetsJson(const Pattern& pattern) {
   return json;
 }
 
-Dataset ReadSingleCamera(const std::string& path) {
-  const auto datasets = ReadFeatures(path);
-  if (datasets.size() > 1)
-    throw InputError(path +
-                     ": contains features of several cameras; split it into "
-                     "one file per camera");
-  return datasets.begin()->second;
-}
-
 using Residuals = std::vector<FeatureResidual>;
-
-nlohmann::ordered_json JsonOf(const ErrorMetrics& metrics) {
-  return {{"median_px", metrics.median_px},
-          {"rms_px", metrics.rms_px},
-          {"max_px", metrics.max_px},
-          {"count", metrics.count}};
-}
 
 nlohmann::ordered_json ToJson(const Evaluation& evaluation,
                               const Residuals& flexed) {
-  nlohmann::ordered_json json =
-      JsonOf(ComputeErrorMetrics(evaluation.residuals));
+  nlohmann::ordered_json json = ComputeErrorMetrics(evaluation.residuals);
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorMetrics(flexed));
+  if (!flexed.empty()) json["deformed"] = ComputeErrorMetrics(flexed);
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected_images"].push_back(
@@ -132,9 +116,8 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
                const CommonOptions& common) {
   const CameraInput input = ParseCamera(arguments.camera, bytes, common.at);
   const Pattern pattern = PatternOf(arguments);
-  Dataset dataset = ReadSingleCamera(arguments.features);
-  dataset.image_size = input.file.camera->image_size();
-  RequireConsistent(arguments.features, dataset, pattern);
+  const Dataset dataset = ReadCameraFeatures(
+      arguments.features, input.file.camera->image_size(), pattern);
   const Evaluation evaluation =
       EvaluateCamera(*input.file.camera, dataset, pattern, common.threads);
   RequireResiduals(evaluation.residuals.size());
@@ -150,7 +133,7 @@ void RunCamera(const EvaluateArguments& arguments, const std::string& bytes,
   if (common.json) {
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
     if (as_bodies) {
-      json["with_rigid_targets"] = JsonOf(*as_bodies);
+      json["with_rigid_targets"] = *as_bodies;
       json["rigid_targets"] = RigidTargetsJson(pattern);
     }
     PrintCommandJson(json);

@@ -128,27 +128,25 @@ NamedStereo ReadStereo(const std::string& given_path) {
 // Features of one camera, or of two for stereo.
 void ReadUsersFeatures(const ExperimentArguments& arguments,
                        ExperimentData* data) {
+  data->pattern = LoadPattern(arguments.pattern);
+  const ImageSize size = ParseImageSize("--image-size", arguments.image_size);
+  if (arguments.name != "stereo-depth") {
+    data->features =
+        ReadCameraFeatures(arguments.features, size, data->pattern);
+    return;
+  }
   auto cameras = ReadFeatures(arguments.features);
-  const size_t num_cameras = arguments.name == "stereo-depth" ? 2 : 1;
-  if (num_cameras == 1 && cameras.size() > 1)
-    throw InputError(arguments.features +
-                     ": contains features of several cameras; split it into "
-                     "one file per camera");
-  if (cameras.size() != num_cameras)
+  if (cameras.size() != 2)
     throw InputError(fmt::format(
         "{}: contains features of {} camera{}; stereo requires two, named in "
         "the column 'camera'",
         arguments.features, cameras.size(), cameras.size() == 1 ? "" : "s"));
-  data->pattern = LoadPattern(arguments.pattern);
   for (auto& [name, dataset] : cameras) {
-    dataset.image_size = ParseImageSize("--image-size", arguments.image_size);
+    dataset.image_size = size;
     RequireConsistent(arguments.features, dataset, data->pattern);
   }
-  if (num_cameras == 1)
-    data->features = std::move(cameras.begin()->second);
-  else
-    data->pair_features = {std::move(cameras.begin()->second),
-                           std::move(cameras.rbegin()->second)};
+  data->pair_features = {std::move(cameras.begin()->second),
+                         std::move(cameras.rbegin()->second)};
 }
 
 CalibrationResult ReadSingleResult(const std::string& folder) {

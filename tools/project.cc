@@ -76,11 +76,7 @@ void AddProject(CLI::App* app, CommonOptions* common) {
       app, "project", "Project 3D points to pixels.",
       "raygrid project camera.yaml --points xyz.csv -o px.csv", common);
   auto arguments = std::make_shared<ProjectArguments>();
-  command
-      ->add_option("camera", arguments->camera,
-                   "camera.yaml (double precision) or blob (fixed-point "
-                   "runtime)")
-      ->required();
+  AddCameraArgument(command, &arguments->camera);
   command
       ->add_option("--points", arguments->points,
                    "CSV with columns x,y,z in the camera frame")

@@ -60,11 +60,7 @@ void AddUnproject(CLI::App* app, CommonOptions* common) {
       app, "unproject", "Unproject pixels to observation rays.",
       "raygrid unproject camera.raygrid --pixels px.csv -o rays.csv", common);
   auto arguments = std::make_shared<UnprojectArguments>();
-  command
-      ->add_option("camera", arguments->camera,
-                   "camera.yaml (double precision) or blob (fixed-point "
-                   "runtime)")
-      ->required();
+  AddCameraArgument(command, &arguments->camera);
   command->add_option("--pixels", arguments->pixels, "CSV with columns x,y")
       ->option_text("FILE")
       ->required();

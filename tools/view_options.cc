@@ -316,14 +316,4 @@ nlohmann::ordered_json ViewJson(const VirtualView& view) {
           {"vfov_deg", view.VerticalFieldOfViewDeg()}};
 }
 
-std::string ViewCameraFile(const VirtualView& view, const std::string& name) {
-  CameraFile file;
-  file.camera = MakeViewCamera(view);
-  file.name = name;
-  if (view.IsTurned())
-    file.camera_from_view =
-        Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
-  return FormatCameraFile(file);
-}
-
 }  // namespace raygrid

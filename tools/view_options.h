@@ -62,9 +62,6 @@ Eigen::Matrix3d MatrixOf(const VirtualView& view);
 /// Formats size, projection, K, row-major rotation, fields of view in degrees.
 nlohmann::ordered_json ViewJson(const VirtualView& view);
 
-/// Formats a camera file for a view, with the camera's name.
-std::string ViewCameraFile(const VirtualView& view, const std::string& name);
-
 }  // namespace raygrid
 
 #endif  // RAYGRID_TOOLS_VIEW_OPTIONS_H

@@ -515,7 +515,7 @@ void AssessResult(int num_threads, CalibrationResult* result) {
     result->camera.held_out = ComputeErrorMetrics(result->held_out);
   const std::vector<FeatureResidual>& residuals = JudgedResiduals(*result);
   const std::set<std::string> apart = FindOutlierImages(residuals);
-  result->neighbor_correlation =
+  result->residual_autocorrelation =
       ComputeNeighborCorrelation(WithoutImages(residuals, apart));
   if (result->camera.uncertainty && !result->held_out.empty())
     result->camera.uncertainty->modes.beyond = EstimateExcessErrors(

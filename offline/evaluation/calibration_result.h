@@ -121,11 +121,9 @@ struct CalibrationResult {
   /// Parametric models for comparison; also noncentral-generic if the residuals
   /// of a central model are correlated.
   std::vector<ModelMetrics> parametric_models;
-  /// The fraction of the median held-out error that a richer model removes.
-  std::optional<double> model_error_px;
-  /// Correlation of neighbouring residuals: held-out residuals if available,
-  /// otherwise training residuals.
-  std::optional<double> neighbor_correlation;
+  // Metrics that are single numbers.
+#define RAYGRID_METRIC(name, ...) std::optional<double> name;
+#include "evaluation/metrics.inc"
   /// See CameraUncertainty; not stored in camera files.
   double jackknife_scale = 1;
   /// Extrapolated region; nullopt without a predicted uncertainty.

@@ -29,4 +29,8 @@ std::string FormatThreeDigits(double value) {
   return fmt::format("{:.{}f}", value, Decimals(std::abs(value), 3));
 }
 
+std::string FormatMetric(double value, const std::string& unit) {
+  return FormatThreeDigits(value) + (unit == "1" ? "" : " " + unit);
+}
+
 }  // namespace raygrid

@@ -1,8 +1,14 @@
 #include "packing/blob_figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+#include "packing/blob_limits.h"
 
 namespace raygrid {
 namespace {
@@ -131,6 +137,36 @@ rg_quality_section QuantizeQuality(const CameraFile& file,
   quality.packing_error_npx = Figure(packing.px, 1e-9);
   quality.packing_error_prad = Figure(packing.rad, 1e-12);
   return quality;
+}
+
+void RequireBlobText(const char* what, const std::string& text) {
+  const std::string place = fmt::format("{} '{}'", what, Printable(text));
+  if (FindInvalidUtf8(text) != std::string::npos)
+    throw Error(ExitCode::kUsage, place + ": must be UTF-8 text");
+  if (text.size() >= RG_TEXT_SIZE)
+    throw Error(ExitCode::kUsage, fmt::format("{}: must have at most {} bytes",
+                                              place, RG_TEXT_SIZE - 1));
+}
+
+std::string PaddedText(const char* what, const std::string& text) {
+  RequireBlobText(what, text);
+  std::string padded = text;
+  padded.resize(RG_TEXT_SIZE, '\0');
+  return padded;
+}
+
+rg_mode_section QuantizeMode(const SensorMode& mode) {
+  const auto q16 = [](double value) { return std::lround(value * 65536); };
+  rg_mode_section section = {};
+  section.width = static_cast<uint16_t>(mode.size.width);
+  section.height = static_cast<uint16_t>(mode.size.height);
+  section.offset_x_q16 = static_cast<int32_t>(q16(mode.offset_px.x()));
+  section.offset_y_q16 = static_cast<int32_t>(q16(mode.offset_px.y()));
+  section.scale_x_q16 = static_cast<uint32_t>(q16(mode.scale.x()));
+  section.scale_y_q16 = static_cast<uint32_t>(q16(mode.scale.y()));
+  section.flip_x = mode.flip_x;
+  section.flip_y = mode.flip_y;
+  return section;
 }
 
 }  // namespace raygrid

@@ -2,8 +2,10 @@
 #define RAYGRID_PACKING_BLOB_FIGURES_H
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
 #include "packing/unprojection_error.h"
 #include "rg_blob.h"
@@ -29,6 +31,13 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
 
 /// Converts the capture settings at calibration to the format's integers.
 rg_capture_section QuantizeCapture(const Capture& capture);
+
+/// Returns a zero-padded text of RG_TEXT_SIZE bytes. Throws like
+/// RequireBlobText().
+std::string PaddedText(const char* what, const std::string& text);
+
+/// Converts a mode, without its name.
+rg_mode_section QuantizeMode(const SensorMode& mode);
 
 /// Converts the line delay to the format's integers.
 rg_row_time_section QuantizeLineDelay(const LineDelay& line_delay);

@@ -18,6 +18,10 @@ constexpr double kMaxNarrowErrorRad = 1e-6;
               "this camera cannot be stored in a blob: " + what);
 }
 
+/// Throws Error(kUsage) for a camera name or serial number that a blob cannot
+/// store; what: which one.
+void RequireBlobText(const char* what, const std::string& text);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_PACKING_BLOB_LIMITS_H

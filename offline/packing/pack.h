@@ -10,6 +10,7 @@
 #include "camera/equivalent_central_camera.h"
 #include "camera/sensor_mode.h"
 #include "dataset/camera_file.h"
+#include "dataset/packing_metrics.h"
 #include "packing/blob_limits.h"
 #include "packing/projection_error.h"
 #include "packing/view.h"
@@ -105,6 +106,8 @@ struct PackedCamera {
   std::vector<std::string> warnings;  ///< such as missing sections
 };
 
+PackingMetrics ComputePackingMetrics(const PackedCamera& packed);
+
 /// Packs a camera of any model; a central one other than central-generic is
 /// approximated by the coarsest grid that fits it in its regular region
 /// (packing/regular_region.h). The remainder is invalid in the blob's mask and
@@ -116,10 +119,6 @@ struct PackedCamera {
 /// Throws Error(kQuality) if the limits cannot be met anywhere or the format
 /// cannot represent the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
-
-/// Throws Error(kUsage) for a camera name or serial number that a blob cannot
-/// store; what: which one.
-void RequireBlobText(const char* what, const std::string& text);
 
 /// Makes a blob with a default table of the camera's image size, of the
 /// resolution of the image centre, otherwise of the calibrated area only.

@@ -5,10 +5,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "cortex_m/part_corners.h"
 #include "dataset/parallel_for.h"
-#include "frames/lattice_map.h"
-#include "frames/pixel_formats.h"
+#include "frames/table_positions.h"
 
 namespace raygrid {
 namespace {

@@ -7,6 +7,7 @@
 #include "camera/opencv.h"
 #include "camera/rotated_camera.h"
 #include "camera/view_camera.h"
+#include "dataset/camera_file.h"
 
 namespace raygrid {
 namespace {
@@ -117,6 +118,16 @@ std::optional<VirtualView> MakeCameraView(const CameraModel& camera) {
   view.focal_px = parameters.head<2>();
   view.center_px = parameters.segment<2>(2);
   return view;
+}
+
+std::string ViewCameraFile(const VirtualView& view, const std::string& name) {
+  CameraFile file;
+  file.camera = MakeViewCamera(view);
+  file.name = name;
+  if (view.IsTurned())
+    file.camera_from_view =
+        Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
+  return FormatCameraFile(file);
 }
 
 }  // namespace raygrid

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "camera/camera_model.h"
 #include "camera/view_projection.h"
@@ -47,6 +48,9 @@ Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view);
 /// Returns the view as a camera in its own axes, calibrated over its whole
 /// image: model opencv without distortion for a pinhole, else a ViewCamera.
 std::unique_ptr<CameraModel> MakeViewCamera(const VirtualView& view);
+
+/// Formats a camera file for a view, with the camera's name.
+std::string ViewCameraFile(const VirtualView& view, const std::string& name);
 
 /// Returns the view as a camera in the axes of the original camera.
 std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view);

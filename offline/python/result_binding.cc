@@ -2,7 +2,6 @@
 
 #include "dataset/files.h"
 #include "dataset/output_folder.h"
-#include "packing/blob_camera.h"
 #include "packing/pack.h"
 #include "python/bindings.h"
 #include "report/result_folder.h"
@@ -66,18 +65,6 @@ py::dict CameraFromRig(const PyCalibration& self) {
 
 // ---- The result's folder ---------------------------------------------------
 
-PackingMetrics ComputeMetrics(const PackedCamera& packed) {
-  PackingMetrics metrics;
-  metrics.blob_bytes = packed.blob.size();
-  metrics.unproject_error_px = packed.unproject_error_px;
-  metrics.warnings = packed.warnings;
-  if (packed.remaps.empty()) return metrics;
-  const VirtualView& view = packed.remaps[0].view;
-  metrics.remap_error_px = packed.remaps[0].error_px;
-  metrics.view = {view.size, view.focal_px, view.center_px};
-  return metrics;
-}
-
 ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   ResultExtras extras;
   for (const CalibrationResult& camera : self.result.cameras) {
@@ -85,13 +72,10 @@ ResultExtras PackResult(const PyCalibration& self, const Task* task) {
     const PackedCamera packed = PackSupportedParts(
         camera.camera, self.num_threads, [task] { return task->ShouldStop(); });
     task->GoOn();
-    own.packing = ComputeMetrics(packed);
+    own.packing = ComputePackingMetrics(packed);
     own.blob = packed.blob;
-    if (packed.remaps.empty()) continue;
-    CameraFile view;
-    view.camera = MakeViewCamera(packed.remaps[0].view);
-    view.name = camera.camera.name;
-    own.view = FormatCameraFile(view);
+    if (!packed.remaps.empty())
+      own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);
   }
   return extras;
 }

@@ -7,6 +7,7 @@
 
 #include "dataset/fixed_operating_point.h"
 #include "evaluation/line_delay_text.h"
+#include "evaluation/rounded_text.h"
 #include "report/budget_section.h"
 #include "report/html.h"
 #include "report/operating_point_section.h"
@@ -91,12 +92,6 @@ void AddUncertaintyRows(const CalibrationResult& result,
            fmt::format("{:.0f} % of the image",
                        100 * ComputeValidShare(camera, everywhere->mask))});
     }
-    if (result.model_error_px)
-      rows->push_back(
-          {"model error",
-           fmt::format("{:.2g} px of the median held-out error, estimated with "
-                       "a richer model; not included in the standard deviation",
-                       *result.model_error_px)});
     rows->push_back(
         {"correlated residuals",
          fmt::format("the uncertainty is {:.2f} times that of white noise "
@@ -179,9 +174,10 @@ std::string CameraSection(const CalibrationResult& result,
   if (result.refinement_rms_px)
     rows.push_back({"features refined with the model moved by",
                     FormatPixels(*result.refinement_rms_px) + " px (RMS)"});
-  if (result.neighbor_correlation)
-    rows.push_back({"correlation of neighbouring residuals",
-                    fmt::format("{:.2f}", *result.neighbor_correlation)});
+#define RAYGRID_METRIC(name, title, unit, meaning) \
+  if (result.name)                                 \
+    rows.push_back({title, FormatMetric(*result.name, unit) + ". " meaning});
+#include "evaluation/metrics.inc"
   AddUncertaintyRows(result, &rows);
   if (packing) AddPackingRows(*packing, &rows);
   return "<h2>Camera</h2>\n" + HtmlTable({}, rows);

@@ -7,97 +7,12 @@
 
 #include "dataset/fixed_operating_point.h"
 #include "evaluation/stack_change.h"
-#include "report/budget_json.h"
-#include "report/result_keys.h"
+#include "report/result_fields.h"
 
 namespace raygrid {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json MetricsJson(const ErrorMetrics& metrics) {
-  return {{"median_px", metrics.median_px},
-          {"rms_px", metrics.rms_px},
-          {"max_px", metrics.max_px},
-          {"count", metrics.count}};
-}
-
-Json ViewMetricsJson(const ViewMetrics& view) {
-  return {{"projection", "pinhole"},
-          {"size", {view.size.width, view.size.height}},
-          {"K",
-           {{view.focal_px.x(), 0.0, view.center_px.x()},
-            {0.0, view.focal_px.y(), view.center_px.y()},
-            {0.0, 0.0, 1.0}}}};
-}
-
-Json PackingJson(const PackingMetrics& packing) {
-  Json json = Json::object();
-  if (packing.blob_bytes > 0)
-    json = {{"blob_bytes", packing.blob_bytes},
-            {"unproject_error_px", packing.unproject_error_px}};
-  if (packing.remap_error_px) json["remap_error_px"] = *packing.remap_error_px;
-  if (packing.view) json["view"] = ViewMetricsJson(*packing.view);
-  if (!packing.warnings.empty()) json["warnings"] = packing.warnings;
-  return json;
-}
-
-Json RejectedJson(const std::vector<RejectedImage>& images) {
-  Json rejected = Json::array();
-  for (const RejectedImage& image : images)
-    rejected.push_back({{"image", image.image}, {"reason", image.reason}});
-  return rejected;
-}
-
-Json ImagesJson(const CalibrationResult& result) {
-  Json images = {{"used", result.features.images.size()}};
-  for (const NearDuplicates& group : result.near_duplicates)
-    images["near_duplicates"].push_back(
-        {{"image", group.image}, {"duplicates", group.others}});
-  if (!result.held_out_duplicates.empty())
-    images["held_out_duplicates"] = result.held_out_duplicates;
-  images["rejected"] = RejectedJson(result.rejected_images);
-  return images;
-}
-
-Json ModelJson(const ModelMetrics& metrics) {
-  Json json = {{"model", metrics.model},
-               {"parameters", metrics.num_parameters},
-               {"training", MetricsJson(metrics.training)}};
-  if (metrics.held_out) json["held_out"] = MetricsJson(*metrics.held_out);
-  if (metrics.held_out_deformed)
-    json["held_out_deformed"] = MetricsJson(*metrics.held_out_deformed);
-  if (metrics.bias_kl) json["bias_kl"] = *metrics.bias_kl;
-  return json;
-}
-
-Json LineDelayJson(const LineDelayEstimate& line_delay) {
-  Json json;
-  if (line_delay.IsDetermined()) {
-    json["value_us"] = line_delay.value.seconds * 1e6;
-    json["sd_us"] = line_delay.value.deviation_s * 1e6;
-  } else {
-    json["not_observable"] = line_delay.unobservable_reason;
-    if (!line_delay.are_timestamps_consistent)
-      json["timestamps_consistent"] = false;
-  }
-  json["images"] = line_delay.num_images;
-  json["compensated"] = line_delay.is_compensated;
-  if (line_delay.num_left_out > 0)
-    json["uncompensated_images"] = line_delay.num_left_out;
-  return json;
-}
-
-Json BendsJson(const BoardDeformation& bends) {
-  Json views = Json::array();
-  for (const BoardDeformation::View& view : bends.views)
-    views.push_back(
-        {{"image", view.image}, {"board", view.board}, {"rms_m", view.rms_m}});
-  return {{"rms_m", bends.rms_m},
-          {"views", views},
-          {"largest_view", bends.most_deformed},
-          {"largest_view_heights_m", bends.heights_m}};
-}
 
 // The camera over its only condition: differences from the middle.
 Json RangeJson(const OperatingPointCalibration& stack) {
@@ -134,103 +49,10 @@ Json RangesJson(const OperatingPointCalibration& stack) {
   return json;
 }
 
-std::string LimitText(double px) { return fmt::format("{:g}", px); }
-
-Json UncertaintyJson(const CalibrationResult& result) {
-  const CameraModel& camera = *result.camera.camera;
-  const CameraUncertainty& uncertainty = *result.camera.uncertainty;
-  const UncertaintySummary summary = SummarizeUncertainty(camera, uncertainty);
-  Json json = {{"median_px", summary.median_px}};
-  for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
-    json["share_below_px"][LimitText(kShareLimitsPx[k])] =
-        summary.share_below[k];
-  json["valid_limit_px"] = uncertainty.max_deviation_px;
-  json["valid_share"] = summary.valid_share;
-  if (const auto& region = result.extrapolated) {
-    json["extrapolated"] = {{"share", region->share}};
-    if (region->share > 0) {
-      json["extrapolated"]["p95_px"] = region->p95_px;
-      json["extrapolated"]["where"] = region->where;
-    }
-  }
-  json["jackknife_scale"] = result.jackknife_scale;
-  if (!result.camera.stack) return json;
-  const auto everywhere = ComputeMaxUncertainty(result.camera);
-  json["over_operating_range"] = {
-      {"median_px", everywhere->lattice.MedianPx()},
-      {"valid_share", ComputeValidShare(camera, everywhere->mask)}};
-  return json;
-}
-
 // Adds the results of one camera, alone or in a rig.
 void AddCamera(const CalibrationResult& result, Json* json) {
-  const CameraModel& camera = *result.camera.camera;
-  (*json)["model"] = camera.Name();
-  (*json)["image_size"] = {camera.image_size().width,
-                           camera.image_size().height};
-  const Area& area = camera.area();
-  (*json)["area"] = {area.x0, area.y0, area.x1, area.y1};
-  (*json)["parameters"] = result.num_parameters;
-  if (result.knot_spacing_px > 0)
-    (*json)["knot_spacing_px"] = result.knot_spacing_px;
-  (*json)["images"] = ImagesJson(result);
-  Json features = {{"used", result.features.num_features()},
-                   {"rejected", result.rejected_features.size()}};
-  if (const size_t count = CountMissingErrors(result))
-    features["used_without_residual"] = count;
-  if (result.refinement_rms_px)
-    features["refinement_shift_rms_px"] = *result.refinement_rms_px;
-  (*json)["features"] = features;
-  (*json)["training"] = MetricsJson(*result.camera.training);
-  if (result.camera.held_out) {
-    (*json)["held_out"] = MetricsJson(*result.camera.held_out);
-    (*json)["held_out"]["method"] =
-        (result.cross_validated ? kCrossValidation : kHeldOutImages);
-  }
-  if (result.held_out_deformed)
-    (*json)["held_out_deformed"] = MetricsJson(*result.held_out_deformed);
-  if (result.bends) (*json)["target_deformation"] = BendsJson(*result.bends);
-  for (const KnotSpacingCandidate& candidate : result.knot_spacing_candidates)
-    (*json)["knot_spacing_candidates"].push_back(
-        {{"knot_spacing_px", candidate.knot_spacing_px},
-         {"held_out_loss", candidate.loss},
-         {"median_px", candidate.median_px}});
-  if (result.bias_kl) (*json)["bias_kl"] = *result.bias_kl;
-  if (result.noise_bias_kl)
-    (*json)["bias_kl_white_noise"] = *result.noise_bias_kl;
-  for (const ModelCandidate& candidate : result.model_candidates)
-    (*json)["model_candidates"].push_back(
-        {{"model", candidate.model},
-         {"cross_validated_loss", candidate.loss},
-         {"median_px", candidate.median_px},
-         {"gain_standard_errors", candidate.gain}});
-  for (const ModelMetrics& other : result.parametric_models)
-    (*json)["parametric_models"].push_back(ModelJson(other));
-  if (result.model_error_px) (*json)["model_error_px"] = *result.model_error_px;
-  if (result.neighbor_correlation)
-    (*json)["residual_autocorrelation"] = *result.neighbor_correlation;
-  if (result.camera.uncertainty)
-    (*json)["uncertainty"] = UncertaintyJson(result);
-  if (const auto& circle = camera.image_circle())
-    (*json)["image_circle"] = {
-        {"center_px", {circle->center.x(), circle->center.y()}},
-        {"radius_px", circle->radii_px.x()}};
-  if (result.camera.stack)
-    (*json)["operating_ranges"] = RangesJson(*result.camera.stack);
-  if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
-  (*json)["non_injective"] = {{"share", result.fold_over.part},
-                              {"valid_share", result.fold_over.valid_part}};
-  if (const auto& distance = result.fleet_distance) {
-    Json& json_of = (*json)["population_distance"];
-    json_of = {{"rms_px", distance->rms_px},
-               {"population_px", distance->units_px}};
-    if (distance->IsOutlier()) json_of["warning"] = distance->Warning();
-  }
-  if (result.line_delay)
-    (*json)["line_delay"] = LineDelayJson(*result.line_delay);
-  if (result.line_spread)
-    (*json)["noncentrality"] = {{"rms_m", result.line_spread->rms_m},
-                                {"max_m", result.line_spread->max_m}};
+  FieldWriter fields(json);
+  VisitCamera(fields, const_cast<CalibrationResult&>(result));
 }
 
 void AddVerdict(const Assessment& assessment, Json* json) {
@@ -249,8 +71,7 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
   json["name"] = own.camera.name;
   AddCamera(own, &json);
   if (camera < result.held_out.size() && !result.held_out[camera].empty())
-    json["held_out_in_rig"] =
-        MetricsJson(ComputeErrorMetrics(result.held_out[camera]));
+    json["held_out_in_rig"] = ComputeErrorMetrics(result.held_out[camera]);
   AddVerdict(own.assessment, &json);
   return json;
 }
@@ -258,13 +79,8 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
 Json BaselineJson(const RigResult& result, const Baseline& baseline) {
   Json json = {{"cameras",
                 {result.cameras[baseline.first].camera.name,
-                 result.cameras[baseline.second].camera.name}},
-               {"common_views", baseline.num_shared_views},
-               {"distance_m", baseline.distance_m}};
-  if (baseline.distance_sd_m) json["distance_sd_m"] = *baseline.distance_sd_m;
-  json["angle_rad"] = baseline.angle_rad;
-  if (baseline.rotation_sd_rad)
-    json["rotation_sd_rad"] = *baseline.rotation_sd_rad;
+                 result.cameras[baseline.second].camera.name}}};
+  WriteFields(baseline, &json);
   return json;
 }
 
@@ -320,17 +136,6 @@ Json RejectedInRig(const RigResult& result) {
   return rejected;
 }
 
-Json StereoJson(const StereoMetrics& stereo) {
-  return {{"left", stereo.left},
-          {"right", stereo.right},
-          {"orientation", stereo.is_vertical ? "vertical" : "horizontal"},
-          {"rms_px", stereo.rms_px},
-          {"max_px", stereo.max_px},
-          {"count", stereo.num_features},
-          {"image", stereo.instant},
-          {"disparities", stereo.num_disparities}};
-}
-
 // Adds the results of a rig, and of each of its cameras.
 void AddRig(const RigResult& result, Json* json) {
   const RigCounts counts = Count(result);
@@ -340,9 +145,9 @@ void AddRig(const RigResult& result, Json* json) {
                        {"rejected", RejectedInRig(result)}};
   (*json)["features"] = {{"used", counts.features},
                          {"rejected", counts.rejected_features}};
-  (*json)["training"] = MetricsJson(ComputeTrainingMetrics(result));
+  (*json)["training"] = ComputeTrainingMetrics(result);
   if (const auto held_out = ComputeHeldOutMetrics(result)) {
-    (*json)["held_out"] = MetricsJson(*held_out);
+    (*json)["held_out"] = *held_out;
     (*json)["held_out"]["method"] =
         (result.cross_validated ? kCrossValidation : kHeldOutImages);
   }
@@ -353,6 +158,41 @@ void AddRig(const RigResult& result, Json* json) {
 }
 
 }  // namespace
+
+void AddGeometry(const CameraModel& camera, Json* json) {
+  const Area& area = camera.area();
+  (*json)["model"] = camera.Name();
+  (*json)["image_size"] = {camera.image_size().width,
+                           camera.image_size().height};
+  (*json)["area"] = {area.x0, area.y0, area.x1, area.y1};
+}
+
+void AddUncertaintySummary(const CameraFile& file, Json* json) {
+  const UncertaintySummary summary =
+      SummarizeUncertainty(*file.camera, *file.uncertainty);
+  (*json)["median_px"] = summary.median_px;
+  for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
+    (*json)["share_below_px"][fmt::format("{:g}", kShareLimitsPx[k])] =
+        summary.share_below[k];
+  (*json)["valid_limit_px"] = file.uncertainty->max_deviation_px;
+  (*json)["valid_share"] = summary.valid_share;
+}
+
+void AddUncertaintyOverRange(const CameraFile& file, Json* json) {
+  if (!file.stack) return;
+  const auto everywhere = ComputeMaxUncertainty(file);
+  (*json)["over_operating_range"] = {
+      {"median_px", everywhere->lattice.MedianPx()},
+      {"valid_share", ComputeValidShare(*file.camera, everywhere->mask)}};
+}
+
+void AddCircleAndRanges(const CameraFile& file, Json* json) {
+  if (const auto& circle = file.camera->image_circle())
+    (*json)["image_circle"] = {
+        {"center_px", {circle->center.x(), circle->center.y()}},
+        {"radius_px", circle->radii_px.x()}};
+  if (file.stack) (*json)["operating_ranges"] = RangesJson(*file.stack);
+}
 
 size_t CountMissingErrors(const CalibrationResult& result) {
   return std::max(result.features.num_features(), result.training.size()) -
@@ -373,9 +213,8 @@ std::string FormatResultJson(
   AddRigidTargets(result, &json);
   for (size_t c = 0; c < packing.size(); ++c)
     if (packing[c])
-      (result.IsRig() ? json["cameras"][c] : json)["packing"] =
-          PackingJson(*packing[c]);
-  if (stereo) json["rectified_pair"] = StereoJson(*stereo);
+      (result.IsRig() ? json["cameras"][c] : json)["packing"] = *packing[c];
+  if (stereo) json["rectified_pair"] = *stereo;
   json["seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;

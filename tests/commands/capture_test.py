@@ -1,12 +1,10 @@
 #!/usr/bin/env python3
 """How the camera stood while it was calibrated: from a camera.yaml or by hand into a blob, and back."""
 import json
-import struct
 import subprocess
 import sys
-import zlib
 
-from command_test import CommandTest, main, programs, read, run, write
+from command_test import CommandTest, main, programs, read, run, with_word, write
 
 CAPTURE = """capture:
   lens_position: 2.5
@@ -21,23 +19,11 @@ CAPTURE = """capture:
 FACTS = {"lens_position_dpt": 2.5, "lens_tolerance_dpt": 0.25, "crop": [8, -4, 320, 240],
          "zoom": 1.0, "orientation": 3, "sensor_temperature_c": -5.5, "exposure_us": 8333.0,
          "analogue_gain": 1.5}
+CAPTURE_SECTION = 11
 # Offsets in the section, and values that no writer writes.
 NONSENSE = ((16, 0), (20, 0), (16, 0xffffffff), (8, 0x80000000), (0, 0x7fffffff), (4, 0xffffffff),
             (24, 0), (28, 0), (28, 0x030f00ff), (28, 0x0000090f), (28, 0x0000037e), (28, 0x000003ff), (32, 0x04000001), (36, 0), (36, 0x40000001),
             (40, 0), (40, 0x04000001))
-
-
-def with_word(blob, offset, value):
-    """The blob with a word of its capture section, and CRCs that hold."""
-    blob = bytearray(blob)
-    count = struct.unpack_from("<H", blob, 16)[0]
-    for entry in range(32, 32 + 16 * count, 16):
-        kind, _, section, size = struct.unpack_from("<HHII", blob, entry)
-        if kind == 11:
-            struct.pack_into("<I", blob, section + offset, value)
-            struct.pack_into("<I", blob, entry + 12, zlib.crc32(blob[section:section + size]))
-    struct.pack_into("<I", blob, 28, zlib.crc32(blob[32:32 + 16 * count], zlib.crc32(blob[:28])))
-    return bytes(blob)
 
 
 class CaptureTest(CommandTest):
@@ -137,9 +123,9 @@ class CaptureTest(CommandTest):
 
     def test_nonsense_of_a_forged_blob_is_refused_everywhere(self):
         blob = read(self.path("known.raygrid"))
-        self.assertEqual(with_word(blob, 16, 320), blob)
+        self.assertEqual(with_word(blob, CAPTURE_SECTION, 16, 320), blob)
         for offset, value in NONSENSE:
-            forged = write(self.path("forged.raygrid"), with_word(blob, offset, value))
+            forged = write(self.path("forged.raygrid"), with_word(blob, CAPTURE_SECTION, offset, value))
             for command in (["inspect", forged],
                             ["fit", forged, "--model", "opencv", "-o", self.path("never.yaml")],
                             ["export", forged, "--to", "opencv", "-o", self.path("never.yml")]):

@@ -3,11 +3,13 @@ import argparse
 import os
 import re
 import resource
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
 import json_schemas
@@ -116,6 +118,19 @@ def read(path):
         return file.read()
 
 
+def with_word(blob, kind, offset, value):
+    """The blob with a word of its sections of a kind, and CRCs that hold."""
+    blob = bytearray(blob)
+    count = struct.unpack_from("<H", blob, 16)[0]
+    for entry in range(32, 32 + 16 * count, 16):
+        found, _, section, size = struct.unpack_from("<HHII", blob, entry)
+        if found == kind:
+            struct.pack_into("<I", blob, section + offset, value)
+            struct.pack_into("<I", blob, entry + 12, zlib.crc32(blob[section:section + size]))
+    struct.pack_into("<I", blob, 28, zlib.crc32(blob[32:32 + 16 * count], zlib.crc32(blob[:28])))
+    return bytes(blob)
+
+
 def wait_until(is_so):
     """Waits for what is to come, and returns it. Fails if it does not come."""
     end = time.monotonic() + HANG_S
@@ -163,3 +178,20 @@ class CommandTest(unittest.TestCase):
     def assert_nothing_in(self, folder):
         left = os.listdir(folder) if os.path.isdir(folder) else []
         self.assertEqual(left, [])
+
+
+class CalibratedTest(CommandTest):
+    """A simulated camera and its results."""
+    options = ()
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for arguments in (
+                ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
+                 write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
+                ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
+                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
+                 cls.path("out"), "--name", "front", *cls.options)):
+            result = run(*arguments)
+            assert result.returncode == 0, result.stderr

@@ -11,8 +11,7 @@ import stat
 import subprocess
 import sys
 
-from command_test import (CommandTest, PATTERN, SIMULATED_PATTERN, main, programs, read, run,
-                          write)
+from command_test import CalibratedTest, CommandTest, PATTERN, main, programs, read, run, write
 from images_test import png, read_png
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -24,18 +23,8 @@ def rows(text):
     return list(csv.DictReader(io.StringIO(text)))
 
 
-class MainJob(CommandTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        for arguments in (
-                ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
-                 write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
-                ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
-                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
-                 cls.path("out"), "--name", "front", "--serial", "42")):
-            result = run(*arguments)
-            assert result.returncode == 0, result.stderr
+class MainJob(CalibratedTest):
+    options = ("--serial", "42")
 
     def test_calibrate_writes_all_files(self):
         expected = {"camera.yaml", "camera.raygrid", "pattern.yaml", "features.csv", "poses.csv",

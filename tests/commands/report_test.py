@@ -10,8 +10,7 @@ import subprocess
 import tempfile
 import zlib
 
-from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, cpu_seconds_of_children, main, read,
-                          run, write)
+from command_test import HANG_S, CalibratedTest, cpu_seconds_of_children, main, read, run, write
 from png_files import png, read_png
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -109,29 +108,11 @@ def large_folder(source, folder):
         "raygrid_thumbnails": 1, "images": {f"{i:04}.png": jpeg for i in range(NUM_IMAGES)}}))
 
 
-class Calibrated(CommandTest):
-    """A simulated camera and its results."""
-    options = ()
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        for arguments in (
-                ("simulate", "--images", 12, "--features-per-image", 120, "--pattern",
-                 write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim")),
-                ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
-                 "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
-                 cls.path("out"), "--name", "front", *cls.options)):
-            result = run(*arguments)
-            assert result.returncode == 0, result.stderr
-        cls.page = cls.path("out/report.html")
-
-
-class Report(Calibrated):
+class Report(CalibratedTest):
     def test_made_again_it_has_the_same_bytes(self):
-        before = read(self.page)
+        before = read(self.path("out/report.html"))
         self.assert_done(run("report", self.path("out")))
-        self.assertEqual(read(self.page), before)
+        self.assertEqual(read(self.path("out/report.html")), before)
 
     def test_other_models_are_in_it(self):
         result = json.loads(read(self.path("out/result.json")))
@@ -144,7 +125,7 @@ class Report(Calibrated):
         if not BROWSER:
             self.skipTest("no chromium; tools/install_packages tests installs it")
         for width in (400, 1200):
-            page = self.page if width == 400 else self.page_with_reader()
+            page = self.path("out/report.html") if width == 400 else self.page_with_reader()
             dom, complaints = browse(page, "--dump-dom", "--virtual-time-budget=20000", width=width)
             self.assertEqual(complaints, [])
             self.assertRegex(dom, r'data-ready-ms="\d+"')
@@ -160,7 +141,7 @@ class Report(Calibrated):
                          png(samples[:3 * size[0] * size[1]], size, channels=3))
             pngs[name] = base64.b64encode(read(path)).decode()
         script = re.sub("SMALL|PHOTOGRAPH", lambda match: pngs[match.group()], READER)
-        html = read(self.page).decode().replace(
+        html = read(self.path("out/report.html")).decode().replace(
             "</body>", f'<script type="module">{script}</script></body>')
         return write(self.path("reader.html"), html)
 
@@ -219,7 +200,7 @@ class Report(Calibrated):
             self.assert_refused(run("report", folder), 2, "thumbnails.json", word)
 
 
-class Check(Calibrated):
+class Check(CalibratedTest):
     options = ("--skip-comparison", "--hold-out", "sim0011.png")
 
     def features(self, name, move):

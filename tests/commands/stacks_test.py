@@ -1,32 +1,19 @@
 #!/usr/bin/env python3
 """What commands say and do of a blob with a stack of cameras."""
 import json
-import struct
 import subprocess
 import sys
-import zlib
 from pathlib import Path
 
-from command_test import CommandTest, main, programs, run, write
+from command_test import CommandTest, main, programs, run, with_word, write
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "formats"), str(ROOT / "tests/golden")]
 import blob_reference as reference  # noqa: E402
 import make_golden  # noqa: E402
 
+STACK_SECTION = 12
 KNOTS = [value / 65536 for value in make_golden.STACK_VALUES]
-
-
-def with_word(blob, offset, value):
-    """The blob with a word of its last section, the stack, and CRCs that hold."""
-    blob = bytearray(blob)
-    count = struct.unpack_from("<H", blob, 16)[0]
-    entry = 16 + 16 * count
-    section, size = struct.unpack_from("<II", blob, entry + 4)
-    struct.pack_into("<I", blob, section + offset, value)
-    struct.pack_into("<I", blob, entry + 12, zlib.crc32(blob[section:section + size]))
-    struct.pack_into("<I", blob, 28, zlib.crc32(blob[32:32 + 16 * count], zlib.crc32(blob[:28])))
-    return bytes(blob)
 
 
 class StacksTest(CommandTest):
@@ -45,7 +32,7 @@ class StacksTest(CommandTest):
         self.assertEqual(facts["operating_points"], {
             "quantity": "lens_position_dpt", "samples": KNOTS,
             "bytes_per_sample": len(reference.pack_knot(self.stack.stack.knots[0])) + 4})
-        warm = write(self.path("warm.raygrid"), with_word(self.bytes, 0, 3 << 16 | 2))
+        warm = write(self.path("warm.raygrid"), with_word(self.bytes, STACK_SECTION, 0, 3 << 16 | 2))
         self.assertIn("operating points: quantity 'sensor_temperature_c', samples -0.5, 2, 6.18837",
                       run("inspect", warm).stdout)
 
@@ -66,7 +53,7 @@ class StacksTest(CommandTest):
     def test_nonsense_is_refused_by_name(self):
         for offset, value in ((0, 3 << 16), (0, 1 << 16 | 1), (0, 65 << 16 | 1), (8, 0x7fffffff),
                               (4, 16), (20 + 16, 0)):
-            blob = write(self.path("bad.raygrid"), with_word(self.bytes, offset, value))
+            blob = write(self.path("bad.raygrid"), with_word(self.bytes, STACK_SECTION, offset, value))
             result = run("inspect", blob)
             self.assertEqual(result.returncode, 8, (offset, value))
             self.assertEqual(len(result.stderr.splitlines()), 1)

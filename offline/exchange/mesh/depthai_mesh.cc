@@ -50,13 +50,10 @@ UnitMesh WriteDepthAi(const MeshTable& mesh) {
 
 TableFormat DepthAiMeshFormat() {
   static const MeshUnit unit = {DepthAiLattice, WriteDepthAi, {}, ""};
-  TableFormat format;
-  format.name = "depthai-mesh";
-  format.holds = "Luxonis: mesh for loadMeshFiles() of StereoDepth, as .bin";
-  format.endings = {".bin", ".calib"};
-  format.options = {"rectified", "stride", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+  return MakeMeshFormat(
+      "depthai-mesh",
+      "Luxonis: mesh for loadMeshFiles() of StereoDepth, as .bin",
+      {".bin", ".calib"}, {"rectified", "stride", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

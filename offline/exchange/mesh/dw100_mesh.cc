@@ -39,13 +39,9 @@ UnitMesh WriteDw100(const MeshTable& mesh) {
 
 TableFormat Dw100Format() {
   static const MeshUnit unit = {Dw100Lattice, WriteDw100, {}, ""};
-  TableFormat format;
-  format.name = "dw100";
-  format.holds = "NXP i.MX 8M Plus: vertex map of the dw100 dewarper, as .bin";
-  format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+  return MakeMeshFormat(
+      "dw100", "NXP i.MX 8M Plus: vertex map of the dw100 dewarper, as .bin",
+      {".bin"}, {"rectified", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

@@ -36,13 +36,9 @@ UnitMesh WriteHailo(const MeshTable& mesh) {
 
 TableFormat HailoFormat() {
   static const MeshUnit unit = {HailoLattice, WriteHailo, {}, ""};
-  TableFormat format;
-  format.name = "hailo";
-  format.holds = "Hailo-15: mesh_table of dsp_dewarp(), as .bin";
-  format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+  return MakeMeshFormat("hailo",
+                        "Hailo-15: mesh_table of dsp_dewarp(), as .bin",
+                        {".bin"}, {"rectified", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

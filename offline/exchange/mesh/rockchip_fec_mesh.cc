@@ -78,15 +78,11 @@ UnitMesh WriteFec(const MeshTable& mesh) {
 
 TableFormat RockchipFecFormat() {
   static const MeshUnit unit = {FecLattice, WriteFec, {}, ""};
-  TableFormat format;
-  format.name = "rockchip-fec";
-  format.holds =
+  return MakeMeshFormat(
+      "rockchip-fec",
       "Rockchip RV1126, RK3588: the four meshes of the fisheye correction "
-      "unit, NAME_mesh{xi,xf,yi,yf}.bin";
-  format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+      "unit, NAME_mesh{xi,xf,yi,yf}.bin",
+      {".bin"}, {"rectified", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

@@ -55,15 +55,11 @@ TableFormat RockchipLdchFormat() {
   static const MeshUnit unit = {LdchLattice, WriteLdch, 1.0,
                                 "the unit displaces pixels along rows only; "
                                 "use rockchip-fec for both axes"};
-  TableFormat format;
-  format.name = "rockchip-ldch";
-  format.holds =
+  return MakeMeshFormat(
+      "rockchip-ldch",
       "Rockchip RV1126, RK356x, RK3588: mesh of the horizontal correction unit "
-      "LDCH, as .bin";
-  format.endings = {".bin"};
-  format.options = {"rectified", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+      "LDCH, as .bin",
+      {".bin"}, {"rectified", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

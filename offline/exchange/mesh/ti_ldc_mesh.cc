@@ -115,15 +115,11 @@ UnitMesh WriteLdc(const MeshTable& mesh) {
 
 TableFormat TiLdcFormat() {
   static const MeshUnit unit = {LdcLattice, WriteLdc, {}, ""};
-  TableFormat format;
-  format.name = "ti-ldc";
-  format.holds =
+  return MakeMeshFormat(
+      "ti-ldc",
       "TI TDA4, AM62A, AM67A, AM68A: mesh of the lens distortion correction "
-      "unit, as .bin";
-  format.endings = {".bin"};
-  format.options = {"rectified", "stride", "max-fit-error-px"};
-  format.mesh_unit = &unit;
-  return format;
+      "unit, as .bin",
+      {".bin"}, {"rectified", "stride", "max-fit-error-px"}, &unit);
 }
 
 }  // namespace raygrid

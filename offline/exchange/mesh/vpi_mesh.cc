@@ -79,15 +79,11 @@ TableFormat VpiFormat() {
       {},
       "",
       {MeshSpan::kPatch, MeshSpan::kNearest, MeshSpan::kLine}};
-  TableFormat format;
-  format.name = "vpi";
-  format.holds =
+  return MakeMeshFormat(
+      "vpi",
       "NVIDIA VPI: keypoints of a WarpMap, dense, or sparse with --stride, as "
-      ".npz";
-  format.endings = {".npz"};
-  format.options = {"rectified", "max-fit-error-px", "stride"};
-  format.mesh_unit = &unit;
-  return format;
+      ".npz",
+      {".npz"}, {"rectified", "max-fit-error-px", "stride"}, &unit);
 }
 
 }  // namespace raygrid

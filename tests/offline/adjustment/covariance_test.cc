@@ -30,21 +30,6 @@ std::vector<PixelUncertainty> UncertaintyFor(
 
 SmallProblem ExactProblem() { return MakeExactGridProblem(25, 60); }
 
-GaussianPrior WeakPrior(const SmallProblem& problem) {
-  GaussianPrior prior;
-  prior.cameras = {WeakGridPrior(problem)};
-  prior.points_mean = problem.state.points;
-  prior.points_precision = 1e8;
-  return prior;
-}
-
-AdjustmentOptions Options() {
-  AdjustmentOptions options;
-  options.fix_points = true;
-  options.num_threads = 1;
-  return options;
-}
-
 // Pixel errors of the places where the lattice's true rays are seen, less the
 // rotation that brings observations nearest to where they truly are.
 Eigen::VectorXd Errors(const CameraModel& camera, const CameraModel& truth,
@@ -78,7 +63,7 @@ TEST(EstimateProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
   Eigen::MatrixXd joint_px2;
-  const LinearResponse response(exact.views, prior, Options(), exact.state);
+  const LinearResponse response(exact.views, prior, FixedPoints(), exact.state);
   const std::vector<PixelUncertainty> predicted = EstimateProjectionUncertainty(
       response, kObservedNoisePx, nullptr, exact.views, exact.state, 0,
       kLattice, &joint_px2);
@@ -96,7 +81,7 @@ TEST(EstimateProjectionUncertainty, IsHowAdjustedCamerasScatterWithTheNoise) {
       for (Observation& o : view.observations)
         o.pixel += kObservedNoisePx * random.NormalVector<2>();
     AdjustmentState state = exact.state;
-    RunBundleAdjustment(views, prior, Options(), &state);
+    RunBundleAdjustment(views, prior, FixedPoints(), &state);
     sum += Errors(state.camera(), exact.state.camera(), predicted).cwiseAbs2();
   }
   // Over the lattice, and about each pixel, as well as 50 draws can tell.
@@ -123,7 +108,7 @@ TEST(EstimateProjectionUncertainty, SamplesAgreeWithTheFactor) {
   // better than one.
   const UncertaintyOptions sampled = Sampled(512);
   for (const bool fix_points : {true, false}) {
-    AdjustmentOptions options = Options();
+    AdjustmentOptions options = FixedPoints();
     options.fix_points = fix_points;
     const auto expected =
         UncertaintyFor(exact, prior, options, kObservedNoisePx);
@@ -151,7 +136,7 @@ TEST(EstimateProjectionUncertainty, SamplesAgreeWithTheFactor) {
 
 TEST(EstimateProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
   const SmallProblem exact = ExactProblem();
-  AdjustmentOptions options = Options();
+  AdjustmentOptions options = FixedPoints();
   std::vector<PixelUncertainty> first;
   for (const int num_threads : {1, 3}) {
     options.num_threads = num_threads;
@@ -167,8 +152,8 @@ TEST(EstimateProjectionUncertainty, SamplesAreTheSameWithAnyNumberOfThreads) {
 TEST(EstimateProjectionUncertainty, GrowsWithTheNoiseAndWhereFewFeaturesAre) {
   const SmallProblem exact = ExactProblem();
   const GaussianPrior prior = WeakPrior(exact);
-  const auto once = UncertaintyFor(exact, prior, Options(), 0.1);
-  const auto twice = UncertaintyFor(exact, prior, Options(), 0.2);
+  const auto once = UncertaintyFor(exact, prior, FixedPoints(), 0.1);
+  const auto twice = UncertaintyFor(exact, prior, FixedPoints(), 0.2);
   const PixelUncertainty& corner = once.front();
   const PixelUncertainty& middle = once[once.size() / 2];
   EXPECT_NEAR(ComputeAxisStdDev(twice.front().total_px2),

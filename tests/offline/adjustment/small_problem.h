@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
+#include "adjustment/bundle_adjustment.h"
 #include "adjustment/distortion_prior.h"
 #include "adjustment/gaussian_prior.h"
 #include "adjustment/smoothness_prior.h"
@@ -175,6 +176,22 @@ inline CameraPrior WeakGridPrior(const SmallProblem& problem) {
       dynamic_cast<const CentralGeneric&>(problem.state.camera()), {});
   prior.groups[0].weight = 1e-6;
   return prior;
+}
+
+/// That of the grid, with points that are all but fixed.
+inline GaussianPrior WeakPrior(const SmallProblem& problem) {
+  GaussianPrior prior;
+  prior.cameras = {WeakGridPrior(problem)};
+  prior.points_mean = problem.state.points;
+  prior.points_precision = 1e8;
+  return prior;
+}
+
+inline AdjustmentOptions FixedPoints() {
+  AdjustmentOptions options;
+  options.fix_points = true;
+  options.num_threads = 1;
+  return options;
 }
 
 }  // namespace raygrid

@@ -89,21 +89,19 @@ RigResult CalibratedRig(const SimulatedRig& rig, const std::string& model) {
                    FineTestBoard(), calibration);
 }
 
-// Random points before the pair, seen by the true cameras where the calibrated
-// ones are trusted, and inside both views.
-RowErrors RowsAgainstTruth(const SimulatedRig& rig, const RigResult& result) {
-  const Rectification rectified =
-      Rectify(Calibrated(result, 0), Calibrated(result, 1), {});
-  const BlobCamera blobs[] = {BlobOfPair(result, rectified, 0),
-                              BlobOfPair(result, rectified, 1)};
+// Random points at distances that far(&random) chooses, seen by the true
+// cameras where the calibrated ones are trusted, at the places shown(camera,
+// pixel).
+template <typename Far, typename Shown>
+RowErrors RowsOfPoints(const SimulatedRig& rig, const RigResult& result,
+                       int count, const Far& far, const Shown& shown) {
   TestRandom random(4);
   RowErrors rows;
-  for (int k = 0; k < 20000; ++k) {
+  for (int k = 0; k < count; ++k) {
     const auto line =
         rig.cameras[0]->Line(random.PixelIn(rig.cameras[0]->area()));
-    const Eigen::Vector3d point =
-        PointAlong(*line, std::exp(random.Uniform(std::log(0.3), 4)));
-    std::optional<Eigen::Vector2d> shown[2];
+    const Eigen::Vector3d point = PointAlong(*line, far(&random));
+    std::optional<Eigen::Vector2d> places[2];
     for (const int c : {0, 1}) {
       const auto pixel =
           rig.cameras[c]->Project(rig.camera_from_rig[c] * point);
@@ -111,14 +109,31 @@ RowErrors RowsAgainstTruth(const SimulatedRig& rig, const RigResult& result) {
           !WholeImage(rig.cameras[c]->image_size()).Contains(*pixel) ||
           !result.cameras[c].camera.uncertainty->mask.IsValidAt(*pixel))
         break;
-      shown[c] = PointInView(blobs[c], *pixel);
-      if (!shown[c] || !WholeImage(rectified.views[c].size).Contains(*shown[c]))
-        shown[c].reset();
+      places[c] = shown(c, *pixel);
     }
-    if (shown[0] && shown[1])
-      rows.errors_px.push_back(shown[0]->y() - shown[1]->y());
+    if (places[0] && places[1])
+      rows.errors_px.push_back(places[0]->y() - places[1]->y());
   }
   return rows;
+}
+
+// Random points before the pair, inside both views.
+RowErrors RowsAgainstTruth(const SimulatedRig& rig, const RigResult& result) {
+  const Rectification rectified =
+      Rectify(Calibrated(result, 0), Calibrated(result, 1), {});
+  const BlobCamera blobs[] = {BlobOfPair(result, rectified, 0),
+                              BlobOfPair(result, rectified, 1)};
+  return RowsOfPoints(
+      rig, result, 20000,
+      [](TestRandom* random) {
+        return std::exp(random->Uniform(std::log(0.3), 4));
+      },
+      [&](int c, const Eigen::Vector2d& pixel) {
+        auto place = PointInView(blobs[c], pixel);
+        if (place && !WholeImage(rectified.views[c].size).Contains(*place))
+          place.reset();
+        return place;
+      });
 }
 
 void ExpectRowsOf(const std::string& lens) {
@@ -140,28 +155,15 @@ RowErrors RowsOfLines(const SimulatedRig& rig, const RigResult& result,
   const Rectification rectified =
       Rectify({"left", cameras[0], result.camera_from_rig[0]},
               {"right", cameras[1], result.camera_from_rig[1]}, {});
-  TestRandom random(4);
-  RowErrors rows;
-  for (int k = 0; k < 5000; ++k) {
-    const auto line =
-        rig.cameras[0]->Line(random.PixelIn(rig.cameras[0]->area()));
-    const Eigen::Vector3d point =
-        PointAlong(*line, distance_m * random.Uniform(0.95, 1.05));
-    std::optional<Eigen::Vector2d> shown[2];
-    for (const int c : {0, 1}) {
-      const auto pixel =
-          rig.cameras[c]->Project(rig.camera_from_rig[c] * point);
-      if (!pixel ||
-          !WholeImage(rig.cameras[c]->image_size()).Contains(*pixel) ||
-          !result.cameras[c].camera.uncertainty->mask.IsValidAt(*pixel))
-        break;
-      const auto ray = cameras[c].Unproject(*pixel);
-      if (ray) shown[c] = rectified.views[c].Pixel(*ray);
-    }
-    if (shown[0] && shown[1])
-      rows.errors_px.push_back(shown[0]->y() - shown[1]->y());
-  }
-  return rows;
+  return RowsOfPoints(
+      rig, result, 5000,
+      [distance_m](TestRandom* random) {
+        return distance_m * random->Uniform(0.95, 1.05);
+      },
+      [&](int c, const Eigen::Vector2d& pixel) {
+        const auto ray = cameras[c].Unproject(pixel);
+        return ray ? rectified.views[c].Pixel(*ray) : std::nullopt;
+      });
 }
 
 TEST(Stereo, RigsOfLinesKeepRowsAtTheirDistance) {

@@ -67,13 +67,14 @@ TEST(LowContrast, HardlyAnyContrastIsSaid) {
   }
 }
 
+#ifdef RAYGRID_SANITIZED
+constexpr double kTimes = 10;
+#else
+constexpr double kTimes = 1;
+#endif
+
 // Nothing stands out from the noise, however the light falls.
 TEST(LowContrast, LitNoiseTakesLittleTime) {
-#ifdef RAYGRID_SANITIZED
-  constexpr double kTimes = 10;
-#else
-  constexpr double kTimes = 1;
-#endif
   const Pattern pattern = ChessboardPattern(9, 6, 0.025);
   const TemporaryFolder folder;
   cv::theRNG().state = 2;
@@ -105,11 +106,6 @@ TEST(LowContrast, LitNoiseTakesLittleTime) {
 
 // A night's frame, with and without a lamp in it.
 TEST(LowContrast, NoiseTakesLittleTime) {
-#ifdef RAYGRID_SANITIZED
-  constexpr double kTimes = 10;
-#else
-  constexpr double kTimes = 1;
-#endif
   const Pattern pattern = ChessboardPattern(9, 6, 0.025);
   const TemporaryFolder folder;
   cv::Mat night(1944, 2592, CV_8U);

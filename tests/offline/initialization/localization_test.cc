@@ -38,6 +38,22 @@ std::vector<PointPixelMatch> Seen(const CameraModel& camera, const Pose& pose) {
   return matches;
 }
 
+// Calls visit(pose, matches, &random) for this many boards with enough points
+// in the image.
+template <typename Visit>
+void ForBoardsInView(const CameraModel& camera, int seed, int count,
+                     size_t min_points, const Visit& visit) {
+  TestRandom random(seed);
+  while (count > 0) {
+    const Pose pose =
+        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
+    const auto matches = Seen(camera, pose);
+    if (matches.size() < min_points) continue;
+    --count;
+    visit(pose, matches, &random);
+  }
+}
+
 void ExpectPose(const std::optional<Pose>& found, const Pose& truth,
                 double tolerance) {
   ASSERT_TRUE(found);
@@ -50,28 +66,15 @@ void ExpectPose(const std::optional<Pose>& found, const Pose& truth,
 
 TEST(Localize, RecoversExactPoses) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
-  TestRandom random(1);
-  int count = 0;
-  while (count < 60) {
-    const Pose pose =
-        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
-    const auto matches = Seen(camera, pose);
-    if (matches.size() < 20) continue;
-    ++count;
+  ForBoardsInView(camera, 1, 60, 20, [&](auto& pose, auto& matches, auto) {
     ExpectPose(Localize(camera, matches), pose, 1e-6);
-  }
+  });
 }
 
 // Boards under a microscope, and boards seen from far away.
 TEST(Localize, FindsBoardsOfAnySize) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
-  TestRandom random(4);
-  for (int count = 0; count < 60;) {
-    const Pose pose =
-        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
-    const auto matches = Seen(camera, pose);
-    if (matches.size() < 20) continue;
-    ++count;
+  ForBoardsInView(camera, 4, 60, 20, [&](auto& pose, auto& matches, auto) {
     for (const double scale : {1e-4, 1e-2, 1e3}) {
       auto scaled = matches;
       for (PointPixelMatch& match : scaled) match.point *= scale;
@@ -80,28 +83,22 @@ TEST(Localize, FindsBoardsOfAnySize) {
       found->translation /= scale;
       ExpectPose(found, pose, 1e-6);
     }
-  }
+  });
 }
 
 // Exactly, as if they were not there.
 TEST(Localize, IsNotMovedByGrossOutliers) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
-  TestRandom random(5);
-  int count = 0;
-  while (count < 60) {
-    const Pose pose =
-        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
-    auto matches = Seen(camera, pose);
-    if (matches.size() < 24) continue;
-    ++count;
-    for (int i = 0; i < 2; ++i) {
-      Eigen::Vector2d& pixel =
-          matches[random.Index(static_cast<int>(matches.size()))].pixel;
-      const Eigen::Vector2d elsewhere = random.PixelIn(camera.area());
-      if ((elsewhere - pixel).norm() > 50) pixel = elsewhere;
-    }
-    ExpectPose(Localize(camera, matches), pose, 1e-6);
-  }
+  ForBoardsInView(
+      camera, 5, 60, 24, [&](auto& pose, auto matches, auto* random) {
+        for (int i = 0; i < 2; ++i) {
+          Eigen::Vector2d& pixel =
+              matches[random->Index(static_cast<int>(matches.size()))].pixel;
+          const Eigen::Vector2d elsewhere = random->PixelIn(camera.area());
+          if ((elsewhere - pixel).norm() > 50) pixel = elsewhere;
+        }
+        ExpectPose(Localize(camera, matches), pose, 1e-6);
+      });
 }
 
 TEST(Localize, RecoversPosesFarOffTheAxisOfAFisheye) {
@@ -122,16 +119,9 @@ TEST(Localize, RecoversPosesFarOffTheAxisOfAFisheye) {
 
 TEST(Localize, RecoversPosesOfACameraWhoseLinesDoNotMeet) {
   const NonCentralGeneric camera = ExampleLines();
-  TestRandom random(6);
-  int count = 0;
-  while (count < 30) {
-    const Pose pose =
-        PoseAlong(*camera.Unproject(random.PixelIn(camera.area())), &random);
-    const auto matches = Seen(camera, pose);
-    if (matches.size() < 20) continue;
-    ++count;
+  ForBoardsInView(camera, 6, 30, 20, [&](auto& pose, auto& matches, auto) {
     ExpectPose(Localize(camera, matches), pose, 1e-6);
-  }
+  });
 }
 
 TEST(Localize, WithstandsGrossOutliers) {

@@ -92,6 +92,18 @@ void ForPointsSeenTwice(const TestPair& pair, const Rectification& rectified,
   EXPECT_GT(num_seen, 60);
 }
 
+// P projects the point, and Q finds it again.
+void ExpectMatricesOf(const Rectification& rectified, const SeenTwice& seen,
+                      double disparity) {
+  const Eigen::Vector3d of_second =
+      rectified.P(1) * seen.in_first_view.homogeneous();
+  EXPECT_LT((of_second.hnormalized() - seen.second).norm(), 1e-6);
+  const Eigen::Vector4d back =
+      rectified.Q() *
+      Eigen::Vector4d(seen.first.x(), seen.first.y(), disparity, 1);
+  EXPECT_LT((back.hnormalized() - seen.in_first_view).norm(), 1e-6);
+}
+
 TEST(Rectify, PointsKeepTheirRow) {
   const TestPair pair = SideBySide();
   const Rectification rectified = pair.Rectified();
@@ -108,13 +120,7 @@ TEST(Rectify, PointsKeepTheirRow) {
                 rectified.views[0].focal_px.x() * rectified.baseline_m /
                     seen.in_first_view.z(),
                 1e-6);
-    const Eigen::Vector3d of_second =
-        rectified.P(1) * seen.in_first_view.homogeneous();
-    EXPECT_LT((of_second.hnormalized() - seen.second).norm(), 1e-6);
-    const Eigen::Vector4d back =
-        rectified.Q() *
-        Eigen::Vector4d(seen.first.x(), seen.first.y(), disparity, 1);
-    EXPECT_LT((back.hnormalized() - seen.in_first_view).norm(), 1e-6);
+    ExpectMatricesOf(rectified, seen, disparity);
   });
 }
 
@@ -126,13 +132,7 @@ TEST(Rectify, PointsOfAVerticalPairKeepTheirColumn) {
     EXPECT_NEAR(seen.first.x(), seen.second.x(), 1e-6);
     const double disparity = seen.first.y() - seen.second.y();
     EXPECT_GT(disparity, 0);
-    const Eigen::Vector3d of_second =
-        rectified.P(1) * seen.in_first_view.homogeneous();
-    EXPECT_LT((of_second.hnormalized() - seen.second).norm(), 1e-6);
-    const Eigen::Vector4d back =
-        rectified.Q() *
-        Eigen::Vector4d(seen.first.x(), seen.first.y(), disparity, 1);
-    EXPECT_LT((back.hnormalized() - seen.in_first_view).norm(), 1e-6);
+    ExpectMatricesOf(rectified, seen, disparity);
   });
 }
 

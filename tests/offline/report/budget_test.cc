@@ -2,8 +2,8 @@
 #include <string>
 
 #include "evaluation/budget_assessment.h"
-#include "report/budget_json.h"
 #include "report/budget_section.h"
+#include "report/result_fields.h"
 #include "support.h"
 
 namespace raygrid {
@@ -38,22 +38,23 @@ bool HasText(const std::string& text, const std::string& part) {
 }
 
 TEST(BudgetJson, IsReadAsItWasWritten) {
-  const nlohmann::ordered_json json = BudgetJson(ExampleBudget());
+  const nlohmann::ordered_json json = ExampleBudget();
   EXPECT_EQ(json["limited_by"], "per-view deformation");
   EXPECT_EQ(json["causes"][2]["cause"], "per-view deformation");
   EXPECT_EQ(json["causes"][2]["share"], 0.5);
   EXPECT_EQ(json["causes"][0]["not_observable"],
             "7 views, at least <8> required");
-  EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
+  EXPECT_EQ(nlohmann::ordered_json(json.get<ResidualBudget>()), json);
 }
 
 TEST(BudgetJson, SaysWhyNothingIsTold) {
   ResidualBudget budget;
   budget.unobservable_reason = "3 features, at least 200 required";
-  const nlohmann::ordered_json json = BudgetJson(budget);
+  const nlohmann::ordered_json json = budget;
   EXPECT_FALSE(json.contains("causes"));
-  EXPECT_EQ(ParseBudget(json).unobservable_reason, budget.unobservable_reason);
-  EXPECT_EQ(BudgetJson(ParseBudget(json)), json);
+  EXPECT_EQ(json.get<ResidualBudget>().unobservable_reason,
+            budget.unobservable_reason);
+  EXPECT_EQ(nlohmann::ordered_json(json.get<ResidualBudget>()), json);
 }
 
 TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {

@@ -76,7 +76,7 @@ TEST(ResultKeys, ResultsOfVersion1AreRead) {
   EXPECT_DOUBLE_EQ(camera.bends->heights_m[1], -0.002);
   EXPECT_EQ(camera.knot_spacing_candidates[0].knot_spacing_px, 40);
   EXPECT_EQ(camera.noise_bias_kl, 0.1);
-  EXPECT_EQ(camera.neighbor_correlation, 0.4);
+  EXPECT_EQ(camera.residual_autocorrelation, 0.4);
   EXPECT_EQ(camera.parametric_models[0].held_out_deformed->median_px, 0.7);
   EXPECT_EQ(camera.jackknife_scale, 1.5);
   EXPECT_FALSE(camera.extrapolated);

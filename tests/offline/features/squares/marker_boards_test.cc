@@ -12,16 +12,20 @@ namespace {
 // Drawings are made of whole pixels; the rendered image below is exact.
 constexpr double kDrawingErrorPx = 0.15;
 
-TEST(Charuco, EveryCornerIsFound) {
-  const Pattern pattern = CharucoPattern(7, 5);
+void ExpectEveryCorner(const Pattern& pattern, size_t count, double error_px) {
   for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
     const Photograph photograph(pattern.boards[0], quad);
     const ImageDetection detection = Detected(photograph.image(), pattern);
-    EXPECT_EQ(detection.features.size(), 35u);
+    EXPECT_EQ(detection.features.size(), count);
     EXPECT_TRUE(IsInBoardOrder(detection.features));
-    EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
+    EXPECT_LT(photograph.WorstErrorPx(detection.features), error_px);
     EXPECT_TRUE(detection.warnings.empty());
   }
+}
+
+TEST(Charuco, EveryCornerIsFound) {
+  const Pattern pattern = CharucoPattern(7, 5);
+  ExpectEveryCorner(pattern, 35, kDrawingErrorPx);
 }
 
 TEST(Charuco, PartOfABoardIsEnough) {
@@ -106,14 +110,7 @@ TEST(Charuco, BoardWithOtherMarkersIsNotFound) {
 
 TEST(AprilGrid, EveryCornerIsFoundToAFewHundredthsOfAPixel) {
   const Pattern pattern = AprilGridPattern();
-  for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
-    const Photograph photograph(pattern.boards[0], quad);
-    const ImageDetection detection = Detected(photograph.image(), pattern);
-    EXPECT_EQ(detection.features.size(), 80u);
-    EXPECT_TRUE(IsInBoardOrder(detection.features));
-    EXPECT_LT(photograph.WorstErrorPx(detection.features), 0.05);
-    EXPECT_TRUE(detection.warnings.empty());
-  }
+  ExpectEveryCorner(pattern, 80, 0.05);
 }
 
 TEST(AprilGrid, TagsOfEachFamilyAreRead) {
@@ -208,14 +205,7 @@ TEST(PlainTagGrid, CornersInRenderedImagesAreExact) {
 TEST(PlainTagGrid, EveryCornerIsFound) {
   Pattern pattern;
   pattern.boards = {TagGridOf("")};
-  for (const auto& quad : {kFrontal, kTilted, kUpsideDown, kOnItsSide}) {
-    const Photograph photograph(pattern.boards[0], quad);
-    const ImageDetection detection = Detected(photograph.image(), pattern);
-    EXPECT_EQ(detection.features.size(), 96u);
-    EXPECT_TRUE(IsInBoardOrder(detection.features));
-    EXPECT_LT(photograph.WorstErrorPx(detection.features), kDrawingErrorPx);
-    EXPECT_TRUE(detection.warnings.empty());
-  }
+  ExpectEveryCorner(pattern, 96, kDrawingErrorPx);
 }
 
 // Paper with a shadow's edge, a finger: no corner is reported where it is not.

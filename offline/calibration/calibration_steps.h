@@ -1,0 +1,130 @@
+#ifndef RAYGRID_CALIBRATION_CALIBRATION_STEPS_H
+#define RAYGRID_CALIBRATION_CALIBRATION_STEPS_H
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibration/camera_in_progress.h"
+#include "calibration/rigid_targets.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+
+/// The steps of a calibration, in this order, each for all cameras.
+class Calibration {
+ public:
+  Calibration(const std::vector<CalibrationInput>& inputs,
+              const Pattern& pattern, const CalibrationOptions& options);
+
+  /// A parametric model for each camera, from its own images.
+  void Start();
+
+  /// Features refined with that model, and a new initialization from them.
+  void RefineFeaturesCallback();
+
+  /// Consistent rotations of rotationally symmetric boards.
+  void RotateBoards();
+
+  void CompensateRollingShutter();
+  void CompensateRollingShutter(CameraInProgress* camera) const;
+
+  /// The knot spacing of each camera's grid.
+  void ChooseGrids();
+
+  /// Joint adjustment of all cameras, their poses and the boards.
+  void OptimizeCameras();
+
+  /// Held-out errors. A camera that is worse than the cameras of the folds is
+  /// adjusted again, initialized from these.
+  void EvaluateHeldOutImages();
+  void RestartFromFolds();
+
+  void EstimateLineDelays();
+
+  /// Comparison with other models.
+  void CompareWithOthers();
+
+  /// Assessment; the result is handed over.
+  RigResult Assess();
+
+ private:
+  // Name of a stage, and the range of total progress that it covers.
+  struct Stage {
+    const char* name;
+    double begin, end;
+  };
+
+  bool IsRig() const { return cameras_.size() > 1; }
+  void Report(const std::string& stage, double done) const {
+    if (options_.progress) options_.progress(stage, done);
+  }
+  void DetectNearDuplicates();
+  void StartFromImages(CameraInProgress* camera) const;
+  void RotateBoards(const BoardRotations& turns,
+                    CameraInProgress* camera) const;
+  void RotateBoardsAcrossCameras();
+  void RotateBoardsByGeometry();
+  void NameDoubtfulTurns(
+      const std::vector<std::pair<std::string, int>>& doubtful);
+  void FillResults();
+  void RestartFromComparison();
+  void LookForTwoCameras();
+  void CompareModels();
+  void ReportUncertainty(CameraInProgress* camera, int num_threads) const;
+  void SplitResiduals();
+  void ReportFlatBoards();
+  void LocalizeDuplicates();
+  std::vector<Split> Splits() const;
+  std::vector<const CameraModel*> StartingLenses() const;
+  std::vector<double> CellsPx() const;
+  // In a rig, boards deform if they do so for most cameras.
+  bool DoBoardsBend() const;
+  bool AreLineDelaysRequested() const;
+  // Boards of rigid targets are not deformed: they have no own pose.
+  bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
+  AdjustmentResult AdjustTogether(
+      const std::vector<int>& cameras,
+      std::vector<std::vector<RejectedImage>>* rejected);
+  // Detects rigid multi-board targets, and adjusts with them.
+  void OptimizeWithRigidTargets(
+      std::vector<std::vector<RejectedImage>>* rejected);
+
+  // Runs a step for one camera after the other, with its progress. In a rig,
+  // progress and errors name the camera.
+  template <typename Step>
+  void ForEachCamera(const Stage& stage, const Step& step) {
+    const auto count = static_cast<double>(cameras_.size());
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      const std::string& name = cameras_[c].input->name;
+      const auto report = [&](double done) {
+        Report(IsRig() ? name + ": " + stage.name : stage.name,
+               stage.begin + (stage.end - stage.begin) *
+                                 (static_cast<double>(c) + done) / count);
+      };
+      report(0);
+      try {
+        step(&cameras_[c], report);
+      } catch (const Error& error) {
+        if (!IsRig()) throw;
+        throw Error(error.code(),
+                    fmt::format("camera {}: {}", name, error.what()));
+      }
+    }
+  }
+
+  const Pattern& pattern_;
+  CalibrationOptions options_;
+  bool is_model_auto_;
+  std::vector<CameraInProgress> cameras_;
+  RigidTargets bodies_;
+  AdjustmentResult adjusted_;                         // all cameras together
+  std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start
+  RigResult result_;
+};
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_CALIBRATION_CALIBRATION_STEPS_H
