@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
-constexpr int kUnitSchemaVersion = 2;      // of unit.json and of failures
+constexpr int kUnitSchemaVersion = 3;      // of unit.json and of failures
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
 constexpr char kFleetCamera[] = "fleet_camera.yaml";
@@ -184,7 +184,8 @@ UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const MetricLimits& limits) {
   RequireWhole(job.folder, record);
   UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
-  row.seconds = record.value("seconds", 0.0);
+  row.seconds =
+      record.value(record.contains("elapsed_s") ? "elapsed_s" : "seconds", 0.0);
   return row;
 }
 
@@ -304,7 +305,7 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
   }
   WriteFile(record, BatchJson({{"schema_version", kUnitSchemaVersion},
                                {"inputs_hash", fingerprint},
-                               {"seconds", seconds},
+                               {"elapsed_s", seconds},
                                {"files", FilesOfResult(job.folder)}})
                             .dump(2) +
                         "\n");

@@ -85,7 +85,8 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation,
   nlohmann::ordered_json json =
       JsonOf(ComputeErrorMetrics(evaluation.residuals));
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["deformed"] = JsonOf(ComputeErrorMetrics(flexed));
+  if (!flexed.empty())
+    json["with_deformation"] = JsonOf(ComputeErrorMetrics(flexed));
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected_images"].push_back(

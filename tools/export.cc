@@ -293,7 +293,7 @@ nlohmann::ordered_json FitJson(const LensFit& fit) {
           {"p99_px", fit.p99_px},
           {"max_px", fit.max_px},
           {"pixels", fit.num_pixels},
-          {"pixels_outside_fit", fit.num_beyond},
+          {"num_unrepresentable_pixels", fit.num_beyond},
           {"valid_region_only", fit.is_of_trusted},
           {"model_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }

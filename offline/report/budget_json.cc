@@ -15,8 +15,8 @@ OrderedJson ShareJson(ErrorCause cause, const CauseShare& share) {
     json["not_observable"] = share.unobservable_reason;
     return json;
   }
-  json["share"] = share.in_turn;
-  json["share_alone"] = share.alone;
+  json["fraction"] = share.in_turn;
+  json["fraction_alone"] = share.alone;
   json["chance_mean"] = share.chance_mean;
   json["chance_upper_bound"] = share.chance_high;
   json["indistinguishable"] = share.is_indistinguishable;
@@ -30,8 +30,8 @@ CauseShare ParseShare(const OrderedJson& json) {
     share.unobservable_reason = json.at("not_observable").get<std::string>();
     return share;
   }
-  share.in_turn = json.at("share").get<double>();
-  share.alone = json.at("share_alone").get<double>();
+  share.in_turn = json.at("fraction").get<double>();
+  share.alone = json.at("fraction_alone").get<double>();
   share.chance_mean = json.at("chance_mean").get<double>();
   share.chance_high = json.at("chance_upper_bound").get<double>();
   share.is_indistinguishable = json.at("indistinguishable").get<bool>();
@@ -81,18 +81,18 @@ OrderedJson BudgetJson(const ResidualBudget& budget) {
   }
   json["rms_px"] = budget.rms_px;
   json["noise_px"] = {budget.noise_px.x(), budget.noise_px.y()};
-  json["noise_share"] = budget.noise;
-  json["outlier_share"] = budget.large;
+  json["noise_fraction"] = budget.noise;
+  json["outlier_fraction"] = budget.large;
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     json["causes"].push_back(ShareJson(cause, budget.Of(cause)));
   }
   if (budget.PerViewShare() > 0)
     json["column_delay"] = {
-        {"share_alone", budget.column_delay},
+        {"fraction_alone", budget.column_delay},
         {"indistinguishable", budget.is_column_delay_indistinguishable}};
-  json["per_view_share"] = budget.PerViewShare();
-  json["unexplained_share"] = budget.rest;
+  json["per_view_fraction"] = budget.PerViewShare();
+  json["unexplained_fraction"] = budget.rest;
   return json;
 }
 
@@ -108,17 +108,17 @@ ResidualBudget ParseBudget(const OrderedJson& json) {
   budget.rms_px = json.at("rms_px").get<double>();
   budget.noise_px = {json.at("noise_px").at(0).get<double>(),
                      json.at("noise_px").at(1).get<double>()};
-  budget.noise = json.at("noise_share").get<double>();
-  budget.large = json.at("outlier_share").get<double>();
+  budget.noise = json.at("noise_fraction").get<double>();
+  budget.large = json.at("outlier_fraction").get<double>();
   for (int k = 0; k < kNumErrorCauses; ++k)
     budget.causes[static_cast<size_t>(k)] = ParseShare(json.at("causes").at(k));
   if (json.contains("column_delay")) {
     budget.column_delay =
-        json.at("column_delay").at("share_alone").get<double>();
+        json.at("column_delay").at("fraction_alone").get<double>();
     budget.is_column_delay_indistinguishable =
         json.at("column_delay").at("indistinguishable").get<bool>();
   }
-  budget.rest = json.at("unexplained_share").get<double>();
+  budget.rest = json.at("unexplained_fraction").get<double>();
   return budget;
 }
 

@@ -66,7 +66,7 @@ Json ModelJson(const ModelMetrics& metrics) {
                {"training", MetricsJson(metrics.training)}};
   if (metrics.held_out) json["held_out"] = MetricsJson(*metrics.held_out);
   if (metrics.held_out_deformed)
-    json["held_out_deformed"] = MetricsJson(*metrics.held_out_deformed);
+    json["held_out_with_deformation"] = MetricsJson(*metrics.held_out_deformed);
   if (metrics.bias_kl) json["bias_kl"] = *metrics.bias_kl;
   return json;
 }
@@ -142,15 +142,15 @@ Json UncertaintyJson(const CalibrationResult& result) {
   const UncertaintySummary summary = SummarizeUncertainty(camera, uncertainty);
   Json json = {{"median_px", summary.median_px}};
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
-    json["share_below_px"][LimitText(kShareLimitsPx[k])] =
+    json["fraction_below_px"][LimitText(kShareLimitsPx[k])] =
         summary.share_below[k];
   json["valid_limit_px"] = uncertainty.max_deviation_px;
-  json["valid_share"] = summary.valid_share;
+  json["valid_fraction"] = summary.valid_share;
   if (const auto& region = result.extrapolated) {
-    json["extrapolated"] = {{"share", region->share}};
+    json["extrapolated"] = {{"fraction", region->share}};
     if (region->share > 0) {
       json["extrapolated"]["p95_px"] = region->p95_px;
-      json["extrapolated"]["where"] = region->where;
+      json["extrapolated"]["location"] = region->where;
     }
   }
   json["jackknife_scale"] = result.jackknife_scale;
@@ -158,7 +158,7 @@ Json UncertaintyJson(const CalibrationResult& result) {
   const auto everywhere = ComputeMaxUncertainty(result.camera);
   json["over_operating_range"] = {
       {"median_px", everywhere->lattice.MedianPx()},
-      {"valid_share", ComputeValidShare(camera, everywhere->mask)}};
+      {"valid_fraction", ComputeValidShare(camera, everywhere->mask)}};
   return json;
 }
 
@@ -188,7 +188,8 @@ void AddCamera(const CalibrationResult& result, Json* json) {
         (result.cross_validated ? kCrossValidation : kHeldOutImages);
   }
   if (result.held_out_deformed)
-    (*json)["held_out_deformed"] = MetricsJson(*result.held_out_deformed);
+    (*json)["held_out_with_deformation"] =
+        MetricsJson(*result.held_out_deformed);
   if (result.bends) (*json)["target_deformation"] = BendsJson(*result.bends);
   for (const KnotSpacingCandidate& candidate : result.knot_spacing_candidates)
     (*json)["knot_spacing_candidates"].push_back(
@@ -218,12 +219,12 @@ void AddCamera(const CalibrationResult& result, Json* json) {
   if (result.camera.stack)
     (*json)["operating_ranges"] = RangesJson(*result.camera.stack);
   if (result.budget) (*json)["residual_budget"] = BudgetJson(*result.budget);
-  (*json)["non_injective"] = {{"share", result.fold_over.part},
-                              {"valid_share", result.fold_over.valid_part}};
+  (*json)["non_injective"] = {{"fraction", result.fold_over.part},
+                              {"valid_fraction", result.fold_over.valid_part}};
   if (const auto& distance = result.fleet_distance) {
     Json& json_of = (*json)["population_distance"];
     json_of = {{"rms_px", distance->rms_px},
-               {"population_px", distance->units_px}};
+               {"population_rms_px", distance->units_px}};
     if (distance->IsOutlier()) json_of["warning"] = distance->Warning();
   }
   if (result.line_delay)
@@ -249,7 +250,7 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
   json["name"] = own.camera.name;
   AddCamera(own, &json);
   if (camera < result.held_out.size() && !result.held_out[camera].empty())
-    json["held_out_in_rig"] =
+    json["held_out_with_rig_poses"] =
         MetricsJson(ComputeErrorMetrics(result.held_out[camera]));
   AddVerdict(own.assessment, &json);
   return json;
@@ -328,7 +329,7 @@ Json StereoJson(const StereoMetrics& stereo) {
           {"max_px", stereo.max_px},
           {"count", stereo.num_features},
           {"image", stereo.instant},
-          {"disparities", stereo.num_disparities}};
+          {"num_disparities", stereo.num_disparities}};
 }
 
 // Adds the results of a rig, and of each of its cameras.
@@ -376,7 +377,7 @@ std::string FormatResultJson(
       (result.IsRig() ? json["cameras"][c] : json)["packing"] =
           PackingJson(*packing[c]);
   if (stereo) json["rectified_pair"] = StereoJson(*stereo);
-  json["seconds"] = result.seconds;
+  json["stage_seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
   AddVerdict(result.assessment, &json);

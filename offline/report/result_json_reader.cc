@@ -66,7 +66,7 @@ ModelMetrics ParseModel(const Json& json) {
           json.at("parameters").get<int>(),
           ParseMetrics(json.at("training")),
           MetricsIfAny(json, "held_out"),
-          MetricsIfAny(json, "held_out_deformed"),
+          MetricsIfAny(json, "held_out_with_deformation"),
           NumberIfAny(json, "bias_kl"),
           {}};
 }
@@ -76,9 +76,9 @@ void ParseUncertainty(const Json& json, CalibrationResult* result) {
   result->jackknife_scale = json.value("jackknife_scale", 1.0);
   if (!json.contains("extrapolated")) return;
   const Json& region = json.at("extrapolated");
-  result->extrapolated = {region.at("share").get<double>(),
+  result->extrapolated = {region.at("fraction").get<double>(),
                           region.value("p95_px", 0.0),
-                          region.value("where", "")};
+                          region.value("location", "")};
 }
 
 void ParseMore(const Json& json, CalibrationResult* result) {
@@ -112,7 +112,7 @@ void ParseMore(const Json& json, CalibrationResult* result) {
   if (json.contains("population_distance")) {
     const Json& distance = json.at("population_distance");
     result->fleet_distance = {distance.at("rms_px").get<double>(),
-                              distance.at("population_px").get<double>()};
+                              distance.at("population_rms_px").get<double>()};
   }
 }
 
@@ -162,7 +162,7 @@ CalibrationResult ParseCamera(const Json& json) {
       NumberIfAny(json.at("features"), "refinement_shift_rms_px");
   result.camera.training = ParseMetrics(json.at("training"));
   result.camera.held_out = MetricsIfAny(json, "held_out");
-  result.held_out_deformed = MetricsIfAny(json, "held_out_deformed");
+  result.held_out_deformed = MetricsIfAny(json, "held_out_with_deformation");
   if (json.contains("target_deformation"))
     result.bends = ParseBends(json.at("target_deformation"));
   if (json.contains("line_delay"))
@@ -208,7 +208,7 @@ StereoMetrics ParseStereo(const Json& json) {
   stereo.max_px = json.at("max_px").get<double>();
   stereo.num_features = json.at("count").get<int>();
   stereo.instant = json.at("image").get<std::string>();
-  stereo.num_disparities = json.at("disparities").get<int>();
+  stereo.num_disparities = json.at("num_disparities").get<int>();
   return stereo;
 }
 

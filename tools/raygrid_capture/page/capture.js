@@ -262,7 +262,7 @@ function deviationAt(places, x, y) {
 let mapKey = '';
 
 function showMap() {
-  const {width, height, uncertainty_map: places, target_px: target, next_views: next} = state;
+  const {width, height, uncertainty_map: places, requested_uncertainty_px: target, next_views: next} = state;
   const key = JSON.stringify([width, height, places, target, next, byId('map').clientWidth]);
   if (key === mapKey || !(width > 0 && height > 0)) return;
   mapKey = key;
@@ -375,7 +375,7 @@ function setBar(id, percent, value, text) {
 }
 
 function showProgress() {
-  const {kept_frames: kept, frames_remaining: expected, uncertainty_px: now, target_px: target, done: isDone,
+  const {kept_frames: kept, frames_remaining: expected, uncertainty_px: now, requested_uncertainty_px: target, done: isDone,
     uncertainty_is_lower_bound: isFloor} = state;
   setText(byId('num-kept'), String(kept.length));
   setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', none more' : `, about ${expected} more`);
