@@ -374,7 +374,7 @@ void AddView(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "--image", arguments->images,
-          "photograph for all rows, or one per row (default: a rendered room)")
+          "image for all rows, or one per row (default: a rendered room)")
       ->option_text("FILE")
       ->allow_extra_args(false);
   BeginGroup(command, help_group::kView);
