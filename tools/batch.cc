@@ -435,7 +435,7 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
     throw Error(
         ExitCode::kUsage,
         fmt::format(
-            "--unit {}: out of range; the plan has {} units, counted from 0",
+            "--unit {}: out of range; the plan has {} units, numbered from 0",
             words, jobs.size()));
   std::vector<const UnitJob*> chosen;
   for (size_t k = *first; k <= *last; ++k) chosen.push_back(&jobs[k]);
@@ -535,8 +535,8 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       command
           ->add_option(
               "--unit", arguments->units,
-              "calibrate only this unit, or a range such as 3-7, counted from "
-              "0 in the order of serial numbers; do not write fleet files")
+              "calibrate only unit I, or units I to J (0-based, in the order "
+              "of serial numbers), without writing fleet files")
           ->option_text("I[-J]");
   CLI::Option* const gather =
       command

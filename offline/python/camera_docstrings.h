@@ -17,7 +17,7 @@ copied. Non-finite input raises ValueError.)";
 inline constexpr char kLoad[] =
     R"(Load a camera.yaml, or another program's file of one camera.
 
-Warns (UserWarning) of contents that are ignored.
+Warns (UserWarning) about contents that are ignored.
 
 Args:
     path: the file; its format is recognized from its contents.
@@ -161,7 +161,7 @@ Returns:
 inline constexpr char kPack[] =
     R"(Pack the camera into a blob for devices, which Blob() evaluates.
 
-Warns (UserWarning) of contents that do not fit into the blob.
+Warns (UserWarning) about contents that the blob cannot contain.
 
 Args:
     views: a remap table is made for each; default: for view().

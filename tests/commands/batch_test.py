@@ -232,7 +232,7 @@ units:
         plan = self.make_fleet()
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         page = read(self.out + "/fleet.html").decode()
-        for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Batches of lenses",
+        for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Lens batches",
                         "Gauge repeatability", "All units"):
             self.assertIn(heading, page)
         self.assertNotIn("<old>", page)  # names are text, not tags
@@ -334,7 +334,7 @@ units:
         self.assert_done(self.batch(plan, "--unit", 1, output="-single"))
         self.assert_done(self.batch(plan, "--gather", output="-single"))
         self.assert_same_files(self.files(), expected)
-        for units, words in (("3", "counted from 0"), ("1-3", "counted from 0"), ("2-1", "expected a unit"), ("-1", "expected a unit"),
+        for units, words in (("3", "numbered from 0"), ("1-3", "numbered from 0"), ("2-1", "expected a unit"), ("-1", "expected a unit"),
                              ("1-", "expected a unit"), ("x", "expected a unit"), ("1234567890123", "expected a unit")):
             self.assert_refused(self.batch(plan, "--unit=" + units, output="-single"), 1, words)
         self.assert_done(self.batch(plan, "--unit", "0-2", output="-three"))

@@ -181,8 +181,8 @@ class Report(Calibrated):
         rays = run("unproject", blob, "--pixels",
                    write(self.path("pixel.csv"), "x,y\n200,150\n"))
         expected = [f"{float(v):.4f}" for v in rays.stdout.split()[-1].split(",")[2:5]]
-        self.assertIn(f"(200.0, 150.0) sees along ({', '.join(expected)}), ", told["ray"])
-        self.assertRegex(told["back"], r"sees along \(-?0\.0000, -?0\.0000, 1\.0000\)")
+        self.assertIn(f"(200.0, 150.0): ray direction ({', '.join(expected)}), ", told["ray"])
+        self.assertRegex(told["back"], r"ray direction \(-?0\.0000, -?0\.0000, 1\.0000\)")
 
     def test_report_of_a_thousand_images(self):
         folder = self.path("large")
