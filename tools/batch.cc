@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
-constexpr int kUnitSchemaVersion = 2;      // of unit.json and of failures
+constexpr int kUnitSchemaVersion = 3;      // of unit.json and of failures
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
 constexpr char kFleetCamera[] = "fleet_camera.yaml";
@@ -184,7 +184,8 @@ UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const MetricLimits& limits) {
   RequireWhole(job.folder, record);
   UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
-  row.seconds = record.value("seconds", 0.0);
+  row.seconds =
+      record.value(record.contains("elapsed_s") ? "elapsed_s" : "seconds", 0.0);
   return row;
 }
 
@@ -304,7 +305,7 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
   }
   WriteFile(record, BatchJson({{"schema_version", kUnitSchemaVersion},
                                {"inputs_hash", fingerprint},
-                               {"seconds", seconds},
+                               {"elapsed_s", seconds},
                                {"files", FilesOfResult(job.folder)}})
                             .dump(2) +
                         "\n");
@@ -434,7 +435,7 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
     throw Error(
         ExitCode::kUsage,
         fmt::format(
-            "--unit {}: out of range; the plan has {} units, counted from 0",
+            "--unit {}: out of range; the plan has {} units, numbered from 0",
             words, jobs.size()));
   std::vector<const UnitJob*> chosen;
   for (size_t k = *first; k <= *last; ++k) chosen.push_back(&jobs[k]);
@@ -534,8 +535,8 @@ void AddBatch(CLI::App* app, CommonOptions* common) {
       command
           ->add_option(
               "--unit", arguments->units,
-              "calibrate only this unit, or a range such as 3-7, counted from "
-              "0 in the order of serial numbers; do not write fleet files")
+              "calibrate only unit I, or units I to J (0-based, in the order "
+              "of serial numbers), without writing fleet files")
           ->option_text("I[-J]");
   CLI::Option* const gather =
       command

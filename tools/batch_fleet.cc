@@ -21,12 +21,12 @@ const std::string& SerialOfUnit(const FleetAnalysis& fleet, int unit) {
 FleetJson UnitJson(const UnitRow& row) {
   FleetJson unit = {{"serial", row.serial}, {"status", row.status}};
   if (!row.reason.empty()) unit["reason"] = row.reason;
-  if (!row.unusual.empty()) unit["unusual_metrics"] = row.unusual;
+  if (!row.unusual.empty()) unit["outlying_metrics"] = row.unusual;
   for (const auto& [name, value] : row.metrics) unit[name] = value;
   for (const auto& [name, text] : {std::pair("lens_batch", &row.lens_batch),
                                    std::pair("repeats", &row.repeats)})
     if (!text->empty()) unit[name] = *text;
-  if (row.seconds > 0) unit["seconds"] = row.seconds;
+  if (row.seconds > 0) unit["elapsed_s"] = row.seconds;
   return unit;
 }
 
@@ -35,14 +35,14 @@ FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
   for (const MeanJump& jump : fleet.statistics.jumps)
     jumps.push_back({{"serial", SerialOfUnit(fleet, jump.unit)},
                      {"metric", jump.name},
-                     {"before", jump.before},
-                     {"after", jump.after},
-                     {"sigmas", jump.sigmas}});
+                     {"mean_before", jump.before},
+                     {"mean_after", jump.after},
+                     {"z_score", jump.sigmas}});
   for (const MeanDrift& drift : fleet.statistics.drifts)
     drifts->push_back({{"metric", drift.name},
                        {"first", drift.first},
                        {"last", drift.last},
-                       {"sigmas", drift.sigmas}});
+                       {"z_score", drift.sigmas}});
   return jumps;
 }
 
@@ -70,9 +70,9 @@ FleetJson GaugeMetricJson(const GaugeMetric& metric) {
   json["gauge_rr_sd"] = metric.gauge;
   for (const auto& [name, value] :
        {std::pair("unit_to_unit_sd", metric.fleet),
-        std::pair("gauge_rr_share", metric.part_of_fleet),
+        std::pair("gauge_rr_ratio", metric.part_of_fleet),
         std::pair("distinct_categories", metric.num_classes),
-        std::pair("tolerance_share", metric.part_of_limits)})
+        std::pair("precision_to_tolerance_ratio", metric.part_of_limits)})
     if (value) json[name] = *value;
   if (metric.is_logarithm) json["relative"] = true;
   return json;

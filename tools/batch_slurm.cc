@@ -100,9 +100,9 @@ void SubmitToSlurm(const std::string& plan, const std::string& output,
        "--requeue", "--open-mode=append", log + "/gather.log",
        "--wrap=" + command + " --gather"});
   if (common.json)
-    PrintCommandJson({{"array_job", array_job},
+    PrintCommandJson({{"array_job_id", array_job},
                       {"tasks", num_tasks},
-                      {"gather_job", gather_job}});
+                      {"gather_job_id", gather_job}});
   else if (!common.quiet)
     fmt::print(
         "Job {}: {} units in {} tasks. Job {} then writes fleet.csv and "

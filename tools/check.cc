@@ -86,23 +86,23 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
 const char* Word(const CameraChange& change) {
   return change.is_degraded     ? "DEGRADED"
          : change.is_conclusive ? "OK"
-                                : "CANNOT TELL";
+                                : "INCONCLUSIVE";
 }
 
 nlohmann::ordered_json ToJson(const CameraCheck& check,
                               const std::vector<std::string>& stands) {
   const CameraChange& change = check.change;
   nlohmann::ordered_json json = {{"status", Word(change)},
-                                 {"changed", change.moved},
+                                 {"significant_changes", change.moved},
                                  {"images", check.num_images},
                                  {"features", change.num_features},
                                  {"noise_px", change.noise_px},
-                                 {"global_sigmas", change.smooth_sigmas},
-                                 {"local_sigmas", change.local_sigmas},
+                                 {"global_z_score", change.smooth_sigmas},
+                                 {"local_z_score", change.local_sigmas},
                                  {"rms_change_px", change.rms_px}};
   for (const Movement& movement : change.movements) {
-    nlohmann::ordered_json& entry = json["movements"][movement.name];
-    entry["sigmas"] = movement.sigmas;
+    nlohmann::ordered_json& entry = json["changes"][movement.name];
+    entry["z_score"] = movement.sigmas;
     if (movement.detection_limit > 0)
       entry["detection_limit"] = movement.detection_limit;
     for (size_t k = 0; k < movement.parameters.size(); ++k) {
@@ -111,7 +111,7 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
     }
   }
   if (change.largest_local_px > 0)
-    json["movements"]["local"]["largest"] = {
+    json["changes"]["local"]["largest"] = {
         {"px", change.largest_local_px},
         {"x", change.largest_local_pixel.x()},
         {"y", change.largest_local_pixel.y()}};

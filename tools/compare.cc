@@ -288,7 +288,7 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("--features", arguments->features,
                    "features.csv of images not used to calibrate either "
-                   "camera: report which camera predicts them better")
+                   "camera; tests which camera predicts them better")
       ->option_text("FILE");
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);

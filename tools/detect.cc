@@ -175,7 +175,7 @@ std::string FormatJson(const FolderDetection& found, double seconds) {
           {{"image", found.dataset.images[i].image},
            {"reasons", found.images[i].warnings}});
   json["rotated_by_exif"] = found.turned;
-  json["seconds"] = seconds;
+  json["elapsed_s"] = seconds;
   return FormatCommandJson(json);
 }
 

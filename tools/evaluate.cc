@@ -69,7 +69,7 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation,
                               const Residuals& flexed) {
   nlohmann::ordered_json json = ComputeErrorMetrics(evaluation.residuals);
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["deformed"] = ComputeErrorMetrics(flexed);
+  if (!flexed.empty()) json["with_deformation"] = ComputeErrorMetrics(flexed);
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : evaluation.rejected_images)
     json["rejected_images"].push_back(

@@ -61,8 +61,8 @@ void RequireUse(const Experiment& experiment,
     if (is_given &&
         std::find(known.begin(), known.end(), option) == known.end())
       throw Error(ExitCode::kUsage,
-                  fmt::format("experiment {}: does not use {}", experiment.name,
-                              option));
+                  fmt::format("experiment {} does not support {}",
+                              experiment.name, option));
   };
   if (arguments.options.fine && experiment.name != "model-validation")
     throw Error(ExitCode::kUsage,

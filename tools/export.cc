@@ -293,7 +293,7 @@ nlohmann::ordered_json FitJson(const LensFit& fit) {
           {"p99_px", fit.p99_px},
           {"max_px", fit.max_px},
           {"pixels", fit.num_pixels},
-          {"pixels_outside_fit", fit.num_beyond},
+          {"num_unrepresentable_pixels", fit.num_beyond},
           {"valid_region_only", fit.is_of_trusted},
           {"model_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
@@ -555,8 +555,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->option_text("NAME");
   command
       ->add_option("--max-fit-error-px", arguments->max_fit_error_px,
-                   "write nothing if the largest fit error in the valid region "
-                   "is above this limit (default: no limit)")
+                   "fail without writing files if the maximum fit error in the "
+                   "valid region exceeds this limit (default: no limit)")
       ->option_text("PX")
       ->check(CLI::NonNegativeNumber);
   AddPatternOption(command, &arguments->pattern, "; for features.csv");
@@ -567,7 +567,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   AddViewOptions(command, &arguments->view);
   command->add_flag(
       "--inverse", arguments->is_reverse,
-      "export the inverse map, which distorts images of the view");
+      "export the inverse remap, which distorts images of the view");
   command
       ->add_option("--stride", arguments->every,
                    "rays: sample every N pixels (default: 1); meshes: vertex "
@@ -577,8 +577,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   command->add_option("--to", arguments->format, "format to write, see below")
       ->option_text("FORMAT");
   command
-      ->add_option("-o,--output", arguments->output,
-                   "file, common prefix of several files, or folder for a rig")
+      ->add_option(
+          "-o,--output", arguments->output,
+          "output file, common prefix of several files, or folder for a rig")
       ->option_text("PATH");
   command
       ->add_option("--address", arguments->address,

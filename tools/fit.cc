@@ -144,7 +144,7 @@ std::string FormatJson(const Fit& fit) {
       {"p99_px", d.p99_px},
       {"max_px", d.max_px},
       {"points", d.pixels.size()},
-      {"points_not_covered", fit.num_places - d.pixels.size()},
+      {"num_unrepresentable_points", fit.num_places - d.pixels.size()},
       {"camera_from_model_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
   if (fit.trusted)
     json["valid_region"] = {{"rms_px", fit.trusted->rms_px},

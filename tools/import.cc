@@ -441,7 +441,7 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--from", arguments->from,
-                   "format, if it cannot be determined from the file")
+                   "format of the file (default: detected from its contents)")
       ->option_text("FORMAT");
   command
       ->add_option("--image-size", arguments->image_size,

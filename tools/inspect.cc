@@ -282,7 +282,7 @@ void AddRanges(const CameraFile& file, Json* json) {
   if (!known || !known->HasDeviations()) return;
   Json& everywhere = (*json)["uncertainty_over_operating_range"];
   AddFinite("median_px", known->lattice.MedianPx(), &everywhere);
-  everywhere["valid_share"] = ComputeValidShare(*file.camera, known->mask);
+  everywhere["valid_fraction"] = ComputeValidShare(*file.camera, known->mask);
 }
 
 Json CameraFacts(const CameraFile& file) {
@@ -310,7 +310,7 @@ Json CameraFacts(const CameraFile& file) {
     json["uncertainty"]["valid_limit_px"] = file.uncertainty->max_deviation_px;
   }
   if (file.uncertainty)
-    json["uncertainty"]["valid_share"] =
+    json["uncertainty"]["valid_fraction"] =
         ComputeValidShare(*file.camera, file.uncertainty->mask);
   if (file.stack) AddRanges(file, &json);
   if (file.capture) json["capture"] = CaptureFacts(*file.capture);

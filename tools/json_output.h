@@ -8,7 +8,7 @@
 namespace raygrid {
 
 /// "schema_version" of formats/json/commands.schema.json.
-constexpr int kCommandsSchemaVersion = 1;
+constexpr int kCommandsSchemaVersion = 2;
 
 /// Formats a command's result, starting with the version of its schema.
 std::string FormatCommandJson(const nlohmann::ordered_json& result);

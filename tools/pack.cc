@@ -44,10 +44,10 @@ std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
 
 nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
   return {{"pixels", pixels.num_pixels},
-          {"not_found", pixels.num_lost},
-          {"inaccurate", pixels.num_off},
+          {"num_not_found", pixels.num_lost},
+          {"num_inaccurate", pixels.num_off},
           {"max_px", pixels.worst_px},
-          {"not_invertible", pixels.num_unfindable}};
+          {"num_not_invertible", pixels.num_unfindable}};
 }
 
 std::string ProjectionText(const ProjectionError& error) {
@@ -72,9 +72,9 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
       result["project_error_px"] = packed.projection->trusted.worst_px;
       result["projection"] = {
           {"valid_region", FoundJson(packed.projection->trusted)},
-          {"elsewhere", FoundJson(packed.projection->others)}};
+          {"outside_valid_region", FoundJson(packed.projection->others)}};
     }
-    result["not_packed_share"] = packed.left_out_part;
+    result["uncovered_fraction"] = packed.left_out_part;
     result["warnings"] = packed.warnings;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {

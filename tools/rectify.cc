@@ -206,7 +206,7 @@ nlohmann::ordered_json PairJson(const Rectification& rectified,
   nlohmann::ordered_json json = {
       {"orientation", rectified.is_vertical ? "vertical" : "horizontal"},
       {"baseline_m", rectified.baseline_m},
-      {"overlap_share", rectified.overlap}};
+      {"overlap_fraction", rectified.overlap}};
   for (const int c : {0, 1}) {
     const PairPaths paths = PathsOf(arguments.output, pair[c].name);
     nlohmann::ordered_json own = {{"name", pair[c].name},

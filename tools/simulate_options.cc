@@ -79,8 +79,8 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
       "shot noise variance per grey level", 0, 255);
   add("--vignetting", imaging.vignetting, "0..1",
       "fraction of light lost in the corners", 0, 0.99);
-  add("--gamma", imaging.gamma, "X", "gamma of the stored grey levels", 0.1,
-      10);
+  add("--gamma", imaging.gamma, "X",
+      "gamma correction of the stored grey levels", 0.1, 10);
   add("--exposure", imaging.exposure, "X",
       "exposure factor, multiplies all grey levels", 0.01, 100);
   add("--max-tilt-deg", arguments->max_tilt_deg, "DEG",

@@ -330,8 +330,8 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"rms_px", error.rms_px},
       {"max_error_pixel", {error.x, error.y}},
       {"pixels", error.num_pixels},
-      {"pixels_filled", error.num_filled},
-      {"vertices_moved", error.num_moved},
+      {"num_filled_pixels", error.num_filled},
+      {"num_clamped_vertices", error.num_moved},
       {"configuration", unit.told}};
   if (!errors.text.empty()) (*json)["mesh"]["by_interpolation"] = errors.json;
   return {unit.files,

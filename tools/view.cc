@@ -268,7 +268,8 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
     result.json["view_error"] = tables.why_none;
   }
   if (viewed.mask)
-    result.json["valid_share"] = ValidFraction(*viewed.mask, viewed.camera());
+    result.json["valid_fraction"] =
+        ValidFraction(*viewed.mask, viewed.camera());
   result.json["views"] = nlohmann::json::array();
   for (const VirtualView& view : tables.views)
     result.json["views"].push_back(ViewJson(view));
@@ -373,7 +374,7 @@ void AddView(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "--image", arguments->images,
-          "photograph for all rows, or one per row (default: a rendered room)")
+          "image for all rows, or one per row (default: a rendered room)")
       ->option_text("FILE")
       ->allow_extra_args(false);
   BeginGroup(command, help_group::kView);

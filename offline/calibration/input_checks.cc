@@ -41,9 +41,10 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
       images.insert(image.image);
   for (const std::string& name : hold_out)
     if (images.count(name) == 0)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("--hold-out {}: no features in such {}", name,
-                              cameras.size() > 1 ? "a frame" : "an image"));
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("--hold-out {}: {} of this name has features", name,
+                      cameras.size() > 1 ? "no frame" : "no image"));
 }
 
 // Connected by boards that both observe in one frame, or by boards of possible
@@ -125,11 +126,11 @@ void RequirePlausibleDistances(const AdjustmentResult& adjusted) {
         adjusted.state.ComputeCameraFromPattern(view).translation.norm());
   const double median_m = Quantile(distances_m, 0.5);
   if (median_m > kFarM)
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("median distance of the boards is {:.3g} m: check square_m "
-                    "of the pattern (in metres), or accept with --yes",
-                    median_m));
+    throw Error(ExitCode::kUsage,
+                fmt::format("the median distance of the boards is {:.3g} m, "
+                            "above the limit of {:g} m: check square_m of the "
+                            "pattern (in metres), or accept with --yes",
+                            median_m, kFarM));
 }
 
 }  // namespace raygrid

@@ -212,7 +212,8 @@ ValidityMask ParseMask(const YAML::Node& node, const ImageSize& size) {
     if (static_cast<int>(text.size()) != mask.columns ||
         text.find_first_not_of("#.") != std::string::npos)
       throw InputError(fmt::format(
-          "trusted: a row of cells is not {} times # or .", mask.columns));
+          "trusted: cells: each row must consist of {} characters # or .",
+          mask.columns));
     for (const char cell : text) mask.is_trusted.push_back(cell == '#');
   }
   return mask;

@@ -92,7 +92,7 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
     const std::string extension = LowerExtension(path);
     if (kOwnPictures.count(fs::path(path).filename().string()))
       found->left_out.push_back(
-          {path, "an output image of raygrid, not a photograph"});
+          {path, "an output image of raygrid, not a camera image"});
     else if (kReadKinds.count(extension))
       found->paths.push_back(path);
     else if (kOtherKinds.count(extension))

@@ -296,10 +296,11 @@ void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {
   if (median_px > kUncertainPx) {
     findings->Add(
         median_px > kUselessPx ? Severity::kFailure : Severity::kWarning,
-        fmt::format("the views do not determine the camera: expect errors of "
-                    "{} px in half of the image; tilt the target by 30 degrees "
-                    "or more, in different directions, and vary the distance",
-                    FormatPx(median_px)));
+        fmt::format(
+            "the views constrain the camera too weakly: expect errors of {} px "
+            "in half of the image; tilt the target by 30 degrees or more, in "
+            "different directions, and vary the distance",
+            FormatPx(median_px)));
     return;
   }
   AssessExtrapolation(metrics, findings);
@@ -393,8 +394,7 @@ std::string AdviseOnError(const CalibrationMetrics& metrics) {
 
 void AssessHeldOutError(const CalibrationMetrics& metrics, Findings* findings) {
   if (!metrics.held_out) {
-    findings->Warn(
-        "no held-out error: there are too few images to hold some out");
+    findings->Warn("no held-out error: too few images to hold any out");
     return;
   }
   const double held_out_px = metrics.held_out->median_px;

@@ -74,7 +74,7 @@ const char* InWords(ErrorCause cause) {
       return "image scale or shift that differs between images, such as from "
              "focus or temperature";
     default:
-      return "residuals that grow along the rows, due to motion and a rolling "
+      return "residuals that grow from row to row, due to motion and a rolling "
              "shutter";
   }
 }
@@ -124,8 +124,8 @@ BudgetAssessment OfViewsAlike(const std::vector<std::string>& causes,
                               const ResidualBudget& budget) {
   return {"per-view effects",
           fmt::format("residuals specific to single images ({} % of the "
-                      "squared residuals), whose cause these images do not "
-                      "determine; candidates: {}",
+                      "squared residuals), whose cause is not observable in "
+                      "these images; candidates: {}",
                       Percent(budget.PerViewShare()), fmt::join(causes, ", ")),
           AdviseOnEquivalentViewCauses(budget.facts)};
 }
@@ -158,7 +158,7 @@ std::string UntoldCauses(const ResidualBudget& budget) {
     if (!budget.causes[static_cast<size_t>(k)].is_observable)
       names.emplace_back(ToString(static_cast<ErrorCause>(k)));
   if (names.empty()) return "";
-  return fmt::format("; effects that these images do not determine: {}",
+  return fmt::format("; effects not observable in these images: {}",
                      fmt::join(names, ", "));
 }
 

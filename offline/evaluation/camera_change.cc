@@ -480,7 +480,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   const Estimate of_smooth = EstimateOf(information, Range(0, kNumSmooth));
   const GroupTests tests = TestGroups(information, camera.modes);
   change.movements = {
-      MovementOf("scale", {"part"}, tests[0]),
+      MovementOf("scale", {"relative_change"}, tests[0]),
       MovementOf("shift", {"x_px", "y_px"}, tests[1]),
       MovementOf("tilt", {"about_y_rad", "about_x_rad"}, tests[2])};
   for (const Movement& movement : change.movements)

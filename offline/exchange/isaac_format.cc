@@ -498,8 +498,8 @@ void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
                               choice.error.num_lost == 0))
     return;
   throw Error(ExitCode::kQuality,
-              fmt::format("the error of isaac exceeds {:g} px even with the "
-                          "largest table, {} x {} directions: {}",
+              fmt::format("isaac: the error exceeds {:g} px even with the "
+                          "largest table of {} x {} directions: {}",
                           *table.max_error_px, choice.side, choice.side,
                           ExitText(choice)));
 }

@@ -65,7 +65,7 @@ ConvertedLens FitNearestGrid(const ImageSize& size,
   const DirectionCamera camera(size, direction);
   if (ComputeUndefinedFraction(camera) > kMostWithout)
     throw InputError(
-        fmt::format("hardly any pixel of the {} x {} image has a valid ray; "
+        fmt::format("less than 10 % of the {} x {} image has a valid ray; "
                     "check parameters and image size",
                     size.width, size.height));
   ConvertedLens lens = {&NearestGridForm(), size, {}};

@@ -140,8 +140,8 @@ const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
   is_fisheye = is_fisheye || (wanted && wanted->name == kFisheye);
   if (coefficients->has_fisheye_names && !is_fisheye && (said || wanted))
     throw InputError(fmt::format(
-        "k1 to k4 without p1 and p2 are those of cv::fisheye, but {} indicates "
-        "a pinhole camera; write p1 and p2, too, if it is one",
+        "k1 to k4 without p1 and p2 are interpreted as cv::fisheye, but {} "
+        "indicates a pinhole camera; if it is one, add p1 and p2",
         said ? "'" + said->key + "'" : "--model " + request.form));
   if (!said && !wanted && d.size() == 4) {
     const bool is_named = coefficients->has_fisheye_names;

@@ -56,7 +56,7 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
       fmt::format("{} features in {} views, RMS {:.3g} px per axis",
                   budget.num_features, budget.num_views, budget.rms_px);
   chart.x_label = "cause";
-  chart.y_label = "share of the squared residuals, %";
+  chart.y_label = "fraction of the squared residuals, %";
   ChartSeries parts = {"part", {}, false}, alone = {"alone", {}, false},
               chance = {"chance level (upper bound)", {}, false};
   const auto tick = [&chart](const std::string& name) {
@@ -154,7 +154,7 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
   table.chart.title = "Residual budget of simulated effects";
   table.chart.note = "one effect per group; each series is an estimated cause";
   table.chart.x_label = "fault";
-  table.chart.y_label = "share of the squared residuals, %";
+  table.chart.y_label = "fraction of the squared residuals, %";
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const char* name = ToString(static_cast<ErrorCause>(k));
     table.columns.push_back(name);

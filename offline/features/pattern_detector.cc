@@ -136,7 +136,7 @@ ImageDetection PatternDetector::Detect(const GreyImage& image) const {
         "light, exposure and lens cap");
   if (image.was_mosaic)
     detection.warnings.push_back(
-        "raw Bayer image: used as grey after white balancing");
+        "raw Bayer image: converted to grey after white balancing");
   return detection;
 }
 

@@ -61,7 +61,8 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"times", kTimestamps}};
 // The same of limits.
 const std::map<std::string, std::string> kFormerFigures = {
-    {"trusted_part", "valid_share"},
+    {"trusted_part", "valid_fraction"},
+    {"valid_share", "valid_fraction"},
     {"worst_deviation_px", "max_uncertainty_px"}};
 
 // A plan or unit with former keys replaced by the current ones.
@@ -368,7 +369,7 @@ const std::vector<std::string>& ListMetricNames() {
   static const std::vector<std::string> kNames = {
       "center_x_px",        "center_y_px",     "focal_px", "held_out_max_px",
       "held_out_median_px", "held_out_rms_px", "images",   "max_uncertainty_px",
-      "training_median_px", "valid_share"};
+      "training_median_px", "valid_fraction"};
   return kNames;
 }
 

@@ -60,8 +60,8 @@ std::string SummarySection(const FleetAnalysis& fleet) {
   std::vector<std::string> sentences = {DescribeCounts(fleet.rows)};
   if (statistics.charts.empty())
     sentences.push_back(
-        fmt::format("{} units can be compared; outliers are determined from {} "
-                    "units upwards",
+        fmt::format("{} units can be compared; outlier detection requires at "
+                    "least {} units",
                     fleet.compared.size(), kMinFleetUnits));
   else
     sentences.push_back(
@@ -115,7 +115,7 @@ std::string DescribeLimits(const ControlChart& chart,
                        GetMetricUnit(chart.name));
   };
   if (!std::isfinite(chart.upper))
-    return "No limits: most consecutive units are equal.";
+    return "No control limits: most consecutive units have equal values.";
   if (!std::isfinite(chart.lower))
     return fmt::format("Limit: {}{}.", FormatChartValue(chart.upper),
                        GetMetricUnit(chart.name));
@@ -215,7 +215,7 @@ std::string BatchesSection(const BatchComparison& batches) {
     row.emplace_back(metric.differs ? "<b>differs</b>" : "");
     rows.push_back(row);
   }
-  return "<h2>Batches of lenses</h2>\n" +
+  return "<h2>Lens batches</h2>\n" +
          (DescribeBatches(batches).empty()
               ? "<p>No significant difference between batches.</p>\n"
               : HtmlList(DescribeBatches(batches))) +
@@ -312,7 +312,7 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
   return "<h2>All units</h2>\n<div class=\"told\">" +
          HtmlTable({"unit", "status", "focal px", "centre x", "centre y",
                     "held-out median px", "max uncertainty px", "batch", "s",
-                    "outlier in, or remark"},
+                    "outlying quantities or remark"},
                    rows) +
          "</div>\n";
 }

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Columns of fleet.csv that are figures, between reason and seconds.
+// Columns of fleet.csv that are figures, between reason and lens_batch.
 const std::vector<std::string> kColumns = {"focal_px",
                                            "center_x_px",
                                            "center_y_px",
@@ -28,7 +28,7 @@ const std::vector<std::string> kColumns = {"focal_px",
                                            "held_out_rms_px",
                                            "held_out_max_px",
                                            "max_uncertainty_px",
-                                           "valid_share",
+                                           "valid_fraction",
                                            "images",
                                            "sensor_temperature_c"};
 
@@ -49,7 +49,7 @@ void AddResult(const Json& result, UnitRow* row) {
               row);
   AddNumber(result, {"training", "median_px"}, "training_median_px", row);
   AddNumber(result, {"images", "used"}, "images", row);
-  AddNumber(result, {"uncertainty", "valid_share"}, "valid_share", row);
+  AddNumber(result, {"uncertainty", "valid_fraction"}, "valid_fraction", row);
   row->status = result.value("verdict", "");
   if (row->status == "fail" && !result.at("reasons").empty())
     row->reason = result.at("reasons")[0].get<std::string>();
@@ -142,9 +142,9 @@ UnitRow ReadUnitRow(const std::string& serial, const std::string& folder,
 }
 
 std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
-  std::string text =
-      fmt::format("serial,status,reason,{},lens_batch,unusual,seconds\n",
-                  fmt::join(kColumns, ","));
+  std::string text = fmt::format(
+      "serial,status,reason,{},lens_batch,outlying_metrics,elapsed_s\n",
+      fmt::join(kColumns, ","));
   for (const UnitRow& row : rows) {
     text +=
         fmt::format("{},{},{}", row.serial, row.status, TextField(row.reason));

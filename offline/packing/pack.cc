@@ -137,8 +137,8 @@ PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   const std::vector<OperatingRange>& ranges = file.stack->cameras.ranges();
   const std::string other = OperatingParameterName(ranges[1].condition);
   packed.warnings.push_back(fmt::format(
-      "a blob supports a range of one quantity: packed over {}, at the centre "
-      "{} {:g}; select another value with pack --at {}=VALUE",
+      "a blob can vary with one quantity only: it varies with {}, at {} {:g} "
+      "(centre of the range); select another value with pack --at {}=VALUE",
       OperatingParameterName(ranges[0].condition), other, ranges[1].Middle(),
       other));
   return packed;

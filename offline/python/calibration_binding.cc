@@ -302,7 +302,7 @@ Args:
         by camera name, in which images of one frame share a name.
     pattern: path of a pattern.yaml, or a target specification such as
         'chessboard:9x6:25mm'.
-    model: 'auto': the one that predicts held-out images best; or one of
+    model: 'auto' (the model with the lowest held-out error), or one of
         '{}'.
     knot_spacing_px: largest knot spacing of the B-spline grid in pixels, 2 to
         1e5; default: chosen by held-out error.
@@ -314,7 +314,7 @@ Args:
         rigidly connected.
     refine_features: refine features in the images with the estimated camera.
     compare_models: also calibrate parametric models, for the report.
-    hold_out: names of images to evaluate and not calibrate with; default:
+    hold_out: names of test images, excluded from the calibration; default:
         cross-validation.
     duplicate_px: skip images whose features moved less, in pixels, since a kept
         image; 0: keep all; default: 0.1 % of the longer side, at least 1.
@@ -330,7 +330,7 @@ Args:
         1; seconds_left is None at first.
 
 Returns:
-    The Calibration. Its verdict may be 'fail', which raises nothing.
+    The Calibration. Its verdict may be 'fail'; this raises no exception.
 
 Raises:
     Error: too few images or features (code 3), no initialization (4), no

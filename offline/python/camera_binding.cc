@@ -67,11 +67,11 @@ py::dict UncertaintyFigures(const PyCamera& self) {
   metrics["median_px"] = known.lattice.MedianPx();
   metrics["valid_limit_px"] = known.max_deviation_px;
   const UncertaintySummary summary = SummarizeUncertainty(camera, known);
-  metrics["valid_share"] = summary.valid_share;
+  metrics["valid_fraction"] = summary.valid_share;
   py::dict shares;
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
     shares[py::float_(kShareLimitsPx[k])] = summary.share_below[k];
-  metrics["share_below_px"] = shares;
+  metrics["fraction_below_px"] = shares;
   return metrics;
 }
 

@@ -17,7 +17,7 @@ copied. Non-finite input raises ValueError.)";
 inline constexpr char kLoad[] =
     R"(Load a camera.yaml, or another program's file of one camera.
 
-Warns (UserWarning) of contents that are ignored.
+Warns (UserWarning) about contents that are ignored.
 
 Args:
     path: the file; its format is recognized from its contents.
@@ -118,9 +118,9 @@ inline constexpr char kUncertaintyFigures[] =
     R"(Summary of the predicted uncertainty, as calibrate prints it.
 
 A dict of median_px, the median standard deviation; valid_limit_px and
-valid_share, the limit of the valid region in pixels and its share of the image,
-from 0 to 1; and share_below_px, the share of the image below each of several
-limits in pixels. Raises Error if the camera has no uncertainty.)";
+valid_fraction, the limit of the valid region in pixels and the fraction of the
+image inside it; and fraction_below_px, the fraction of the image below each of
+several limits in pixels. Raises Error if the camera has no uncertainty.)";
 
 inline constexpr char kView[] =
     R"(Define the virtual camera (view) of undistorted images.
@@ -161,7 +161,7 @@ Returns:
 inline constexpr char kPack[] =
     R"(Pack the camera into a blob for devices, which Blob() evaluates.
 
-Warns (UserWarning) of contents that do not fit into the blob.
+Warns (UserWarning) about contents that the blob cannot contain.
 
 Args:
     views: a remap table is made for each; default: for view().

@@ -144,7 +144,7 @@ is the only camera. An unknown name raises KeyError.)")
           "Text of pattern.yaml, with the estimated target geometry in metres.")
       .def("training", residuals(&CalibrationResult::training),
            py::arg("camera") = "",
-           R"(Residuals of the features that were calibrated with.
+           R"(Residuals of the features used for the calibration.
 
 Returns:
     Observed pixels and errors (projected minus observed), both (N, 2), in
@@ -163,7 +163,7 @@ Returns:
     List of (image, board, camera_from_board), with the name of the image, the
     id of the board, and the homogeneous transformation (4, 4) in metres.)")
       .def("features", &FeaturesOf, py::arg("camera") = "",
-           R"(Features that were calibrated with, refined.
+           R"(Refined features used for the calibration.
 
 Returns:
     List with a Detection of each image.)")

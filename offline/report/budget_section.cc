@@ -60,7 +60,7 @@ std::string BarOf(const std::vector<BudgetPart>& parts) {
   double sum = 1e-9;
   for (const BudgetPart& part : parts) sum += std::max(part.part, 0.0);
   std::string html =
-      "<figure><figcaption>Shares of the squared residuals</figcaption><div "
+      "<figure><figcaption>Fractions of the squared residuals</figcaption><div "
       "class=\"parts\">";
   for (const BudgetPart& part : parts)
     if (part.part > 0)
@@ -109,7 +109,7 @@ std::string BudgetSection(const ResidualBudget& budget) {
   std::vector<HtmlRow> rows;
   for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
   return html + BarOf(parts) + "<div class=\"causes\">" +
-         HtmlTable({"", "part", "alone", "chance level", "meaning"}, rows) +
+         HtmlTable({"", "fraction", "alone", "chance level", "meaning"}, rows) +
          "</div>" +
          fmt::format(
              "<p>Training residuals: {:.3g} px RMS per axis. Feature noise: "

@@ -34,8 +34,9 @@ std::string ErrorSection(const CalibrationResult& result) {
   std::string html = "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
   if (result.camera.held_out)
     html +=
-        "<p>Judge the camera by the held-out error, of images that were not "
-        "used for calibration; the training error is optimistic.</p>\n";
+        "<p>Assess the camera by the held-out error, measured on images that "
+        "were not used for calibration; the training error is "
+        "optimistic.</p>\n";
   if (result.bias_kl && result.noise_bias_kl)
     html += fmt::format(
         "<p>Bias: Kullback&ndash;Leibler divergence of residuals from a normal "
@@ -52,7 +53,8 @@ std::string ComparisonSection(const CalibrationResult& result) {
   std::vector<HtmlRow> rows;
   AddModelRows("", result, &rows);
   if (rows.empty()) return "";
-  return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows);
+  return "<h2>Other models calibrated from the same features</h2>\n" +
+         ModelTable(rows);
 }
 
 std::string CandidateSection(const CalibrationResult& result) {
@@ -66,8 +68,8 @@ std::string CandidateSection(const CalibrationResult& result) {
                          : ""),
          FormatPixels(candidate.median_px),
          fmt::format("{:.5f}", candidate.loss)});
-  return "<h2>Knot spacings tried</h2>\n<p>The medium spacing is kept unless "
-         "another has a significantly lower loss over the images.</p>\n" +
+  return "<h2>Knot spacings tested</h2>\n<p>The medium spacing is kept unless "
+         "another spacing has a significantly lower held-out loss.</p>\n" +
          HtmlTable({"knot spacing px", "held-out median px",
                     "held-out loss px&sup2;"},
                    rows);
@@ -81,10 +83,12 @@ void AddUncertaintyRows(const CalibrationResult& result,
   if (const auto& known = result.camera.uncertainty) {
     rows->push_back({"predicted uncertainty",
                      FormatPixels(known->lattice.MedianPx()) + " px (median)"});
-    rows->push_back({"valid region",
-                     fmt::format("{:.0f} % of the image, below {:.2g} px",
-                                 100 * ComputeValidShare(camera, known->mask),
-                                 known->max_deviation_px)});
+    rows->push_back(
+        {"valid region",
+         fmt::format(
+             "{:.0f} % of the image, with an uncertainty below {:.2g} px",
+             100 * ComputeValidShare(camera, known->mask),
+             known->max_deviation_px)});
     if (result.camera.stack) {
       const auto everywhere = ComputeMaxUncertainty(result.camera);
       rows->push_back(
@@ -143,12 +147,13 @@ std::string UncertaintySection(const CalibrationResult& result) {
   if (!uncertainty || !uncertainty->HasDeviations()) return "";
   const CameraModel& camera = *result.camera.camera;
   const UncertaintySummary summary = SummarizeUncertainty(camera, *uncertainty);
-  HtmlRow head = {"predicted uncertainty (1 &sigma;) below"}, row = {"share"};
+  HtmlRow head = {"predicted uncertainty (1 &sigma;) below"},
+          row = {"fraction of the image"};
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k) {
     head.push_back(fmt::format("{:g} px", kShareLimitsPx[k]));
     row.push_back(fmt::format("{:.0f} %", 100 * summary.share_below[k]));
   }
-  return "<h2>How certain the camera is</h2>\n<p>" +
+  return "<h2>Uncertainty of the camera</h2>\n<p>" +
          DescribeUncertainty(summary, *uncertainty, camera) + "</p>\n" +
          HtmlTable(head, {row});
 }
@@ -257,7 +262,7 @@ std::string RejectedSection(const CalibrationResult& result) {
   constexpr size_t kMaxLines = 300;
   std::string html;
   if (!result.rejected_images.empty()) {
-    html += "<h2>Images not used</h2>\n<ul>\n";
+    html += "<h2>Rejected images</h2>\n<ul>\n";
     for (const RejectedImage& image : result.rejected_images)
       html += fmt::format("<li>{}: {}</li>\n", EscapeHtml(image.image),
                           EscapeHtml(image.reason));
@@ -304,10 +309,10 @@ std::string TrialFigure(const char* caption, const char* id) {
 // Filled by the script page/trial.js, and shown when the runtime is loaded.
 std::string TrialSection(const std::string& blob) {
   return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
-         "\">\n<h2>Try it</h2>\n<p>Drop a photograph of this camera here. It "
-         "is processed in this page, by the code of the embedded runtime. "
-         "Point at a pixel to see its ray.</p>\n<p><label>Or choose one <input "
-         "type=\"file\" id=\"trial-file\" "
+         "\">\n<h2>Undistort an image</h2>\n<p>Drop an image of this camera "
+         "here. It is processed locally by the code of the embedded runtime. "
+         "Hover over a pixel to see its ray.</p>\n<p><label>Or choose one "
+         "<input type=\"file\" id=\"trial-file\" "
          "accept=\"image/*\"></label></p>\n<p><label>View <select "
          "id=\"trial-kind\"></select></label> <label id=\"trial-angle-row\">of "
          "<input type=\"range\" id=\"trial-angle\" min=\"5\"> <span "

@@ -232,7 +232,7 @@ std::string OperatingPointSection(const OperatingPointCalibration& stack) {
         ranges.size() > 1 ? " of the " + WordsOf(ranges[r].condition) : "");
   }
   std::string html = fmt::format(
-      "<h2>Over the range</h2>\n<p>The camera is calibrated {}. Each control "
+      "<h2>Operating range</h2>\n<p>The camera is calibrated {}. Each control "
       "point is {}{}. Image scale and distortion are for a distant scene, "
       "relative to the centre of the range; distortion is the change that "
       "remains after scale and shift. The principal point is that of the "

@@ -52,7 +52,7 @@ void VisitFields(Io& io, StereoMetrics& stereo) {
   io("max_px", stereo.max_px);
   io("count", stereo.num_features);
   io("image", stereo.instant);
-  io("disparities", stereo.num_disparities);
+  io("num_disparities", stereo.num_disparities);
 }
 
 /// Without the cameras, which are written as names.
@@ -113,27 +113,27 @@ void VisitFields(Io& io, ModelMetrics& metrics) {
   io("parameters", metrics.num_parameters);
   io("training", metrics.training);
   io("held_out", metrics.held_out);
-  io("held_out_deformed", metrics.held_out_deformed);
+  io("held_out_with_deformation", metrics.held_out_deformed);
   io("bias_kl", metrics.bias_kl);
 }
 
 template <class Io>
 void VisitFields(Io& io, ExtrapolatedRegion& region) {
-  io("share", region.share);
+  io("fraction", region.share);
   io.When(region.share > 0, "p95_px", region.p95_px);
-  io.When(region.share > 0, "where", region.where);
+  io.When(region.share > 0, "location", region.where);
 }
 
 template <class Io>
 void VisitFields(Io& io, FoldOver& fold_over) {
-  io("share", fold_over.part);
-  io("valid_share", fold_over.valid_part);
+  io("fraction", fold_over.part);
+  io("valid_fraction", fold_over.valid_part);
 }
 
 template <class Io>
 void VisitFields(Io& io, FleetDistance& distance) {
   io("rms_px", distance.rms_px);
-  io("population_px", distance.units_px);
+  io("population_rms_px", distance.units_px);
   io.Computed([&](auto* json) {
     if (distance.IsOutlier()) (*json)["warning"] = distance.Warning();
   });
@@ -181,8 +181,8 @@ void VisitFields(Io& io, CauseShare& share) {
   io.When(!share.is_observable, "not_observable", share.unobservable_reason);
   if constexpr (Io::kReads) share.is_observable = !io.Has("not_observable");
   if (!share.is_observable) return;
-  io("share", share.in_turn);
-  io("share_alone", share.alone);
+  io("fraction", share.in_turn);
+  io("fraction_alone", share.alone);
   io("chance_mean", share.chance_mean);
   io("chance_upper_bound", share.chance_high);
   io("indistinguishable", share.is_indistinguishable);
@@ -205,8 +205,8 @@ void VisitFields(Io& io, ResidualBudget& budget) {
   if (!budget.unobservable_reason.empty()) return;
   io("rms_px", budget.rms_px);
   io("noise_px", budget.noise_px);
-  io("noise_share", budget.noise);
-  io("outlier_share", budget.large);
+  io("noise_fraction", budget.noise);
+  io("outlier_fraction", budget.large);
   io.Array("causes", budget.causes.size(), [&](auto& cause, size_t k) {
     cause.Computed([&](auto* json) {
       (*json)["cause"] = ToString(static_cast<ErrorCause>(k));
@@ -214,12 +214,12 @@ void VisitFields(Io& io, ResidualBudget& budget) {
     VisitFields(cause, budget.causes[k]);
   });
   io.Object("column_delay", budget.PerViewShare() > 0, [&](auto& column_delay) {
-    column_delay("share_alone", budget.column_delay);
+    column_delay("fraction_alone", budget.column_delay);
     column_delay("indistinguishable", budget.is_column_delay_indistinguishable);
   });
   io.Computed(
-      [&](auto* json) { (*json)["per_view_share"] = budget.PerViewShare(); });
-  io("unexplained_share", budget.rest);
+      [&](auto* json) { (*json)["per_view_fraction"] = budget.PerViewShare(); });
+  io("unexplained_fraction", budget.rest);
 }
 
 // Keys that are computed from other data of the result, and not read.
@@ -261,7 +261,7 @@ void VisitErrors(Io& io, CalibrationResult& result) {
     fields.Choice("method", result.cross_validated, kCrossValidation,
                   kHeldOutImages);
   });
-  io("held_out_deformed", result.held_out_deformed);
+  io("held_out_with_deformation", result.held_out_deformed);
 }
 
 template <class Io>

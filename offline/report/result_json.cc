@@ -71,7 +71,7 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
   json["name"] = own.camera.name;
   AddCamera(own, &json);
   if (camera < result.held_out.size() && !result.held_out[camera].empty())
-    json["held_out_in_rig"] = ComputeErrorMetrics(result.held_out[camera]);
+    json["held_out_with_rig_poses"] = ComputeErrorMetrics(result.held_out[camera]);
   AddVerdict(own.assessment, &json);
   return json;
 }
@@ -172,10 +172,10 @@ void AddUncertaintySummary(const CameraFile& file, Json* json) {
       SummarizeUncertainty(*file.camera, *file.uncertainty);
   (*json)["median_px"] = summary.median_px;
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
-    (*json)["share_below_px"][fmt::format("{:g}", kShareLimitsPx[k])] =
+    (*json)["fraction_below_px"][fmt::format("{:g}", kShareLimitsPx[k])] =
         summary.share_below[k];
   (*json)["valid_limit_px"] = file.uncertainty->max_deviation_px;
-  (*json)["valid_share"] = summary.valid_share;
+  (*json)["valid_fraction"] = summary.valid_share;
 }
 
 void AddUncertaintyOverRange(const CameraFile& file, Json* json) {
@@ -183,7 +183,7 @@ void AddUncertaintyOverRange(const CameraFile& file, Json* json) {
   const auto everywhere = ComputeMaxUncertainty(file);
   (*json)["over_operating_range"] = {
       {"median_px", everywhere->lattice.MedianPx()},
-      {"valid_share", ComputeValidShare(*file.camera, everywhere->mask)}};
+      {"valid_fraction", ComputeValidShare(*file.camera, everywhere->mask)}};
 }
 
 void AddCircleAndRanges(const CameraFile& file, Json* json) {
@@ -215,7 +215,7 @@ std::string FormatResultJson(
     if (packing[c])
       (result.IsRig() ? json["cameras"][c] : json)["packing"] = *packing[c];
   if (stereo) json["rectified_pair"] = *stereo;
-  json["seconds"] = result.seconds;
+  json["stage_seconds"] = result.seconds;
   json["peak_memory_bytes"] = peak_memory_bytes;
   json["seed"] = seed;
   AddVerdict(result.assessment, &json);

@@ -2,15 +2,16 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace raygrid {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A renamed key of version 1. `object` is the key of the object that contains
-// it, or of the list of such objects; empty: the result itself, or a camera of
-// a rig. Numbers are multiplied by the scale.
+// A renamed key. `object` is the key of the object that contains it, or of the
+// list of such objects; empty: the result itself, or a camera of a rig. Numbers
+// are multiplied by the scale.
 struct RenamedKey {
   const char* object;
   const char* former;
@@ -21,8 +22,11 @@ struct RenamedKey {
 constexpr double kMm = 1e-3;
 constexpr double kDegrees = M_PI / 180;
 
-// Keys are looked up in objects that have their current names.
-constexpr RenamedKey kRenamedKeys[] = {
+using RenamedKeys = std::vector<RenamedKey>;
+
+// Names of version 1 that version 2 replaced. Keys are looked up in objects
+// that have the names of version 2 already.
+const RenamedKeys kRenamedInVersion2 = {
     {"", "cell_px", "knot_spacing_px"},
     {"", "cell_candidates", "knot_spacing_candidates"},
     {"knot_spacing_candidates", "cell_px", "knot_spacing_px"},
@@ -91,6 +95,29 @@ constexpr RenamedKey kRenamedKeys[] = {
     {"board_pairs", "expected_degrees", "expected_rotation_sd_rad", kDegrees},
 };
 
+const RenamedKeys kRenamedInVersion3 = {
+    {"", "seconds", "stage_seconds"},
+    {"", "held_out_deformed", "held_out_with_deformation"},
+    {"parametric_models", "held_out_deformed", "held_out_with_deformation"},
+    {"", "held_out_in_rig", "held_out_with_rig_poses"},
+    {"uncertainty", "share_below_px", "fraction_below_px"},
+    {"uncertainty", "valid_share", "valid_fraction"},
+    {"extrapolated", "share", "fraction"},
+    {"extrapolated", "where", "location"},
+    {"over_operating_range", "valid_share", "valid_fraction"},
+    {"residual_budget", "noise_share", "noise_fraction"},
+    {"residual_budget", "outlier_share", "outlier_fraction"},
+    {"residual_budget", "per_view_share", "per_view_fraction"},
+    {"residual_budget", "unexplained_share", "unexplained_fraction"},
+    {"causes", "share", "fraction"},
+    {"causes", "share_alone", "fraction_alone"},
+    {"column_delay", "share_alone", "fraction_alone"},
+    {"non_injective", "share", "fraction"},
+    {"non_injective", "valid_share", "valid_fraction"},
+    {"population_distance", "population_px", "population_rms_px"},
+    {"rectified_pair", "disparities", "num_disparities"},
+};
+
 void Scale(double scale, Json* value) {
   if (value->is_number())
     *value = scale * value->get<double>();
@@ -99,13 +126,14 @@ void Scale(double scale, Json* value) {
 }
 
 // Renames the keys of an object with the given key, recursively.
-void Rename(const std::string& object, Json* json) {
+void Rename(const RenamedKeys& renamed_keys, const std::string& object,
+            Json* json) {
   if (json->is_array()) {
-    for (Json& element : *json) Rename(object, &element);
+    for (Json& element : *json) Rename(renamed_keys, object, &element);
     return;
   }
   if (!json->is_object()) return;
-  for (const RenamedKey& key : kRenamedKeys) {
+  for (const RenamedKey& key : renamed_keys) {
     if (object != key.object || !json->contains(key.former) ||
         json->contains(key.current))
       continue;
@@ -114,7 +142,7 @@ void Rename(const std::string& object, Json* json) {
     if (key.scale != 1) Scale(key.scale, &(*json)[key.current]);
   }
   for (auto& [key, value] : json->items())
-    Rename(key == "cameras" ? "" : key, &value);
+    Rename(renamed_keys, key == "cameras" ? "" : key, &value);
 }
 
 }  // namespace
@@ -124,9 +152,13 @@ bool UpgradeResult(nlohmann::ordered_json* result) {
     return result->contains(key) && result->at(key) == value;
   };
   if (has("schema_version", kResultSchemaVersion)) return true;
-  if (!has("raygrid_result", 1)) return false;
-  Rename("", result);
-  result->erase("raygrid_result");
+  if (has("raygrid_result", 1)) {
+    Rename(kRenamedInVersion2, "", result);
+    result->erase("raygrid_result");
+  } else if (!has("schema_version", 2)) {
+    return false;
+  }
+  Rename(kRenamedInVersion3, "", result);
   (*result)["schema_version"] = kResultSchemaVersion;
   return true;
 }

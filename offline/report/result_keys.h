@@ -7,7 +7,7 @@
 namespace raygrid {
 
 /// The value of "schema_version".
-constexpr int kResultSchemaVersion = 2;
+constexpr int kResultSchemaVersion = 3;
 
 /// Values of "held_out": "method".
 constexpr char kCrossValidation[] = "cross-validation";

@@ -62,7 +62,8 @@ std::string RigComparisonTable(const RigResult& result) {
   for (const CalibrationResult& camera : result.cameras)
     AddModelRows(EscapeHtml(camera.camera.name) + ", ", camera, &rows);
   if (rows.empty()) return "";
-  return "<h2>Other models, from the same features</h2>\n" + ModelTable(rows) +
+  return "<h2>Other models calibrated from the same features</h2>\n" +
+         ModelTable(rows) +
          "<p>The other models are fitted per camera, and poses of held-out "
          "images are estimated per camera.</p>\n";
 }

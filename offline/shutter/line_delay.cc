@@ -466,7 +466,8 @@ std::string LineDelayOptimization::FindUnlikeParts() const {
       continue;
     largest = sigmas;
     found = fmt::format(
-        "line delay {} +- {} in the first part, {} +- {} in the rest",
+        "line delay {} +- {} in the earlier frames, {} +- {} in the later "
+        "frames",
         MicrosecondsText(before.seconds), MicrosecondsText(before.deviation_s),
         MicrosecondsText(after.seconds), MicrosecondsText(after.deviation_s));
   }

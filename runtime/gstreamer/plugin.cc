@@ -13,5 +13,5 @@ gboolean Initialize(GstPlugin* plugin) {
 
 #define PACKAGE "raygrid"
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, raygrid,
-                  "Undistortion with raygrid's blobs", Initialize,
+                  "Undistortion with raygrid blobs", Initialize,
                   RAYGRID_VERSION, "MIT/X11", "raygrid", "raygrid")

@@ -23,7 +23,7 @@ enum Outside { kFill, kTrusted };
 GType OutsideType() {
   static const GEnumValue kValues[] = {
       {kFill, "Extrapolate the model", "fill"},
-      {kTrusted, "Border in blocks outside the valid region", "border"},
+      {kTrusted, "Border value in blocks outside the valid region", "border"},
       {kTrusted, "Former name of border", "trusted"},
       {0, nullptr, nullptr}};
   static const GType type =

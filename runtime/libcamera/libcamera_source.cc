@@ -125,7 +125,7 @@ std::shared_ptr<Camera> CameraList::Find(const std::string& id) const {
   if (found.size() == 1) return found[0];
   if (manager_->cameras().empty())
     throw InputError(
-        "camera: libcamera found none; connect one, check that udevd is "
+        "camera: none found by libcamera; connect one, check that udevd is "
         "running, or use --source v4l2");
   const std::string what = id.empty()      ? "several found"
                            : found.empty() ? "none named " + id

@@ -56,7 +56,7 @@ std::string DescribeOtherName(const std::string& name) {
     for (const PixelFormatInfo& format : PixelFormats())
       for (const char* other : {format.v4l2, format.ffmpeg, format.gstreamer})
         if (other && simplify(other) == simplify(name) && name != format.name)
-          return std::string(format.name) + " is the name used here";
+          return std::string("use ") + format.name;
   return "";
 }
 

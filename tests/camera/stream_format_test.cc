@@ -60,8 +60,7 @@ TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
            {"pgAA", "SGRBG10_CSI2P"},
            {"pGAA", "SGBRG10_CSI2P"}}) {
     EXPECT_EQ(FindPixelFormat(other), nullptr);
-    EXPECT_EQ(DescribeOtherName(other),
-              std::string(name) + " is the name used here");
+    EXPECT_EQ(DescribeOtherName(other), std::string("use ") + name);
   }
   for (const char* name : {"R8", "NV12", "MJPEG", "", "NV13"})
     EXPECT_EQ(DescribeOtherName(name), "") << name;

@@ -183,7 +183,7 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   EXPECT_EQ(told["uncertainty_map"],
             Json({5.0, 6.0, 0.1235, 7.0, 8.0, nullptr}));
   EXPECT_TRUE(told["uncertainty_px"].is_null());
-  EXPECT_EQ(told["target_px"], 0.2);
+  EXPECT_EQ(told["requested_uncertainty_px"], 0.2);
   EXPECT_EQ(told["kept_frames"], Json({"a.png", "b\xef\xbf\xbd.png"}));
   EXPECT_EQ(told["frames_remaining"], 9);
   EXPECT_EQ(told["warnings"], Json({"<b>"}));

@@ -75,7 +75,7 @@ class Batch(CommandTest):
             self.assertAlmostEqual(float(row["focal_px"]), (lens["fx"] * lens["fy"]) ** 0.5, delta=1e-3)
             self.assertAlmostEqual(float(row["center_x_px"]), lens["cx"], delta=1e-6)
             self.assertAlmostEqual(float(row["held_out_median_px"]), facts["held_out_error"]["median_px"], delta=1e-6)
-            self.assertGreater(float(row["seconds"]), 0)
+            self.assertGreater(float(row["elapsed_s"]), 0)
 
     def test_units_of_older_versions_are_not_calibrated_again(self):
         plan = self.plan(("A1",))
@@ -195,7 +195,7 @@ units:
         unusual = [line for line in result.stdout.splitlines() if "outlier in" in line]
         self.assertEqual(len(unusual), 1, result.stdout)
         self.assertRegex(unusual[0], "^U08: outlier in .*shape")
-        self.assertEqual([serial for serial, row in self.table().items() if row["unusual"]], ["U08"])
+        self.assertEqual([serial for serial, row in self.table().items() if row["outlying_metrics"]], ["U08"])
         self.assertEqual(self.table()["U23"]["lens_batch"], "new")
         self.assertRegex(result.stdout, r"from U14 \(first lens of batch new\), the mean of focal "
                                         r"length \(focal_px\) changes from \d+\.?\d* px to \d")
@@ -213,7 +213,7 @@ units:
         self.assertAlmostEqual(center["repeatability_sd"], 0, delta=1e-6)
         for factor in ("operator", "station"):
             self.assertAlmostEqual(center[factor]["sd"], 0.1 / 2 ** 0.5, delta=1e-4)
-        self.assertGreater(center["gauge_rr_share"], 0.05)
+        self.assertGreater(center["gauge_rr_ratio"], 0.05)
 
     def test_words_that_a_spreadsheet_would_run_are_text(self):
         more = ["  - {serial: B1, features: few/features.csv, lens_batch: '=cmd|x!A1'}\n",
@@ -225,14 +225,14 @@ units:
         self.assertEqual([table[f"B{k}"]["lens_batch"] for k in (1, 2, 3, 4)],
                          ["'=cmd|x!A1", "'+1", "'@A1, \"2\"", "' =A1"])
         for row in table.values():
-            for text in (row["reason"], row["lens_batch"], row["unusual"]):
+            for text in (row["reason"], row["lens_batch"], row["outlying_metrics"]):
                 self.assertNotIn(text[:1], tuple("=+-@"))
 
     def test_the_page_shows_the_fleet(self):
         plan = self.make_fleet()
         self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
         page = read(self.out + "/fleet.html").decode()
-        for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Batches of lenses",
+        for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Lens batches",
                         "Gauge repeatability", "All units"):
             self.assertIn(heading, page)
         self.assertNotIn("<old>", page)  # names are text, not tags
@@ -279,7 +279,7 @@ units:
         self.assertEqual(read(self.path("few-units/N1/camera.yaml")).decode().replace('serial: "N1"\n', ""),
                          read(self.path("five-like/camera.yaml")).decode())
         facts = json.loads(read(self.path("few-units/N1/result.json")))
-        self.assertLess(facts["population_distance"]["rms_px"], 5 * facts["population_distance"]["population_px"])
+        self.assertLess(facts["population_distance"]["rms_px"], 5 * facts["population_distance"]["population_rms_px"])
         self.assertNotIn("warning", facts["population_distance"])
         self.assert_refused(run("batch", again, "-o", self.out), 7, "fleet_camera.yaml")
         self.assert_refused(run(*words, "--model", "opencv", "--prior", middle, "-o", self.path("no")), 1, "--prior")
@@ -334,7 +334,7 @@ units:
         self.assert_done(self.batch(plan, "--unit", 1, output="-single"))
         self.assert_done(self.batch(plan, "--gather", output="-single"))
         self.assert_same_files(self.files(), expected)
-        for units, words in (("3", "counted from 0"), ("1-3", "counted from 0"), ("2-1", "expected a unit"), ("-1", "expected a unit"),
+        for units, words in (("3", "numbered from 0"), ("1-3", "numbered from 0"), ("2-1", "expected a unit"), ("-1", "expected a unit"),
                              ("1-", "expected a unit"), ("x", "expected a unit"), ("1234567890123", "expected a unit")):
             self.assert_refused(self.batch(plan, "--unit=" + units, output="-single"), 1, words)
         self.assert_done(self.batch(plan, "--unit", "0-2", output="-three"))

@@ -75,7 +75,7 @@ class Condition(CommandTest):
     def test_output_and_report_tell_what_changes(self):
         self.assertRegex(self.said, r"0 to 10 dioptres: image scale changes by [34]\.\d+ %")
         report = read(self.path("out/report.html")).decode()
-        self.assertIn("<h2>Over the range</h2>", report)
+        self.assertIn("<h2>Operating range</h2>", report)
         for end in (0, 10):
             self.assertIn("Distortion at %d dioptres against 5<" % end, report)
             self.assertIn("Predicted uncertainty at %d dioptres<" % end, report)

@@ -46,7 +46,7 @@ class Detect(CommandTest):
         found = json.loads(result.stdout)
         self.assertEqual((found["images"], found["images_with_features"], found["features"]), (2, 2, 108))
         self.assertEqual((found["rejected_features"], found["skipped_images"]), (0, []))
-        self.assertGreaterEqual(found["seconds"], 0)
+        self.assertGreaterEqual(found["elapsed_s"], 0)
         self.assertEqual(len(read(self.out).splitlines()), 109)
 
     def test_another_board_is_named(self):

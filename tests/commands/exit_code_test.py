@@ -184,7 +184,7 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         for camera in (lens, self.out + "/camera.yaml"):
             result = run("pack", camera, "-o", self.path("240.raygrid"), "--json")
             self.assert_done(result)
-            self.assertLess(json.loads(result.stdout)["not_packed_share"], 0.3)
+            self.assertLess(json.loads(result.stdout)["uncovered_fraction"], 0.3)
 
     def test_one_view_many_times(self):
         lines = read(self.simulate()).decode().splitlines()

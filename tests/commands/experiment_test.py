@@ -277,7 +277,7 @@ class Experiment(CommandTest):
         self.assertGreater(parts["per-view deformation"], 40)
         self.assertAlmostEqual(sum(parts.values()), 100, delta=0.1)
         bends = [cause for cause in budget["causes"] if cause["cause"] == "per-view deformation"][0]
-        self.assertAlmostEqual(100 * bends["share"], parts["per-view deformation"], delta=0.5)
+        self.assertAlmostEqual(100 * bends["fraction"], parts["per-view deformation"], delta=0.5)
         # The true camera, which localises the images.
         rows, _ = self.small("residual-budget", "--features", features, "--pattern", pattern,
                              *size, "--camera", self.path("bent/true_camera.yaml"))

@@ -82,7 +82,7 @@ class Interruption(CommandTest):
         """A result's files; what was measured of the run itself is left out of result.json."""
         files = self.files_in(output)
         result = json.loads(files["result.json"])
-        for key in ("seconds", "peak_memory_bytes"):
+        for key in ("stage_seconds", "peak_memory_bytes"):
             del result[key]
         files["result.json"] = result
         return files

@@ -145,7 +145,7 @@ class MainJob(CalibratedTest):
         self.assert_done(result)
         figures = json.loads(result.stdout)
         self.assertEqual(figures["model"], "thin-prism-fisheye")
-        self.assertEqual(figures["points_not_covered"], 0)
+        self.assertEqual(figures["num_unrepresentable_points"], 0)
         # The lens has bumps of up to 1.5 px.
         self.assertLess(0.1, figures["rms_px"])
         self.assertLess(figures["rms_px"], 0.7)
@@ -168,7 +168,7 @@ class MainJob(CalibratedTest):
         self.assertIn("in the valid region: RMS 0.00", result.stdout)
         figures = json.loads(fit("splined-stereographic", "--json").stdout)
         self.assertLess(figures["valid_region"]["rms_px"], 0.005)
-        self.assertEqual(figures["points_not_covered"], 0)
+        self.assertEqual(figures["num_unrepresentable_points"], 0)
         fit("splined-stereographic", "--spline", "20x16,fov=100")
         self.assertIn(b"fov_x_deg: 100", read(self.path("spline.yaml")))
         for words in ("20", "3x20", "20x999", "20x16,fov=0", "20x16,fov=360", "20x16,90"):

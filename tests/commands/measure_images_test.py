@@ -74,7 +74,7 @@ class Images(CommandTest):
         script = os.path.join(ROOT, "tools", "measure_readme")
         for arguments, word in ((("--images", self.images), "--pattern"),
                                 (("--images", self.path("nowhere"), "--pattern", PATTERN), "no such folder"),
-                                (("--images",), "needs a value")):
+                                (("--images",), "missing value")):
             self.assert_refused(run(*arguments, program=script), 1, word)
         self.assertIn("--images DIR", run("--help", program=script).stdout)
 

@@ -321,7 +321,7 @@ class Meshes(CommandTest):
         for unit, camera, moves in ((Dw100, self.camera, True), (Hailo, grid, False)):
             told, path = self.export(unit, *WITH_BORDER, camera=camera)
             mesh = told["mesh"]
-            self.assertEqual(mesh["vertices_moved"] > 0, moves)
+            self.assertEqual(mesh["num_clamped_vertices"] > 0, moves)
             width, height = unit.size
             pixels = [(x, y) for y in range(0, height, 3) for x in range(0, width, 5)]
             pixels.append(tuple(mesh["max_error_pixel"]))
@@ -336,7 +336,7 @@ class Meshes(CommandTest):
             for pixel, source in zip(pixels, sources):
                 x, y = own.place(*pixel) if source is None else (-1, -1)
                 inside += 0 <= x <= SIZE[0] - 1 and 0 <= y <= SIZE[1] - 1
-            self.assertLess(abs(mesh["pixels_filled"] / (width * height) - inside / len(pixels)),
+            self.assertLess(abs(mesh["num_filled_pixels"] / (width * height) - inside / len(pixels)),
                             0.01)
 
     def test_same_bytes_with_any_number_of_threads(self):

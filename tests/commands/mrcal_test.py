@@ -195,7 +195,7 @@ for path, image in zip(paths, observations):
         self.assertEqual(region(self.path("k.cameramodel")),
                          region(self.path("again.cameramodel")))
         self.assert_done(run("pack", self.path("k.yaml"), "-o", self.path("k.raygrid")))
-        for file, key, valid in (("k.yaml", "uncertainty", {"valid_share": 0.625}),
+        for file, key, valid in (("k.yaml", "uncertainty", {"valid_fraction": 0.625}),
                                  ("k.raygrid", "valid_region",
                                   {"cells": 750, "grid": [40, 30], "cell_px": 8})):
             facts = run("inspect", self.path(file), "--json")

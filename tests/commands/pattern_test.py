@@ -131,7 +131,7 @@ class PatternCommand(CommandTest):
         size = ("--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50, "--json", "-o")
         result = run("pattern", "chessboard", *size, self.path("json"))
         self.assert_done(result)
-        self.assertEqual(json.loads(result.stdout), {"schema_version": 1, "ruler_mm": 150, "boards": [
+        self.assertEqual(json.loads(result.stdout), {"schema_version": 2, "ruler_mm": 150, "boards": [
             {"id": 0, "kind": "chessboard", "columns": 9, "rows": 6, "square_m": 0.025}]})
         result = run("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
         self.assert_done(result)

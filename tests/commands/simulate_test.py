@@ -242,7 +242,7 @@ class Simulate(CommandTest):
         result = run("simulate", "--images", 2, "--json", "-o", self.path("json"))
         self.assert_done(result)
         self.assertEqual(json.loads(result.stdout),
-                         {"schema_version": 1, "images": 2, "image_size": [640, 480], "features": 480})
+                         {"schema_version": 2, "images": 2, "image_size": [640, 480], "features": 480})
 
     def test_number_of_threads_changes_nothing(self):
         outputs = []

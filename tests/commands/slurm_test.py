@@ -74,7 +74,7 @@ class Slurm(CommandTest):
                               "echo 'sbatch: a warning'; echo '77;cluster'\n"):
             result = run("batch", plan, "-o", folder + "/out", "--slurm", "--json", "--seed", 5)
         self.assert_done(result)
-        self.assertEqual(json.loads(result.stdout), {"schema_version": 1, "array_job": "77", "tasks": 1000, "gather_job": "77"})
+        self.assertEqual(json.loads(result.stdout), {"schema_version": 2, "array_job_id": "77", "tasks": 1000, "gather_job_id": "77"})
         words = read(self.path("words")).decode().splitlines()
         for word in ("--array=0-999", "--requeue", "--open-mode=append", "--dependency=afterany:77",
                      "--cpus-per-task=1", f"--output={folder.replace('%', '%%')}/out/.slurm/%a.log"):
@@ -122,7 +122,7 @@ class Slurm(CommandTest):
         self.assertIn(serial(BAD), logs[".slurm/gather.log"])
         for row in csv.DictReader(io.StringIO(read(out + "/fleet.csv").decode())):
             is_done = row["serial"] not in (serial(BAD), serial(FEW))
-            self.assertEqual(float(row["seconds"] or 0) > 0, is_done, row)
+            self.assertEqual(float(row["elapsed_s"] or 0) > 0, is_done, row)
             self.assertEqual(row["status"] == "error", not is_done, row)
 
     @staticmethod

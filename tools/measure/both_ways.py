@@ -47,7 +47,7 @@ def evaluate(options, camera, pattern, held_out):
         text = file.read()
     # Remarks of an import stand beside the result.
     figures = datasets.parse_json(text[text.index("{"):text.rindex("}") + 1])
-    return {"rigid": figures, "flexed": figures.get("deformed")}
+    return {"rigid": figures, "flexed": figures.get("with_deformation")}
 
 
 def models_of(job):

@@ -24,7 +24,7 @@ Input:
   --list                  list cameras, formats, sizes and controls
   --source KIND[:CAMERA]  libcamera:ID or v4l2:/dev/video0 (default: the only
                           camera of libcamera); see --list
-  --camera ID             same as --source libcamera:ID; part of an ID suffices
+  --camera ID             same as --source libcamera:ID; a unique part suffices
   --format NAME           pixel format of libcamera, or MJPEG of V4L2 (default:
                           the camera's)
   --size WxH              frame size to request (default: the blob's)
@@ -33,7 +33,7 @@ Input:
   --fps N                 frame rate of --from FILE (default: 30)
   --from -                standard input: Y4M, JPEGs, or raw frames with
                           --format and --size
-  --live                  drop frames of --from while the output is slow
+  --live                  drop frames of --from if the output is too slow
                           (default: process every frame)
   --timeout S             exit after this time without a frame (default: 5)
 
@@ -41,8 +41,8 @@ Model:
   --table N               0-based index of the remap table (default: that of the
                           sensor mode, or 0)
   --serial S              reject the blob unless its serial number is S
-  --calibrated-crop X,Y,WxH  calibrated region of the sensor, to identify other
-                          sensor modes
+  --calibrated-crop X,Y,WxH  sensor region of the calibrated images, to identify
+                          other sensor modes
   --strict                exit with code 8 if the capture settings of a frame
                           differ from the blob's (default: warn and count)
   --outside WHAT          outside the valid region: fill (extrapolate, default)
@@ -51,16 +51,17 @@ Model:
 Output:
   -o,--output DIR         frame-000000.raw and so on: a text header up to a line
                           "...", then the planes
-  --png                   write PNG files instead
+  --png                   write PNG files instead of raw frames
   -o -                    planes to standard output, for ffplay or
                           gst-launch-1.0, whose arguments are printed to stderr
   --frames N              exit after N frames
   --every-frame           wait for slow outputs instead of dropping old frames
-  --http PORT             serve a page with original and undistorted frames, at
-                          127.0.0.1 only
-  --listen ADDRESS        address of the page, 0.0.0.0: all; requires the token
-                          in the printed link
-  --token-file FILE       access token (default: random), also for 127.0.0.1
+  --http PORT             serve a web page with original and undistorted frames
+                          (by default on 127.0.0.1 only)
+  --listen ADDRESS        address to listen on, 0.0.0.0: all; clients need the
+                          token in the printed link
+  --token-file FILE       file with the access token (default: random), which
+                          127.0.0.1 then requires, too
   --http-name NAME[:PORT] additional host name accepted by the web server
   --points FILE           undistort points instead of frames: lines x,y of FILE
                           (-: standard input) to x,y,u,v; a third number is the
@@ -71,7 +72,7 @@ Advanced:
                           settings; write no files
   --benchmark             exit after 90 frames and print frame rate and times of
                           reading, remap, output and memory copies
-  --threads N             threads per frame (default: all processors but one)
+  --threads N             threads per frame (default: number of processors - 1)
   --quiet                 print no statistics
   --help                  print this help
 

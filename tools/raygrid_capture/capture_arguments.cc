@@ -110,9 +110,10 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->description("print this help")
       ->group(help_group::kAdvanced);
   BeginGroup(app, help_group::kInput);
-  app->add_option("--source", arguments->sources,
-                  "libcamera[:ID], v4l2[:DEVICE], a video, a folder, or - for "
-                  "standard input; NAME=SOURCE for each camera of a rig")
+  app->add_option(
+         "--source", arguments->sources,
+         "libcamera[:ID], v4l2[:DEVICE], a video file, a folder of images, or "
+         "- (standard input); NAME=SOURCE for each camera of a rig")
       ->required()
       ->option_text("SOURCE")
       ->allow_extra_args(false);
@@ -148,8 +149,8 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
          "the image (default: when no view reduces the variance by 2 %)")
       ->option_text("PX");
   app->add_option("--still-px", arguments->loop.judge.still_px,
-                  "keep frames whose features move by less than this during "
-                  "and since the last frame")
+                  "keep a frame only if its features move by less than this "
+                  "during the exposure (if unknown: since the previous frame)")
       ->option_text("PX")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
@@ -168,23 +169,23 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
                 "do not run raygrid calibrate at the end");
   BeginGroup(app, "Page");
   app->add_flag("--no-page", arguments->no_page,
-                "do not serve a page; print the state in the terminal only");
-  app->add_option(
-         "--listen", arguments->page.number,
-         "address to listen on; other hosts need the token in the printed link")
+                "do not serve a web page; print the state in the terminal");
+  app->add_option("--listen", arguments->page.number,
+                  "address to listen on; access from other hosts requires the "
+                  "token in the printed link")
       ->option_text("ADDRESS")
       ->capture_default_str();
   app->add_option("--port", arguments->page.port,
-                  "port of the page; 0: any free port")
+                  "port of the web server; 0: any free port")
       ->option_text("PORT")
       ->capture_default_str();
   app->add_option("--page-name", arguments->page.more_names,
                   "additional host name accepted by the web server; repeatable")
       ->option_text("NAME[:PORT]")
       ->allow_extra_args(false);
-  app->add_option(
-         "--token-file", arguments->page.token_file,
-         "file that contains the token: 16 to 128 letters, digits, - or _")
+  app->add_option("--token-file", arguments->page.token_file,
+                  "file with the access token: 16 to 128 letters, digits, - or "
+                  "_ (default: random token)")
       ->option_text("FILE");
   BeginGroup(app, help_group::kAdvanced);
   app->add_option("--timeout", arguments->loop.timeout_s,
@@ -199,7 +200,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->capture_default_str();
   app->add_flag("--quiet", arguments->common.quiet, "print errors only");
   app->add_flag("--json", arguments->common.json,
-                "print one line of JSON per change of state");
+                "print one line of JSON at each state change");
 }
 
 void FinishCaptureArguments(CaptureArguments* arguments) {

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kCaptureSchemaVersion = 2;
+constexpr int kCaptureSchemaVersion = 3;
 
 double RoundedPixel(double pixel) { return std::round(10 * pixel) / 10; }
 
@@ -65,7 +65,7 @@ std::string CaptureJson(const CaptureState& state) {
                      {"uncertainty_map", places},
                      {"uncertainty_px", Rounded(state.deviation_px)},
                      {"uncertainty_is_lower_bound", state.deviation_is_floor},
-                     {"target_px", Rounded(state.target_px)},
+                     {"requested_uncertainty_px", Rounded(state.target_px)},
                      {"kept_frames", state.kept},
                      {"frames_remaining", state.num_expected},
                      {"edge_width_px", Rounded(state.sharpness_px)},

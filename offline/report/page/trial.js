@@ -72,7 +72,7 @@
       byId('trial-figures').textContent = `${width} \u00d7 ${height} px, fx ${fx.toFixed(1)} px, ` +
         `${Math.round(performance.now() - started)} ms`;
     } catch (error) {
-      say(`This view cannot be made: ${error.message}`);
+      say(`Cannot create this view: ${error.message}`);
     }
   };
 
@@ -92,7 +92,7 @@
       const picture = await createImageBitmap(file,
         {imageOrientation: 'none', colorSpaceConversion: 'none'});
       if (picture.width !== size[0] || picture.height !== size[1])
-        say(`${file.name} has ${picture.width} \u00d7 ${picture.height} px; use a photograph of ` +
+        say(`${file.name} has ${picture.width} \u00d7 ${picture.height} px; use an image of ` +
           `this camera at the calibrated size, ${size.join(' \u00d7 ')} px.`);
       else
         show(picture, file.name);
@@ -118,7 +118,7 @@
     if (!ray) return `${place}: not calibrated`;
     const tilt = Math.acos(Math.max(-1, Math.min(1, ray[2]))) / DEGREE;
     const [deviation] = camera.uncertainty([pixel]), [valid] = camera.isValid([pixel]);
-    return `${place} sees along (${ray.map((v) => v.toFixed(4)).join(', ')}), ` +
+    return `${place}: ray direction (${ray.map((v) => v.toFixed(4)).join(', ')}), ` +
       `${tilt.toFixed(2)}\u00b0 from the z axis` +
       (deviation === null ? '' : `; \u00b1 ${deviation.toFixed(4)} px`) +
       (valid ? '' : '; outside the valid region');
@@ -183,5 +183,5 @@
   }).observe(section);
 })().catch((error) => {
   document.getElementById('trial').hidden = true;
-  console.error(`the runtime does not run in this browser: ${error.message}`);
+  console.error(`cannot run the runtime in this browser: ${error.message}`);
 });

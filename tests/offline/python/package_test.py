@@ -354,7 +354,7 @@ class Calibrations(PackageTest):
         ours, theirs = (json.loads(read(self.path(f"{folder}/result.json")))
                         for folder in ("ours", "theirs"))
         for result in (ours, theirs):
-            del result["seconds"], result["peak_memory_bytes"]
+            del result["stage_seconds"], result["peak_memory_bytes"]
         self.assertEqual(ours, theirs)
         self.check_camera(self.path("theirs/camera.yaml"))
 
@@ -368,7 +368,7 @@ class Calibrations(PackageTest):
         known = camera.uncertainty(lattice)
         self.assertAlmostEqual(np.nanmedian(known) / figures["median_px"], 1, delta=0.15)
         pixels = np.stack(np.meshgrid(np.arange(SIZE[0]), np.arange(SIZE[1])), -1)
-        self.assertAlmostEqual(camera.is_valid(pixels).mean(), figures["valid_share"],
+        self.assertAlmostEqual(camera.is_valid(pixels).mean(), figures["valid_fraction"],
                                places=3)
         # A lens that the model cannot follow may be valid nowhere.
         self.assertLessEqual(np.nanmax(known[camera.is_valid(lattice)], initial=0),

@@ -41,7 +41,7 @@ TEST(BudgetJson, IsReadAsItWasWritten) {
   const nlohmann::ordered_json json = ExampleBudget();
   EXPECT_EQ(json["limited_by"], "per-view deformation");
   EXPECT_EQ(json["causes"][2]["cause"], "per-view deformation");
-  EXPECT_EQ(json["causes"][2]["share"], 0.5);
+  EXPECT_EQ(json["causes"][2]["fraction"], 0.5);
   EXPECT_EQ(json["causes"][0]["not_observable"],
             "7 views, at least <8> required");
   EXPECT_EQ(nlohmann::ordered_json(json.get<ResidualBudget>()), json);

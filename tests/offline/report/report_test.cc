@@ -328,8 +328,8 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
                 [&] { ReportOf(out); });
   }
   for (const char* text :
-       {"{}", "[]", "", "{\"schema_version\": 99}", "{\"schema_version\": 2}",
-        "{\"schema_version\": 2, \"cameras\": [], "
+       {"{}", "[]", "", "{\"schema_version\": 99}", "{\"schema_version\": 3}",
+        "{\"schema_version\": 3, \"cameras\": [], "
         "\"verdict\": \"pass\", \"reasons\": []}"}) {
     WriteResultTo(out, PlainResult());
     WriteFile(out + "/result.json", text);
@@ -419,8 +419,9 @@ TEST(ResultJson, HoldsTheFigures) {
   EXPECT_EQ(json["images"]["near_duplicates"][0]["duplicates"][1], "c.png");
   EXPECT_EQ(json["training"]["count"], 60);
   EXPECT_EQ(json["held_out"]["method"], "held-out images");
-  EXPECT_EQ(json["held_out_deformed"]["median_px"], 0.123);
-  EXPECT_EQ(json["parametric_models"][0]["held_out_deformed"]["count"], 30);
+  EXPECT_EQ(json["held_out_with_deformation"]["median_px"], 0.123);
+  EXPECT_EQ(json["parametric_models"][0]["held_out_with_deformation"]["count"],
+            30);
   EXPECT_EQ(json["target_deformation"]["rms_m"], 0.00016);
   EXPECT_EQ(json["target_deformation"]["views"][1]["image"], "b.png");
   EXPECT_EQ(json["knot_spacing_candidates"].size(), 2u);
@@ -506,7 +507,7 @@ TEST(ResultJson, HoldsEachCameraOfARig) {
   EXPECT_EQ(json["cameras"].size(), 2u);
   EXPECT_EQ(json["cameras"][1]["name"], "right");
   EXPECT_EQ(json["cameras"][1]["training"]["count"], 60);
-  EXPECT_EQ(json["cameras"][1]["held_out_in_rig"]["count"], 60);
+  EXPECT_EQ(json["cameras"][1]["held_out_with_rig_poses"]["count"], 60);
   EXPECT_EQ(json["cameras"][1]["verdict"], "fail");
   EXPECT_EQ(json["images"]["rejected"][1]["camera"], "right");
   EXPECT_NEAR(json["baselines"][0]["distance_m"].get<double>(), 0.5, 1e-12);

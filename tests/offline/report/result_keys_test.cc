@@ -105,6 +105,37 @@ TEST(ResultKeys, BudgetsOfVersion1AreRead) {
   EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).chance_high, 0.002);
 }
 
+TEST(ResultKeys, KeysOfVersion2AreRenamed) {
+  Json result = {{"schema_version", 2},
+                 {"seconds", {{"detection", 1.5}}},
+                 {"uncertainty",
+                  {{"valid_share", 0.5},
+                   {"share_below_px", {{"0.05", 0.25}}},
+                   {"extrapolated", {{"share", 0.1}, {"where", "corners"}}}}},
+                 {"rectified_pair", {{"disparities", 64}}},
+                 {"cameras",
+                  {{{"held_out_in_rig", {{"count", 9}}},
+                    {"residual_budget",
+                     {{"noise_share", 0.9},
+                      {"causes", {{{"share", 0.2}, {"share_alone", 0.3}}}}}},
+                    {"population_distance", {{"population_px", 0.5}}}}}}};
+  ASSERT_TRUE(UpgradeResult(&result));
+  EXPECT_EQ(result["schema_version"], kResultSchemaVersion);
+  EXPECT_EQ(result["stage_seconds"]["detection"], 1.5);
+  const Json& uncertainty = result["uncertainty"];
+  EXPECT_EQ(uncertainty["valid_fraction"], 0.5);
+  EXPECT_EQ(uncertainty["fraction_below_px"]["0.05"], 0.25);
+  EXPECT_EQ(uncertainty["extrapolated"]["fraction"], 0.1);
+  EXPECT_EQ(uncertainty["extrapolated"]["location"], "corners");
+  EXPECT_EQ(result["rectified_pair"]["num_disparities"], 64);
+  const Json& camera = result["cameras"][0];
+  EXPECT_EQ(camera["held_out_with_rig_poses"]["count"], 9);
+  EXPECT_EQ(camera["residual_budget"]["noise_fraction"], 0.9);
+  EXPECT_EQ(camera["residual_budget"]["causes"][0]["fraction"], 0.2);
+  EXPECT_EQ(camera["residual_budget"]["causes"][0]["fraction_alone"], 0.3);
+  EXPECT_EQ(camera["population_distance"]["population_rms_px"], 0.5);
+}
+
 TEST(ResultKeys, CamerasOfARigGetTheKeysOfToday) {
   Json rig = {{"raygrid_result", 1},
               {"cameras", {{{"name", "left"}, {"cell_px", 40}}}},

@@ -13,7 +13,7 @@ const WORDS = {
   blurred: ['\u2248', 'Blurred', 'bad'],
   dark: ['\u25bc', 'Too dark', 'bad'],
   bright: ['\u25b2', 'Too bright', 'bad'],
-  known: ['=', 'Adds nothing new', 'idle'],
+  known: ['=', 'Similar view already kept', 'idle'],
   busy: ['\u2026', 'Working', 'busy'],
   paused: ['\u2016', 'Paused', 'busy'],
   locking: ['\u2026', 'Locking focus and exposure', 'busy'],
@@ -195,7 +195,7 @@ function showRig() {
     return item;
   });
   const pairs = links.map(({cameras: [first, second], uncertainty_px: px}) =>
-    make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'Uncertainty of a board predicted from one camera in the other'}));
+    make('li', {textContent: `${first}\u2013${second}${known(px)}`, title: 'Uncertainty of predicting a board in one camera from the other'}));
   list.replaceChildren(...shown, ...pairs);
 }
 
@@ -262,7 +262,7 @@ function deviationAt(places, x, y) {
 let mapKey = '';
 
 function showMap() {
-  const {width, height, uncertainty_map: places, target_px: target, next_views: next} = state;
+  const {width, height, uncertainty_map: places, requested_uncertainty_px: target, next_views: next} = state;
   const key = JSON.stringify([width, height, places, target, next, byId('map').clientWidth]);
   if (key === mapKey || !(width > 0 && height > 0)) return;
   mapKey = key;
@@ -375,10 +375,10 @@ function setBar(id, percent, value, text) {
 }
 
 function showProgress() {
-  const {kept_frames: kept, frames_remaining: expected, uncertainty_px: now, target_px: target, done: isDone,
+  const {kept_frames: kept, frames_remaining: expected, uncertainty_px: now, requested_uncertainty_px: target, done: isDone,
     uncertainty_is_lower_bound: isFloor} = state;
   setText(byId('num-kept'), String(kept.length));
-  setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', none more' : `, about ${expected} more`);
+  setText(byId('expected'), isDone || !(expected >= 0) ? '' : expected === 0 ? ', no more needed' : `, about ${expected} more`);
   byId('progress').hidden = !(target > 0);
   const part = now > 0 && target > 0 ? Math.min(1, target / now) : 0;
   const isNear = now > target && pixels(now) === pixels(target);
@@ -471,7 +471,7 @@ function look(name) {
     picture.style.visibility = 'visible';
     text.textContent = '';
   };
-  picture.onerror = () => { text.textContent = 'This frame cannot be read.'; };
+  picture.onerror = () => { text.textContent = 'Cannot read this frame.'; };
   picture.src = `picture/${encodeURIComponent(name)}.jpg?${++itemNumber}`;
   if (!byId('look').open) byId('look').showModal();
 }
