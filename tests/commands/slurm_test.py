@@ -10,7 +10,8 @@ import unittest
 from unittest import mock
 
 from batch_results import result_files, waits_for_a_lock
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, wait_until, write
+from command_test import (CommandTest, SIMULATED_PATTERN, cpu_seconds_of_children, main, programs, read, run, wait_until,
+                          write)
 from slurm_cluster import Cluster, what_is_missing
 
 PLAN = """raygrid_batch: 1
@@ -72,10 +73,13 @@ class Slurm(CommandTest):
         folder = self.path("it's 100% a $HOME")
         units = "".join(f"  - {{serial: {unit}, features: x.csv}}\n" for unit in range(2500))
         plan = write(folder + "/plan.yaml", PLAN + units)
+        before = cpu_seconds_of_children()
         with self.fake_sbatch(f"for word in \"$@\"; do printf '%s\\n' \"$word\"; done >>'{self.path('words')}'\n"
                               "echo 'sbatch: a warning'; echo '77;cluster'\n"):
             result = run("batch", plan, "-o", folder + "/out", "--slurm", "--json", "--seed", 5)
         self.assert_done(result)
+        # In linear time: a task of Slurm reads all of it.
+        self.assertLess(cpu_seconds_of_children() - before, 3)
         self.assertEqual(json.loads(result.stdout), {"schema_version": 1, "array_job": "77", "tasks": 1000, "gather_job": "77"})
         words = read(self.path("words")).decode().splitlines()
         for word in ("--array=0-999", "--requeue", "--open-mode=append", "--dependency=afterany:77",
