@@ -67,18 +67,24 @@ const std::map<std::string, std::string> kFormerFigures = {
 
 // A plan or unit with former keys replaced by the current ones.
 YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
-  YAML::Node current(YAML::NodeType::Map);
+  std::map<std::string, YAML::Node> values;
+  bool has_former = false;
   for (const auto& entry : map) {
     const std::string key = entry.first.as<std::string>();
     const auto former = kFormerKeys.find(key);
+    has_former |= former != kFormerKeys.end();
     const std::string& name =
         former == kFormerKeys.end() ? key : former->second;
-    if (current[name])
+    if (!values.emplace(name, entry.second).second)
       throw InputError(
           fmt::format("{}: duplicate key '{}' (former names included)", what,
                       Printable(name)));
-    current[name] = entry.second;
   }
+  // Each assignment below visits all nodes of the document, so that the time to
+  // read a plan would grow with the square of its number of units.
+  if (!has_former) return map;
+  YAML::Node current(YAML::NodeType::Map);
+  for (const auto& [name, value] : values) current[name] = value;
   return current;
 }
 

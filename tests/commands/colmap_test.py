@@ -68,7 +68,7 @@ class Colmap(ExchangeTest):
         """10,000 rays; and half a pixel is seen."""
         python = pycolmap()
         if not python:
-            self.skipTest("pycolmap cannot be had from the registry of Python packages")
+            self.skipTest("pip cannot install pycolmap; the test needs access to PyPI")
         step = 639 / 160
         _, rays = self.rays(self.camera, [(x * step, y * step) for y in range(64)
                                           for x in range(161) if x * step <= 639])
@@ -193,7 +193,7 @@ class Colmap(ExchangeTest):
         """Where COLMAP sees points of the board is where raygrid does."""
         python = pycolmap()
         if not python:
-            self.skipTest("pycolmap cannot be had from the registry of Python packages")
+            self.skipTest("pip cannot install pycolmap; the test needs access to PyPI")
         folder, poses = self.posed("bin", "a.png", "b.png")
         seen = self.seen_by_images(python, folder)
         for pose in read(poses).decode().split()[1:]:
@@ -222,7 +222,7 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
     def test_frames_hold_the_images_of_a_rig(self):
         python = pycolmap()
         if not python:
-            self.skipTest("pycolmap cannot be had from the registry of Python packages")
+            self.skipTest("pip cannot install pycolmap; the test needs access to PyPI")
         write(self.path("f/cameras.txt"), "".join(
             f"{k} OPENCV 160 120 150 151 80 60 0.1 0 0 0\n" for k in (3, 5)))
         write(self.path("f/rigs.txt"), "1 2 CAMERA 3 CAMERA 5 1 0.8 0 0 0.6 1 2 3\n")

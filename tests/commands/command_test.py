@@ -131,7 +131,7 @@ def with_word(blob, kind, offset, value):
     return bytes(blob)
 
 
-def wait_until(is_so):
+def wait_until(is_so, poll_s=0.01):
     """Waits for what is to come, and returns it. Fails if it does not come."""
     end = time.monotonic() + HANG_S
     while True:
@@ -139,7 +139,7 @@ def wait_until(is_so):
         if value:
             return value
         assert time.monotonic() < end, "it did not come in time"
-        time.sleep(0.01)
+        time.sleep(poll_s)
 
 
 class CommandTest(unittest.TestCase):

@@ -100,7 +100,7 @@ class DepthAi(CommandTest):
         seen. Its order is that of OpenCV."""
         python = depthai()
         if not python:
-            self.skipTest("depthai cannot be had from the registry of Python packages")
+            self.skipTest("pip cannot install depthai; the test needs access to PyPI")
         points = [(x / 50, y / 50, 1.0) for y in range(-37, 38) for x in range(-45, 46)]
         files = {name: self.export(name + ".yaml", name + ".json") for name in ("lens", "wide")}
         text = read(files["lens"]).decode()

@@ -91,7 +91,7 @@ class Experiment(CommandTest):
         return rows, pictures
 
     def test_model_validation(self):
-        rows, pictures = self.small("model-validation")
+        rows, pictures = self.small("model-validation", images=5)
         self.assertEqual(pictures, ["model-validation-directions.png"])
         for key in ("training_median_px", "test_median_px", "ray_error_px"):
             parametric = [float(row[key]) for row in rows if row["cells"] == "0"]
@@ -122,7 +122,7 @@ class Experiment(CommandTest):
         return rows, sorted(file for file in os.listdir(folder) if file.endswith(".png"))
 
     def test_fine_model_validation(self):
-        rows, pictures = self.fine("fine", "--images", 20, "--size", "160x100", "--bump-px", 20)
+        rows, pictures = self.fine("fine", "--images", 12, "--size", "160x100", "--bump-px", 20)
         self.assertEqual(pictures, ["model-validation-directions-20px.png"])
         self.assertEqual({row["bump_px"] for row in rows}, {"20"})
 
@@ -164,7 +164,7 @@ class Experiment(CommandTest):
         self.assertGreater(errors[0], 0.5)
 
     def test_localization(self):
-        rows, _ = self.small("localization")
+        rows, _ = self.small("localization", images=5)
         by_name = {row.pop("camera"): [float(value) for value in row.values()] for row in rows}
         # Noise averages out, a wrong camera does not.
         self.assertLess(by_name["truth"][3], 0.3 * by_name["truth"][0])
@@ -484,11 +484,12 @@ cameras:
     def test_repeatability(self):
         def simulate(folder, images):
             self.assert_done(run("simulate", "--images", images, "--features-per-image", 100,
+                                 "--lens", "wide", "--size", "320x240",
                                  "--pattern", write(self.path("board.yaml"), SIMULATED_PATTERN),
                                  "--correlated-noise-px", 0.05, "-o", self.path(folder)))
             return ("--features", self.path(folder + "/features.csv"), "--pattern",
-                    self.path(folder + "/pattern.yaml"), "--image-size", "640x480")
-        rows, _ = self.small("repeatability", *simulate("many", 24))
+                    self.path(folder + "/pattern.yaml"), "--image-size", "320x240")
+        rows, _ = self.small("repeatability", *simulate("many", 16))
         self.assertEqual([row["pair"] for row in rows],
                          [str(k + 1) for k in range(10)] + ["all"])
         self.assertGreater(int(rows[-1]["known_places"]), 1000)

@@ -80,7 +80,7 @@ class Names(CommandTest):
         try:
             write(os.fsencode(self.path("photos/")) + b"caf\xe9.pgm", b"P5\n1 1\n255\n0")
         except OSError:
-            self.skipTest("this file system refuses names that are not UTF-8")
+            self.skipTest("this file system refuses names that are not UTF-8; set TMPDIR to a folder of another one")
         for command in (["detect", self.path("photos"), "-o", self.path("latin.csv")],
                         ["calibrate", self.path("photos"), "-o", self.path("latin")]):
             result = run(*command, "--pattern", self.path("sim/pattern.yaml"))

@@ -26,7 +26,7 @@ class RollingShutterTest(CommandTest):
     def calibrate(self, folder, *options):
         return run("calibrate", "--features", folder / "features.csv", "--image-size", SIZE,
                    "--pattern", folder / "pattern.yaml", "--knot-spacing-px", "120", "--skip-comparison",
-                   *options)
+                   "--fix-target-geometry", *options)
 
     def row_time(self, folder, *options):
         """What calibrate says of it, and the result's folder."""

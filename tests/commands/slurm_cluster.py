@@ -78,7 +78,7 @@ class Cluster:
         self.start("slurmctld")
         for node in ("n1", "n2"):
             self.start("slurmd", "-N", node)
-        wait_until(lambda: self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle", "idle"])
+        wait_until(lambda: self.ask("sinfo", "-h", "-N", "-o", "%T").split() == ["idle", "idle"], 0.05)
 
     def start(self, *command):
         result = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True,

@@ -10,7 +10,8 @@ import unittest
 from unittest import mock
 
 from batch_results import result_files, waits_for_a_lock
-from command_test import CommandTest, SIMULATED_PATTERN, main, programs, read, run, wait_until, write
+from command_test import (CommandTest, SIMULATED_PATTERN, cpu_seconds_of_children, main, programs, read, run, wait_until,
+                          write)
 from slurm_cluster import Cluster, what_is_missing
 
 PLAN = """raygrid_batch: 1
@@ -21,7 +22,9 @@ fix_target_geometry: true
 image_size: [64, 48]
 units:
 """
-NUM_UNITS, BAD, FEW = 40, 7, 23  # counted from 0
+NUM_UNITS, BAD, FEW = 20, 3, 13  # counted from 0
+
+POLL_S = 0.05  # a look at all processes takes CPU time
 
 
 def serial(unit):
@@ -35,7 +38,7 @@ class Slurm(CommandTest):
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
         for unit in range(NUM_UNITS):
             result = run("simulate", "--images", 5, "--features-per-image", 30, "--pattern", board, "--seed", unit,
-                         "--lens", "wide", "--size", "64x48", "-o", cls.path(serial(unit)))
+                         "--lens", "pinhole", "--size", "64x48", "-o", cls.path(serial(unit)))
             assert result.returncode == 0, result.stderr
         lines = read(cls.features(FEW)).decode().splitlines(keepends=True)
         write(cls.features(FEW), "".join(line for line in lines if line.startswith(("image,", "sim0000"))))
@@ -70,10 +73,13 @@ class Slurm(CommandTest):
         folder = self.path("it's 100% a $HOME")
         units = "".join(f"  - {{serial: {unit}, features: x.csv}}\n" for unit in range(2500))
         plan = write(folder + "/plan.yaml", PLAN + units)
+        before = cpu_seconds_of_children()
         with self.fake_sbatch(f"for word in \"$@\"; do printf '%s\\n' \"$word\"; done >>'{self.path('words')}'\n"
                               "echo 'sbatch: a warning'; echo '77;cluster'\n"):
             result = run("batch", plan, "-o", folder + "/out", "--slurm", "--json", "--seed", 5)
         self.assert_done(result)
+        # In linear time: a task of Slurm reads all of it.
+        self.assertLess(cpu_seconds_of_children() - before, 3)
         self.assertEqual(json.loads(result.stdout), {"schema_version": 2, "array_job_id": "77", "tasks": 1000, "gather_job_id": "77"})
         words = read(self.path("words")).decode().splitlines()
         for word in ("--array=0-999", "--requeue", "--open-mode=append", "--dependency=afterany:77",
@@ -101,16 +107,16 @@ class Slurm(CommandTest):
         # The daemon of a node ends in the middle. The unit that it worked on goes on, but slowly.
         def work():
             finished = [unit for unit in range(NUM_UNITS) if os.path.exists(f"{out}/{serial(unit)}/unit.json")]
-            return len(finished) >= 8 and self.stop_one(cluster, out)
-        task, stopped = wait_until(work)
+            return len(finished) >= 4 and self.stop_one(cluster, out)
+        task, stopped = wait_until(work, POLL_S)
         os.kill(cluster.pid("n1"), signal.SIGKILL)
         # Slurm gives it to the other node, where it waits for the one that outlived its own.
-        wait_until(lambda: cluster.processes(SLURM_ARRAY_TASK_ID=task, SLURMD_NODENAME="n2", SLURM_RESTART_COUNT=1))
+        wait_until(lambda: cluster.processes(SLURM_ARRAY_TASK_ID=task, SLURMD_NODENAME="n2", SLURM_RESTART_COUNT=1), POLL_S)
         wait_until(lambda: waits_for_a_lock(out))
         self.assertFalse(os.path.exists(f"{out}/{serial(int(task))}/unit.json"))
         for pid in stopped:
             os.kill(pid, signal.SIGCONT)
-        wait_until(lambda: os.path.exists(out + "/fleet.html") and not cluster.ask("squeue", "-h"))
+        wait_until(lambda: os.path.exists(out + "/fleet.html") and not cluster.ask("squeue", "-h"), POLL_S)
 
         files, wanted = result_files(out), result_files(expected)
         logs = {name: files.pop(name).decode() for name in list(files) if name.startswith(".slurm/")}

@@ -1,10 +1,18 @@
 # Which tests of offline/ run when. RAYGRID_LONG_TESTS (tests/run everything) runs all.
 
+# Studies of more data than what the others of their suites test.
+set(RAYGRID_STUDIES
+  TrueErrors.OfThreeLenses*)
+
 # With sanitizers these take minutes: what they reach, others reach on less data.
 set(RAYGRID_SLOW_WITH_SANITIZERS
+  BlobCamera.LeavesOutTheCorner*
   BoardAppearance.LayersPaint*
+  BoardGuess.FindsOtherDictionaries*
+  BoardGuess.FindsTagsWithoutCornerSquares*
   CameraFrame.DoesNotDepend*
   Chessboard.EveryCorner*
+  Chessboard.GrowsToTheRim*
   FeatureRefiner.IsMoreAccurate*
   FitDistortionTable.Undoes*
   FitRemapTable.KeepsTheBound*
@@ -17,14 +25,18 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   LensChoice.Measures*
   LensChoice.TakesTheFewest*
   LensModels.FitACamera*
+  LowContrast.NoiseTakes*
   MarkerBoards.AreToldApart*
   OutputFolder.Kills*
   PackCamera.CamerasWithoutRays*
   PackCamera.RoughCameras*
   AssignByLayout.IsNeverWrong*
+  PlainTagGrid.CornersInRendered*
   PrintedInk.OfAprilGrids*
   PrintedInk.OfCharuco*
   PrintedInk.OfSix*
+  RegularRegion.*
+  SelectKnots.*
   StarDetector.FindsNearlyAll*
   StarDetector.FindsStarsIn*
   StarDetector.FindsStarsOfABoardWhoseTagIsCutOff*
@@ -36,6 +48,9 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   VirtualView.OfA*)
 
 set(RAYGRID_LEFT_OUT_TESTS)
-if(NOT RAYGRID_LONG_TESTS AND CMAKE_BUILD_TYPE STREQUAL "Sanitized")
-  set(RAYGRID_LEFT_OUT_TESTS ${RAYGRID_SLOW_WITH_SANITIZERS})
+if(NOT RAYGRID_LONG_TESTS)
+  set(RAYGRID_LEFT_OUT_TESTS ${RAYGRID_STUDIES})
+  if(CMAKE_BUILD_TYPE STREQUAL "Sanitized")
+    list(APPEND RAYGRID_LEFT_OUT_TESTS ${RAYGRID_SLOW_WITH_SANITIZERS})
+  endif()
 endif()

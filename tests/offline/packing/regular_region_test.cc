@@ -288,16 +288,27 @@ class TrueRegion {
   static constexpr int kAzimuths = 720;
   static constexpr double kChartRad = 2.635;
 
+  bool IsRegularAt(double theta, double phi) const {
+    constexpr double kDelta = 1e-5;
+    const Vector here = equations_(RayAt(theta, phi)),
+                 out = equations_(RayAt(theta + kDelta, phi)),
+                 along = equations_(RayAt(theta, phi + kDelta));
+    Eigen::Matrix2d derivative;
+    derivative << out - here, along - here;
+    return derivative.determinant() > 0 && derivative.allFinite();
+  }
+
+  // The end is searched in coarse steps, then within the last of these in fine
+  // ones.
   double ReachAt(double phi, double limit) const {
-    constexpr double kStep = 0.0002, kDelta = 1e-5;
-    for (double theta = kStep; theta < limit; theta += kStep) {
-      const Vector here = equations_(RayAt(theta, phi)),
-                   out = equations_(RayAt(theta + kDelta, phi)),
-                   along = equations_(RayAt(theta, phi + kDelta));
-      Eigen::Matrix2d derivative;
-      derivative << out - here, along - here;
-      if (!(derivative.determinant() > 0) || !derivative.allFinite())
-        return theta - kStep;
+    constexpr int kFinePerCoarse = 10;
+    constexpr double kFine = 0.0002, kCoarse = kFinePerCoarse * kFine;
+    double regular = 0;
+    while (regular + kCoarse < limit && IsRegularAt(regular + kCoarse, phi))
+      regular += kCoarse;
+    while (regular + kFine < limit) {
+      if (!IsRegularAt(regular + kFine, phi)) return regular;
+      regular += kFine;
     }
     return limit;
   }
