@@ -367,6 +367,68 @@ TEST(PublishedCameras, ReadAzureKinect) {
   });
 }
 
+// The SDK of Orbbec numbers its models.
+TEST(PublishedCameras, ReadIntrinsicAndDistortion) {
+  const std::string camera =
+      "{\"width\": 640, \"height\": 480, \"intrinsic\": {\"fx\": 410, \"fy\": "
+      "411.5, \"cx\": 322.5, \"cy\": 238, \"width\": 640, \"height\": 480}, "
+      "\"distortion\": {\"k1\": -0.21, \"k2\": 0.06, \"k3\": 0, \"k4\": 0, "
+      "\"k5\": 0, \"k6\": 0, \"p1\": 0.001, \"p2\": -0.002, \"model\": 4}}";
+  const auto read = Read("{\"01\": {\"sn\": \"C\", \"RGB\": " + camera +
+                         "}, \"02\": {\"RGB\": " + camera + "}}");
+  ASSERT_EQ(read.cameras.size(), 2u);
+  ExpectLens(read.cameras[0], kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(read.cameras[0].name, "cam0");
+  EXPECT_EQ(read.cameras[1].name, "cam1");
+  for (const char* model : {"2", "5"})
+    ExpectError(ExitCode::kInput, {"f: ", "model: ", model}, [&] {
+      Read(
+          "{\"RGB\": " +
+          TextWith(camera, "\"model\": 4", std::string("\"model\": ") + model) +
+          "}");
+    });
+}
+
+// Keys of Autoware, OpenCalib, Panoptic Studio and Record3D.
+TEST(PublishedCameras, ReadOtherNamesOfMatrices) {
+  const std::string autoware =
+      "%YAML:1.0\n---\nCameraExtrinsicMat: !!opencv-matrix\n   rows: 4\n"
+      "   cols: 4\n   dt: d\n   data: [ 1., 0., 0., 0., 0., 1., 0., 0., 0., "
+      "0., "
+      "1., 0., 0., 0., 0., 1. ]\nCameraMat: !!opencv-matrix\n   rows: 3\n"
+      "   cols: 3\n   dt: d\n   data: [ 410., 0., 322.5, 0., 411.5, 238., 0., "
+      "0., 1. ]\nDistCoeff: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+      "   data: [ -0.21, 0.06, 0.001, -0.002, 0. ]\nImageSize: [ 640, 480 ]\n"
+      "ReprojectionError: 0.1\nDistModel: plumb_bob\n";
+  ExpectLens(Read(autoware).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "DistModel", "scaramuzza"},
+              [&] { Read(TextWith(autoware, "plumb_bob", "scaramuzza")); });
+  const std::string opencalib =
+      "{\"center_camera-intrinsic\": {\"device_type\": \"camera\", \"param\": "
+      "{\"img_dist_w\": 640, \"img_dist_h\": 480, \"cam_K\": {\"rows\": 3, "
+      "\"cols\": 3, \"type\": 6, \"data\": [[410, 0, 322.5], [0, 411.5, 238], "
+      "[0, 0, 1]]}, \"cam_dist\": {\"cols\": 5, \"data\": [[-0.21, 0.06, "
+      "0.001, -0.002, 0]]}}}}";
+  ExpectLens(Read(opencalib).cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  ExpectError(ExitCode::kInput, {"f: ", "img_dist_type", "scaramuzza"}, [&] {
+    Read(TextWith(opencalib, "\"img_dist_w\"",
+                  "\"img_dist_type\": \"scaramuzza\", \"img_dist_w\""));
+  });
+  const auto panoptic = Read(
+      "{\"cameras\": [{\"name\": \"00_00\", \"type\": \"hd\", \"resolution\": "
+      "[640, 480], \"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], "
+      "\"distCoef\": [-0.21, 0.06, 0.001, -0.002, 0], \"R\": [[1, 0, 0], [0, "
+      "1, 0], [0, 0, 1]], \"t\": [[22.5], [0], [0]]}]}");
+  ExpectLens(panoptic.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  EXPECT_EQ(panoptic.cameras[0].camera_from_rig->translation.x(), 22.5);
+  const auto record3d = Read(
+      "// written by hand\n{\n  // columns first\n  \"w\": 640, \"h\": 480,\n"
+      "  \"K\": [410, 0, 0, 0, 411.5, 0, 322.5, 238, 1]\n}\n");
+  ExpectLens(record3d.cameras.at(0), {kPinholeLens.k, {}}, &Lens::Pinhole);
+  ASSERT_EQ(record3d.warnings.size(), 1u);
+  EXPECT_NE(record3d.warnings[0].find("without distortion"), std::string::npos);
+}
+
 // Kalibr's coefficients may end with zeros, matrices of ROS may be unknown.
 TEST(PublishedCameras, ReadZerosForNothing) {
   const std::string kalibr =
