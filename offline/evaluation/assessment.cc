@@ -150,14 +150,23 @@ void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
                     *metrics.tilt_rad * 180 / M_PI));
 }
 
+// All views from behind are those of a camera whose features have another
+// order. Many among others bias it: no camera has both.
 void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
+  constexpr double kMany = 0.25;
   if (metrics.mirrored_images.empty()) return;
-  findings->Warn(
-      fmt::format("the target is seen from behind in {} of {} views ({}): the "
-                  "images are mirrored, or the row or column order of the "
-                  "pattern or the features is reversed",
-                  metrics.mirrored_images.size(), metrics.boards_seen,
-                  Named(metrics.mirrored_images)));
+  const size_t count = metrics.mirrored_images.size();
+  const auto boards_seen = static_cast<size_t>(metrics.boards_seen);
+  const std::string text = fmt::format(
+      "the target is seen from behind in {} of {} views ({}): the "
+      "images are mirrored, or the row or column order of the "
+      "pattern or the features is reversed",
+      count, metrics.boards_seen, Named(metrics.mirrored_images));
+  if (count < boards_seen &&
+      static_cast<double>(count) >= kMany * static_cast<double>(boards_seen))
+    findings->Fail(text);
+  else
+    findings->Warn(text);
 }
 
 void AssessRejectedImages(const CalibrationMetrics& metrics,

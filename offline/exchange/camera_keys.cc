@@ -35,25 +35,50 @@ bool IsSelector(const std::string& plain) {
       "fisheye",         "fisheyemodel",
       "usefisheye",      "useopencvfisheye",
       "omnidirectional", "isomnidirectional",
-      "model",           "cammodel"};
+      "model",           "cammodel",
+      "imgdisttype",     "undistortiontype"};
   return selectors.count(plain) > 0;
 }
 
 // Keys that are parameters of a camera model in some format.
 bool IsParameter(const std::string& plain) {
-  static const std::set<std::string> parameters = {
-      "xi",          "alpha",      "beta",
-      "skew",        "omega",      "mirrorparameters",
-      "alphac",      "alphacleft", "alphacright",
-      "affine",      "poly",       "polynomial",
-      "invpoly",     "b1",         "b2",
-      "k1",          "k2",         "k3",
-      "k4",          "k5",         "k6",
-      "p1",          "p2",         "p3",
-      "p4",          "s1",         "s2",
-      "s3",          "s4",         "sx1",
-      "sy1",         "taux",       "tauy",
-      "corrections", "digitallens"};
+  static const std::set<std::string> parameters = {"xi",
+                                                   "alpha",
+                                                   "beta",
+                                                   "skew",
+                                                   "omega",
+                                                   "mirrorparameters",
+                                                   "alphac",
+                                                   "alphacleft",
+                                                   "alphacright",
+                                                   "affine",
+                                                   "poly",
+                                                   "polynomial",
+                                                   "invpoly",
+                                                   "b1",
+                                                   "b2",
+                                                   "k1",
+                                                   "k2",
+                                                   "k3",
+                                                   "k4",
+                                                   "k5",
+                                                   "k6",
+                                                   "p1",
+                                                   "p2",
+                                                   "p3",
+                                                   "p4",
+                                                   "s1",
+                                                   "s2",
+                                                   "s3",
+                                                   "s4",
+                                                   "sx1",
+                                                   "sy1",
+                                                   "taux",
+                                                   "tauy",
+                                                   "corrections",
+                                                   "digitallens",
+                                                   "undistortionparams",
+                                                   "undistortionoffset"};
   return parameters.count(plain) > 0;
 }
 
@@ -214,6 +239,11 @@ bool CameraKeys::IsMatrix(const std::string& path) const {
   if (!node.IsDefined()) return false;
   if (node.IsSequence()) return node.size() == 0 || !node[0].IsMap();
   return !node.IsMap() || YAML::Node(node)["data"].IsDefined();
+}
+
+bool CameraKeys::IsEmptyText(const std::string& path) const {
+  const YAML::Node node = Find(path);
+  return node.IsDefined() && node.IsScalar() && node.Scalar().empty();
 }
 
 std::string CameraKeys::Word(const std::string& path) const {

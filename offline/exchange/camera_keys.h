@@ -45,6 +45,10 @@ class CameraKeys {
   /// with the key 'data', as matrices are.
   bool IsMatrix(const std::string& path) const;
 
+  /// Returns whether the value is the text "", which Boost writes for an empty
+  /// list.
+  bool IsEmptyText(const std::string& path) const;
+
   /// Returns the text at a key, without marking it as read; "" if missing.
   std::string Word(const std::string& path) const;
 

@@ -110,6 +110,25 @@ std::string StorageAsYaml(std::string text) {
   return yaml;
 }
 
+// JSON without lines of comments, which some parsers accept.
+std::string WithoutComments(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos ||
+      (text[first] != '{' && text[first] != '/') ||
+      text.find("//") == std::string::npos)
+    return text;
+  std::string json;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+    const size_t word = text.find_first_not_of(" \t", at);
+    json += word != std::string::npos && text.compare(word, 2, "//") == 0
+                ? "\n"
+                : text.substr(at, end - at);
+    at = end;
+  }
+  return json;
+}
+
 // A list of numbers, which is one row, or a list of rows.
 StoredMatrix MatrixOfLists(const YAML::Node& node, const std::string& name) {
   StoredMatrix matrix;
@@ -152,7 +171,7 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
                                    Printable(root.name), kXmlRoot));
     return NodeOf(root);
   }
-  const std::string yaml = StorageAsYaml(text);
+  const std::string yaml = WithoutComments(StorageAsYaml(text));
   RequireYamlFile(path, yaml, LastLine::kMayLackEnd);
   return YAML::Load(yaml);
 }
@@ -161,7 +180,7 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels) {
   if (node.IsDefined() && node.IsSequence() && num_channels == 1)
     return MatrixOfLists(node, name);
-  if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
+  if (!node.IsMap() || !node["cols"] || !node["data"])
     throw InputError(fmt::format("{}: expected a matrix", name));
   // "d", or "2f" of two channels.
   const std::string type = node["dt"] ? node["dt"].as<std::string>() : "d";
@@ -170,9 +189,10 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
     throw InputError(fmt::format("{}: expected {} channel{}", name,
                                  num_channels, num_channels == 1 ? "" : "s"));
   StoredMatrix matrix;
-  matrix.rows = SidePx(node["rows"], name + ": rows");
+  // OpenCalib's lists lack the number of rows, its matrices are lists of rows.
+  matrix.rows = node["rows"] ? SidePx(node["rows"], name + ": rows") : 1;
   matrix.columns = SidePx(node["cols"], name + ": cols");
-  matrix.data = FiniteNumbers(node["data"], name);
+  matrix.data = AllNumbers(node, name);
   if (matrix.data.size() != static_cast<size_t>(matrix.rows) *
                                 static_cast<size_t>(matrix.columns) *
                                 static_cast<size_t>(num_channels))

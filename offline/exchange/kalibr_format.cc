@@ -122,8 +122,13 @@ ConvertedLens ReadKalibrLens(const CameraKeys& camera) {
   lens.values = FiniteNumbers(camera[intrinsics], intrinsics);
   std::vector<double> coefficients;
   constexpr char kKey[] = "distortion_coeffs";
+  constexpr size_t kNumCoefficients = 4;
   if (DistortionOfForm(*lens.form) != "none") {
-    coefficients = FiniteNumbers(camera[kKey], kKey, 4);
+    coefficients = FiniteNumbers(camera[kKey], kKey);
+    TrimCoefficients(kNumCoefficients, &coefficients);
+    if (coefficients.size() != kNumCoefficients)
+      throw InputError(fmt::format("{}: expected a list of {} numbers", kKey,
+                                   kNumCoefficients));
   } else if (camera.Has(kKey) && !camera[kKey].IsNull()) {
     coefficients = FiniteNumbers(camera[kKey], kKey);
     TrimCoefficients(0, &coefficients);

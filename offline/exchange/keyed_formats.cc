@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
@@ -21,13 +22,20 @@
 namespace raygrid {
 namespace {
 
-// The text of a scene of OpenSfM without its photographs and points, which may
-// be millions. One that is no JSON is left to the parser of cameras.
-std::string WithoutScene(const std::string& text) {
-  if (text.find("\"shots\"") == std::string::npos) return text;
-  const auto keeps = [](int, Json::parse_event_t event, Json& parsed) {
+// The text of a scene without its photographs and points, which may be
+// millions. One that is no JSON is left to the parser of cameras.
+std::string WithoutBulk(const std::vector<std::string>& bulk,
+                        const std::string& text) {
+  const auto is_bulk = [&](const std::string& key) {
+    return std::find(bulk.begin(), bulk.end(), key) != bulk.end();
+  };
+  if (std::none_of(bulk.begin(), bulk.end(), [&](const std::string& key) {
+        return text.find("\"" + key + "\"") != std::string::npos;
+      }))
+    return text;
+  const auto keeps = [&](int, Json::parse_event_t event, Json& parsed) {
     return event != Json::parse_event_t::key ||
-           (parsed != "shots" && parsed != "points");
+           !is_bulk(parsed.get<std::string>());
   };
   const Json scene = Json::parse(text, keeps, false);
   return scene.is_discarded() ? text : scene.dump();
@@ -44,10 +52,11 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
       return ParseKeyLines(request.text, '=');
     case KeyedSyntax::kNumbers:
       return ParseKeyLines("numbers: " + FindNumberLine(request.text));
+    case KeyedSyntax::kBlocks:
+      return ParseBlocks(request.text);
     default:
-      return ParseFileStorage(request.path, format.is_normalized
-                                                ? WithoutScene(request.text)
-                                                : request.text);
+      return ParseFileStorage(request.path,
+                              WithoutBulk(format.bulk, request.text));
   }
 }
 
@@ -60,12 +69,17 @@ std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
 }
 
 // Whether the file identifies a model; the keys are then marked as read.
-bool IsSaid(const CameraKeys& keys, const KeyedModel& model) {
+bool IsSaid(const CameraKeys& keys, const KeyedModel& model,
+            const std::string& camera) {
   const std::vector<std::string> conditions = SplitText(model.says);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
-    KeyedWord said = SplitAtMark(condition, '?', "");
+    KeyedWord said = SplitAtMark(condition, '?', camera);
     said.key = FirstThatIsThere(keys, said.key);
+    if (said.words.empty()) {
+      if (!keys.Has(said.key)) return false;
+      continue;
+    }
     const std::string word = Lowercase(keys.Word(said.key));
     const std::vector<std::string> words = SplitText(said.words, '|');
     const bool is_absent = word.empty() || word == "null" || word == "~";
@@ -82,21 +96,41 @@ bool IsSaid(const CameraKeys& keys, const KeyedModel& model) {
 }
 
 const KeyedModel& FindKeyedModel(const KeyedFormat& format,
-                                 const CameraKeys& keys) {
+                                 const CameraKeys& keys,
+                                 const std::string& camera) {
   std::string said, names;
+  std::set<std::string> tried;
   for (const KeyedModel& model : format.models) {
-    if (IsSaid(keys, model)) return model;
-    names += (names.empty() ? "" : ", ") + model.form.name;
+    if (IsSaid(keys, model, camera)) return model;
+    if (tried.insert(model.form.name).second)
+      names += (names.empty() ? "" : ", ") + model.form.name;
     said.clear();
     for (const std::string& condition : SplitText(model.says)) {
-      const std::string key =
-          FirstThatIsThere(keys, SplitAtMark(condition, '?', "").key);
+      const KeyedWord part = SplitAtMark(condition, '?', camera);
+      if (part.words.empty()) continue;
+      const std::string key = FirstThatIsThere(keys, part.key);
       said += fmt::format("{}{} '{}'", said.empty() ? "" : ", ", key,
                           Printable(keys.Word(key)));
     }
   }
   throw InputError(
       fmt::format("{}: unsupported model; supported are {}", said, names));
+}
+
+// Reduces a matrix of 4 x 4 to 3 x 3, if it has no other numbers than 0 and 1
+// beside them.
+void ReduceMatrix(const std::string& key, std::vector<double>* numbers) {
+  if (numbers->size() != 16) return;
+  std::vector<double> k;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      const double number = (*numbers)[4 * row + column];
+      if (row < 3 && column < 3)
+        k.push_back(number);
+      else if (number != (row == column ? 1 : 0))
+        throw InputError(fmt::format("{}: not a camera matrix", key));
+    }
+  *numbers = k;
 }
 
 // The numbers of one entry of KeyedModel::values, by parameter.
@@ -111,10 +145,12 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
     throw InputError(fmt::format("'{}' is missing", part.key));
   }
   const YAML::Node node = keys[part.key];
-  const std::vector<double> numbers =
-      node.IsNull() ? std::vector<double>{} : AllNumbers(node, part.key);
+  std::vector<double> numbers = node.IsNull() || keys.IsEmptyText(part.key)
+                                    ? std::vector<double>{}
+                                    : AllNumbers(node, part.key);
   if (part.words == "K" || part.words == "P") {
     const bool is_p = part.words == "P";
+    if (!is_p) ReduceMatrix(part.key, &numbers);
     if (numbers.size() != (is_p ? 12 : 9))
       throw InputError(fmt::format("{}: not 3 x {}", part.key, is_p ? 4 : 3));
     const auto& n = numbers;
@@ -141,13 +177,34 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
         fmt::format("{}: found {} coefficients, but {} of {} has {}", part.key,
                     numbers.size(), camera->lens.form->name, format.name,
                     parameters.size()));
-  for (size_t k = 0; k < std::min(numbers.size(), parameters.size()); ++k)
+  for (size_t k = 0; k < std::min(numbers.size(), parameters.size()); ++k) {
+    if (parameters[k] == "0" && numbers[k] != 0)
+      throw InputError(fmt::format("{}: number {} is {:g}, expected 0",
+                                   part.key, k + 1, numbers[k]));
     (*values)[parameters[k]] = numbers[k];
+  }
+}
+
+// Sizes by the end of the camera's word: "HD=1280x720 VGA=672x376".
+ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
+  ImageSize size;
+  for (const std::string& entry : SplitText(sizes)) {
+    const KeyedWord part = SplitAtMark(entry, '?', "");
+    const std::string end = "_" + part.key;
+    if (word.size() < end.size() ||
+        word.compare(word.size() - end.size(), end.size(), end) != 0)
+      continue;
+    const std::vector<std::string> sides = SplitText(part.words, 'x');
+    size = {std::stoi(sides.at(0)), std::stoi(sides.at(1))};
+  }
+  return size;
 }
 
 ImageSize KeyedSizeOf(const KeyedFormat& format, const CameraKeys& keys,
                       const std::string& word) {
-  std::vector<std::string> names = SplitText(SubstituteWord(format.size, word));
+  const std::string sizes = format.size;
+  if (sizes.find('=') != std::string::npos) return SizeOfWord(sizes, word);
+  std::vector<std::string> names = SplitText(SubstituteWord(sizes, word));
   for (std::string& name : names) name = FirstThatIsThere(keys, name);
   if (names.empty() || !keys.Has(names[0])) return {};
   if (names.size() == 1) return GetListSize(keys[names[0]], names[0]);
@@ -177,15 +234,19 @@ std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
     require(numbers[0].size() == 1);
     return Pose{Eigen::Quaterniond::Identity(), {numbers[0][0] / -1000, 0, 0}};
   }
-  if (pose.kind == PoseKind::kRAndT) {
-    require(numbers[0].size() == 9 && numbers[1].size() == 3);
+  if (pose.kind == PoseKind::kRAndT || pose.kind == PoseKind::kInverseRAndT) {
+    std::vector<double> t;
+    for (size_t k = 1; k < numbers.size(); ++k)
+      t.insert(t.end(), numbers[k].begin(), numbers[k].end());
+    require(numbers[0].size() == 9 && t.size() == 3);
     std::vector<double> rows;
     for (int row = 0; row < 3; ++row) {
       rows.insert(rows.end(), numbers[0].begin() + 3 * row,
                   numbers[0].begin() + 3 * row + 3);
-      rows.push_back(numbers[1][row]);
+      rows.push_back(t[row]);
     }
-    return PoseFromMatrix(rows, name);
+    const Pose matrix = PoseFromMatrix(rows, name);
+    return pose.kind == PoseKind::kRAndT ? matrix : matrix.Inverse();
   }
   require(numbers[0].size() == 16 || numbers[0].size() == 12);
   const Pose matrix = PoseFromMatrix(numbers[0], name);
@@ -213,21 +274,49 @@ void TakeRadialLens(const std::map<std::string, double>& values,
                                 lens, warnings);
 }
 
+void TakeSizeOfValues(const std::map<std::string, double>& values,
+                      ImageSize* size) {
+  if (values.count("width") == 0 || values.count("height") == 0) return;
+  const auto side = [&](const char* name) {
+    return SidePx(YAML::Node(values.at(name)), name);
+  };
+  *size = {side("width"), side("height")};
+}
+
+// Converts lengths to pixels.
+void ConvertLengths(LengthUnit unit, const ImageSize& size,
+                    std::map<std::string, double>* values) {
+  if (values->count("f_mm") > 0 && values->count("sensor_width_mm") > 0) {
+    const double width_mm = values->at("sensor_width_mm");
+    if (!(width_mm > 0))
+      throw InputError(
+          fmt::format("sensor width: {:g} mm, expected > 0", width_mm));
+    (*values)["f"] = values->at("f_mm") * size.width / width_mm;
+  }
+  if (unit == LengthUnit::kPixel) return;
+  const int longer = std::max(size.width, size.height);
+  const bool is_by_sides = unit == LengthUnit::kImageSides;
+  for (const char* length : {"f", "fx", "cx"})
+    if (values->count(length) > 0)
+      (*values)[length] *= is_by_sides ? size.width : longer;
+  for (const char* length : {"fy", "cy"})
+    if (values->count(length) > 0)
+      (*values)[length] *= is_by_sides ? size.height : longer;
+}
+
 ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
                          const std::string& word, const ReadRequest& request,
                          std::vector<std::string>* warnings) {
-  const KeyedModel& model = FindKeyedModel(format, keys);
+  const KeyedModel& model = FindKeyedModel(format, keys, word);
   ReadLens camera;
   camera.lens.form = &model.form;
   camera.lens.size = KeyedSizeOf(format, keys, word);
   std::map<std::string, double> values;
   for (const std::string& entry : SplitText(model.values))
     TakeKeyedValue(format, keys, entry, word, &values, &camera);
-  const double unit = format.is_normalized ? std::max(camera.lens.size.width,
-                                                      camera.lens.size.height)
-                                           : 1;
-  for (const char* length : {"f", "fx", "fy", "cx", "cy"})
-    if (values.count(length) > 0) values[length] *= unit;
+  TakeSizeOfValues(values, &camera.lens.size);
+  ConvertLengths(format.unit, camera.lens.size, &values);
+  if (values.count("skew") > 0) camera.lens.skew_px = values["skew"];
   camera.lens.values.clear();
   for (const std::string& parameter : model.form.parameters)
     camera.lens.values.push_back(values[parameter]);
@@ -267,9 +356,11 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
     if (!keys.Has(SplitAtMark(value, '?', word).key)) continue;
     contents->cameras.push_back(
         ReadKeyedCamera(format, keys, word, request, &contents->warnings));
+    std::string own = word + (word[0] == '_');
+    if (!own.empty() && own.back() == '/') own.pop_back();
     contents->cameras.back().name = fmt::format(
         "{}{}", std::isdigit(static_cast<unsigned char>(word[0])) ? "cam" : "",
-        word + (word[0] == '_'));
+        own);
   }
   if (contents->cameras.size() == first) throw InputError("contains no camera");
   if (!format.words.empty() && contents->cameras.size() == first + 1)
@@ -287,8 +378,6 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
 // with, a map is none.
 void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
                    const ReadRequest& request, ExchangeContents* contents) {
-  const std::string value = SplitText(format.models[0].values)[0];
-  const std::string begin = SplitAtMark(value, '?', "").key;
   int number = 0;
   for (const auto& entry : maps) {
     const YAML::Node map = maps.IsMap() ? entry.second : YAML::Node(entry);
@@ -301,8 +390,8 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
     if (std::none_of(
             format.models.begin(), format.models.end(),
             [&](const KeyedModel& model) {
-              return keys.Has(
-                  SplitAtMark(SplitText(model.values)[0], '?', "").key);
+              return keys.Has(FirstThatIsThere(
+                  keys, SplitAtMark(SplitText(model.values)[0], '?', "").key));
             }))
       continue;
     try {
@@ -315,14 +404,21 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
   }
 }
 
+// Returns the node at KeyedFormat::place.
+YAML::Node FindPlace(const YAML::Node& root, const std::string& place) {
+  const CameraKeys keys(root);
+  const std::vector<std::string> places = SplitText(place, '|');
+  for (const std::string& path : places)
+    if (path != "*" && keys.Has(path)) return keys[path];
+  return places.back() == "*" ? root : YAML::Node(YAML::NodeType::Undefined);
+}
+
 ExchangeContents ReadKeyed(const KeyedFormat& format,
                            const ReadRequest& request) {
   YAML::Node root = ParseKeyed(format, request);
-  // OpenSfM's reconstruction.json is a list of scenes, which have cameras.
-  if (format.is_normalized && root.IsSequence() && root.size() > 0)
+  // OpenSfM's reconstruction.json is a list of scenes.
+  if (!format.bulk.empty() && root.IsSequence() && root.size() > 0)
     root.reset(root[0]);
-  if (format.is_normalized && root.IsMap() && root["cameras"].IsDefined())
-    root.reset(root["cameras"]);
   if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   const std::string place = format.place;
   ExchangeContents contents;
@@ -333,7 +429,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
     ReadKeyedMap(format, CameraKeys(root), "", request, &contents);
     return contents;
   }
-  const YAML::Node maps = place == "*" ? root : root[place];
+  const YAML::Node maps = FindPlace(root, place);
   if (!maps.IsDefined() || (!maps.IsMap() && !maps.IsSequence()))
     throw InputError(fmt::format("'{}' is missing", place));
   ReadKeyedMaps(format, maps, request, &contents);

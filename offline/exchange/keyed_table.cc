@@ -11,11 +11,43 @@
 namespace raygrid {
 namespace {
 
+// OpenMVG's base class is an object of its own in newer files.
+#define KEYED_MVG                                  \
+  "value/ptr_wrapper/data/value0/focal_length|"    \
+  "value/ptr_wrapper/data/focal_length=f "         \
+  "value/ptr_wrapper/data/value0/principal_point|" \
+  "value/ptr_wrapper/data/principal_point=cx,cy"
+#define KEYED_OLD_SFM "pxFocalLength=f principalPoint=cx,cy"
+#define KEYED_SFM \
+  "focalLength=f_mm sensorWidth=sensor_width_mm principalPoint=cx,cy"
+
 bool HasAllWords(const std::string& text,
                  std::initializer_list<const char*> words) {
   return std::all_of(words.begin(), words.end(), [&](const char* word) {
     return text.find(word) != std::string::npos;
   });
+}
+
+// Whether a line begins with a word.
+bool StartsLine(const std::string& text, const std::string& word) {
+  return text.rfind(word, 0) == 0 ||
+         text.find("\n" + word) != std::string::npos;
+}
+
+// Blocks of lines of 2, 2 and 2 numbers for two cameras, then of three lines of
+// 4 numbers.
+bool IsInfiniTam(const std::string& text) {
+  constexpr size_t kLongest = 2000;
+  if (text.size() > kLongest) return false;
+  std::istringstream lines(text);
+  std::string counts;
+  for (std::string line; std::getline(lines, line) && counts.size() < 9;) {
+    std::istringstream words(line);
+    size_t count = 0;
+    for (double number = 0; words >> number;) ++count;
+    if (count > 0 && words.eof()) counts += std::to_string(count);
+  }
+  return counts == "222222444";
 }
 
 // A line of 4, 8 or 9 numbers.
@@ -48,9 +80,20 @@ LensForm KeyedFisheye(const char* name) {
 LensForm KeyedOmni(const char* name) {
   return MakeForm(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
 }
+LensForm WithOrigin(PixelOrigin origin, LensForm form) {
+  form.origin = origin;
+  return form;
+}
 // OpenSfM's pixel origin is the image centre.
 LensForm FromMiddle(LensForm form) {
-  form.origin = PixelOrigin::kImageMiddle;
+  return WithOrigin(PixelOrigin::kImageMiddle, std::move(form));
+}
+// One focal length, principal point and coefficients.
+LensForm KeyedSingleFocal(const char* name, const char* model,
+                          std::vector<std::string> coefficients) {
+  coefficients.insert(coefficients.begin(), {"f", "cx", "cy"});
+  LensForm form = {name, model, coefficients};
+  form.reach_rad = M_PI / 2;
   return form;
 }
 
@@ -93,7 +136,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        "input_horizontal_stretch input_vertical_stretch",
-       false,
+       LengthUnit::kPixel,
        {"name",
         "note",
         "calibrated_by",
@@ -134,8 +177,9 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "settings .yaml of ORB-SLAM2 and 3, and of OpenVSLAM",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text, {"Camera.fx"}) ||
-                HasAllWords(text, {"Camera1.fx"});
+         return (HasAllWords(text, {"Camera.fx"}) ||
+                 HasAllWords(text, {"Camera1.fx"})) &&
+                !HasAllWords(text, {"Camera.fxl"});
        },
        "",
        {"Camera", "Camera1", "Camera2"},
@@ -155,7 +199,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
         {"Tlr", PoseKind::kRigFromCamera, "Camera2"}},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"Camera.fps",
         "Camera.RGB",
         "Camera.bf",
@@ -227,7 +271,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "camera_name",
        "",
-       false,
+       LengthUnit::kPixel,
        {"fisheye", "fisheye_mask"},
        ".yaml"},
       {"euroc",
@@ -254,7 +298,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"T_BS", PoseKind::kRigFromCamera}},
        "camera_id",
        "",
-       false,
+       LengthUnit::kPixel,
        {"sensor_type", "comment", "rate_hz", "sensor_id", "name"},
        ".yaml",
        {{"sensor_type", "camera"}},
@@ -277,7 +321,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"rotation translation", PoseKind::kVectors}},
        "name",
        "",
-       false,
+       LengthUnit::kPixel,
        {"world_position", "world_orientation", "extra_dist"},
        ".toml"},
       {"okvis",
@@ -306,7 +350,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"T_SC", PoseKind::kRigFromCamera}},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"camera_type", "slam_use", "mapping", "mapping_rectification"},
        ".yaml"},
       {"opensfm",
@@ -316,7 +360,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
          return HasAllWords(text,
                             {"\"projection_type\"", "\"width\"", "\"focal"});
        },
-       "*",
+       "cameras|*",
        {},
        {{FromMiddle({"perspective", models::kOpenCv, {"f", "k1", "k2"}}),
          "projection_type=perspective", "focal=f k1?=k1 k2?=k2", true},
@@ -338,11 +382,14 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        "",
-       true,
+       LengthUnit::kLongerSide,
        {"focal_prior", "focal_x_prior", "focal_y_prior", "c_x_prior",
         "c_y_prior", "k1_prior", "k2_prior", "k3_prior", "k4_prior", "p1_prior",
         "p2_prior"},
-       ".json"},
+       ".json",
+       {},
+       "",
+       {"shots", "points"}},
       {"kitti",
        "KITTI's calib_cam_to_cam.txt",
        KeyedSyntax::kLines,
@@ -356,14 +403,14 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"R_@ T_@", PoseKind::kRAndT}},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"calib_time", "corner_dist", "S_rect_*", "R_rect_*", "P_rect_*"},
        ".txt"},
       {"kitti-rectified",
        "KITTI's calib.txt of rectified cameras",
        KeyedSyntax::kLines,
        [](const std::string& text) {
-         return text.rfind("P0:", 0) == 0 || HasAllWords(text, {"\nP0:"});
+         return StartsLine(text, "P0:") || StartsLine(text, "P2:");
        },
        "",
        {"P0", "P1", "P2", "P3"},
@@ -372,7 +419,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"Tr*", "R0_rect", "R_rect", "calib_time", "corner_dist"},
        ".txt"},
       {"svo",
@@ -404,7 +451,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"T_B_C", PoseKind::kRigFromCamera}},
        "camera/label",
        "",
-       false,
+       LengthUnit::kPixel,
        {"camera/id", "camera/line-delay-nanoseconds", "camera/mask"}},
       // Programs may scale images; the camera belongs to full-size images.
       {"vikit",
@@ -427,7 +474,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"scale"}},
       // The toolbox has 0-based pixels.
       {"matlab",
@@ -446,7 +493,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"om T", PoseKind::kVectors, "_right"}},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"fc_*", "cc_*", "kc_*", "alpha_c_error*", "est_*", "center_optim*",
         "n_ima", "omc_*", "Tc_*", "om_error", "T_error"}},
       {"middlebury",
@@ -462,8 +509,326 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {{"baseline", PoseKind::kBaselineMm, "cam1"}},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {"doffs", "ndisp", "isint", "vmin", "vmax", "dyavg", "dymax"}},
+      // Undistorted images are interpolated at whole pixel centres.
+      {"boofcv",
+       "BoofCV's intrinsic and stereo .yaml",
+       KeyedSyntax::kYaml,
+       [](const std::string& text) {
+         return HasAllWords(text, {"pinhole:", "skew:", "model:"}) &&
+                !HasAllWords(text, {"model_type:"});
+       },
+       "",
+       {"", "left/", "right/", "intrinsic/"},
+       {{KeyedPinhole("pinhole_radial_tangential", 5),
+         "@model=pinhole_radial_tangential",
+         "@pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx @pinhole/cy=cy "
+         "@pinhole/skew?=skew @radial_tangential/radial?=k1,k2,k3 "
+         "@radial_tangential/t1?=p1 @radial_tangential/t2?=p2"},
+        {KeyedPinhole("pinhole", 0), "@model=pinhole",
+         "@pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx @pinhole/cy=cy "
+         "@pinhole/skew?=skew"},
+        {KeyedOmni("omnidirectional_universal"),
+         "@model=omnidirectional_universal",
+         "@mirror_offset=xi @pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx "
+         "@pinhole/cy=cy @pinhole/skew?=skew @radial_tangential/radial?=k1,k2 "
+         "@radial_tangential/t1?=p1 @radial_tangential/t2?=p2"}},
+       "@pinhole/width @pinhole/height",
+       {{"rightToLeft/rotation rightToLeft/x rightToLeft/y rightToLeft/z",
+         PoseKind::kInverseRAndT, "right/"}},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"model", "version", "left/version", "right/version",
+        "intrinsic/version", "max_depth", "no_depth", "plane_to_camera"}},
+      // Only the first camera of a model has its name.
+      {"openmvg",
+       "OpenMVG's sfm_data.json",
+       KeyedSyntax::kJson,
+       [](const std::string& text) {
+         return HasAllWords(text, {"\"sfm_data_version\"", "\"intrinsics\""});
+       },
+       "intrinsics",
+       {},
+       {{KeyedSingleFocal("pinhole_radial_k3", models::kOpenCv,
+                          {"k1", "k2", "k3"}),
+         "value/ptr_wrapper/data/disto_k3",
+         KEYED_MVG " value/ptr_wrapper/data/disto_k3=k1,k2,k3"},
+        {KeyedSingleFocal("pinhole_radial_k1", models::kOpenCv, {"k1"}),
+         "value/ptr_wrapper/data/disto_k1",
+         KEYED_MVG " value/ptr_wrapper/data/disto_k1=k1"},
+        {KeyedSingleFocal("pinhole_brown_t2", models::kOpenCv,
+                          {"k1", "k2", "k3", "p1", "p2"}),
+         "value/ptr_wrapper/data/disto_t2",
+         KEYED_MVG " value/ptr_wrapper/data/disto_t2=k1,k2,k3,p1,p2"},
+        {KeyedSingleFocal("fisheye", models::kThinPrismFisheye,
+                          {"k1", "k2", "k3", "k4"}),
+         "value/ptr_wrapper/data/fisheye",
+         KEYED_MVG " value/ptr_wrapper/data/fisheye=k1,k2,k3,k4"},
+        {KeyedSingleFocal("pinhole", models::kOpenCv, {}),
+         "value/polymorphic_name=pinhole", KEYED_MVG}},
+       "value/ptr_wrapper/data/value0/width|value/ptr_wrapper/data/width "
+       "value/ptr_wrapper/data/value0/height|value/ptr_wrapper/data/height",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"key", "value/polymorphic_id", "value/polymorphic_name",
+        "value/ptr_wrapper/id", "value/ptr_wrapper/data/ccdw"},
+       "",
+       {},
+       "",
+       {"views", "extrinsics", "structure", "control_points"}},
+      // Pixels count from the first pixel's centre until version 1.2.0, and
+      // principal points from the image centre since then.
+      {"alicevision",
+       "AliceVision's and Meshroom's .sfm",
+       KeyedSyntax::kJson,
+       [](const std::string& text) {
+         return HasAllWords(text, {"\"intrinsics\"", "\"distortionParams\"",
+                                   "\"version\"", "\"principalPoint\""});
+       },
+       "intrinsics",
+       {},
+       {{KeyedSingleFocal("radial3", models::kOpenCv, {"k1", "k2", "k3"}),
+         "pxFocalLength type=radial3|radial1",
+         KEYED_OLD_SFM " distortionParams~=k1,k2,k3"},
+        {KeyedSingleFocal("brown", models::kOpenCv,
+                          {"k1", "k2", "k3", "p1", "p2"}),
+         "pxFocalLength type=brown",
+         KEYED_OLD_SFM " distortionParams=k1,k2,k3,p1,p2"},
+        {KeyedSingleFocal("fisheye4", models::kThinPrismFisheye,
+                          {"k1", "k2", "k3", "k4"}),
+         "pxFocalLength type=fisheye4",
+         KEYED_OLD_SFM " distortionParams=k1,k2,k3,k4"},
+        {KeyedSingleFocal("pinhole", models::kOpenCv, {}),
+         "pxFocalLength type=pinhole",
+         KEYED_OLD_SFM " distortionParams?=0,0,0"},
+        {FromMiddle(
+             KeyedSingleFocal("radial3", models::kOpenCv, {"k1", "k2", "k3"})),
+         "focalLength type=radial3|radial1",
+         KEYED_SFM " distortionParams~=k1,k2,k3"},
+        {FromMiddle(
+             KeyedSingleFocal("radial3", models::kOpenCv, {"k1", "k2", "k3"})),
+         "focalLength type=pinhole distortionType=radialk3|radialk1",
+         KEYED_SFM " distortionParams~=k1,k2,k3"},
+        {FromMiddle(KeyedSingleFocal("brown", models::kOpenCv,
+                                     {"k1", "k2", "k3", "p1", "p2"})),
+         "focalLength type=brown",
+         KEYED_SFM " distortionParams=k1,k2,k3,p1,p2"},
+        {FromMiddle(KeyedSingleFocal("fisheye4", models::kThinPrismFisheye,
+                                     {"k1", "k2", "k3", "k4"})),
+         "focalLength type=fisheye4",
+         KEYED_SFM " distortionParams=k1,k2,k3,k4"},
+        {FromMiddle(KeyedSingleFocal("pinhole", models::kOpenCv, {})),
+         "focalLength type=pinhole distortionType?=none",
+         KEYED_SFM " distortionParams?=0,0,0"}},
+       "width height",
+       {},
+       "",
+       "pixelRatio",
+       LengthUnit::kPixel,
+       {"intrinsicId", "serialNumber", "initializationMode",
+        "initialFocalLength", "pxInitialFocalLength",
+        "distortionInitializationMode", "pixelRatioLocked", "offsetLocked",
+        "scaleLocked", "distortionLocked", "sensorWidth", "sensorHeight",
+        "locked"},
+       "",
+       {},
+       "",
+       {"views", "poses", "rigs", "structure", "featuresFolders",
+        "matchesFolders"}},
+      // D of a fisheye are the coefficients of cv::fisheye under their names.
+      {"ov2slam",
+       "OV2SLAM's parameters .yaml",
+       KeyedSyntax::kStorage,
+       [](const std::string& text) {
+         return HasAllWords(text, {"Camera.fxl", "Camera.model_left"});
+       },
+       "",
+       {"left", "right"},
+       {{KeyedPinhole("pinhole", 4), "Camera.model_@=pinhole",
+         "Camera.fx%=fx Camera.fy%=fy Camera.cx%=cx Camera.cy%=cy "
+         "Camera.k1%=k1 Camera.k2%=k2 Camera.p1%=p1 Camera.p2%=p2"},
+        {OpenCvFisheyeForm("fisheye"), "Camera.model_@=fisheye",
+         "Camera.fx%=fx Camera.fy%=fy Camera.cx%=cx Camera.cy%=cy "
+         "Camera.k1%=k1 Camera.k2%=k2 Camera.p1%=k3 Camera.p2%=k4"}},
+       "Camera.@_nwidth Camera.@_nheight",
+       {{"body_T_cam0", PoseKind::kRigFromCamera, "left"},
+        {"body_T_cam1", PoseKind::kRigFromCamera, "right"}},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"Camera.topic_*", "Camera.model_right",
+        "Camera.right_*", "debug",
+        "log_timings",    "mono",
+        "stereo",         "force_realtime",
+        "slam_mode",      "buse_*",
+        "bdo_*",          "alpha",
+        "finit_*",        "use_*",
+        "nmax*",          "nmin*",
+        "nfast_th",       "nklt_*",
+        "nransac_iter",   "dmaxquality",
+        "fclahe_val",     "fmax_*",
+        "fransac_err",    "fkf_*",
+        "do_*",           "doepipolar",
+        "dop3p",          "klt_*",
+        "btrack_*",       "robust_mono_th",
+        "apply_l2_*"}},
+      {"openpose",
+       "OpenPose's camera .xml",
+       KeyedSyntax::kStorage,
+       [](const std::string& text) {
+         return HasAllWords(text,
+                            {"<CameraMatrix", "<Intrinsics", "<Distortion"});
+       },
+       "",
+       {},
+       {{KeyedPinhole("pinhole", 8), "",
+         "Intrinsics=K Distortion~=k1,k2,p1,p2,k3,k4,k5,k6"}},
+       "",
+       {{"CameraMatrix", PoseKind::kCameraFromRig}},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"CameraMatrixInitial"}},
+      // Kp is the projector's.
+      {"slstudio",
+       "SLStudio's calibration .xml",
+       KeyedSyntax::kStorage,
+       [](const std::string& text) {
+         return HasAllWords(text, {"<Kc", "<kc", "<frameWidth"});
+       },
+       "",
+       {},
+       {{KeyedPinhole("pinhole", 5), "", "Kc=K kc~=k1,k2,p1,p2,k3"}},
+       "frameWidth frameHeight",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"cam_error", "proj_error", "stereo_error", "screenRes*"}},
+      {"infinitam",
+       "InfiniTAM's calib.txt",
+       KeyedSyntax::kBlocks,
+       IsInfiniTam,
+       "",
+       {"0", "1"},
+       {{KeyedPinhole("pinhole", 0), "", "@=width,height,fx,fy,cx,cy"}},
+       "",
+       {{"2", PoseKind::kCameraFromRig, "1"}},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"3"}},
+      {"calibanything",
+       "calib.txt of CalibAnything",
+       KeyedSyntax::kLines,
+       [](const std::string& text) {
+         return StartsLine(text, "K:") && StartsLine(text, "T:") &&
+                text.find_first_of("[{\"") == std::string::npos;
+       },
+       "",
+       {},
+       {{KeyedPinhole("pinhole", 5), "", "K=K D?=k1,k2,p1,p2,k3"}},
+       "",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"T"}},
+      {"scannet",
+       "scene .txt of ScanNet",
+       KeyedSyntax::kAssignments,
+       [](const std::string& text) {
+         return HasAllWords(text, {"fx_color", "mx_color", "colorWidth"});
+       },
+       "",
+       {"color", "depth"},
+       {{KeyedPinhole("pinhole", 0), "", "fx_@=fx fy_@=fy mx_@=cx my_@=cy"}},
+       "@Width @Height",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"axisAlignment", "num*", "device*", "scene*"}},
+      {"sens",
+       "info.txt of .sens files: ScanNet, 3RScan, 12Scenes",
+       KeyedSyntax::kAssignments,
+       [](const std::string& text) {
+         return HasAllWords(text,
+                            {"m_calibrationColorIntrinsic", "m_colorWidth"});
+       },
+       "",
+       {},
+       {{KeyedPinhole("pinhole", 0), "", "m_calibrationColorIntrinsic=K"}},
+       "m_colorWidth m_colorHeight",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {"m_versionNumber", "m_sensorName", "m_calibrationColorExtrinsic",
+        "m_depth*", "m_frames*"}},
+      // A camera for each resolution.
+      {"zed",
+       "SN*.conf of ZED cameras",
+       KeyedSyntax::kToml,
+       [](const std::string& text) {
+         return HasAllWords(text, {"[LEFT_CAM_", "[STEREO]"});
+       },
+       "",
+       {"LEFT_CAM_2K", "RIGHT_CAM_2K", "LEFT_CAM_FHD", "RIGHT_CAM_FHD",
+        "LEFT_CAM_HD", "RIGHT_CAM_HD", "LEFT_CAM_VGA", "RIGHT_CAM_VGA"},
+       {{KeyedPinhole("pinhole", 5), "",
+         "@/fx=fx @/fy=fy @/cx=cx @/cy=cy @/k1=k1 @/k2=k2 @/p1?=p1 @/p2?=p2 "
+         "@/k3?=k3"}},
+       "2K=2208x1242 FHD=1920x1080 HD=1280x720 VGA=672x376",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {}},
+      {"orbbec",
+       "camera parameters .ini of Orbbec's viewer",
+       KeyedSyntax::kToml,
+       [](const std::string& text) {
+         return HasAllWords(text, {"[ColorIntrinsic]", "[DepthIntrinsic]"});
+       },
+       "",
+       {"Color", "Depth"},
+       {{KeyedPinhole("rational", 8), "",
+         "@Intrinsic/fx=fx @Intrinsic/fy=fy @Intrinsic/cx=cx @Intrinsic/cy=cy "
+         "@Distortion/k1=k1 @Distortion/k2=k2 @Distortion/k3=k3 "
+         "@Distortion/k4=k4 @Distortion/k5=k5 @Distortion/k6=k6 "
+         "@Distortion/p1=p1 @Distortion/p2=p2"}},
+       "@Intrinsic/width @Intrinsic/height",
+       {},
+       "",
+       "",
+       LengthUnit::kPixel,
+       {}},
+      // Fractions of the sensor, from its corner. Video modes crop and scale
+      // it.
+      {"azure-kinect",
+       "raw calibration .json of Azure Kinect",
+       KeyedSyntax::kJson,
+       [](const std::string& text) {
+         return HasAllWords(
+             text, {"\"CalibrationInformation\"", "\"ModelParameters\""});
+       },
+       "CalibrationInformation/Cameras",
+       {},
+       {{WithOrigin(PixelOrigin::kImageCorner, KeyedPinhole("BrownConrady", 8)),
+         "Intrinsics/ModelType=CALIBRATION_LensDistortionModelBrownConrady",
+         "Intrinsics/ModelParameters=cx,cy,fx,fy,k1,k2,k3,k4,k5,k6,0,0,p2,p1"}},
+       "SensorWidth SensorHeight",
+       {{"Rt/Rotation Rt/Translation", PoseKind::kRAndT}},
+       "Purpose",
+       "",
+       LengthUnit::kImageSides,
+       {"Location", "MetricRadius", "Shutter", "ThermalAdjustmentParams",
+        "Intrinsics/ModelParameterCount"}},
       {"calib-line",
        "calib.txt of one line, as in DROID-SLAM: fx fy cx cy [k1 k2 p1 p2 "
        "[k3]]",
@@ -477,7 +842,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        "",
-       false,
+       LengthUnit::kPixel,
        {},
        ".txt"}};
   return table;
@@ -505,14 +870,20 @@ std::string FindNumberLine(const std::string& text) {
 }
 
 std::string SubstituteWord(std::string key, const std::string& word) {
-  const size_t at = key.find('@');
-  return at == std::string::npos ? key : key.replace(at, 1, word);
+  for (const auto& [mark, text] :
+       {std::pair('@', word), {'%', word.substr(0, 1)}})
+    for (size_t at = key.find(mark); at != std::string::npos;
+         at = key.find(mark, at + text.size()))
+      key.replace(at, 1, text);
+  return key;
 }
 
 KeyedWord SplitAtMark(const std::string& text, char mark,
                       const std::string& word) {
   const size_t equals = text.find('=');
-  KeyedWord parted = {text.substr(0, equals), text.substr(equals + 1)};
+  KeyedWord parted = {text.substr(0, equals), equals == std::string::npos
+                                                  ? ""
+                                                  : text.substr(equals + 1)};
   parted.has_mark = parted.key.back() == mark;
   if (parted.has_mark) parted.key.pop_back();
   parted.key = SubstituteWord(parted.key, word);

@@ -11,17 +11,19 @@
 namespace raygrid {
 
 /// A camera model and the keys of its parameters. Strings are lists separated
-/// by spaces. '@' in a key is replaced by the camera's word; a key followed by
-/// '?' is optional.
+/// by spaces. '@' in a key is replaced by the camera's word, '%' by the word's
+/// first letter; a key followed by '?' is optional.
 struct KeyedModel {
   LensForm form;
   /// "KEY=WORD|WORD": values that identify this model, at the first existing
-  /// key of "KEY|KEY"; the first word is written.
+  /// key of "KEY|KEY"; the first word is written. "KEY": the key exists.
   const char* says;
   /// "KEY=PARAMETER,PARAMETER": a number or list, at the first existing key of
   /// "KEY|KEY". "KEY=K" is the camera matrix, "KEY=P" a 3 x 4 projection matrix
   /// with the pose of a rectified camera, "KEY~=" a list that may be shorter,
-  /// or longer with trailing zeros.
+  /// or longer with trailing zeros. Besides the form's parameters there are
+  /// "width" and "height", "skew" of the camera matrix, "f_mm" and
+  /// "sensor_width_mm", and "0", which must be 0.
   const char* values;
   /// Not used by exports: its principal point is fixed, or programs have
   /// another model for it.
@@ -34,7 +36,17 @@ enum class PoseKind {
   kRigFromCamera,
   kVectors,     ///< "KEY KEY": rotation vector and translation, camera_from_rig
   kBaselineMm,  ///< baseline to the right, no rotation
-  kRAndT        ///< "KEY KEY": rotation matrix and translation, camera_from_rig
+  /// "KEY KEY": rotation matrix and translation, camera_from_rig. The
+  /// translation may have a key for each coordinate.
+  kRAndT,
+  kInverseRAndT  ///< the same, rig_from_camera
+};
+
+/// Unit of lengths in the image.
+enum class LengthUnit {
+  kPixel,
+  kLongerSide,  ///< of the image
+  kImageSides   ///< width for x, height for y
 };
 
 struct KeyedPose {
@@ -52,7 +64,8 @@ enum class KeyedSyntax {
   kToml,
   kLines,        ///< "KEY: NUMBER NUMBER ..."
   kAssignments,  ///< MATLAB, read-only
-  kNumbers       ///< line of numbers
+  kNumbers,      ///< line of numbers
+  kBlocks        ///< numbers in blocks between empty lines: keys "0", "1", ...
 };
 
 struct KeyedFormat {
@@ -60,15 +73,18 @@ struct KeyedFormat {
   KeyedSyntax syntax;
   bool (*recognizes)(const std::string& text);
   /// Location of cameras: "" is the root, "*" all mappings in it, otherwise the
-  /// key of a list or mapping of cameras.
+  /// key, or "KEY/KEY", of a list or mapping of cameras. "KEY|*": at the key if
+  /// it exists.
   const char* place;
   std::vector<const char*> words;  ///< for '@': one per camera in a mapping
   std::vector<KeyedModel> models;
-  const char* size;  ///< list "KEY", or "KEY KEY"; "": no size
+  /// List "KEY", or "KEY KEY"; "": no size. "WORD=WxH WORD=WxH": the size of
+  /// cameras whose word ends so.
+  const char* size;
   std::vector<KeyedPose> poses;
   const char* camera_name;  ///< key of the name
   const char* ones;         ///< keys (unsupported scales) that must be 1
-  bool is_normalized;       ///< lengths relative to the longer image side
+  LengthUnit unit;
   std::vector<std::string> others;  ///< keys irrelevant to the model
 
   /// Extension of written files; "": the format is read-only.
@@ -76,6 +92,9 @@ struct KeyedFormat {
   /// Additional keys and values of an export.
   std::vector<std::pair<const char*, const char*>> written = {};
   const char* fit_key = "";  ///< key of a text with the fit error
+  /// Keys of JSON whose values, such as photographs and points, may be millions
+  /// and are dropped before the file is parsed.
+  std::vector<std::string> bulk = {};
 
   /// Returns whether files have all cameras of a rig, with poses.
   bool SupportsRigs() const {
@@ -108,7 +127,7 @@ struct KeyedWord {
 KeyedWord SplitAtMark(const std::string& text, char mark,
                       const std::string& word);
 
-/// Replaces '@' in a key by the camera's word.
+/// Replaces '@' in a key by the camera's word, and '%' by its first letter.
 std::string SubstituteWord(std::string key, const std::string& word);
 
 }  // namespace raygrid

@@ -62,7 +62,7 @@ double KeyedValue(const KeyedFormat& format, const ConvertedLens& lens,
                   const std::string& parameter) {
   const double value = lens.Value(parameter);
   const bool is_length = parameter[0] == 'f' || parameter[0] == 'c';
-  return format.is_normalized && is_length
+  return format.unit == LengthUnit::kLongerSide && is_length
              ? value / std::max(lens.size.width, lens.size.height)
              : value;
 }
@@ -201,7 +201,8 @@ void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
 // The cameras at the format's location.
 Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   Json root = Json::object();
-  const std::string place = format.place;
+  const std::vector<std::string> places = SplitText(format.place, '|');
+  const std::string place = places.empty() ? "" : places.back();
   if (!format.words.empty() &&
       request.cameras.size() >
           (format.SupportsRigs() ? format.words.size() : 1))

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "dataset/error.h"
 #include "exchange/camera_keys.h"
 #include "exchange/file_storage.h"
@@ -17,7 +19,8 @@ namespace {
 // R and T of stereoCalibrate: the pose of the first camera's frame, or a rig's.
 std::optional<Pose> PoseInFile(const CameraKeys& keys) {
   const std::string r_key = FindKey(keys, {"R", "Rot", "rotation_matrix"}),
-                    t_key = FindKey(keys, {"T", "Trns", "translation_vector"});
+                    t_key =
+                        FindKey(keys, {"T", "t", "Trns", "translation_vector"});
   if (r_key.empty() || t_key.empty()) return std::nullopt;
   const StoredMatrix r = ParseStoredMatrix(keys[r_key], r_key),
                      t = ParseStoredMatrix(keys[t_key], t_key);
@@ -92,6 +95,43 @@ void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
   keys.Finish(*contents->cameras.front().lens.form, &contents->warnings);
 }
 
+// Joins intrinsics and distortion that are separate mappings of a camera, as in
+// Orbbec's SDK. Of its models, 3 and 4 are OpenCV's, and 0 has no distortion.
+YAML::Node JoinIntrinsics(const YAML::Node& node) {
+  const YAML::Node intrinsic = node["intrinsic"],
+                   distortion = node["distortion"];
+  const auto has = [](const YAML::Node& map, const char* key) {
+    return map.IsDefined() && map.IsMap() && map[key].IsDefined();
+  };
+  if (!has(intrinsic, "fx") || !has(distortion, "k1")) return node;
+  constexpr int kNone = 0, kBrownConrady = 3, kBrownConradyK6 = 4;
+  YAML::Node joined(YAML::NodeType::Map);
+  for (const auto& entry : intrinsic)
+    joined.force_insert(entry.first, entry.second);
+  for (const auto& entry : distortion) {
+    int model = kNone;
+    if (entry.first.Scalar() != "model" ||
+        !YAML::convert<int>::decode(entry.second, model)) {
+      joined.force_insert(entry.first, entry.second);
+      continue;
+    }
+    if (model != kNone && model != kBrownConrady && model != kBrownConradyK6)
+      throw InputError(fmt::format(
+          "distortion/model: {} is not supported; supported are 0, 3 and 4",
+          model));
+  }
+  return joined;
+}
+
+// Numbers cameras that have the same name.
+void RenameEqual(std::vector<ReadLens>* cameras) {
+  std::set<std::string> names;
+  for (const ReadLens& camera : *cameras) names.insert(camera.name);
+  if (names.size() == cameras->size()) return;
+  for (size_t c = 0; c < cameras->size(); ++c)
+    (*cameras)[c].name = fmt::format("cam{}", c);
+}
+
 }  // namespace
 
 void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
@@ -101,9 +141,11 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
     const YAML::Node node = root.IsMap() ? entry.second : YAML::Node(entry);
     if (!node.IsMap() && !node.IsSequence()) continue;
     if (node.IsMap()) {
-      const CameraKeys keys(node);
+      const YAML::Node joined = JoinIntrinsics(node);
+      const CameraKeys keys(joined);
       if (HasMatrix(keys) && HasCoefficients(keys)) {
-        ReadLens camera = ReadSingle(keys, node, request, &contents->warnings);
+        ReadLens camera =
+            ReadSingle(keys, joined, request, &contents->warnings);
         if (root.IsMap() && entry.first.IsScalar())
           camera.name = entry.first.as<std::string>();
         contents->cameras.push_back(std::move(camera));
@@ -134,6 +176,7 @@ ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
     return contents;
   }
   ReadNamed(root, request, 0, &contents);
+  RenameEqual(&contents.cameras);
   if (contents.cameras.empty())
     throw InputError("contains no camera: 'camera_matrix' is missing");
   return contents;

@@ -21,6 +21,8 @@ const KeyList kMatrixKeys = {"camera_matrix",
                              "camera matrix",
                              "cam_matrix",
                              "camMatrix",
+                             "cam_K",
+                             "CameraMat",
                              "camera_intrinsics",
                              "camera_intrinsic",
                              "intrinsic_matrix",
@@ -46,6 +48,11 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
                                  "dist_coeffs",
                                  "dist_coeff",
                                  "dist_coefs",
+                                 "dist_coef",
+                                 "distCoef",
+                                 "DistCoeff",
+                                 "cam_dist",
+                                 "camera_dist_coeffs",
                                  "distortions",
                                  "distortion",
                                  "distortion_vector",
@@ -54,37 +61,24 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
                                  "dist",
                                  "D"};
 static const KeyList kSizeKeys = {
-    "cameraResolution", "image_size", "imageSize", "img_shape",
-    "img_size",         "resolution", "size",      "image_shape"};
+    "cameraResolution", "ImageSize",  "image_size", "imageSize",  "img_shape",
+    "img_size",         "resolution", "size",       "image_shape"};
 // Rows come first, as in the shape of numpy's images.
 static const KeyList kShapeKeys = {"shape"};
 static const KeyList kWidthKeys = {
-    "image_width", "image_Width",      "imageWidth",       "img_width", "width",
-    "w",           "resolution/width", "image_size/width", "cols"};
-static const KeyList kHeightKeys = {"image_height",
-                                    "image_Height",
-                                    "imageHeight",
-                                    "img_height",
-                                    "height",
-                                    "h",
-                                    "resolution/height",
-                                    "image_size/height",
-                                    "rows"};
+    "image_width",      "Camera.width",     "img_dist_w", "image_Width",
+    "imageWidth",       "img_width",        "width",      "w",
+    "resolution/width", "image_size/width", "cols"};
+static const KeyList kHeightKeys = {
+    "image_height",      "Camera.height",     "img_dist_h", "image_Height",
+    "imageHeight",       "img_height",        "height",     "h",
+    "resolution/height", "image_size/height", "rows"};
 const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
-const KeyList kModelKeys = {"distortion_model",
-                            "distortionModel",
-                            "dist_model",
-                            "camera_model",
-                            "cameraModel",
-                            "lens_model",
-                            "model_type",
-                            "camera_type",
-                            "model",
-                            "projection",
-                            "projection_model",
-                            "distortion_type",
-                            "lens_type",
-                            "type"};
+const KeyList kModelKeys = {
+    "distortion_model", "distortionModel", "dist_model", "DistModel",
+    "camera_model",     "cameraModel",     "lens_model", "model_type",
+    "camera_type",      "model",           "projection", "projection_model",
+    "distortion_type",  "lens_type",       "type"};
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
 // Keys of OpenCV's and its users' calibrations that are not intrinsics.
@@ -115,6 +109,7 @@ const KeyList kOtherKeys = {"nr_of_frames",
                             "RMS*",
                             "error*",
                             "reproj*",
+                            "ReprojectionError",
                             "mean_*",
                             "rvec*",
                             "tvec*",

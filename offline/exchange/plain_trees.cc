@@ -153,6 +153,26 @@ YAML::Node ParseKeyLines(const std::string& text, char mark) {
   return root.node();
 }
 
+YAML::Node ParseBlocks(const std::string& text) {
+  RequireText(text);
+  YAML::Node root(YAML::NodeType::Map);
+  int number = 0;
+  bool is_open = false;
+  YAML::Node block(YAML::NodeType::Sequence);
+  std::istringstream lines(text + "\n\n");
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    size_t count = 0;
+    for (std::string word; words >> word; ++count) block.push_back(word);
+    if (count == 0 && is_open) {
+      root.force_insert(std::to_string(number++), block);
+      block.reset(YAML::Node(YAML::NodeType::Sequence));
+    }
+    is_open = count > 0;
+  }
+  return root;
+}
+
 YAML::Node ParseRosIni(const std::string& text) {
   RequireText(text);
   TreeMap root;

@@ -16,6 +16,9 @@ YAML::Node ParseToml(const std::string& text);
 /// [NUMBER; ...]".
 YAML::Node ParseKeyLines(const std::string& text, char mark = ':');
 
+/// Blocks of words between empty lines: lists at the keys "0", "1", ...
+YAML::Node ParseBlocks(const std::string& text);
+
 /// ROS's .ini: a key per line, followed by lines with its numbers. The size is
 /// in [image].
 YAML::Node ParseRosIni(const std::string& text);

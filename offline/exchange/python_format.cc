@@ -88,8 +88,8 @@ bool HasAnyKey(const std::string& text, char mark) {
           HasKeyInText(text, {"fx"}, mark)) &&
          (HasKeyInText(text, kDistortionKeys, mark) ||
           HasKeyInText(text, {"k1"}, mark) ||
-          (HasKeyInText(text, {"width"}, mark) &&
-           HasKeyInText(text, {"height"}, mark)));
+          (HasKeyInText(text, {"width", "w"}, mark) &&
+           HasKeyInText(text, {"height", "h"}, mark)));
 }
 
 ExchangeContents ReadPython(const ReadRequest& request) {

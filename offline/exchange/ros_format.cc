@@ -113,12 +113,13 @@ ImageSize SizeIn(const CameraKeys& keys) {
 }
 
 // Single cameras may lack both; what is missing of one is that of a camera
-// alone.
+// alone. A focal length of 0 in P means that both are unknown.
 std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
                                                const ConvertedLens& lens) {
   const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
              in_p = MatrixIn(keys, "projection_matrix", "P", 12);
   if (!in_r && !in_p) return std::nullopt;
+  if (in_p && (*in_p)[0] == 0 && (*in_p)[5] == 0) return std::nullopt;
   const std::vector<double>& k = lens.values;
   const std::vector<double> r =
       in_r.value_or(std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1});

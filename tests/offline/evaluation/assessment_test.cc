@@ -139,6 +139,15 @@ TEST(Assessment, NamesImagesFromBehindHoweverFew) {
       "the target is seen from behind in 2 of 30 views (a.png, ...)"));
 }
 
+TEST(Assessment, FailsIfManyButNotAllImagesAreMirrored) {
+  CalibrationMetrics metrics = GoodFigures();
+  for (const auto& [count, word] :
+       {std::pair(7, "warn"), {8, "fail"}, {29, "fail"}, {30, "warn"}}) {
+    metrics.mirrored_images.assign(count, "a.png");
+    EXPECT_EQ(AssessCalibration(metrics).word, word) << count;
+  }
+}
+
 TEST(Assessment, SuspectsThePatternWhereMostImagesHaveTooFewFeatures) {
   CalibrationMetrics metrics = GoodFigures();
   metrics.images_rejected = 40;
