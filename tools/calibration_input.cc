@@ -393,11 +393,10 @@ void Append(Measurements more, Measurements* measurements) {
   measurements->condition_values.merge(more.condition_values);
 }
 
-Measurements Measure(const std::vector<std::string>& images,
-                     const Pattern& pattern, const std::string& pattern_name,
-                     const CommonOptions& common,
-                     const std::function<void(double)>& progress,
-                     const std::vector<std::string>& hold_out) {
+Measurements DetectAll(const std::vector<std::string>& images,
+                       const Pattern& pattern, const std::string& pattern_name,
+                       const CommonOptions& common,
+                       const std::function<void(double)>& progress) {
   const FoundImages found = FindImages(images);
   const DetectionCache cache(DetectionCache::DefaultFolder());
   FolderDetection detection = DetectFeatures(found.paths, pattern, {}, &cache,
@@ -417,6 +416,16 @@ Measurements Measure(const std::vector<std::string>& images,
   }
   measurements.dataset = std::move(detection.dataset);
   measurements.paths = std::move(detection.paths);
+  return measurements;
+}
+
+Measurements Measure(const std::vector<std::string>& images,
+                     const Pattern& pattern, const std::string& pattern_name,
+                     const CommonOptions& common,
+                     const std::function<void(double)>& progress,
+                     const std::vector<std::string>& hold_out) {
+  Measurements measurements =
+      DetectAll(images, pattern, pattern_name, common, progress);
   ExcludeCopies(&measurements, hold_out);
   return measurements;
 }

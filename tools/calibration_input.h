@@ -91,6 +91,12 @@ void ExcludeCopies(Measurements* measurements,
 /// Detects the pattern in images and folders. Unusable images are listed on
 /// stderr and skipped. Throws Error(kTooFew) if they show another board than
 /// the pattern, which messages call pattern_name.
+Measurements DetectAll(const std::vector<std::string>& images,
+                       const Pattern& pattern, const std::string& pattern_name,
+                       const CommonOptions& common,
+                       const std::function<void(double)>& progress);
+
+/// DetectAll() without copies, as ExcludeCopies().
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,

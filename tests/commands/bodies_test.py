@@ -70,6 +70,13 @@ class Bodies(CommandTest):
         alone = json.loads(self.evaluated(*options, "--independent-boards", "--json"))
         self.assertEqual(alone["rigid_targets"], [])
         self.assertLess(alone["rms_px"], 0.99 * told["rms_px"])
+        # The poses are those of the first board.
+        located = run("localize", *options, "-o", self.path("located"))
+        self.assert_done(located)
+        self.assertTrue(located.stdout.startswith("poses estimated for boards 0, 1 and 2 as a rigid body ("))
+        header, *rows = read(self.path("located/poses.csv")).decode().splitlines()
+        self.assertTrue(header.startswith("camera,image,board,"))
+        self.assertEqual({tuple(row.split(",")[::2][:2]) for row in rows}, {("cam0", "0")})
         # A pattern that tells of no body.
         self.assertIn("one pose estimated per board\n",
                       self.evaluated(*options[:-1], self.pattern))

@@ -162,6 +162,7 @@ class Names(CommandTest):
         silent = {"calibrate", "capture", "check", "detect", "export", "import"}
         special = [["inspect", self.camera], ["experiment", "--list"], ["view", blob, "-o", self.path("sheet.png")],
                    ["fit", self.camera, "--model", "opencv", "-o", self.path("fit.yaml")],
+                   ["localize", self.camera, "--features", values["--features"], "--pattern", values["--pattern"], *out],
                    ["pack", self.camera, "-o", blob], ["simulate", "--images", 2, *out],
                    ["pattern", "chessboard", "--columns", 4, "--rows", 3, "--square-mm", 20, "--dpi", 30, *out]]
         others = set(commands()) - silent - {words[0] for words in special[1:]}

@@ -280,6 +280,11 @@ class Case:
                 self.size(), "--alpha", self.random.choice(("0", "0", "1", "0.3", "-1", "nan")),
                 *distance, "-o", self.output()]
 
+    def run_localize(self):
+        measured = ["--features", self.features()] if self.chance(0.6) else self.images()
+        return [self.camera(), *measured, *(["--refine-target"] if self.chance(0.3) else []), "--pattern",
+                self.pattern(), "-o", self.output()]
+
     def run_report(self):
         folder = self.path("")
         shutil.copytree(os.path.join(self.base, "result"), folder)

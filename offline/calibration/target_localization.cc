@@ -1,0 +1,217 @@
+#include "calibration/target_localization.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "adjustment/view_jacobian.h"
+#include "calibration/frame_localization.h"
+#include "calibration/model_adjustment.h"
+#include "calibration/outlier_removal.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+constexpr double kPoseHuberPx = 1;
+
+// The residuals of a target in a frame, with Huber weights.
+struct PoseInformation {
+  PoseCovariance matrix = PoseCovariance::Zero();  // J^T J
+  double sum = 0, weight = 0;  // squared errors; coordinates
+  int view = -1;               // the first one
+  int num_features = 0;
+
+  double DegreesOfFreedom() const { return std::max(weight - 6, 0.0); }
+};
+
+void AddPoseInformation(const AdjustmentState& state, const View& view,
+                        int index, PoseInformation* information) {
+  const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
+  const ViewJacobian jacobian = WeightedJacobian(residuals, kPoseHuberPx);
+  if (information->view < 0) information->view = index;
+  information->matrix += jacobian.J_pose * jacobian.J_pose.transpose();
+  information->sum += jacobian.error.squaredNorm();
+  for (const LinearizedResidual& linear : residuals) {
+    if (!linear.residual.valid) continue;
+    information->weight +=
+        2 * HuberWeight(linear.residual.error_px.norm(), kPoseHuberPx);
+    ++information->num_features;
+  }
+}
+
+std::vector<PoseInformation> GatherInformation(const LocalizedFrames& frames,
+                                               const AdjustmentState& state) {
+  const CalibrationProblem& problem = frames.problem;
+  std::vector<PoseInformation> information(problem.num_poses);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    const View& view = problem.views[v];
+    if (frames.rig_from_target[view.pose])
+      AddPoseInformation(state, view, static_cast<int>(v),
+                         &information[view.pose]);
+  }
+  return information;
+}
+
+double PooledVariance(const std::vector<PoseInformation>& information) {
+  double sum = 0, degrees = 0;
+  for (const PoseInformation& pose : information) {
+    sum += pose.sum;
+    degrees += pose.DegreesOfFreedom();
+  }
+  return degrees > 0 ? sum / degrees : 0;
+}
+
+// The variance of one pose's noise. Images differ in sharpness, but few
+// features determine it poorly: the variance over all poses counts as much as
+// ten features.
+double VarianceOf(const PoseInformation& pose, double pooled) {
+  constexpr double kPooledDegrees = 20;
+  return (kPooledDegrees * pooled + pose.sum) /
+         (kPooledDegrees + pose.DegreesOfFreedom());
+}
+
+// The inverse; nullopt if it is singular to working precision. Lengths are
+// scaled, so that rotations and translations are comparable.
+std::optional<PoseCovariance> Invert(const PoseCovariance& information) {
+  constexpr double kSingular = 1e-12;
+  const Eigen::Matrix<double, 6, 1> scale =
+      information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<PoseCovariance> solver(
+      scale.asDiagonal() * information * scale.asDiagonal());
+  if (!(solver.eigenvalues()[0] > kSingular)) return std::nullopt;
+  const PoseCovariance vectors = scale.asDiagonal() * solver.eigenvectors();
+  return PoseCovariance(vectors *
+                        solver.eigenvalues().cwiseInverse().asDiagonal() *
+                        vectors.transpose());
+}
+
+// The board that defines the frame of a view's target.
+int FrameBoard(const CalibrationProblem& problem, int view) {
+  const int board = problem.boards[view];
+  return problem.views[view].place < 0 ? board : problem.frames[board];
+}
+
+// The poses that were found in an adjustment's form, without other views.
+AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
+  AdjustmentResult adjusted;
+  std::vector<bool> is_lost;
+  for (const View& view : frames.problem.views)
+    is_lost.push_back(!frames.rig_from_target[view.pose]);
+  adjusted.problem = std::move(frames.problem);
+  RemoveViews(is_lost, &adjusted.problem);
+  adjusted.state = MakeAdjustmentState(rig, adjusted.problem);
+  adjusted.state.target_from_board = std::move(frames.target_from_board);
+  for (const auto& pose : frames.rig_from_target)
+    if (pose) adjusted.state.rig_from_pattern.push_back(*pose);
+  adjusted.rejected_features.resize(rig.cameras.size());
+  adjusted.prior.points_mean = adjusted.problem.nominal;
+  return adjusted;
+}
+
+// The sum of the distances of a rig's cameras from its origin; 1 if it is zero.
+double ScaleOf(const std::vector<Pose>& camera_from_rig) {
+  double sum = 0;
+  for (const Pose& pose : camera_from_rig) sum += pose.translation.norm();
+  return sum > 0 ? sum : 1;
+}
+
+void ScaleTargets(double scale, Pattern* pattern) {
+  for (Board& board : pattern->boards)
+    for (Eigen::Vector3d& point : board.points) point *= scale;
+  for (RigidTarget& target : pattern->rigid_targets)
+    for (Pose& pose : target.first_from_board) pose.translation *= scale;
+}
+
+// The targets of several boards in the form of a pattern.
+std::vector<RigidTarget> ListRigidTargets(const Pattern& pattern,
+                                          const RigidTargets& rigid_targets) {
+  std::vector<RigidTarget> list;
+  for (const std::vector<int>& group : rigid_targets.Groups()) {
+    RigidTarget& target = list.emplace_back();
+    for (const int b : group) {
+      target.boards.push_back(pattern.boards[b].id);
+      target.first_from_board.push_back(
+          rigid_targets.frame_from_board[group.front()].Inverse() *
+          rigid_targets.frame_from_board[b]);
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+TargetLocalization LocalizeTargets(const RigModel& rig,
+                                   const std::vector<Dataset>& datasets,
+                                   const Pattern& pattern, int num_threads) {
+  LocalizedFrames frames = LocalizeFrames(rig, datasets, pattern, num_threads);
+  const CalibrationProblem& problem = frames.problem;
+  AdjustmentState state = MakeAdjustmentState(rig, problem);
+  state.target_from_board = frames.target_from_board;
+  for (const auto& pose : frames.rig_from_target)
+    state.rig_from_pattern.push_back(pose.value_or(Pose()));
+  const std::vector<PoseInformation> information =
+      GatherInformation(frames, state);
+  const double pooled = PooledVariance(information);
+
+  TargetLocalization result;
+  result.cameras = std::move(frames.evaluations);
+  result.noise_px = std::sqrt(pooled);
+  for (size_t p = 0; p < information.size(); ++p) {
+    const PoseInformation& own = information[p];
+    if (own.view < 0) continue;
+    const std::string& image = problem.images[own.view];
+    const auto inverse = Invert(own.matrix);
+    if (!inverse) {
+      result.cameras[problem.views[own.view].camera].rejected_images.push_back(
+          {image, "the features do not determine the pose"});
+      continue;
+    }
+    TargetPose& target = result.poses.emplace_back();
+    target.pose = {image, pattern.boards[FrameBoard(problem, own.view)].id,
+                   *frames.rig_from_target[p]};
+    target.covariance = VarianceOf(own, pooled) * *inverse;
+    target.num_features = own.num_features;
+    target.rms_px = std::sqrt(2 * own.sum / own.weight);
+  }
+  return result;
+}
+
+Pattern EstimateTargetGeometry(const RigModel& rig,
+                               const std::vector<Dataset>& datasets,
+                               const Pattern& pattern, int num_threads) {
+  AdjustmentResult adjusted =
+      ToAdjustment(rig, LocalizeFrames(rig, datasets, pattern, num_threads));
+  AdjustmentState& state = adjusted.state;
+  if (static_cast<int>(state.rig_from_pattern.size()) < kMinTargetPoses)
+    throw Error(ExitCode::kTooFew,
+                fmt::format("cannot estimate the target geometry: {} of at "
+                            "least {} poses; use more images",
+                            state.rig_from_pattern.size(), kMinTargetPoses));
+  AdjustmentOptions options;
+  options.fix_cameras = true;
+  options.num_threads = num_threads;
+  state.SetModes(GetDeformationModes(adjusted.problem),
+                 DeformationScope::kBoard);
+  const auto optimize = [&] {
+    adjusted.summary = OptimizeWithLearnedPrior(adjusted.problem.views, options,
+                                                &adjusted.prior, &state);
+  };
+  optimize();
+  if (RemoveOutliers(pattern, &adjusted) != RemovalResult::kNone) optimize();
+  AlignBoards(pattern, &adjusted);
+  Pattern estimated = MakeEstimatedPattern(pattern, adjusted);
+  if (!rig.rigid_targets.empty())
+    estimated.rigid_targets = ListRigidTargets(
+        pattern, UpdateRigidTargets(rig.rigid_targets, adjusted.problem,
+                                    state.target_from_board));
+  // AlignBoards() gave the rig the scale of the nominal target.
+  ScaleTargets(ScaleOf(rig.camera_from_rig) / ScaleOf(state.camera_from_rig),
+               &estimated);
+  return estimated;
+}
+
+}  // namespace raygrid
