@@ -196,6 +196,7 @@ class Calibration {
   CalibrationOptions options_;
   bool is_model_auto_;
   std::vector<CameraInProgress> cameras_;
+  std::vector<ModelTrials> model_trials_;  // of each camera
   RigidTargets bodies_;
   AdjustmentResult adjusted_;                         // all cameras together
   std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start
@@ -207,7 +208,8 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
                          const CalibrationOptions& options)
     : pattern_(pattern),
       options_(options),
-      is_model_auto_(options.model == kAutoModel) {
+      is_model_auto_(options.model == kAutoModel),
+      model_trials_(inputs.size()) {
   if (is_model_auto_) options_.model = models::kCentralGeneric;
   is_model_auto_ &= options.knot_spacing_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {
@@ -498,7 +500,10 @@ void Calibration::ChooseGrids() {
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
   });
   if (!is_model_auto_ || options_.ShouldStop()) return;
-  options_.model = raygrid::SelectModel(pattern_, options_, &cameras_);
+  ModelSelection selection =
+      raygrid::SelectModel(pattern_, options_, &cameras_);
+  options_.model = selection.model;
+  model_trials_ = std::move(selection.trials);
   for (CameraInProgress& camera : cameras_) {
     camera.grid_knot_spacing_px = camera.result.knot_spacing_px;
     if (IsParametricModel(options_.model)) {
@@ -617,11 +622,17 @@ void Calibration::FillResults() {
 void Calibration::EvaluateHeldOutImages() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   CameraInProgress& first = cameras_.front();
-  std::vector<Trial> not_kept;
   // Stored trials belong to a given model.
   const bool is_kept =
       !IsRig() &&
       !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
+  std::vector<Trial> not_kept;
+  std::vector<Trial>& trials = is_kept ? first.checkpoint.trials : not_kept;
+  const ModelTrials& done = model_trials_.front();
+  const auto tried = done.find(options_.model);
+  if (options_.hold_out.empty() && !IsRig() && tried != done.end() &&
+      options_.model != models::kCentralGeneric)
+    trials.insert(trials.end(), tried->second.begin(), tried->second.end());
   ValidationOptions validation = MakeValidationOptions(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.rigid_targets = bodies_;
@@ -636,8 +647,7 @@ void Calibration::EvaluateHeldOutImages() {
   anew.base_model = adjusted_.problem.base_model;
   HeldOutResiduals held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
-                      is_anew ? &anew : &first.folds,
-                      is_kept ? &first.checkpoint.trials : &not_kept);
+                      is_anew ? &anew : &first.folds, &trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {
@@ -714,13 +724,16 @@ void Calibration::CompareModels() {
   options.fix_target_geometry =
       options.fix_target_geometry ||
       (!HavePointsMoved(adjusted_) && !adjusted_.state.HasStaticDeformation());
+  if (options.fix_target_geometry != options_.fix_target_geometry)
+    model_trials_.assign(cameras_.size(), {});
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
+    const ModelTrials& done = model_trials_[camera - cameras_.data()];
     result.parametric_models = CompareParametricModels(
-        *camera, pattern_, options,
+        *camera, pattern_, options, done,
         [&](int num_threads) { ReportUncertainty(camera, num_threads); });
     if (IsRig() || options.ShouldStop() || !HasSystematicErrors(result)) return;
-    if (auto metrics = CompareAlternativeGrid(*camera, pattern_, options))
+    if (auto metrics = CompareAlternativeGrid(*camera, pattern_, options, done))
       result.parametric_models.push_back(std::move(*metrics));
   });
   RestartFromComparison();
