@@ -1,27 +1,74 @@
 #include "adjustment/dense_equations.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "dataset/parallel_for.h"
 
 namespace raygrid {
 namespace {
 
-// *matrix -= factor factor^T, lower triangle, in panels of rows. Their number
-// does not depend on the number of threads, for deterministic results.
-void SubtractProduct(const Eigen::MatrixXd& factor, int num_threads,
-                     Eigen::MatrixXd* matrix) {
+// Rows of the Schur complement, and their product with its other rows.
+struct SparseFactor {
+  const std::vector<int>& rows;
+  Eigen::MatrixXd values;
+};
+
+// *matrix -= sum of factor factor^T, lower triangle, in panels of rows. Their
+// number does not depend on the number of threads, for deterministic results.
+void SubtractProducts(const std::vector<SparseFactor>& factors, int num_threads,
+                      Eigen::MatrixXd* matrix) {
   constexpr int kPanel = 128;
   const int size = static_cast<int>(matrix->rows());
   const int num_panels = (size + kPanel - 1) / kPanel;
   ParallelFor(num_panels, num_threads, [&](int i) {
     // The last panels are the longest: process them first.
-    const int begin = (num_panels - 1 - i) * kPanel;
-    const int rows = std::min(kPanel, size - begin);
-    matrix->block(begin, 0, rows, begin + rows).noalias() -=
-        factor.middleRows(begin, rows) *
-        factor.topRows(begin + rows).transpose();
+    const int panel = (num_panels - 1 - i) * kPanel;
+    Eigen::MatrixXd product;
+    for (const SparseFactor& factor : factors) {
+      const std::vector<int>& rows = factor.rows;
+      const auto index = [&rows](int row) {
+        return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin();
+      };
+      const Eigen::Index begin = index(panel), end = index(panel + kPanel);
+      if (begin == end) continue;
+      product.noalias() = factor.values.middleRows(begin, end - begin) *
+                          factor.values.topRows(end).transpose();
+      for (Eigen::Index column = 0; column < end; ++column) {
+        double* to = matrix->col(rows[column]).data();
+        const double* from = product.col(column).data();
+        for (Eigen::Index row = begin; row < end; ++row)
+          to[rows[row]] -= from[row - begin];
+      }
+    }
   });
+}
+
+// w <- w L^-T, with L the lower triangle.
+void DivideByTransposed(const PoseMatrix& lower,
+                        Eigen::Ref<Eigen::MatrixXd> w) {
+  for (Eigen::Index i = 0; i < w.cols(); ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) w.col(i) -= lower(i, k) * w.col(k);
+    w.col(i) /= lower(i, i);
+  }
+}
+
+// The rows that are not zero.
+std::vector<int> NonzeroRows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  std::vector<int> rows;
+  for (int row = 0; row < matrix.rows(); ++row)
+    if (!matrix.row(row).isZero(0)) rows.push_back(row);
+  return rows;
+}
+
+// The cost of the product of a sparse factor with itself; sums are read and
+// written once for all of its columns.
+double ProductCost(size_t num_rows, int num_columns) {
+  constexpr double kColumnsPerAccess = 12;
+  return std::pow(static_cast<double>(num_rows), 2) *
+         (num_columns + kColumnsPerAccess);
 }
 
 // A residual's Jacobians except that of the control points: the camera's global
@@ -133,6 +180,7 @@ DenseEquations::DenseEquations(const ParameterLayout& layout,
   if (layout.has_shapes() && layout.num_points > 0)
     AddDeformation(StaticDeformation(layout, modes));
   AddPrior(prior);
+  CompressCouplings();
 }
 
 void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
@@ -260,29 +308,55 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
   add_product(prior.freed, -1);
 }
 
+void DenseEquations::CompressCouplings() {
+  for (int block = 0; block < static_cast<int>(v_.size()); ++block) {
+    std::vector<int> rows =
+        NonzeroRows(w_.middleCols(block_size_ * block, block_size_));
+    if (!couplings_.empty()) {
+      Coupling& last = couplings_.back();
+      std::vector<int> both;
+      std::set_union(last.rows.begin(), last.rows.end(), rows.begin(),
+                     rows.end(), std::back_inserter(both));
+      const int num_columns = block_size_ * last.num_blocks;
+      if (ProductCost(both.size(), num_columns + block_size_) <=
+          ProductCost(last.rows.size(), num_columns) +
+              ProductCost(rows.size(), block_size_)) {
+        last.rows = std::move(both);
+        ++last.num_blocks;
+        continue;
+      }
+    }
+    couplings_.push_back({block, 1, std::move(rows), {}});
+  }
+  for (Coupling& coupling : couplings_)
+    coupling.w =
+        w_(coupling.rows, Eigen::seqN(block_size_ * coupling.first_block,
+                                      block_size_ * coupling.num_blocks));
+  w_.resize(0, 0);
+}
+
 bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
-  const int num_blocks = static_cast<int>(v_.size());
-  Eigen::MatrixXd weighted(w_.rows(), w_.cols());
-  reduced->blocks.resize(num_blocks);
-  for (int i = 0; i < num_blocks; ++i) {
+  reduced->blocks.resize(v_.size());
+  for (size_t i = 0; i < v_.size(); ++i) {
     PoseMatrix v = v_[i];
     v.diagonal() *= 1 + lambda;
     v.diagonal().array() += kDampingFloor;
     reduced->blocks[i].compute(v);
     if (reduced->blocks[i].info() != Eigen::Success) return false;
-    if (a_.size() == 0) continue;  // camera and points are fixed
-    // W L^-T = (L^-1 W^T)^T
-    weighted.middleCols(block_size_ * i, block_size_) =
-        reduced->blocks[i]
-            .matrixL()
-            .solve(w_.middleCols(block_size_ * i, block_size_).transpose())
-            .transpose();
   }
-  if (a_.size() == 0) return true;
+  if (a_.size() == 0) return true;  // camera and points are fixed
+  std::vector<SparseFactor> weighted;
+  for (const Coupling& coupling : couplings_) {
+    weighted.push_back({coupling.rows, coupling.w});
+    for (int i = 0; i < coupling.num_blocks; ++i)
+      DivideByTransposed(
+          reduced->blocks[coupling.first_block + i].matrixLLT(),
+          weighted.back().values.middleCols(block_size_ * i, block_size_));
+  }
   Eigen::MatrixXd matrix = a_;
   matrix.diagonal() *= 1 + lambda;
   matrix.diagonal().array() += kDampingFloor;
-  SubtractProduct(weighted, num_threads_, &matrix);
+  SubtractProducts(weighted, num_threads_, &matrix);
   reduced->dense.compute(matrix);
   return reduced->dense.info() == Eigen::Success;
 }
@@ -305,9 +379,17 @@ DenseEquations::Columns DenseEquations::Solution(const Reduced& reduced,
   Eigen::MatrixXd eliminated = right.eliminated;
   solve_blocks(&eliminated);
   if (a_.size() > 0) {
-    right.kept.noalias() -= w_ * eliminated;
+    const auto columns_of = [this](const Coupling& coupling) {
+      return Eigen::seqN(block_size_ * coupling.first_block,
+                         block_size_ * coupling.num_blocks);
+    };
+    for (const Coupling& coupling : couplings_)
+      right.kept(coupling.rows, Eigen::all) -=
+          coupling.w * eliminated(columns_of(coupling), Eigen::all);
     reduced.dense.solveInPlace(right.kept);
-    right.eliminated.noalias() -= w_.transpose() * right.kept;
+    for (const Coupling& coupling : couplings_)
+      right.eliminated(columns_of(coupling), Eigen::all) -=
+          coupling.w.transpose() * right.kept(coupling.rows, Eigen::all);
   }
   solve_blocks(&right.eliminated);
   return right;

@@ -16,7 +16,8 @@ namespace raygrid {
 /// The groups are rig poses (6 parameters each, and deformation) and points (3
 /// each). A residual depends on one pose and one point, so V is block-diagonal
 /// for either group; the larger one is eliminated, and the Schur complement is
-/// factored.
+/// factored. W is sparse if features of a point, or a pose, are near few
+/// control points.
 class DenseEquations : public NormalEquations {
  public:
   /// modes: deformation modes of the boards.
@@ -35,6 +36,12 @@ class DenseEquations : public NormalEquations {
   struct Columns {
     Eigen::MatrixXd kept, eliminated;
   };
+  // The rows of W that are not zero in successive blocks.
+  struct Coupling {
+    int first_block, num_blocks;
+    std::vector<int> rows;  // ascending
+    Eigen::MatrixXd w;      // these rows, blocks side by side
+  };
   // The Schur complement A - sum W V^-1 W^T, factored.
   struct Reduced {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
@@ -46,6 +53,8 @@ class DenseEquations : public NormalEquations {
   // (StaticDeformation).
   void AddDeformation(const StaticDeformation& moves);
   void AddPrior(const PriorEquations& prior);
+  // Moves W to couplings_: successive blocks together if this saves operations.
+  void CompressCouplings();
   bool Reduce(double lambda, Reduced* reduced) const;
   // Returns the index of the first pose in its group, kept or eliminated.
   int FirstPose() const { return eliminate_points_ ? layout_.first_point : 0; }
@@ -63,7 +72,8 @@ class DenseEquations : public NormalEquations {
   int block_size_;
   Eigen::MatrixXd a_;  // lower triangle
   std::vector<PoseMatrix> v_;
-  Eigen::MatrixXd w_;  // blocks side by side
+  Eigen::MatrixXd w_;  // blocks side by side; empty after construction
+  std::vector<Coupling> couplings_;
   Columns gradient_;
   mutable double last_lambda_ = -1;
   mutable Reduced last_;

@@ -32,7 +32,10 @@ void Calibration::ChooseGrids() {
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
   });
   if (!is_model_auto_ || options_.ShouldStop()) return;
-  options_.model = raygrid::SelectModel(pattern_, options_, &cameras_);
+  ModelSelection selection =
+      raygrid::SelectModel(pattern_, options_, &cameras_);
+  options_.model = selection.model;
+  model_trials_ = std::move(selection.trials);
   for (CameraInProgress& camera : cameras_) {
     camera.grid_knot_spacing_px = camera.result.knot_spacing_px;
     if (IsParametricModel(options_.model)) {
@@ -151,11 +154,17 @@ void Calibration::FillResults() {
 void Calibration::EvaluateHeldOutImages() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   CameraInProgress& first = cameras_.front();
-  std::vector<Trial> not_kept;
   // Stored trials belong to a given model.
   const bool is_kept =
       !IsRig() &&
       !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
+  std::vector<Trial> not_kept;
+  std::vector<Trial>& trials = is_kept ? first.checkpoint.trials : not_kept;
+  const ModelTrials& done = model_trials_.front();
+  const auto tried = done.find(options_.model);
+  if (options_.hold_out.empty() && !IsRig() && tried != done.end() &&
+      options_.model != models::kCentralGeneric)
+    trials.insert(trials.end(), tried->second.begin(), tried->second.end());
   ValidationOptions validation = MakeValidationOptions(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.rigid_targets = bodies_;
@@ -170,8 +179,7 @@ void Calibration::EvaluateHeldOutImages() {
   anew.base_model = adjusted_.problem.base_model;
   HeldOutResiduals held_out =
       EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
-                      is_anew ? &anew : &first.folds,
-                      is_kept ? &first.checkpoint.trials : &not_kept);
+                      is_anew ? &anew : &first.folds, &trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {

@@ -94,13 +94,16 @@ void Calibration::CompareModels() {
   options.fix_target_geometry =
       options.fix_target_geometry ||
       (!HavePointsMoved(adjusted_) && !adjusted_.state.HasStaticDeformation());
+  if (options.fix_target_geometry != options_.fix_target_geometry)
+    model_trials_.assign(cameras_.size(), {});
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     CalibrationResult& result = camera->result;
+    const ModelTrials& done = model_trials_[camera - cameras_.data()];
     result.parametric_models = CompareParametricModels(
-        *camera, pattern_, options,
+        *camera, pattern_, options, done,
         [&](int num_threads) { ReportUncertainty(camera, num_threads); });
     if (IsRig() || options.ShouldStop() || !HasSystematicErrors(result)) return;
-    if (auto metrics = CompareAlternativeGrid(*camera, pattern_, options))
+    if (auto metrics = CompareAlternativeGrid(*camera, pattern_, options, done))
       result.parametric_models.push_back(std::move(*metrics));
   });
   RestartFromComparison();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibration/camera_in_progress.h"
+#include "calibration/model_selection.h"
 #include "calibration/rigid_targets.h"
 #include "dataset/error.h"
 
@@ -119,6 +120,7 @@ class Calibration {
   CalibrationOptions options_;
   bool is_model_auto_;
   std::vector<CameraInProgress> cameras_;
+  std::vector<ModelTrials> model_trials_;  // of each camera
   RigidTargets bodies_;
   AdjustmentResult adjusted_;                         // all cameras together
   std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start

@@ -24,6 +24,18 @@ bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
   return sum > part * count;
 }
 
+// The gains of deformation in standard deviations; 1 if a single image causes
+// all of a gain.
+struct Gains {
+  double alone, flexed;
+  double Sum() const { return alone + flexed; }
+};
+
+Gains GainsOf(const HeldOutResiduals& bent, const HeldOutResiduals& rigid) {
+  return {ComputeLossGain(rigid.alone.front(), bent.alone.front()),
+          ComputeLossGain(rigid.flexed.front(), bent.flexed.front())};
+}
+
 // A knot spacing coarser than the medium one is kept if it also predicts
 // deformed boards significantly better: deformation is noise to rigid boards.
 void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
@@ -54,12 +66,9 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
 
 bool IsDeformationBetter(const HeldOutResiduals& bent,
                          const HeldOutResiduals& rigid) {
-  // In standard deviations; 1 if a single image causes all of the gain.
   constexpr double kWorse = -1.5, kBetter = 1;
-  const double alone = ComputeLossGain(rigid.alone.front(), bent.alone.front());
-  const double flexed =
-      ComputeLossGain(rigid.flexed.front(), bent.flexed.front());
-  return flexed > 0 && alone > kWorse && flexed + alone > kBetter;
+  const Gains gains = GainsOf(bent, rigid);
+  return gains.flexed > 0 && gains.alone > kWorse && gains.Sum() > kBetter;
 }
 
 void SelectDeformation(const Pattern& pattern,
@@ -76,18 +85,25 @@ void SelectDeformation(const Pattern& pattern,
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = MakeValidationOptions(options);
   validation.on_done = [camera] { camera->Save(); };
-  HeldOutResiduals held_out[2];
-  for (const bool rigid : {true, false}) {
+  const auto held_out = [&](int num_folds, bool rigid) {
     validation.rigid_boards = rigid;
     validation.keep_rigid = rigid;
+    validation.num_folds = num_folds;
     CrossValidate(pattern, validation, {{knot_spacing_px}}, &folds, &trials);
-    if (rigid && !CanDeform(trials, knot_spacing_px, kLeastShare)) return;
-    held_out[rigid] =
-        JoinFolds(trials, folds.count(), {knot_spacing_px}, rigid);
-    if (held_out[rigid].flexed.empty()) return;
-  }
-  camera->per_view_deformation =
-      IsDeformationBetter(held_out[false], held_out[true]);
+    return JoinFolds(trials, num_folds, {knot_spacing_px}, rigid);
+  };
+  const int all = folds.count(), half = (all + 1) / 2;
+  const HeldOutResiduals rigid = held_out(all, true);
+  if (!CanDeform(trials, knot_spacing_px, kLeastShare) || rigid.flexed.empty())
+    return;
+  const HeldOutResiduals part = held_out(half, false);
+  if (part.flexed.empty() ||
+      GainsOf(part, JoinFolds(trials, half, {knot_spacing_px}, true)).Sum() <=
+          0)
+    return;
+  const HeldOutResiduals bent = held_out(all, false);
+  if (bent.flexed.empty()) return;
+  camera->per_view_deformation = IsDeformationBetter(bent, rigid);
   if (camera->per_view_deformation)
     ChooseGridAgain(pattern, options, validation, camera);
 }

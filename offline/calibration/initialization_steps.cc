@@ -44,7 +44,8 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
                          const CalibrationOptions& options)
     : pattern_(pattern),
       options_(options),
-      is_model_auto_(options.model == kAutoModel) {
+      is_model_auto_(options.model == kAutoModel),
+      model_trials_(inputs.size()) {
   if (is_model_auto_) options_.model = models::kCentralGeneric;
   is_model_auto_ &= options.knot_spacing_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "calibration/knot_spacing_search.h"
 #include "calibration/knot_spacing_selection.h"
@@ -28,6 +29,7 @@ class ModelComparison {
                         {camera->result.knot_spacing_px},
                         !camera->per_view_deformation);
       folds_ = camera->folds;
+      trials_[kCentralGeneric] = camera->checkpoint.trials;
     } else {
       folds_ =
           MakeLeaveOneOutFolds({camera->split}, {&camera->lens.state.camera()});
@@ -40,6 +42,9 @@ class ModelComparison {
   }
 
   bool IsValid() const { return HasResiduals(grid_); }
+
+  // Trials of the camera's folds.
+  const ModelTrials& trials() const { return trials_; }
 
   // In standard errors; minus infinity for a model that fails.
   double ComputeGain(const std::string& model, double knot_spacing_px) {
@@ -70,6 +75,7 @@ class ModelComparison {
     } catch (const Error&) {
       return {};  // views that the model cannot describe
     }
+    if (camera_->folds.count() > 0) trials_[model] = trials;
     return JoinFolds(trials, folds_.count(), {knot_spacing_px},
                      validation.rigid_boards);
   }
@@ -87,6 +93,7 @@ class ModelComparison {
   const CalibrationOptions& options_;
   CameraInProgress* camera_;
   Folds folds_;
+  ModelTrials trials_;
   HeldOutResiduals grid_;
   // Losses are Huber's of this, so that a few outliers do not decide.
   double grid_median_px_ = 1;
@@ -94,13 +101,15 @@ class ModelComparison {
 
 }  // namespace
 
-std::string SelectModel(const Pattern& pattern,
-                        const CalibrationOptions& options,
-                        std::vector<CameraInProgress>* cameras) {
+ModelSelection SelectModel(const Pattern& pattern,
+                           const CalibrationOptions& options,
+                           std::vector<CameraInProgress>* cameras) {
+  ModelSelection selection = {kCentralGeneric,
+                              std::vector<ModelTrials>(cameras->size())};
   std::vector<ModelComparison> comparisons;
   for (CameraInProgress& camera : *cameras) {
     comparisons.emplace_back(pattern, options, &camera);
-    if (!comparisons.back().IsValid()) return kCentralGeneric;
+    if (!comparisons.back().IsValid()) return selection;
   }
   // The least gain of all cameras counts.
   const auto gain_of = [&](const std::string& model, bool is_grid) {
@@ -116,10 +125,11 @@ std::string SelectModel(const Pattern& pattern,
     }
     return least;
   };
-  std::string best = kCentralGeneric;
+  std::string& best = selection.model;
   double best_gain = kParametricGain;
   for (const std::string& model : LensNames(ModelUse::kAuto)) {
-    if (options.ShouldStop()) return kCentralGeneric;
+    if (options.ShouldStop())
+      return {kCentralGeneric, std::move(selection.trials)};
     const double gain = gain_of(model, false);
     if (gain <= best_gain) continue;
     best = model;
@@ -129,7 +139,9 @@ std::string SelectModel(const Pattern& pattern,
       !options.ShouldStop() &&
       gain_of(kNonCentralGeneric, true) >= kNoncentralGain)
     best = kNonCentralGeneric;
-  return best;
+  for (size_t c = 0; c < cameras->size(); ++c)
+    selection.trials[c] = comparisons[c].trials();
+  return selection;
 }
 
 }  // namespace raygrid

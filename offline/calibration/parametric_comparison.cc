@@ -56,12 +56,15 @@ void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
 }
 
 void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
-                    const ValidationOptions& validation, Folds* folds,
+                    const ValidationOptions& validation,
+                    const ModelTrials& done, Folds* folds,
                     Measurement* measurement) {
   if (!camera.split.test.images.empty()) return;
   const std::vector<double> knot_spacings_px = {
       measurement->candidate.knot_spacing_px};
   std::vector<Trial> trials;
+  if (const auto known = done.find(validation.model); known != done.end())
+    trials = known->second;
   CrossValidate(pattern, validation, {knot_spacings_px}, folds, &trials);
   measurement->held_out = JoinFolds(trials, folds->count(), knot_spacings_px,
                                     validation.rigid_boards);
@@ -82,6 +85,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
                                   const CameraInProgress& camera,
                                   const Pattern& pattern,
                                   const CalibrationOptions& options,
+                                  const ModelTrials& done,
                                   const Beside& beside) {
   std::vector<Measurement> measurements;
   for (const Candidate& candidate : candidates)
@@ -99,14 +103,15 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
     Measurement& measurement = measurements[candidates.size() - 1 - from_last];
     ValidationOptions validation = MakeValidationOptions(options);
     validation.model = measurement.candidate.model;
-    validation.rigid_boards = adjustment.rigid_boards;
+    validation.rigid_boards =
+        adjustment.rigid_boards || IsParametricModel(validation.model);
     validation.num_threads = adjustment.num_threads;
     try {
       if (part == 0) {
         MeasureTraining(camera, pattern, validation, adjustment, &measurement);
       } else {
         Folds folds = camera.folds;  // which other models start, too
-        MeasureHeldOut(camera, pattern, validation, &folds, &measurement);
+        MeasureHeldOut(camera, pattern, validation, done, &folds, &measurement);
       }
       measurement.is_done[part] = true;
     } catch (const Error&) {
@@ -124,14 +129,15 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
 
 std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options, const Beside& beside) {
+    const CalibrationOptions& options, const ModelTrials& done,
+    const Beside& beside) {
   std::vector<Candidate> candidates;
   for (const std::string& model : LensNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
   if (IsParametricModel(options.model) && camera.grid_knot_spacing_px > 0)
     candidates.push_back(
         {models::kCentralGeneric, camera.grid_knot_spacing_px});
-  return Measure(candidates, camera, pattern, options, beside);
+  return Measure(candidates, camera, pattern, options, done, beside);
 }
 
 std::optional<double> EstimateModelErrorPx(const CalibrationResult& result) {
@@ -157,7 +163,7 @@ std::optional<double> EstimateModelErrorPx(const CalibrationResult& result) {
 
 std::optional<ModelMetrics> CompareAlternativeGrid(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options) {
+    const CalibrationOptions& options, const ModelTrials& done) {
   if (options.model == models::kNonCentralGeneric) return std::nullopt;
   const std::string model = options.model == models::kCentralGeneric
                                 ? models::kNonCentralGeneric
@@ -167,7 +173,7 @@ std::optional<ModelMetrics> CompareAlternativeGrid(
   knot_spacing_px =
       std::max(knot_spacing_px, MediumKnotSpacingPx(training, model));
   const std::vector<ModelMetrics> metrics =
-      Measure({{model, knot_spacing_px}}, camera, pattern, options, {});
+      Measure({{model, knot_spacing_px}}, camera, pattern, options, done, {});
   if (metrics.empty()) return std::nullopt;
   return metrics.front();
 }

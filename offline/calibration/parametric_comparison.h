@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibration/camera_in_progress.h"
+#include "calibration/model_selection.h"
 
 namespace raygrid {
 
@@ -13,10 +14,11 @@ namespace raygrid {
 /// images, and evaluates them with the held-out images or, without any, by
 /// cross-validation. Models whose optimization fails are omitted. Other work
 /// for the camera runs concurrently, with half of the threads:
-/// beside(num_threads) is called once.
+/// beside(num_threads) is called once. Does not repeat `done` trials of the
+/// camera's folds, which have the same options.
 std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options,
+    const CalibrationOptions& options, const ModelTrials& done,
     const std::function<void(int num_threads)>& beside);
 
 /// Likewise compares noncentral-generic with a central grid, or central-generic
@@ -24,7 +26,7 @@ std::vector<ModelMetrics> CompareParametricModels(
 /// there are too few features. Returns nullopt if the optimization fails.
 std::optional<ModelMetrics> CompareAlternativeGrid(
     const CameraInProgress& camera, const Pattern& pattern,
-    const CalibrationOptions& options);
+    const CalibrationOptions& options, const ModelTrials& done);
 
 /// Estimates the model error: the part of the median held-out error that a
 /// richer model (a grid instead of a parametric model, or a non-central instead

@@ -212,6 +212,7 @@ Equations Linearize(const ParametricModel& model,
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
   Eigen::MatrixX2d by_parameters(size, 2);  // of the pixel's x and y
+  std::vector<int> affecting;  // parameters: only a few of a spline's
   for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
@@ -228,14 +229,18 @@ Equations Linearize(const ParametricModel& model,
       by_parameters.row(num_parameters + k) =
           linear.J_point * Eigen::Vector3d::Unit(k).cross(ray);
     by_parameters *= std::sqrt(sample.Weight());
-    for (int k = 0; k < size; ++k) {                 // the upper triangle
-      if (by_parameters.row(k).isZero(0)) continue;  // a spline's, elsewhere
-      equations.normal.col(k).head(k + 1) +=
-          by_parameters.col(0).head(k + 1) * by_parameters(k, 0) +
-          by_parameters.col(1).head(k + 1) * by_parameters(k, 1);
+    affecting.clear();
+    for (int k = 0; k < size; ++k)
+      if (!by_parameters.row(k).isZero(0)) affecting.push_back(k);
+    for (const int k : affecting) {
+      for (const int l : affecting) {
+        if (l > k) break;  // the upper triangle
+        equations.normal(l, k) += by_parameters(l, 0) * by_parameters(k, 0) +
+                                  by_parameters(l, 1) * by_parameters(k, 1);
+      }
+      equations.gradient[k] +=
+          std::sqrt(sample.Weight()) * by_parameters.row(k).dot(error);
     }
-    equations.gradient +=
-        std::sqrt(sample.Weight()) * by_parameters.lazyProduct(error);
   }
   equations.normal.triangularView<Eigen::StrictlyLower>() =
       equations.normal.transpose();
