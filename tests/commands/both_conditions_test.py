@@ -133,7 +133,7 @@ class BothConditions(CommandTest):
         _, said, told = pack()
         self.assertEqual(told["operating_points"]["quantity"], "lens_position_dpt")
         for remarks in (said, self.remarks):
-            self.assertIn("packed over lens_position, at the centre temperature 45", remarks)
+            self.assertIn("varies with lens_position, at temperature 45 (centre", remarks)
 
     def test_values_that_do_not_tell_both(self):
         both = ("--vary-with", "lens_position,temperature")

@@ -620,7 +620,7 @@ class Isaac(TableTest):
             self.assertTrue(read(self.path(f"t1_{suffix}.exr")) == read(self.path(f"t2_{suffix}.exr")))
 
     def test_what_cannot_be(self):
-        for more, code, words in ((("--max-fit-error-px", 1e-9), 6, ("the error of isaac exceeds 1e-09 px",)),
+        for more, code, words in ((("--max-fit-error-px", 1e-9), 6, ("isaac: the error exceeds 1e-09 px",)),
                                   (("--model", "x"), 1, ("--model x", "ahead, behind")),
                                   (("--hfov", 60), 1, ("--hfov", "isaac"))):
             with self.subTest(more):

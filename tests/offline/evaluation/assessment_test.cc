@@ -78,9 +78,10 @@ TEST(Assessment, FailsViewsThatLeaveTheCameraOpen) {
   const Assessment assessment = AssessCalibration(metrics);
   EXPECT_EQ(assessment.word, "fail");
   ASSERT_EQ(assessment.reasons.size(), 1u);
-  EXPECT_EQ(assessment.reasons[0].find("the views do not determine the camera: "
-                                       "expect errors of 15 px"),
-            0u);
+  EXPECT_EQ(
+      assessment.reasons[0].find("the views constrain the camera too weakly: "
+                                 "expect errors of 15 px"),
+      0u);
 }
 
 TEST(Assessment, FailsBoardsThatAreAllParallel) {
