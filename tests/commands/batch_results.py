@@ -16,7 +16,7 @@ def result_files(folder):
             contents = read(path)
             if name in ("result.json", "unit.json"):
                 contents = json.loads(contents)
-                for key in ("stage_seconds", "peak_memory_bytes"):
+                for key in ("stage_seconds", "elapsed_s", "peak_memory_bytes"):
                     contents.pop(key, None)
                 # The file of the result that has these.
                 for file in contents.get("files", ()):
