@@ -252,10 +252,10 @@ enum rg_stack_field {
 };
 #define RG_STACK_FIELDS_SIZE 4u
 
-enum rg_knot_field {
-  RG_KNOT_VALUE = 0 /* i32 */
+enum rg_stack_sample_field {
+  RG_STACK_SAMPLE_VALUE = 0 /* i32 */
 };
-#define RG_KNOT_VALUE_SIZE 4u
+#define RG_STACK_SAMPLE_VALUE_SIZE 4u
 
 enum rg_row_time_field {
   RG_ROW_TIME_ROW_TIME = 0, /* i32, q10 nanoseconds */

@@ -290,22 +290,22 @@ static rg_status check_capture(const uint8_t* section, uint32_t size,
   if (size < RG_CAPTURE_SIZE) return RG_ERR_SECTION_SIZE;
   if (rg_load_u16(section + RG_CAPTURE_RESERVED) != 0) return RG_ERR_RESERVED;
   const uint32_t known = section[RG_CAPTURE_KNOWN];
-  return known - 1 < 2 * RG_KNOWS_GAIN - 1 &&
-                 is_lens_position(section,
-                                  (known & RG_KNOWS_LENS_POSITION) != 0) &&
-                 is_crop(section, (known & RG_KNOWS_CROP) != 0, camera) &&
+  return known - 1 < 2 * RG_CAPTURE_HAS_GAIN - 1 &&
+                 is_lens_position(
+                     section, (known & RG_CAPTURE_HAS_LENS_POSITION) != 0) &&
+                 is_crop(section, (known & RG_CAPTURE_HAS_CROP) != 0, camera) &&
                  is_zoom(rg_load_u32(section + RG_CAPTURE_ZOOM),
-                         (known & RG_KNOWS_ZOOM) != 0) &&
+                         (known & RG_CAPTURE_HAS_ZOOM) != 0) &&
                  is_orientation(section[RG_CAPTURE_ORIENTATION],
-                                (known & RG_KNOWS_ORIENTATION) != 0) &&
+                                (known & RG_CAPTURE_HAS_ORIENTATION) != 0) &&
                  is_temperature(rg_load_i32(section + RG_CAPTURE_TEMPERATURE),
-                                (known & RG_KNOWS_TEMPERATURE) != 0) &&
+                                (known & RG_CAPTURE_HAS_TEMPERATURE) != 0) &&
                  is_up_to(RG_MAX_EXPOSURE_US,
                           rg_load_u32(section + RG_CAPTURE_EXPOSURE),
-                          (known & RG_KNOWS_EXPOSURE) != 0) &&
+                          (known & RG_CAPTURE_HAS_EXPOSURE) != 0) &&
                  is_up_to(RG_MAX_ANALOGUE_GAIN_Q16,
                           rg_load_u32(section + RG_CAPTURE_ANALOGUE_GAIN),
-                          (known & RG_KNOWS_GAIN) != 0)
+                          (known & RG_CAPTURE_HAS_GAIN) != 0)
              ? RG_OK
              : RG_ERR_CAPTURE;
 }
@@ -362,7 +362,7 @@ static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
     case RG_SECTION_CAPTURE:
       return check_capture(section, size, camera);
     case RG_SECTION_STACK:
-      return rg_check_stack(bytes, section, size, sections, check_part);
+      return rg_validate_stack(bytes, section, size, sections, check_part);
     case RG_SECTION_ROW_TIME:
       return rg_check_row_time(section, size);
     default:

@@ -44,7 +44,7 @@ UNCERTAINTY = struct.Struct("<HHIII")
 INVERSE = struct.Struct("<iiiiHHIIHHIi")
 CAPTURE = struct.Struct("<iIiiIIIBBHiII")
 STACK = struct.Struct("<HH")
-KNOT = struct.Struct("<i")
+STACK_SAMPLE = struct.Struct("<i")
 ROW_TIME = struct.Struct("<iI")
 
 TYPE_CAMERA = 1
@@ -952,10 +952,10 @@ def read_stack(section: bytes, data: bytes, table: list[Entry]) -> Stack:
             f"the stack has {count} knots of condition {condition}")
     own = knot_parts(data, table)
     parts_size = sum(len(part) for _, part in own)
-    knot_size = parts_size + KNOT.size
+    knot_size = parts_size + STACK_SAMPLE.size
     array = array_bytes(section, STACK.size, count * knot_size, "stack")
     whole = [array[k * knot_size:(k + 1) * knot_size] for k in range(count)]
-    values = tuple(KNOT.unpack_from(knot, parts_size)[0] for knot in whole)
+    values = tuple(STACK_SAMPLE.unpack_from(knot, parts_size)[0] for knot in whole)
     require(all(low < high for low, high in zip(values, values[1:]))
             and max(map(abs, values)) <= CONDITION_LIMIT_Q16, "RG_ERR_STACK",
             f"the values are {values}")
@@ -1878,7 +1878,7 @@ def pack_capture(capture: Capture) -> bytes:
 def pack_stack(stack: Stack) -> bytes:
     """Operating points (type 12)."""
     return STACK.pack(stack.condition, len(stack.values)) + b"".join(
-        pack_knot(knot) + KNOT.pack(value)
+        pack_knot(knot) + STACK_SAMPLE.pack(value)
         for knot, value in zip(stack.knots, stack.values))
 
 

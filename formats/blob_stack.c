@@ -7,54 +7,57 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-/* Walks over the blob's sections that a knot has its like of, in the order of
+/* Walks over the blob's sections that a sample has its like of, in the order of
  * the section table. */
-typedef struct part_walk {
+typedef struct section_traversal {
   const uint8_t* bytes; /* of the blob */
   const uint8_t* grid;  /* the central grid's section, the first of them */
   uint32_t index;       /* of the next entry of the section table */
   uint32_t type;        /* of the section at hand */
   const uint8_t* own;   /* that section */
   uint32_t size;        /* of it, and of its like */
-} part_walk;
+} section_traversal;
 
-static int go_to_next_part(part_walk* walk) {
-  const uint32_t num = rg_load_u16(walk->bytes + RG_HEADER_SECTION_COUNT);
-  while (walk->index != num) {
-    const uint8_t* const entry =
-        walk->bytes + RG_HEADER_SIZE + walk->index++ * RG_SECTION_ENTRY_SIZE;
-    walk->type = rg_load_u16(entry + RG_ENTRY_TYPE);
-    walk->own = walk->bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
-    walk->size = rg_load_u32(entry + RG_ENTRY_SIZE);
-    if (walk->type == RG_SECTION_CENTRAL_GRID) walk->grid = walk->own;
-    if (walk->type == RG_SECTION_CENTRAL_GRID ||
-        walk->type == RG_SECTION_INVERSE || walk->type == RG_SECTION_REMAP)
+static int go_to_next_section(section_traversal* traversal) {
+  const uint32_t num = rg_load_u16(traversal->bytes + RG_HEADER_SECTION_COUNT);
+  while (traversal->index != num) {
+    const uint8_t* const entry = traversal->bytes + RG_HEADER_SIZE +
+                                 traversal->index++ * RG_SECTION_ENTRY_SIZE;
+    traversal->type = rg_load_u16(entry + RG_ENTRY_TYPE);
+    traversal->own = traversal->bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
+    traversal->size = rg_load_u32(entry + RG_ENTRY_SIZE);
+    if (traversal->type == RG_SECTION_CENTRAL_GRID)
+      traversal->grid = traversal->own;
+    if (traversal->type == RG_SECTION_CENTRAL_GRID ||
+        traversal->type == RG_SECTION_INVERSE ||
+        traversal->type == RG_SECTION_REMAP)
       return 1;
   }
   return 0;
 }
 
-static part_walk start_walk(const uint8_t* bytes) {
-  const part_walk walk = {bytes, 0, 0, 0, 0, 0};
-  return walk;
+static section_traversal start_traversal(const uint8_t* bytes) {
+  const section_traversal traversal = {bytes, 0, 0, 0, 0, 0};
+  return traversal;
 }
 
-/* The size of what a knot has its like of; 0 if these sections do not follow
+/* The size of what a sample has its like of; 0 if these sections do not follow
  * each other, from the central grid to the stack. */
 static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
   uint32_t size = 0;
-  part_walk walk = start_walk(bytes);
-  while (go_to_next_part(&walk)) {
-    if (walk.grid == 0 || walk.own != walk.grid + size) return 0;
-    size += walk.size;
+  section_traversal traversal = start_traversal(bytes);
+  while (go_to_next_section(&traversal)) {
+    if (traversal.grid == 0 || traversal.own != traversal.grid + size) return 0;
+    size += traversal.size;
   }
-  return walk.grid + size == stack ? size : 0;
+  return traversal.grid + size == stack ? size : 0;
 }
 
 /* The bytes in front of a table's arrays, but for the measured error, and its
  * mask are those of the blob's own. The part was checked. */
-static int is_like_own_table(const uint8_t* part, const part_walk* walk) {
-  const uint8_t* const own = walk->own;
+static int is_like_own_table(const uint8_t* part,
+                             const section_traversal* traversal) {
+  const uint8_t* const own = traversal->own;
   const uint32_t data = rg_load_u32(part + RG_REMAP_DATA_OFFSET);
   const uint32_t rest = RG_REMAP_DATA_OFFSET;
   if (memcmp(part, own, RG_REMAP_MAX_ERROR_UPX) != 0 ||
@@ -63,19 +66,20 @@ static int is_like_own_table(const uint8_t* part, const part_walk* walk) {
   const uint32_t mask = data + rg_vertex_size(part) *
                                    rg_load_u16(part + RG_REMAP_COLUMNS) *
                                    rg_load_u16(part + RG_REMAP_ROWS);
-  return memcmp(part + mask, own + mask, walk->size - mask) == 0;
+  return memcmp(part + mask, own + mask, traversal->size - mask) == 0;
 }
 
-static int is_like_own(const uint8_t* part, const part_walk* walk) {
-  return walk->type == RG_SECTION_REMAP
-             ? is_like_own_table(part, walk)
-             : memcmp(part, walk->own,
+static int is_like_own(const uint8_t* part,
+                       const section_traversal* traversal) {
+  return traversal->type == RG_SECTION_REMAP
+             ? is_like_own_table(part, traversal)
+             : memcmp(part, traversal->own,
                       rg_load_u32(part + RG_GRID_DATA_OFFSET)) == 0;
 }
 
-int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot) {
-  return rg_load_i32(stack->knots + (knot + 1) * stack->knot_size -
-                     RG_KNOT_VALUE_SIZE);
+int32_t rg_stack_sample_value(const rg_stack_section* stack, uint32_t sample) {
+  return rg_load_i32(stack->samples + (sample + 1) * stack->sample_size -
+                     RG_STACK_SAMPLE_VALUE_SIZE);
 }
 
 static rg_stack_section read_stack(const uint8_t* section,
@@ -83,45 +87,47 @@ static rg_stack_section read_stack(const uint8_t* section,
   const rg_stack_section stack = {rg_load_u16(section + RG_STACK_CONDITION),
                                   rg_load_u16(section + RG_STACK_KNOTS),
                                   section + RG_STACK_FIELDS_SIZE,
-                                  parts_size + RG_KNOT_VALUE_SIZE};
+                                  parts_size + RG_STACK_SAMPLE_VALUE_SIZE};
   return stack;
 }
 
 static int are_values_in_order(const rg_stack_section* stack) {
-  int64_t last = -(int64_t)RG_CONDITION_LIMIT_Q16 - 1;
-  for (uint32_t k = 0; k < stack->num_knots; ++k) {
-    const int32_t value_q16 = rg_knot_value(stack, k);
-    if (value_q16 <= last || value_q16 > RG_CONDITION_LIMIT_Q16) return 0;
+  int64_t last = -(int64_t)RG_OPERATING_POINT_LIMIT_Q16 - 1;
+  for (uint32_t k = 0; k < stack->num_samples; ++k) {
+    const int32_t value_q16 = rg_stack_sample_value(stack, k);
+    if (value_q16 <= last || value_q16 > RG_OPERATING_POINT_LIMIT_Q16) return 0;
     last = value_q16;
   }
   return 1;
 }
 
-rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
-                         uint32_t size, const rg_sections* sections,
-                         rg_part_check* check) {
+rg_status rg_validate_stack(const uint8_t* bytes, const uint8_t* section,
+                            uint32_t size, const rg_sections* sections,
+                            rg_part_check* check) {
   const uint32_t parts_size = size_of_parts(bytes, section);
   const rg_stack_section stack = read_stack(section, parts_size);
-  if (stack.condition - 1u >= RG_CONDITION_TEMPERATURE ||
-      stack.num_knots < RG_MIN_KNOTS || stack.num_knots > RG_MAX_KNOTS ||
+  if (stack.condition - 1u >= RG_OPERATING_PARAMETER_TEMPERATURE ||
+      stack.num_samples < RG_MIN_STACK_SAMPLES ||
+      stack.num_samples > RG_MAX_STACK_SAMPLES ||
       sections->of[RG_SECTION_LINE_POINTS].bytes || parts_size == 0 ||
       section + size != bytes + rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE))
     return RG_ERR_STACK;
   if (size !=
-      RG_STACK_FIELDS_SIZE + (uint64_t)stack.num_knots * stack.knot_size)
+      RG_STACK_FIELDS_SIZE + (uint64_t)stack.num_samples * stack.sample_size)
     return RG_ERR_SECTION_SIZE;
   if (!are_values_in_order(&stack)) return RG_ERR_STACK;
-  const uint8_t* part = stack.knots;
-  for (uint32_t k = 0; k < stack.num_knots; ++k) {
-    part_walk walk = start_walk(bytes);
-    while (go_to_next_part(&walk)) {
-      const rg_status status = check(bytes, walk.type, part, walk.size,
-                                     sections->of[RG_SECTION_CAMERA].bytes);
+  const uint8_t* part = stack.samples;
+  for (uint32_t k = 0; k < stack.num_samples; ++k) {
+    section_traversal traversal = start_traversal(bytes);
+    while (go_to_next_section(&traversal)) {
+      const rg_status status =
+          check(bytes, traversal.type, part, traversal.size,
+                sections->of[RG_SECTION_CAMERA].bytes);
       if (status != RG_OK) return status;
-      if (!is_like_own(part, &walk)) return RG_ERR_STACK;
-      part += walk.size;
+      if (!is_like_own(part, &traversal)) return RG_ERR_STACK;
+      part += traversal.size;
     }
-    part += RG_KNOT_VALUE_SIZE;
+    part += RG_STACK_SAMPLE_VALUE_SIZE;
   }
   return RG_OK;
 }

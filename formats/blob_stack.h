@@ -11,8 +11,8 @@ typedef rg_status rg_part_check(const uint8_t* bytes, uint32_t type,
 
 /* Checks the operating-point stack with all samples. The blob's other sections
  * must be as long as their fields, but may be unchecked. */
-rg_status rg_check_stack(const uint8_t* bytes, const uint8_t* section,
-                         uint32_t size, const rg_sections* sections,
-                         rg_part_check* check);
+rg_status rg_validate_stack(const uint8_t* bytes, const uint8_t* section,
+                            uint32_t size, const rg_sections* sections,
+                            rg_part_check* check);
 
 #endif /* RAYGRID_BLOB_STACK_H */

@@ -68,17 +68,17 @@ static uint32_t num_remaps(const rg_blob_contents* contents) {
 }
 
 static uint32_t knot_size_of(const rg_blob_contents* contents) {
-  uint32_t knot_size = grid_size(contents) + RG_KNOT_VALUE_SIZE;
-  if (contents->inverse) knot_size += inverse_size(contents->inverse);
-  if (contents->remap) knot_size += rg_remap_section_size(contents->remap);
+  uint32_t sample_size = grid_size(contents) + RG_STACK_SAMPLE_VALUE_SIZE;
+  if (contents->inverse) sample_size += inverse_size(contents->inverse);
+  if (contents->remap) sample_size += rg_remap_section_size(contents->remap);
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k)
-    knot_size += rg_remap_section_size(contents->more_remaps[k].section);
-  return knot_size;
+    sample_size += rg_remap_section_size(contents->more_remaps[k].section);
+  return sample_size;
 }
 
 static uint32_t stack_size(const rg_blob_contents* contents) {
   return RG_STACK_FIELDS_SIZE +
-         knot_size_of(contents) * contents->stack->num_knots;
+         knot_size_of(contents) * contents->stack->num_samples;
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -308,32 +308,33 @@ static void write_capture(const rg_capture_section* capture, uint8_t* section) {
   rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
-/* Writes a knot's grids and tables in the order of write_parts(), then its
+/* Writes a sample's grids and tables in the order of write_parts(), then its
  * value, and returns where the next one goes. */
-static uint8_t* write_knot(const rg_blob_contents* contents,
-                           const rg_knot_contents* knot, uint8_t* part) {
-  write_grid(contents->grid, knot->control_points_q29, knot->narrow, part);
+static uint8_t* write_stack_sample(const rg_blob_contents* contents,
+                                   const rg_stack_sample_contents* sample,
+                                   uint8_t* part) {
+  write_grid(contents->grid, sample->control_points_q29, sample->narrow, part);
   part += grid_size(contents);
   for (uint32_t k = 0; k < num_remaps(contents); ++k) {
-    const rg_remap_contents* const remap = &knot->remaps[k];
+    const rg_remap_contents* const remap = &sample->remaps[k];
     rg_write_remap(remap->section, remap->residuals, part);
     part += rg_remap_section_size(remap->section);
   }
   if (contents->inverse) {
-    write_inverse(contents->inverse, knot->inverse_points, part);
+    write_inverse(contents->inverse, sample->inverse_points, part);
     part += inverse_size(contents->inverse);
   }
-  rg_store_i32(part, knot->value_q16);
-  return part + RG_KNOT_VALUE_SIZE;
+  rg_store_i32(part, sample->value_q16);
+  return part + RG_STACK_SAMPLE_VALUE_SIZE;
 }
 
 static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
   const rg_stack_contents* const stack = contents->stack;
   rg_store_u16(section + RG_STACK_CONDITION, stack->condition);
-  rg_store_u16(section + RG_STACK_KNOTS, stack->num_knots);
-  uint8_t* knot = section + RG_STACK_FIELDS_SIZE;
-  for (uint32_t k = 0; k < stack->num_knots; ++k)
-    knot = write_knot(contents, &stack->knots[k], knot);
+  rg_store_u16(section + RG_STACK_KNOTS, stack->num_samples);
+  uint8_t* sample = section + RG_STACK_FIELDS_SIZE;
+  for (uint32_t k = 0; k < stack->num_samples; ++k)
+    sample = write_stack_sample(contents, &stack->samples[k], sample);
 }
 
 static void write_row_time(const rg_row_time_section* row_time,
@@ -371,7 +372,7 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
       begin_section(writer, RG_SECTION_REMAP, rg_remap_section_size(remap)));
 }
 
-/* Sections behind the camera and the modes that knots of a stack have no like
+/* Sections behind the camera and the modes that samples of a stack have no like
  * of. */
 static void write_lone_sections(const rg_blob_contents* contents,
                                 section_writer* writer) {
@@ -406,7 +407,7 @@ static void write_modes(const rg_blob_contents* contents,
     write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
 }
 
-/* Sections that knots of a stack have their like of. */
+/* Sections that samples of a stack have their like of. */
 static void write_parts(const rg_blob_contents* contents,
                         section_writer* writer) {
   write_grid(
@@ -423,7 +424,7 @@ static void write_parts(const rg_blob_contents* contents,
                                 inverse_size(contents->inverse)));
 }
 
-/* A stack stands last, directly behind the sections that its knots have their
+/* A stack stands last, directly behind the sections that its samples have their
  * like of. */
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
@@ -523,18 +524,19 @@ static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
          (remap->part_log2 == 0 || remap->bends);
 }
 
-/* Whether a knot's grids and tables have arrays of the blob's own sizes. */
+/* Whether a sample's grids and tables have arrays of the blob's own sizes. */
 static int is_like_own(const rg_blob_contents* contents,
-                       const rg_knot_contents* knot) {
-  if (!knot->narrow != !contents->narrow ||
-      (knot->narrow ? !knot->narrow->residuals : !knot->control_points_q29))
+                       const rg_stack_sample_contents* sample) {
+  if (!sample->narrow != !contents->narrow ||
+      (sample->narrow ? !sample->narrow->residuals
+                      : !sample->control_points_q29))
     return 0;
   if (contents->inverse &&
-      (!knot->inverse_points || !knot->inverse_points->residuals))
+      (!sample->inverse_points || !sample->inverse_points->residuals))
     return 0;
-  if (contents->remap && !knot->remaps) return 0;
+  if (contents->remap && !sample->remaps) return 0;
   for (uint32_t k = 0; k < num_remaps(contents); ++k) {
-    const rg_remap_contents* const remap = &knot->remaps[k];
+    const rg_remap_contents* const remap = &sample->remaps[k];
     const rg_remap_section* const own =
         k == 0 ? contents->remap : contents->more_remaps[k - 1].section;
     if (!has_arrays(remap->section, remap->residuals) ||
@@ -549,9 +551,9 @@ static int is_like_own(const rg_blob_contents* contents,
 
 static int is_whole_stack(const rg_blob_contents* contents) {
   const rg_stack_contents* const stack = contents->stack;
-  if (!stack->knots || stack->num_knots > RG_MAX_KNOTS) return 0;
-  for (uint32_t k = 0; k < stack->num_knots; ++k)
-    if (!is_like_own(contents, &stack->knots[k])) return 0;
+  if (!stack->samples || stack->num_samples > RG_MAX_STACK_SAMPLES) return 0;
+  for (uint32_t k = 0; k < stack->num_samples; ++k)
+    if (!is_like_own(contents, &stack->samples[k])) return 0;
   return 1;
 }
 

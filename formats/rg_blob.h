@@ -49,7 +49,7 @@ extern "C" {
 #define RG_UNKNOWN_UNCERTAINTY 0xffffu
 #define RG_CHART_LIMIT_Q27 (INT32_C(1) << 29) /* 4 */
 #define RG_INVERSE_PIXEL_BITS 17u             /* inverse grids: fraction bits */
-#define RG_UNKNOWN_FIGURE 0xffffffffu
+#define RG_UNKNOWN_METRIC 0xffffffffu
 #define RG_LENS_POSITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres */
 #define RG_CROP_LIMIT 65536u                             /* sensor px */
 #define RG_MAX_CROP_SCALE                             \
@@ -61,10 +61,11 @@ extern "C" {
 #define RG_TEMPERATURE_LIMIT_Q16 (INT32_C(1024) << 16) /* degrees Celsius */
 #define RG_MAX_EXPOSURE_US (UINT32_C(1) << 30)
 #define RG_MAX_ANALOGUE_GAIN_Q16 (UINT32_C(1024) << 16)
-#define RG_MIN_KNOTS 2u
-#define RG_MAX_KNOTS 64u
-#define RG_CONDITION_LIMIT_Q16 (INT32_C(1024) << 16) /* dioptres or degrees */
-#define RG_ROW_TIME_LIMIT_Q10 (INT32_C(1) << 30)     /* ns: a millisecond */
+#define RG_MIN_STACK_SAMPLES 2u
+#define RG_MAX_STACK_SAMPLES 64u
+#define RG_OPERATING_POINT_LIMIT_Q16 \
+  (INT32_C(1024) << 16)                          /* dioptres or degrees */
+#define RG_ROW_TIME_LIMIT_Q10 (INT32_C(1) << 30) /* ns: a millisecond */
 
 /* Identity of the camera. */
 typedef struct rg_camera_section {
@@ -134,7 +135,7 @@ typedef struct rg_mode_section {
   const char* name; /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
 } rg_mode_section;
 
-/* Quality metrics of the calibration; RG_UNKNOWN_FIGURE if not measured.
+/* Quality metrics of the calibration; RG_UNKNOWN_METRIC if not measured.
  */
 typedef struct rg_quality_section {
   uint32_t training_median_upx, training_rms_upx, training_max_upx;
@@ -169,19 +170,19 @@ typedef struct rg_uncertainty_section {
   const uint8_t* values; /* row-major u16 q12 px; RG_UNKNOWN_UNCERTAINTY */
 } rg_uncertainty_section;
 
-enum rg_capture_known {
-  RG_KNOWS_LENS_POSITION = 1, /* and its tolerance */
-  RG_KNOWS_CROP = 2,
-  RG_KNOWS_ZOOM = 4,
-  RG_KNOWS_ORIENTATION = 8,
-  RG_KNOWS_TEMPERATURE = 16,
-  RG_KNOWS_EXPOSURE = 32,
-  RG_KNOWS_GAIN = 64
+enum rg_capture_fields {
+  RG_CAPTURE_HAS_LENS_POSITION = 1, /* and its tolerance */
+  RG_CAPTURE_HAS_CROP = 2,
+  RG_CAPTURE_HAS_ZOOM = 4,
+  RG_CAPTURE_HAS_ORIENTATION = 8,
+  RG_CAPTURE_HAS_TEMPERATURE = 16,
+  RG_CAPTURE_HAS_EXPOSURE = 32,
+  RG_CAPTURE_HAS_GAIN = 64
 };
 
 /* Capture settings during calibration. Unknown fields are 0. */
 typedef struct rg_capture_section {
-  uint8_t known; /* bits of rg_capture_known */
+  uint8_t known; /* bits of rg_capture_fields */
   int32_t lens_position_q16;
   uint32_t lens_tolerance_q16;
   int32_t crop_x, crop_y; /* crop of the sensor, in its pixels */
@@ -193,19 +194,20 @@ typedef struct rg_capture_section {
   uint32_t analogue_gain_q16; /* factor */
 } rg_capture_section;
 
-typedef enum rg_condition {
-  RG_CONDITION_LENS_POSITION = 1, /* dioptres */
-  RG_CONDITION_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
-} rg_condition;
+typedef enum rg_operating_parameter {
+  RG_OPERATING_PARAMETER_LENS_POSITION = 1, /* dioptres */
+  RG_OPERATING_PARAMETER_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
+} rg_operating_parameter;
 
 /* The operating-point stack. A sample contains a variant of each grid and table
  * of the blob, in the order of the section table and of equal size, followed by
- * its value: rg_knot_value(). */
+ * its value: rg_stack_sample_value(). */
 typedef struct rg_stack_section {
-  uint16_t condition;   /* rg_condition */
-  uint16_t num_knots;   /* number of samples, RG_MIN_KNOTS to RG_MAX_KNOTS */
-  const uint8_t* knots; /* samples in the blob */
-  uint32_t knot_size;   /* bytes from one sample to the next */
+  uint16_t condition;     /* rg_operating_parameter */
+  uint16_t num_samples;   /* number of samples, RG_MIN_STACK_SAMPLES to
+                             RG_MAX_STACK_SAMPLES */
+  const uint8_t* samples; /* samples in the blob */
+  uint32_t sample_size;   /* bytes from one sample to the next */
 } rg_stack_section;
 
 /* Line delay: the readout time per row of a rolling shutter. */
@@ -249,7 +251,7 @@ void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture);
 void rg_blob_stack(const rg_blob* blob, rg_stack_section* stack);
 
 /* Returns the value of a sample, 0-based, in q16; values ascend. */
-int32_t rg_knot_value(const rg_stack_section* stack, uint32_t knot);
+int32_t rg_stack_sample_value(const rg_stack_section* stack, uint32_t sample);
 
 void rg_blob_row_time(const rg_blob* blob, rg_row_time_section* row_time);
 
@@ -278,18 +280,18 @@ typedef struct rg_remap_contents {
 } rg_remap_contents;
 
 /* A sample of the stack. Other sections are inherited from the base camera. */
-typedef struct rg_knot_contents {
+typedef struct rg_stack_sample_contents {
   int32_t value_q16;
   const int32_t* control_points_q29;    /* wide grid */
   const rg_narrow_grid* narrow;         /* narrow grid instead */
   const rg_narrow_grid* inverse_points; /* if the blob has an inverse grid */
   const rg_remap_contents* remaps;      /* one per remap table of the blob */
-} rg_knot_contents;
+} rg_stack_sample_contents;
 
 typedef struct rg_stack_contents {
-  uint16_t condition; /* rg_condition */
-  uint16_t num_knots;
-  const rg_knot_contents* knots;
+  uint16_t condition; /* rg_operating_parameter */
+  uint16_t num_samples;
+  const rg_stack_sample_contents* samples;
 } rg_stack_contents;
 
 typedef struct rg_blob_contents {

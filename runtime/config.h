@@ -3,7 +3,7 @@
  * | switch                  | meaning                             | set by    |
  * |-------------------------|-------------------------------------|-----------|
  * | RG_PORTABLE_KERNELS     | only portable kernels are compiled  | user      |
- * | RG_FAST_WALK            | fast traversal instead of the small | user, or  |
+ * | RG_FAST_TRAVERSAL       | fast traversal instead of the small | user, or  |
  * |                         | one                                 | target    |
  * | RG_MULTIPLY_IN_PARTS    | 64-bit products from 16-bit halves  | user, or  |
  * |                         | (formats/wide_multiply.h)           | target    |
@@ -16,11 +16,11 @@
  * | RG_HAVE_DIVISION        | division in one instruction         | target    |
  * | RG_IS_FAST              | optimized for speed: -O1 to -O3     | options   |
  * | RG_ROWS_IN_ASSEMBLER    | cortex_m/grid_rows_thumb2.h         | the above |
- * | RG_CORNERS_IN_ASSEMBLER | cortex_m/part_corners_thumb2.c      | the above |
+ * | RG_CORNERS_IN_ASSEMBLER | cortex_m/tile_corners_thumb2.c      | the above |
  * | RG_ALL_BUILT_IN         | Helium or RVV kernels are built in  | the above |
  * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_rows_thumb2.h         | the above |
  * | RG_CHOOSE_KERNELS       | kernels are selected at run time    | the above |
- * | RG_HAS_PART_KERNELS     | kernels that process several tiles  | the above |
+ * | RG_HAS_TILE_KERNELS     | kernels that process several tiles  | the above |
  * | RG_CHOOSE_SURFACE       | AVX2 code for rays is selected at   | the above |
  * |                         | run time                            |           |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
@@ -40,16 +40,24 @@
 #define RG_PORTABLE_KERNELS 0
 #endif
 
+/* ---- Deprecated names ---------------------------------------------------- */
+
+#if defined(RG_FAST_WALK) && !defined(RG_FAST_TRAVERSAL)
+#define RG_FAST_TRAVERSAL RG_FAST_WALK
+#endif
+
+/* ---- End of deprecated names --------------------------------------------- */
+
 /* The fast traversal needs a large stack: it keeps values that the tiles of a
  * block share from one tile to the next, and computes both coordinates of two
  * positions in one vector. */
-#if !defined(RG_FAST_WALK)
+#if !defined(RG_FAST_TRAVERSAL)
 #if defined(__GNUC__) &&                                            \
     (defined(__linux__) || defined(__LP64__) || defined(_WIN64)) && \
     (!defined(__x86_64__) || defined(__SSE2__))
-#define RG_FAST_WALK 1
+#define RG_FAST_TRAVERSAL 1
 #else
-#define RG_FAST_WALK 0
+#define RG_FAST_TRAVERSAL 0
 #endif
 #endif
 
@@ -120,7 +128,7 @@
 #endif
 
 /* With Helium, C is faster than this assembly for tables without bends. */
-#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_WALK && !RG_HAVE_HELIUM
+#if RG_ROWS_IN_ASSEMBLER && !RG_IS_FAST && !RG_FAST_TRAVERSAL && !RG_HAVE_HELIUM
 #define RG_CORNERS_IN_ASSEMBLER 1
 #else
 #define RG_CORNERS_IN_ASSEMBLER 0
@@ -134,8 +142,8 @@
 #endif
 
 /* asm goto with outputs requires GCC 11. The assembly uses all registers. */
-#if RG_ROWS_IN_ASSEMBLER && !RG_FAST_WALK && !RG_ALL_BUILT_IN &&  \
-    defined(__ARM_FEATURE_UNALIGNED) && !RG_HAVE_FRAME_POINTER && \
+#if RG_ROWS_IN_ASSEMBLER && !RG_FAST_TRAVERSAL && !RG_ALL_BUILT_IN && \
+    defined(__ARM_FEATURE_UNALIGNED) && !RG_HAVE_FRAME_POINTER &&     \
     __GNUC__ >= 11
 #define RG_GREY_ROW_IN_ASSEMBLER 1
 #else
@@ -144,7 +152,7 @@
 
 /* Kernels are selected at run time if the target supports several. They read
  * spare rows, which the small traversal does not check for. */
-#if RG_FAST_WALK && !RG_PORTABLE_KERNELS &&                                \
+#if RG_FAST_TRAVERSAL && !RG_PORTABLE_KERNELS &&                           \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
 #define RG_CHOOSE_KERNELS 1
@@ -153,13 +161,13 @@
 #endif
 
 /* Only the AVX-512 kernels process several tiles at once: at most
- * RG_PARTS_AT_ONCE. */
+ * RG_TILES_AT_ONCE. */
 #if RG_CHOOSE_KERNELS && defined(__x86_64__)
-#define RG_HAS_PART_KERNELS 1
+#define RG_HAS_TILE_KERNELS 1
 #else
-#define RG_HAS_PART_KERNELS 0
+#define RG_HAS_TILE_KERNELS 0
 #endif
-#define RG_PARTS_AT_ONCE 32
+#define RG_TILES_AT_ONCE 32
 
 /* AVX2 is detected when a camera is opened. */
 #if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \

@@ -16,8 +16,8 @@
  *
  * Thread safety: functions with a const rg_camera may be called by several
  * threads and interrupt handlers at a time. Functions with a non-const one
- * (rg_camera_open(), rg_select_remap(), rg_set_condition(),
- * rg_choose_ray_kernels()) must not run while other functions use the camera.
+ * (rg_camera_open(), rg_select_remap(), rg_set_operating_point(),
+ * rg_select_ray_kernels()) must not run while other functions use the camera.
  *
  * Cost per core: runtime/COST.md. */
 #ifndef RAYGRID_RAYGRID_H
@@ -54,10 +54,11 @@ typedef struct rg_camera {
   const uint8_t* inverse;     /* likewise; NULL, as the next two, if absent */
   const uint8_t* line_points; /* first point in the section */
   const uint8_t* remap;       /* selected base section, never a sample's */
-  const struct rg_stack_code* stack;  /* NULL: no operating point was set */
-  uint32_t knot_shift;                /* bytes from the base sections to the
-                                         sections of the lower sample in use */
-  uint32_t knot_size;                 /* bytes from one sample to the next */
+  const struct rg_operating_point_ops*
+      stack;                          /* NULL: no operating point was set */
+  uint32_t sample_shift;              /* bytes from the base sections to the
+                                       sections of the lower sample in use */
+  uint32_t sample_size;               /* bytes from one sample to the next */
   uint16_t frame_width, frame_height; /* source size of the selected table */
   uint16_t weight_q14;                /* weight of the upper sample */
   uint16_t surface;                   /* RG_SURFACE_..., the ray kernels */
@@ -106,7 +107,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
  *     "portable"; or, on x86-64, "avx2"
  * @retval RG_OK done
  * @retval RG_ERR_ARGUMENT kernels unknown or not supported; nothing changes */
-rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name);
+rg_status rg_select_ray_kernels(rg_camera* camera, const char* name);
 
 /** Gets the size of the calibrated images, in which positions are expressed.
  *
@@ -277,10 +278,10 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
  * the centre of the frame. Other sensor modes have different line delays.
  *
  * @param camera an open camera
- * @param[out] row_time_ns_q10 in q10 nanoseconds, of magnitude at most 2^30 (1
- *     ms); negative if the last row is read first, about 0 for a global
- *     shutter; written only if RG_OK is returned
- * @param[out] deviation_ns_q10 its standard deviation in q10 nanoseconds, 0 if
+ * @param[out] line_delay_ns_q10 in q10 nanoseconds, of magnitude at most 2^30
+ * (1 ms); negative if the last row is read first, about 0 for a global shutter;
+ * written only if RG_OK is returned
+ * @param[out] std_dev_ns_q10 its standard deviation in q10 nanoseconds, 0 if
  *     unknown; may be NULL
  * @retval RG_OK done
  * @retval RG_ERR_UNKNOWN the blob has no line delay, which raygrid calibrate
@@ -288,8 +289,8 @@ rg_status rg_uncertainty(const rg_camera* camera, rg_pixel pixel,
  * @retval RG_ERR_SECTION_SIZE malformed section, which rg_camera_open() does
  *     not check
  * @retval RG_ERR_ROW_TIME as RG_ERR_SECTION_SIZE: a value is out of range */
-rg_status rg_row_time(const rg_camera* camera, int32_t* row_time_ns_q10,
-                      uint32_t* deviation_ns_q10);
+rg_status rg_line_delay(const rg_camera* camera, int32_t* line_delay_ns_q10,
+                        uint32_t* std_dev_ns_q10);
 
 /** @}
  * @name Sensor modes
@@ -386,7 +387,7 @@ rg_match_result rg_match(const rg_camera* camera, const rg_mode* mode,
  *     and was clamped to it
  * @retval RG_ERR_NO_STACK the blob has no stack of operating points
  * @return any other value is the first error found; nothing changes */
-rg_status rg_set_condition(rg_camera* camera, int32_t value_q16);
+rg_status rg_set_operating_point(rg_camera* camera, int32_t value_q16);
 
 /** @}
  * @name Remap tables
@@ -639,23 +640,23 @@ rg_status rg_remap_source_rows(const rg_camera* camera, rg_format format,
                                uint16_t* first_source, uint16_t* num_source);
 
 /** An 8-bit grey frame (libcamera R8, V4L2 GREY), for rg_remap_grey(). */
-typedef struct rg_frame {
+typedef struct rg_grey_image {
   const uint8_t* data; /**< row 0 */
   uint32_t stride;     /**< bytes per row, at least width and below 2^31 */
   uint16_t width;      /**< pixels */
   uint16_t height;     /**< pixels */
-} rg_frame;
+} rg_grey_image;
 
 /** Rows [first_row, first_row + num_rows) of an undistorted 8-bit grey image,
  * for rg_remap_grey(). */
-typedef struct rg_band {
+typedef struct rg_grey_target {
   uint8_t* data;      /**< where first_row is written */
   uint32_t stride;    /**< bytes per row, at least the image's width and below
                          2^31 */
   uint16_t first_row; /**< first row to write */
   uint16_t num_rows;  /**< number of rows to write */
   uint8_t border;     /**< value of pixels without a source */
-} rg_band;
+} rg_grey_target;
 
 /** Undistorts rows of a grey frame with rg_remap() and bilinear interpolation.
  *
@@ -663,8 +664,8 @@ typedef struct rg_band {
  * @param frame the frame, of the size that rg_frame_size() returns
  * @param band rows to write, and the border value
  * @return as rg_remap() */
-rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
-                        const rg_band* band);
+rg_status rg_remap_grey(const rg_camera* camera, const rg_grey_image* frame,
+                        const rg_grey_target* band);
 
 /** @}
  * @name Updates in two flash slots
@@ -697,7 +698,7 @@ typedef struct rg_slot {
  * @retval RG_ERR_MISALIGNED a slot is not aligned to 4 bytes
  * @retval RG_ERR_ARGUMENT newest is NULL, or slot_size too small
  * @retval RG_ERR_NO_SLOT neither slot contains a complete blob */
-rg_status rg_choose_slot(const void* first, const void* second,
+rg_status rg_select_slot(const void* first, const void* second,
                          uint32_t slot_size, rg_slot* newest);
 
 /** Makes the header of a slot, for devices that write blobs themselves: erase
@@ -714,6 +715,30 @@ rg_status rg_make_slot_header(const void* blob, uint32_t num_bytes,
                               uint32_t sequence, uint32_t header[16]);
 
 /** @} */
+
+/* ---- Deprecated names ---------------------------------------------------- */
+
+#if !defined(RAYGRID_NO_DEPRECATED)
+/** @name Deprecated names
+ * Names of version 0.2, which remain valid until the next minor version.
+ * RAYGRID_NO_DEPRECATED, defined before this header is included, removes them.
+ * @{ */
+/** @deprecated Use rg_set_operating_point(). */
+#define rg_set_condition rg_set_operating_point
+/** @deprecated Use rg_line_delay(). */
+#define rg_row_time rg_line_delay
+/** @deprecated Use rg_select_ray_kernels(). */
+#define rg_choose_ray_kernels rg_select_ray_kernels
+/** @deprecated Use rg_select_slot(). */
+#define rg_choose_slot rg_select_slot
+/** @deprecated Use rg_grey_image. */
+#define rg_frame rg_grey_image
+/** @deprecated Use rg_grey_target. */
+#define rg_band rg_grey_target
+/** @} */
+#endif
+
+/* ---- End of deprecated names --------------------------------------------- */
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop

@@ -128,7 +128,7 @@ std::optional<BatchJson> ReadRecord(const std::string& path) {
   return record.is_object() ? std::optional(record) : std::nullopt;
 }
 
-uint32_t Crc32Of(const std::string& bytes) {
+uint32_t ComputeCrc32(const std::string& bytes) {
   return rg_crc32(0, reinterpret_cast<const uint8_t*>(bytes.data()),
                   static_cast<uint32_t>(bytes.size()));
 }
@@ -145,8 +145,9 @@ BatchJson FilesOfResult(const std::string& folder) {
   for (const std::string& name : names) {
     if (name == kUnitFile) continue;
     const std::string bytes = ReadFile((fs::path(folder) / name).string());
-    files.push_back(
-        {{"name", name}, {"bytes", bytes.size()}, {"crc32", Crc32Of(bytes)}});
+    files.push_back({{"name", name},
+                     {"bytes", bytes.size()},
+                     {"crc32", ComputeCrc32(bytes)}});
   }
   return files;
 }
@@ -172,7 +173,7 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
       throw InputError(
           fmt::format("{}: {} bytes instead of {}; run the batch again", path,
                       error ? 0 : size, file["bytes"].dump()));
-    if (file["crc32"] != Crc32Of(ReadFile(path)))
+    if (file["crc32"] != ComputeCrc32(ReadFile(path)))
       throw InputError(
           path + ": CRC mismatch, the file was modified; run the batch again");
   }
@@ -190,14 +191,14 @@ UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
 }
 
 // The hash of inputs in a record; "inputs" in files before schema_version 2.
-std::string FingerprintIn(const BatchJson& record) {
+std::string ReadFingerprint(const BatchJson& record) {
   return record.value(record.contains("inputs_hash") ? "inputs_hash" : "inputs",
                       "");
 }
 
 bool IsFinished(const UnitJob& job, const std::string& fingerprint) {
   const auto record = ReadRecord(job.folder + "/" + kUnitFile);
-  if (!record || FingerprintIn(*record) != fingerprint) return false;
+  if (!record || ReadFingerprint(*record) != fingerprint) return false;
   try {
     ReadResult(job, *record, {});
     return true;
@@ -399,7 +400,7 @@ std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
 }
 
 // 6 if one fails; else that of the first one without a result.
-int ExitCodeOf(const std::vector<UnitRow>& rows) {
+int ComputeExitCode(const std::vector<UnitRow>& rows) {
   int code = 0;
   for (const UnitRow& row : rows) {
     if (row.status == "fail") return static_cast<int>(ExitCode::kQuality);
@@ -504,7 +505,8 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
     files.Commit();
   }
   PrintUnits(fleet, common);
-  if (const int code = ExitCodeOf(fleet.rows)) throw CLI::RuntimeError(code);
+  if (const int code = ComputeExitCode(fleet.rows))
+    throw CLI::RuntimeError(code);
 }
 
 }  // namespace

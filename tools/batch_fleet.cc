@@ -18,10 +18,10 @@ const std::string& SerialOfUnit(const FleetAnalysis& fleet, int unit) {
   return fleet.rows[fleet.compared[unit]].serial;
 }
 
-FleetJson UnitJson(const UnitRow& row) {
+FleetJson MakeUnitJson(const UnitRow& row) {
   FleetJson unit = {{"serial", row.serial}, {"status", row.status}};
   if (!row.reason.empty()) unit["reason"] = row.reason;
-  if (!row.unusual.empty()) unit["outlying_metrics"] = row.unusual;
+  if (!row.outliers.empty()) unit["outlying_metrics"] = row.outliers;
   for (const auto& [name, value] : row.metrics) unit[name] = value;
   for (const auto& [name, text] : {std::pair("lens_batch", &row.lens_batch),
                                    std::pair("repeats", &row.repeats)})
@@ -30,7 +30,7 @@ FleetJson UnitJson(const UnitRow& row) {
   return unit;
 }
 
-FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
+FleetJson MakeChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
   FleetJson jumps = FleetJson::array();
   for (const MeanJump& jump : fleet.statistics.jumps)
     jumps.push_back({{"serial", SerialOfUnit(fleet, jump.unit)},
@@ -46,7 +46,7 @@ FleetJson ChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
   return jumps;
 }
 
-FleetJson BatchesJson(const BatchComparison& batches) {
+FleetJson MakeBatchesJson(const BatchComparison& batches) {
   FleetJson units = FleetJson::object(), metrics = FleetJson::object();
   for (size_t b = 0; b < batches.batches.size(); ++b)
     units[batches.batches[b]] = batches.num_units[b];
@@ -61,7 +61,7 @@ FleetJson BatchesJson(const BatchComparison& batches) {
   return {{"units", units}, {"metrics", metrics}};
 }
 
-FleetJson GaugeMetricJson(const GaugeMetric& metric) {
+FleetJson MakeGaugeMetricJson(const GaugeMetric& metric) {
   FleetJson json = {{"repeatability_sd", metric.repeatability}};
   for (const GaugeFactor& factor : metric.factors) {
     json[factor.name] = {{"sd", factor.deviation}};
@@ -78,10 +78,10 @@ FleetJson GaugeMetricJson(const GaugeMetric& metric) {
   return json;
 }
 
-FleetJson GaugeJson(const GaugeStudy& gauge) {
+FleetJson MakeGaugeJson(const GaugeStudy& gauge) {
   FleetJson metrics = FleetJson::object();
   for (const GaugeMetric& metric : gauge.metrics)
-    metrics[metric.name] = GaugeMetricJson(metric);
+    metrics[metric.name] = MakeGaugeMetricJson(metric);
   return {{"repeats", gauge.num_repeats},
           {"golden_units", gauge.num_goldens},
           {"degrees_of_freedom", gauge.degrees_of_freedom},
@@ -91,20 +91,21 @@ FleetJson GaugeJson(const GaugeStudy& gauge) {
 
 void PrintJson(const FleetAnalysis& fleet) {
   FleetJson units = FleetJson::array(), drifts = FleetJson::array();
-  for (const UnitRow& row : fleet.rows) units.push_back(UnitJson(row));
-  const FleetJson jumps = ChangesJson(fleet, &drifts);
+  for (const UnitRow& row : fleet.rows) units.push_back(MakeUnitJson(row));
+  const FleetJson jumps = MakeChangesJson(fleet, &drifts);
   FleetJson json = {{"units", units}, {"jumps", jumps}, {"drifts", drifts}};
   if (!fleet.batches.batches.empty())
-    json["lens_batches"] = BatchesJson(fleet.batches);
-  if (fleet.gauge.num_repeats > 0) json["gauge_study"] = GaugeJson(fleet.gauge);
+    json["lens_batches"] = MakeBatchesJson(fleet.batches);
+  if (fleet.gauge.num_repeats > 0)
+    json["gauge_study"] = MakeGaugeJson(fleet.gauge);
   PrintCommandJson(json);
 }
 
 void PrintFleet(const FleetAnalysis& fleet) {
   for (const UnitRow& row : fleet.rows)
-    if (!row.unusual.empty())
+    if (!row.outliers.empty())
       fmt::print("{}: outlier in {}\n", row.serial,
-                 fmt::join(row.unusual, ", "));
+                 fmt::join(row.outliers, ", "));
   for (const auto& sentences :
        {DescribeChanges(fleet), DescribeBatches(fleet.batches),
         DescribeGauge(fleet.gauge)})

@@ -54,7 +54,7 @@ void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
   if (!range) return;
   for (size_t k = 0; k < conditions.conditions.size(); ++k)
     if (conditions.conditions[k] == range->condition)
-      camera->SetCondition(conditions.values.at(image)[k]);
+      camera->SetOperatingPoint(conditions.values.at(image)[k]);
 }
 
 // The first held-out image, or else the first one used; smaller than it was.
@@ -180,7 +180,7 @@ void UseSession(CalibrateArguments* arguments) {
                                 session.camera.empty()
                                     ? ""
                                     : "camera " + session.camera + " "));
-      arguments->captures.push_back(CaptureOf(session));
+      arguments->captures.push_back(GetCaptureSettings(session));
       arguments->session_times.push_back(CollectTimes(session));
       // A frame that was deleted may still lie there, if that was interrupted.
       std::vector<std::string> images;
@@ -228,7 +228,7 @@ void CompleteResult(const std::vector<Measurements>& cameras,
 }
 
 // The checkpoints of all cameras, or none.
-std::vector<Checkpoint> CheckpointsOf(const RigResult& result) {
+std::vector<Checkpoint> GetCheckpoints(const RigResult& result) {
   std::vector<Checkpoint> checkpoints;
   for (const CalibrationResult& camera : result.cameras)
     if (camera.checkpoint) checkpoints.push_back(*camera.checkpoint);
@@ -327,7 +327,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     bar.Show("packing", 0.9);
     extras = MakeExtras(cameras, result, arguments, circumstances, common);
   }
-  const std::vector<Checkpoint> checkpoints = CheckpointsOf(result);
+  const std::vector<Checkpoint> checkpoints = GetCheckpoints(result);
   PreserveFinishedResult(arguments.output, checkpoints, inputs);
   WriteResult(result, extras,
               checkpoints.empty() ? "" : FormatCheckpoints(checkpoints, inputs),
@@ -356,7 +356,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
       ->option_text("NAME=DIR")
       ->allow_extra_args(false);
   command
-      ->add_option("--sync-by", arguments->instant_by,
+      ->add_option("--sync-by", arguments->sync_by,
                    "match images of a rig by file name, or by the last number "
                    "in it (left01, right01)")
       ->check(CLI::IsMember({"name", "number"}))
@@ -397,7 +397,7 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
       ->add_option("--model", arguments->model,
                    fmt::format("{}, or auto: chosen by cross-validation",
-                               fmt::join(CalibratedModels(), ", ")))
+                               fmt::join(ListCalibratedModels(), ", ")))
       ->option_text("NAME")
       ->capture_default_str();
   command->add_flag("--allow-noncentral", arguments->allow_noncentral,

@@ -82,9 +82,9 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
 
 // The way to measure images again; empty for features alone, or if they are to
 // be kept.
-RefineFeaturesCallback AgainIn(const Measurements& measurements,
-                               const CalibrateArguments& arguments,
-                               int num_threads) {
+RefineFeaturesCallback MakeRefinement(const Measurements& measurements,
+                                      const CalibrateArguments& arguments,
+                                      int num_threads) {
   if (measurements.paths.empty() || arguments.measure_once) return nullptr;
   return [&measurements, num_threads](const CameraModel& camera,
                                       const Pattern& found_pattern,
@@ -202,9 +202,9 @@ void RequireSizesOfCameras(const CalibrateArguments& arguments,
   }
 }
 
-std::vector<Measurements> GivenCameras(const CalibrateArguments& arguments,
-                                       const FeaturesByCamera& given,
-                                       const Pattern& pattern) {
+std::vector<Measurements> ReadGivenCameras(const CalibrateArguments& arguments,
+                                           const FeaturesByCamera& given,
+                                           const Pattern& pattern) {
   const bool is_rig = given.size() > 1;
   if (is_rig) RequireSizesOfCameras(arguments, given);
   std::vector<Measurements> cameras;
@@ -435,8 +435,8 @@ std::vector<Measurements> CollectMeasurements(
     const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar) {
   std::vector<Measurements> cameras =
       given.empty() ? MeasureCameras(arguments, common, pattern, bar)
-                    : GivenCameras(arguments, given, pattern);
-  if (cameras.size() > 1 && arguments.instant_by == "number")
+                    : ReadGivenCameras(arguments, given, pattern);
+  if (cameras.size() > 1 && arguments.sync_by == "number")
     for (Measurements& camera : cameras)
       RenameImagesByNumber("camera " + camera.camera, &camera.dataset);
   return cameras;
@@ -450,7 +450,7 @@ std::vector<CalibrationInput> CalibrationInputs(
   for (size_t c = 0; c < cameras.size(); ++c)
     inputs.push_back(
         {arguments.name.empty() ? cameras[c].camera : arguments.name,
-         cameras[c].dataset, AgainIn(cameras[c], arguments, num_threads),
+         cameras[c].dataset, MakeRefinement(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Save(c, done); },
          cameras[c].image_circle, cameras[c].skipped, circumstances.times[c]});

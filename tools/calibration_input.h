@@ -29,7 +29,7 @@ struct CalibrateArguments {
   std::string features, pattern, output, name, serial, like;
   std::string model = "auto", knot_spacing_px = "auto";
   std::string duplicate_px = "auto", valid_px = "auto";
-  std::string instant_by = "name", area = "image", image_circle = "auto";
+  std::string sync_by = "name", area = "image", image_circle = "auto";
   bool fix_target_geometry = false, rigid_board = false,
        independent_boards = false, measure_once = false, resume = false,
        allow_noncentral = false;

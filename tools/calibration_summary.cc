@@ -14,8 +14,8 @@
 #include "evaluation/board_flatness.h"
 #include "evaluation/budget_assessment.h"
 #include "evaluation/line_delay_text.h"
+#include "evaluation/operating_point_change.h"
 #include "evaluation/rounded_text.h"
-#include "evaluation/stack_change.h"
 #include "report/result_json.h"
 
 namespace raygrid {
@@ -90,10 +90,10 @@ void PrintKnownOverRanges(const CameraFile& file) {
 }
 
 // How the camera changes over each of its ranges.
-void PrintStack(const OperatingPointModel& stack) {
+void PrintOperatingPointModel(const OperatingPointModel& stack) {
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
-    const std::vector<StackChange> ends =
-        MeasureStackChanges(stack.SliceAlong(r), 2);
+    const std::vector<OperatingPointChange> ends =
+        MeasureOperatingPointChanges(stack.SliceAlong(r), 2);
     const Eigen::Vector2d moved = ends[1].center_px - ends[0].center_px;
     fmt::print(
         "  {}: image scale changes by {:.2f} %, image centre by {:.2f} px; "
@@ -136,21 +136,21 @@ void PrintLineDelay(const CalibrationResult& result) {
 void PrintBoards(const Pattern& pattern) {
   constexpr double kTellableM = 5e-7;
   constexpr int kMostLines = 3;
-  int num_told = 0;
+  int num_reported = 0;
   for (const Board& board : pattern.boards) {
     if (board.IsPointSet()) continue;  // may have depth
     const BoardFlatness shape = MeasureFlatness(board);
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
-    if (++num_told > kMostLines) continue;
+    if (++num_reported > kMostLines) continue;
     fmt::print(
         "  board {}: out-of-plane deformation {:.3f} mm RMS, {:.3f} mm max; "
         "in-plane deviation {:.3f} mm RMS\n",
         board.id, 1e3 * shape.rms_height_m, 1e3 * shape.max_height_m,
         1e3 * shape.rms_shift_m);
   }
-  if (num_told > kMostLines)
+  if (num_reported > kMostLines)
     fmt::print("  {} more boards are deformed; see the report\n",
-               num_told - kMostLines);
+               num_reported - kMostLines);
 }
 
 // One line, as the report has it: its limit, and the one thing to do.
@@ -188,7 +188,7 @@ void PrintSingleCamera(const CalibrationResult& result) {
   PrintModelChoice(result);
   if (result.camera.stack) {
     PrintKnownOverRanges(result.camera);
-    PrintStack(result.camera.stack->cameras);
+    PrintOperatingPointModel(result.camera.stack->cameras);
   }
   PrintImageCircle(*result.camera.camera);
   PrintLineDelay(result);

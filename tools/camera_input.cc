@@ -74,7 +74,7 @@ std::vector<OperatingRange> TakeAt(const std::string& path,
   return ranges;
 }
 
-Error NoStack(const std::string& path) {
+Error NoOperatingPointModel(const std::string& path) {
   return Error(ExitCode::kUsage,
                path +
                    ": --at: the camera was not calibrated over focus or "
@@ -101,7 +101,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
         at.IsGiven() ? ValuesFor(path, at, reading, input.ranges)
                      : FixedOperatingPoint(1);
     if (held[0])
-      input.blob->SetCondition(*held[0]);
+      input.blob->SetOperatingPoint(*held[0]);
     else if (reading != Reading::kRest)
       NoteReferencePoint(path, input.ranges);
   }
@@ -126,14 +126,14 @@ CameraInput ReadCamera(const std::string& path,
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, bytes, at, Reading::kOne);
-  if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
+  if (at.IsGiven() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
 
-CameraInput ReadCameraOrStack(const std::string& path,
+CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, ReadFile(path), at, Reading::kRest);
-  if (at.IsGiven() && input.ranges.empty()) throw NoStack(path);
+  if (at.IsGiven() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
 
@@ -146,7 +146,8 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
   std::vector<OperatingRange> ranges = cameras[0].ranges;
   ranges.insert(ranges.end(), cameras[1].ranges.begin(),
                 cameras[1].ranges.end());
-  if (at.IsGiven() && ranges.empty()) throw NoStack(first + ", " + second);
+  if (at.IsGiven() && ranges.empty())
+    throw NoOperatingPointModel(first + ", " + second);
   if (FilterByRanges(at, ranges).named.size() < at.named.size())
     throw Error(
         ExitCode::kUsage,
@@ -196,7 +197,7 @@ std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
                                               const std::string& path,
                                               const CameraInput& input) {
   if (outside != "border") return std::nullopt;
-  if (auto trusted = LoadValidityMask(input)) return trusted;
+  if (auto valid_region = LoadValidityMask(input)) return valid_region;
   throw Error(ExitCode::kUsage,
               path +
                   ": --outside border: the file has no valid region; omit the "

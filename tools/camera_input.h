@@ -38,7 +38,7 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at = {});
 
 /// ReadCamera() that keeps the dependence on variables not specified by at.
-CameraInput ReadCameraOrStack(const std::string& path,
+CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at);
 
 /// Reads two cameras; at is for the operating-point models among them. Values

@@ -56,8 +56,9 @@ std::vector<std::string> UseSession(const CameraFile& file,
     throw Error(ExitCode::kTooFew, folder +
                                        ": no frame was kept; continue the "
                                        "session with raygrid capture --resume");
-  return file.capture ? ListDifferences(*file.capture, CaptureOf(cameras[0]))
-                      : std::vector<std::string>();
+  return file.capture
+             ? ListDifferences(*file.capture, GetCaptureSettings(cameras[0]))
+             : std::vector<std::string>();
 }
 
 // Images that could not be measured are added to those rejected.

@@ -37,7 +37,7 @@ struct Comparison {
   Area area;  // of the second camera
   double angle_rad = 0;
   /// Over the places where both can be trusted, of cameras that say so.
-  std::optional<ErrorMetrics> trusted;
+  std::optional<ErrorMetrics> valid_region;
   std::optional<PredictionComparison> prediction;  // of features, if given
 };
 
@@ -63,17 +63,17 @@ PredictionComparison Predict(const CompareArguments& arguments,
 
 // The difference at pixels that both cameras can be trusted at. Elsewhere one
 // of them is extrapolated, and they may differ by any number of pixels.
-std::optional<ErrorMetrics> WhereTrusted(const ModelDifference& difference,
-                                         const CameraInput& first,
-                                         const CameraInput& second) {
-  const auto first_trust = LoadValidityMask(first),
-             second_trust = LoadValidityMask(second);
-  if (!first_trust && !second_trust) return std::nullopt;
+std::optional<ErrorMetrics> WhereValid(const ModelDifference& difference,
+                                       const CameraInput& first,
+                                       const CameraInput& second) {
+  const auto first_valid = LoadValidityMask(first),
+             second_valid = LoadValidityMask(second);
+  if (!first_valid && !second_valid) return std::nullopt;
   std::vector<FeatureResidual> places;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
     const Eigen::Vector2d& pixel = difference.pixels[i];
-    if ((first_trust && !first_trust->IsValidAt(pixel)) ||
-        (second_trust && !second_trust->IsValidAt(pixel)))
+    if ((first_valid && !first_valid->IsValidAt(pixel)) ||
+        (second_valid && !second_valid->IsValidAt(pixel)))
       continue;
     places.emplace_back();
     places.back().error_px = difference.error_px[i];
@@ -105,7 +105,7 @@ Comparison Compare(const CompareArguments& arguments,
     throw InputError(
         fmt::format("{} and {}: the calibrated areas do not overlap",
                     arguments.first, arguments.second));
-  comparison.trusted = WhereTrusted(comparison.difference, first, second);
+  comparison.valid_region = WhereValid(comparison.difference, first, second);
   comparison.angle_rad =
       comparison.difference.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity());
@@ -142,9 +142,9 @@ std::string FormatJson(const Comparison& comparison) {
   const Eigen::Vector3d& t = d.first_from_second.translation;
   if (!d.inverse_distances.empty())
     json["translation_m"] = {t.x(), t.y(), t.z()};
-  if (comparison.trusted) {
-    json["valid_region"] = ToJson(*comparison.trusted);
-    json["valid_region"]["points"] = comparison.trusted->count;
+  if (comparison.valid_region) {
+    json["valid_region"] = ToJson(*comparison.valid_region);
+    json["valid_region"]["points"] = comparison.valid_region->count;
   }
   if (comparison.prediction)
     json["prediction"] = ToJson(*comparison.prediction);
@@ -191,11 +191,11 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
     files.Add((folder / "predictions.csv").string(),
               FormatCsv(*comparison.prediction));
   files.Add((folder / "magnitude.png").string(),
-            EncodePng(MagnitudePicture(places, comparison.size, comparison.area,
-                                       full_scale_px)));
-  files.Add(
-      (folder / "direction.png").string(),
-      EncodePng(DirectionPicture(places, comparison.size, comparison.area)));
+            EncodePng(DrawMagnitudePicture(places, comparison.size,
+                                           comparison.area, full_scale_px)));
+  files.Add((folder / "direction.png").string(),
+            EncodePng(DrawDirectionPicture(places, comparison.size,
+                                           comparison.area)));
   files.Commit();
 }
 
@@ -257,12 +257,12 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
         " and a translation of {:.2f} mm; compared at {:g} m and at infinity",
         1000 * d.first_from_second.translation.norm(), arguments.distance_m);
   fmt::print("\n");
-  if (comparison.trusted)
+  if (comparison.valid_region)
     fmt::print(
         "in both valid regions: median {:.3g} px, RMS {:.3g} px, max {:.3g} px "
         "at {} pixels\n",
-        comparison.trusted->median_px, comparison.trusted->rms_px,
-        comparison.trusted->max_px, comparison.trusted->count);
+        comparison.valid_region->median_px, comparison.valid_region->rms_px,
+        comparison.valid_region->max_px, comparison.valid_region->count);
   if (comparison.prediction) Print(arguments, *comparison.prediction);
   if (!arguments.output.empty())
     fmt::print(

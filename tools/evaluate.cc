@@ -78,7 +78,7 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
     if (as_bodies) {
       json["with_rigid_targets"] = *as_bodies;
-      json["rigid_targets"] = RigidTargetsJson(pattern);
+      json["rigid_targets"] = MakeRigidTargetsJson(pattern);
     }
     PrintCommandJson(json);
     return;
@@ -114,7 +114,7 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
   if (common.json) {
     nlohmann::ordered_json whole = ToJson(all, all_flexed);
     whole.erase("rejected_images");
-    whole["rigid_targets"] = RigidTargetsJson(pattern);
+    whole["rigid_targets"] = MakeRigidTargetsJson(pattern);
     whole["cameras"] = json;
     PrintCommandJson(whole);
     return;

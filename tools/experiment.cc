@@ -29,7 +29,7 @@ constexpr int kFineImages = 500;
 
 struct ExperimentArguments {
   std::string name, size, output;
-  std::string features, image_size, pattern, walk, result;
+  std::string features, image_size, pattern, trajectory, result;
   std::vector<std::string> cameras, rigs, images, hold_out;
   int num_images = 0;
   std::vector<double> bump_widths_px;
@@ -82,7 +82,7 @@ void RequireUse(const Experiment& experiment,
   require("--features", !arguments.features.empty());
   require("--result", !arguments.result.empty());
   require("--camera", !arguments.cameras.empty());
-  require("--colmap-model", !arguments.walk.empty());
+  require("--colmap-model", !arguments.trajectory.empty());
   require("--rig", !arguments.rigs.empty());
   require("--image", !arguments.images.empty());
   require("--min-depth-m", arguments.nearest_m > 0);
@@ -93,21 +93,21 @@ void RequireUse(const Experiment& experiment,
 }
 
 // A file, or that file of a folder that calibrate wrote.
-std::string FileOrIn(const std::string& path, const char* file) {
+std::string ResolveFile(const std::string& path, const char* file) {
   return std::filesystem::is_directory(path)
              ? (std::filesystem::path(path) / file).string()
              : path;
 }
 
 NamedCamera ReadNamedCamera(const std::string& path) {
-  const CameraInput input = ReadCamera(FileOrIn(path, "camera.yaml"));
+  const CameraInput input = ReadCamera(ResolveFile(path, "camera.yaml"));
   return {path, input.file.camera,
           input.blob ? LoadValidityMask(input)
                      : ComputeDefinedFraction(input.file)};
 }
 
 NamedStereo ReadStereo(const std::string& given_path) {
-  const std::string path = FileOrIn(given_path, "rig.yaml");
+  const std::string path = ResolveFile(given_path, "rig.yaml");
   const std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != 2)
     throw InputError(fmt::format("{}: contains {} cameras; stereo requires two",
@@ -169,7 +169,8 @@ ExperimentData ReadData(const ExperimentArguments& arguments) {
   data.nearest_m = arguments.nearest_m;
   if (!arguments.result.empty())
     data.result = ReadSingleResult(arguments.result);
-  if (!arguments.walk.empty()) data.walk = ReadColmapModel(arguments.walk);
+  if (!arguments.trajectory.empty())
+    data.trajectory = ReadColmapModel(arguments.trajectory);
   if (!arguments.features.empty()) ReadUsersFeatures(arguments, &data);
   return data;
 }
@@ -198,7 +199,7 @@ void WriteResult(const Experiment& experiment, const ExperimentResult& result,
   OutputFiles files;
   files.Add(base + ".csv", FormatExperimentCsv(result));
   files.Add(base + ".json", FormatExperimentJson(experiment.name, result));
-  files.Add(base + ".svg", ChartSvg(result.chart));
+  files.Add(base + ".svg", MakeChartSvg(result.chart));
   for (const ExperimentPicture& picture : result.pictures)
     files.Add(base + "-" + picture.name + ".png", EncodePng(picture.image));
   files.Commit();
@@ -299,7 +300,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->check(AboveZero());
   command
       ->add_option(
-          "--colmap-model", arguments->walk,
+          "--colmap-model", arguments->trajectory,
           "your COLMAP text model: folder with cameras.txt, images.txt "
           "and points3D.txt")
       ->option_text("DIR");
@@ -312,7 +313,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->option_text("N")
       ->check(CLI::Range(1, 10000));
   command
-      ->add_option("--trajectories", options.num_walks,
+      ->add_option("--trajectories", options.num_trajectories,
                    "number of trajectories, for trajectory-drift")
       ->option_text("N")
       ->check(CLI::Range(1, 100))

@@ -45,7 +45,7 @@ struct Exported {
   std::string name, path;
   CameraInput input;
   std::optional<Pose> camera_from_rig = {};
-  std::optional<ValidityMask> trusted = {};
+  std::optional<ValidityMask> valid_region = {};
   std::optional<RectifiedProjection> rectified = {};  // known already
   Eigen::Quaterniond view_from_camera = Eigen::Quaterniond::Identity();
 };
@@ -55,7 +55,7 @@ Exported MakeExported(const std::string& path, CameraInput input) {
   if (camera.input.file.camera_from_view)
     camera.view_from_camera =
         camera.input.file.camera_from_view->rotation.conjugate();
-  camera.trusted = LoadValidityMask(camera.input);
+  camera.valid_region = LoadValidityMask(camera.input);
   return camera;
 }
 
@@ -134,7 +134,7 @@ void TakeView(const ViewWords& words, Exported* camera) {
     camera->camera_from_rig =
         Pose{camera->view_from_camera, Eigen::Vector3d::Zero()} *
         *camera->camera_from_rig;
-  camera->trusted.reset();
+  camera->valid_region.reset();
 }
 
 // How far a view, which is exact, would do it.
@@ -159,7 +159,7 @@ void RequireSmallError(const Exported& camera, const SelectedLens& chosen,
       ExitCode::kQuality,
       fmt::format(
           "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
-          camera.path, chosen.lens.form->name, *max_fit_error_px,
+          camera.path, chosen.lens.external_model->name, *max_fit_error_px,
           FormatLensFit(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
@@ -180,15 +180,16 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
                                       const Format& format,
                                       const std::vector<Exported>& cameras,
                                       int num_threads) {
-  const std::vector<const LensForm*> forms = format.FindForms(arguments.model);
+  const std::vector<const ExternalModel*> external_models =
+      format.FindModels(arguments.model);
   std::vector<WrittenLens> lenses;
   for (const Exported& camera : cameras) {
-    const bool is_any_trusted =
-        camera.trusted && camera.trusted->HasValidCells();
+    const bool is_any_valid =
+        camera.valid_region && camera.valid_region->HasValidCells();
     SelectedLens chosen = [&] {
       try {
-        return SelectLens(forms, *camera.input.file.camera,
-                          is_any_trusted ? &*camera.trusted : nullptr,
+        return SelectLens(external_models, *camera.input.file.camera,
+                          is_any_valid ? &*camera.valid_region : nullptr,
                           num_threads);
       } catch (const Error& error) {
         throw Error(error.code(),
@@ -203,7 +204,7 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
     lens.fit = chosen.fit;
     lens.camera_from_rig = camera.camera_from_rig;
     lens.rectified = camera.rectified;
-    lens.trusted = camera.trusted;
+    lens.valid_region = camera.valid_region;
     if (lens.fit && lens.camera_from_rig)
       lens.camera_from_rig =
           Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
@@ -294,7 +295,7 @@ nlohmann::ordered_json FitJson(const LensFit& fit) {
           {"max_px", fit.max_px},
           {"pixels", fit.num_pixels},
           {"num_unrepresentable_pixels", fit.num_beyond},
-          {"valid_region_only", fit.is_of_trusted},
+          {"valid_region_only", fit.has_valid_region},
           {"model_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
@@ -309,7 +310,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
     for (const auto& file : files) json["files"].push_back(file.first);
     for (const WrittenLens& lens : lenses) {
       json["cameras"].push_back({{"name", lens.name},
-                                 {"model", lens.lens.form->name},
+                                 {"model", lens.lens.external_model->name},
                                  {"exact", !lens.fit.has_value()}});
       if (lens.fit) json["cameras"].back()["fit"] = FitJson(*lens.fit);
     }
@@ -320,7 +321,8 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   for (size_t c = 0; c < lenses.size(); ++c) {
     const WrittenLens& lens = lenses[c];
     fmt::print("{}{}: {}, {}\n", files[format.supports_rigs ? 0 : c].first,
-               lens.name.empty() ? "" : " " + lens.name, lens.lens.form->name,
+               lens.name.empty() ? "" : " " + lens.name,
+               lens.lens.external_model->name,
                lens.fit ? FormatLensFit(*lens.fit) : "exact");
   }
 }
@@ -363,15 +365,15 @@ void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
 }
 
 void ListLenses(bool json, nlohmann::ordered_json* all) {
-  for (const Format& format : Formats()) {
+  for (const Format& format : GetFormats()) {
     const char* const ways = !format.write  ? "import"
                              : !format.read ? "export"
                                             : "export, import";
     nlohmann::ordered_json models = nlohmann::ordered_json::array();
     std::string names;
-    for (const LensForm& form : format.forms) {
-      models.push_back(form.name);
-      names += (names.empty() ? "" : ", ") + form.name;
+    for (const ExternalModel& external_model : format.external_models) {
+      models.push_back(external_model.name);
+      names += (names.empty() ? "" : ", ") + external_model.name;
     }
     all->push_back({{"name", format.name},
                     {"description", format.holds},
@@ -412,7 +414,7 @@ void List(bool json) {
 }
 
 const Format& FindWrittenFormat(const std::string& name) {
-  for (const Format& format : Formats())
+  for (const Format& format : GetFormats())
     if (format.name == name && format.write) return format;
   throw Error(ExitCode::kUsage, fmt::format("--to {}: unknown format; use {}",
                                             name, WrittenFormatNames()));
@@ -421,10 +423,11 @@ const Format& FindWrittenFormat(const std::string& name) {
 // Says on standard error where a region is not quite what is trusted.
 void PrintRegions(const std::vector<WrittenLens>& lenses) {
   for (const WrittenLens& lens : lenses) {
-    if (!lens.trusted) continue;
-    const RegionLoss loss = ComputeRegionLoss(*lens.trusted, lens.lens.size);
+    if (!lens.valid_region) continue;
+    const RegionLoss loss =
+        ComputeRegionLoss(*lens.valid_region, lens.lens.size);
     if (loss.num_left_out == 0 && loss.num_held == 0) continue;
-    const double cell_part = std::pow(lens.trusted->knot_spacing_px, 2) /
+    const double cell_part = std::pow(lens.valid_region->knot_spacing_px, 2) /
                              lens.lens.size.width / lens.lens.size.height;
     fmt::print(stderr,
                "raygrid: the format stores the valid region{} as one polygon "
@@ -480,7 +483,7 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
       fmt::print(stderr,
                  "raygrid: {} cannot represent {} of {} pixels{}, up to {:.0f} "
                  "degrees off axis\n",
-                 lens.lens.form->name, lens.fit->num_beyond,
+                 lens.lens.external_model->name, lens.fit->num_beyond,
                  lens.fit->num_beyond + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->widest_rad * 180 / M_PI);

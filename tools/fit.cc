@@ -30,7 +30,7 @@ struct FitArguments {
 constexpr double kSamples = 160;
 
 // Errors at places where the camera can be trusted.
-struct TrustedErrors {
+struct ValidRegionErrors {
   double rms_px = 0, p99_px = 0, max_px = 0;
   size_t num_places = 0;
 };
@@ -39,8 +39,8 @@ struct TrustedErrors {
 struct Fit {
   CameraFile file;
   ModelDifference difference;
-  size_t num_places = 0;                 // that the camera is calibrated for
-  std::optional<TrustedErrors> trusted;  // if the camera tells where
+  size_t num_places = 0;  // that the camera is calibrated for
+  std::optional<ValidRegionErrors> valid_region;  // if the camera tells where
 };
 
 std::string NamesOfModels() {
@@ -72,28 +72,29 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
 
 // grid is that of a spline, if it is told.
 FittedModel FitModel(const std::string& model, const CameraModel& camera,
-                     const std::optional<ValidityMask>& trusted,
+                     const std::optional<ValidityMask>& valid_region,
                      const std::optional<SplinedStereographic::Grid>& grid) {
   if (model != kSplinedStereographic)
     return FitNearestModel(model, camera, camera.area());
   FittedModel fitted;
-  fitted.model =
-      FitSplinedStereographic(camera, trusted ? &*trusted : nullptr, grid);
+  fitted.model = FitSplinedStereographic(
+      camera, valid_region ? &*valid_region : nullptr, grid);
   return fitted;
 }
 
-std::optional<TrustedErrors> ErrorsWhereTrusted(
-    const ModelDifference& difference, const ValidityMask& trusted) {
+std::optional<ValidRegionErrors> ComputeValidRegionErrors(
+    const ModelDifference& difference, const ValidityMask& valid_region) {
   std::vector<double> norms;
   double sum = 0;
   for (size_t i = 0; i < difference.pixels.size(); ++i) {
-    if (!trusted.IsValidAt(difference.pixels[i])) continue;
+    if (!valid_region.IsValidAt(difference.pixels[i])) continue;
     norms.push_back(difference.error_px[i].norm());
     sum += norms.back() * norms.back();
   }
   if (norms.empty()) return std::nullopt;
-  return TrustedErrors{std::sqrt(sum / static_cast<double>(norms.size())),
-                       Quantile(norms, 0.99), Quantile(norms, 1), norms.size()};
+  return ValidRegionErrors{std::sqrt(sum / static_cast<double>(norms.size())),
+                           Quantile(norms, 0.99), Quantile(norms, 1),
+                           norms.size()};
 }
 
 Fit FitCamera(const FitArguments& arguments, const RequestedOperatingPoint& at,
@@ -112,9 +113,9 @@ Fit FitCamera(const FitArguments& arguments, const RequestedOperatingPoint& at,
   fit.file.serial = input.file.serial;
   fit.file.capture = input.file.capture;
   fit.file.line_delay = input.file.line_delay;
-  auto trusted = LoadValidityMask(input);
-  if (trusted && !trusted->HasValidCells()) trusted.reset();
-  FittedModel nearest = FitModel(arguments.model, camera, trusted, grid);
+  auto valid_region = LoadValidityMask(input);
+  if (valid_region && !valid_region->HasValidCells()) valid_region.reset();
+  FittedModel nearest = FitModel(arguments.model, camera, valid_region, grid);
   if (nearest.model) {
     nearest.model->SetImageCircle(camera.image_circle());
     fit.file.camera = std::move(nearest.model);
@@ -130,7 +131,8 @@ Fit FitCamera(const FitArguments& arguments, const RequestedOperatingPoint& at,
                 fmt::format("{}: {} cannot represent any pixel of this camera; "
                             "use another model",
                             arguments.camera, arguments.model));
-  if (trusted) fit.trusted = ErrorsWhereTrusted(fit.difference, *trusted);
+  if (valid_region)
+    fit.valid_region = ComputeValidRegionErrors(fit.difference, *valid_region);
   return fit;
 }
 
@@ -146,11 +148,11 @@ std::string FormatJson(const Fit& fit) {
       {"points", d.pixels.size()},
       {"num_unrepresentable_points", fit.num_places - d.pixels.size()},
       {"camera_from_model_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
-  if (fit.trusted)
-    json["valid_region"] = {{"rms_px", fit.trusted->rms_px},
-                            {"p99_px", fit.trusted->p99_px},
-                            {"max_px", fit.trusted->max_px},
-                            {"points", fit.trusted->num_places}};
+  if (fit.valid_region)
+    json["valid_region"] = {{"rms_px", fit.valid_region->rms_px},
+                            {"p99_px", fit.valid_region->p99_px},
+                            {"max_px", fit.valid_region->max_px},
+                            {"points", fit.valid_region->num_places}};
   return FormatCommandJson(json);
 }
 
@@ -190,12 +192,12 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
       d.pixels.size(),
       d.first_from_second.rotation.angularDistance(
           Eigen::Quaterniond::Identity()));
-  if (fit.trusted)
+  if (fit.valid_region)
     fmt::print(
         "in the valid region: RMS {:.3g} px, 99th percentile {:.3g} px, max "
         "{:.3g} px at {} pixels\n",
-        fit.trusted->rms_px, fit.trusted->p99_px, fit.trusted->max_px,
-        fit.trusted->num_places);
+        fit.valid_region->rms_px, fit.valid_region->p99_px,
+        fit.valid_region->max_px, fit.valid_region->num_places);
   if (fit.num_places > d.pixels.size())
     fmt::print("{} of {} pixels cannot be represented\n",
                fit.num_places - d.pixels.size(), fit.num_places);

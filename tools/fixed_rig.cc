@@ -102,7 +102,7 @@ void PrintRejectedImages(const std::vector<RejectedImage>& images) {
                Printable(image.reason));
 }
 
-nlohmann::ordered_json RigidTargetsJson(const Pattern& pattern) {
+nlohmann::ordered_json MakeRigidTargetsJson(const Pattern& pattern) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const RigidTarget& target : pattern.rigid_targets)
     json.push_back(target.boards);

@@ -46,7 +46,7 @@ void PrintRejectedImages(const std::vector<RejectedImage>& images);
 
 /// Formats the IDs of the boards of each rigid target; as a phrase, "" without
 /// any.
-nlohmann::ordered_json RigidTargetsJson(const Pattern& pattern);
+nlohmann::ordered_json MakeRigidTargetsJson(const Pattern& pattern);
 std::string FormatRigidTargets(const Pattern& pattern);
 
 /// Prints how boards are localized, if there are several.

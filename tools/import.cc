@@ -72,7 +72,8 @@ bool ImportBoards(const ImportArguments& arguments,
                   const std::vector<std::string>& texts,
                   const CommonOptions& common) {
   const Format* format = RecognizeFormat(texts[0]);
-  if (!format || !format->forms.empty() || format->requires_board_size)
+  if (!format || !format->external_models.empty() ||
+      format->requires_board_size)
     return false;
   const std::string& path = arguments.files[0];
   const ExchangeContents contents = ReadForeignFile(arguments, path, texts[0]);
@@ -405,8 +406,8 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     for (const ReadLens& camera : contents.cameras)
       json["cameras"].push_back(
           {{"name", camera.name},
-           {"model", camera.lens.form->model},
-           {"file_model", camera.lens.form->name},
+           {"model", camera.lens.external_model->model},
+           {"file_model", camera.lens.external_model->name},
            {"image_size", {camera.lens.size.width, camera.lens.size.height}}});
     PrintCommandJson(json);
     return;
@@ -418,10 +419,10 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     return;
   }
   for (size_t c = 0; c < contents.cameras.size(); ++c) {
-    const ConvertedLens& lens = contents.cameras[c].lens;
+    const ConvertedCamera& lens = contents.cameras[c].lens;
     fmt::print("{}: {} of {} x {} px, imported as {}\n",
-               paths[std::min(c, paths.size() - 1)], lens.form->name,
-               lens.size.width, lens.size.height, lens.form->model);
+               paths[std::min(c, paths.size() - 1)], lens.external_model->name,
+               lens.size.width, lens.size.height, lens.external_model->model);
   }
   if (contents.IsRig() && paths.size() > 1)
     fmt::print("{}: rig\n", arguments.output);

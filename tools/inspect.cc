@@ -21,7 +21,7 @@
 #include "dataset/text_encoding.h"
 #include "evaluation/uncertainty_summary.h"
 #include "exchange/format.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/table_format.h"
 #include "json_output.h"
 #include "packing/slot_file.h"
@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 
 // Figures that are not known are left out.
 void AddFigure(const char* key, uint32_t metric, double unit, Json* json) {
-  if (metric != RG_UNKNOWN_FIGURE) (*json)[key] = metric * unit;
+  if (metric != RG_UNKNOWN_METRIC) (*json)[key] = metric * unit;
 }
 void AddFinite(const char* key, double value, Json* json) {
   if (std::isfinite(value)) (*json)[key] = value;
@@ -53,11 +53,12 @@ Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
   AddPixels("median_px", median_upx, &json);
   AddPixels("rms_px", rms_upx, &json);
   AddPixels("max_px", max_upx, &json);
-  if (count != RG_UNKNOWN_FIGURE) json["features"] = count;
+  if (count != RG_UNKNOWN_METRIC) json["features"] = count;
   return json;
 }
 
-Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
+Json MakeRemapFacts(const uint8_t* section,
+                    const std::vector<SensorMode>& modes) {
   rg_remap_section remap;
   rg_read_remap(section, &remap);
   Json json = {{"size", {remap.width, remap.height}},
@@ -65,7 +66,7 @@ Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
                {"center_px", {remap.cx_q16 / 65536.0, remap.cy_q16 / 65536.0}},
                {"block_px", 1 << remap.block_log2},
                {"vertices", {remap.columns, remap.rows}}};
-  json.update(ViewJson(GetTableView(remap)));
+  json.update(MakeViewJson(GetTableView(remap)));
   if (remap.mode != 0) json["mode"] = Printable(modes[remap.mode - 1].name);
   if (remap.direction == RG_DISTORT) json["direction"] = "distort";
   if (remap.part_log2 != 0) json["tile_px"] = 1 << remap.part_log2;
@@ -74,7 +75,7 @@ Json RemapFacts(const uint8_t* section, const std::vector<SensorMode>& modes) {
   return json;
 }
 
-Json ModeFacts(const SensorMode& mode) {
+Json MakeModeFacts(const SensorMode& mode) {
   return {{"name", Printable(mode.name)},
           {"size", {mode.size.width, mode.size.height}},
           {"offset_px", {mode.offset_px.x(), mode.offset_px.y()}},
@@ -101,7 +102,7 @@ void AddQuality(const rg_blob& blob, Json* json) {
   add("packing_error", packing);
 }
 
-Json UncertaintyFacts(const rg_blob& blob) {
+Json MakeUncertaintyFacts(const rg_blob& blob) {
   rg_uncertainty_section uncertainty;
   rg_blob_uncertainty(&blob, &uncertainty);
   std::vector<uint32_t> values_q12;  // that are known
@@ -117,8 +118,8 @@ Json UncertaintyFacts(const rg_blob& blob) {
 }
 
 // The largest uncertainty that is stated where the mask is valid.
-std::optional<double> LargestValidUncertainty(const rg_blob& blob,
-                                              const rg_mask_section& mask) {
+std::optional<double> ComputeMaxValidUncertainty(const rg_blob& blob,
+                                                 const rg_mask_section& mask) {
   if (!blob.uncertainty) return std::nullopt;
   rg_grid_section grid;
   rg_blob_grid(&blob, &grid);
@@ -148,7 +149,7 @@ std::optional<double> LargestValidUncertainty(const rg_blob& blob,
   return largest_px;
 }
 
-Json MaskFacts(const rg_blob& blob) {
+Json MakeMaskFacts(const rg_blob& blob) {
   rg_mask_section mask;
   rg_blob_mask(&blob, &mask);
   const int count = mask.columns * mask.rows;
@@ -157,7 +158,7 @@ Json MaskFacts(const rg_blob& blob) {
   Json json = {{"cells", num_valid},
                {"grid", {mask.columns, mask.rows}},
                {"cell_px", 1 << mask.cell_log2}};
-  if (const auto limit_px = LargestValidUncertainty(blob, mask))
+  if (const auto limit_px = ComputeMaxValidUncertainty(blob, mask))
     json["max_uncertainty_px"] = *limit_px;
   return json;
 }
@@ -184,20 +185,21 @@ Json CaptureFacts(const Capture& capture) {
   return json;
 }
 
-Json StackFacts(const rg_blob& blob) {
+Json MakeOperatingPointFacts(const rg_blob& blob) {
   rg_stack_section stack;
   rg_blob_stack(&blob, &stack);
-  const bool is_position = stack.condition == RG_CONDITION_LENS_POSITION;
+  const bool is_position =
+      stack.condition == RG_OPERATING_PARAMETER_LENS_POSITION;
   Json json = {
       {"quantity", is_position ? "lens_position_dpt" : "sensor_temperature_c"},
       {"samples", Json::array()},
-      {"bytes_per_sample", stack.knot_size}};
-  for (int k = 0; k < stack.num_knots; ++k)
-    json["samples"].push_back(rg_knot_value(&stack, k) / 65536.0);
+      {"bytes_per_sample", stack.sample_size}};
+  for (int k = 0; k < stack.num_samples; ++k)
+    json["samples"].push_back(rg_stack_sample_value(&stack, k) / 65536.0);
   return json;
 }
 
-Json BlobFacts(const BlobCamera& camera) {
+Json MakeBlobFacts(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
   rg_grid_section grid;
@@ -227,18 +229,19 @@ Json BlobFacts(const BlobCamera& camera) {
                    grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0}}}},
                {"remap_tables", Json::array()}};
   const std::vector<SensorMode> modes = camera.Modes();
-  for (const SensorMode& mode : modes) json["modes"].push_back(ModeFacts(mode));
+  for (const SensorMode& mode : modes)
+    json["modes"].push_back(MakeModeFacts(mode));
   for (uint32_t k = 0;; ++k) {
     const uint8_t* remap = rg_find_section(blob.bytes, RG_SECTION_REMAP, k);
     if (!remap) break;
-    json["remap_tables"].push_back(RemapFacts(remap, modes));
+    json["remap_tables"].push_back(MakeRemapFacts(remap, modes));
   }
   if (blob.quality) AddQuality(blob, &json);
-  if (blob.uncertainty) json["uncertainty"] = UncertaintyFacts(blob);
-  if (blob.mask) json["valid_region"] = MaskFacts(blob);
+  if (blob.uncertainty) json["uncertainty"] = MakeUncertaintyFacts(blob);
+  if (blob.mask) json["valid_region"] = MakeMaskFacts(blob);
   if (const auto capture = camera.GetCalibrationCapture())
     json["capture"] = CaptureFacts(*capture);
-  if (blob.stack) json["operating_points"] = StackFacts(blob);
+  if (blob.stack) json["operating_points"] = MakeOperatingPointFacts(blob);
   if (const auto line_delay = camera.GetRowTime())
     AddLineDelay(*line_delay, &json);
   return json;
@@ -254,12 +257,13 @@ Json Figures(const ErrorMetrics& metrics) {
 }
 
 // The parameters with names of a lens; those of OpenCV's model in its order.
-Json LensFacts(const ParametricModel& lens) {
+Json MakeLensFacts(const ParametricModel& lens) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   Json json = Json::object();
-  for (const std::string& name :
-       lens.Name() == models::kOpenCv ? OpenCvForm("", 8).parameters : names)
+  for (const std::string& name : lens.Name() == models::kOpenCv
+                                     ? MakeOpenCvModel("", 8).parameters
+                                     : names)
     json[name] =
         named[std::find(names.begin(), names.end(), name) - names.begin()];
   return json;
@@ -285,7 +289,7 @@ void AddRanges(const CameraFile& file, Json* json) {
   everywhere["valid_fraction"] = ComputeValidShare(*file.camera, known->mask);
 }
 
-Json CameraFacts(const CameraFile& file) {
+Json MakeCameraFacts(const CameraFile& file) {
   const ImageSize& size = file.camera->image_size();
   const Area& area = file.camera->area();
   Json json = {{"kind", "camera"},
@@ -301,7 +305,7 @@ Json CameraFacts(const CameraFile& file) {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
   if (const ParametricModel* lens = file.camera->Parametric())
-    json["intrinsics"] = LensFacts(*lens);
+    json["intrinsics"] = MakeLensFacts(*lens);
   if (file.training) json["training_error"] = Figures(*file.training);
   if (file.held_out) json["held_out_error"] = Figures(*file.held_out);
   if (file.uncertainty && file.uncertainty->HasDeviations()) {
@@ -324,7 +328,7 @@ Json CameraFacts(const CameraFile& file) {
   return json;
 }
 
-Json PatternFacts(const Pattern& pattern) {
+Json MakePatternFacts(const Pattern& pattern) {
   Json json = {{"kind", "pattern"}, {"boards", Json::array()}};
   for (const Board& board : pattern.boards)
     json["boards"].push_back({{"id", board.id},
@@ -343,7 +347,7 @@ Json CenterInRig(const Pose& camera_from_rig) {
   return {center.x(), center.y(), center.z()};
 }
 
-Json RigFacts(const std::vector<RigFileCamera>& cameras) {
+Json MakeRigFacts(const std::vector<RigFileCamera>& cameras) {
   Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
   for (const RigFileCamera& camera : cameras)
     json["cameras"].push_back(
@@ -353,7 +357,7 @@ Json RigFacts(const std::vector<RigFileCamera>& cameras) {
   return json;
 }
 
-Json FeaturesFacts(const std::map<std::string, Dataset>& cameras) {
+Json MakeFeaturesFacts(const std::map<std::string, Dataset>& cameras) {
   Json json = {{"kind", "features"}, {"cameras", Json::array()}};
   for (const auto& [camera, dataset] : cameras)
     json["cameras"].push_back({{"name", camera},
@@ -363,8 +367,8 @@ Json FeaturesFacts(const std::map<std::string, Dataset>& cameras) {
 }
 
 // Another program's file.
-Json ForeignFacts(const Format& format, const std::string& path,
-                  const std::string& text) {
+Json MakeForeignFacts(const Format& format, const std::string& path,
+                      const std::string& text) {
   RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
@@ -372,7 +376,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
   Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},
                {"format", format.name}};
   if (contents.cameras.size() == 1) {
-    json.update(CameraFacts(MakeCameraFile(contents.cameras.front())));
+    json.update(MakeCameraFacts(MakeCameraFile(contents.cameras.front())));
   } else {
     json["cameras"] = Json::array();
     for (const ReadLens& read : contents.cameras) {
@@ -392,7 +396,7 @@ Json ForeignFacts(const Format& format, const std::string& path,
 
 // ---- Slots -----------------------------------------------------------------
 
-Json SlotFacts(const std::string& path, const BlobSlot& slot) {
+Json MakeSlotFacts(const std::string& path, const BlobSlot& slot) {
   if (!slot.is_whole)
     return {{"state", slot.is_erased ? "erased" : "incomplete"}};
   Json json = {{"state", slot.IsUsable() ? "valid" : "unreadable"},
@@ -411,7 +415,7 @@ Json SlotFacts(const std::string& path, const BlobSlot& slot) {
   return json;
 }
 
-Json SlotsFacts(const std::string& path, const std::string& bytes) {
+Json MakeSlotsFacts(const std::string& path, const std::string& bytes) {
   const auto place = FindMisplacedSlot(bytes);
   if (place || bytes.size() % 8 != 0)
     throw InputError(fmt::format(
@@ -423,7 +427,7 @@ Json SlotsFacts(const std::string& path, const std::string& bytes) {
   Json json = {{"kind", "slots"}, {"slot_size", bytes.size() / 2}};
   if (read.newest) json["newest"] = *read.newest;
   for (size_t k = 0; k < read.slots.size(); ++k)
-    json[fmt::format("slot_{}", k)] = SlotFacts(path, read.slots[k]);
+    json[fmt::format("slot_{}", k)] = MakeSlotFacts(path, read.slots[k]);
   return json;
 }
 
@@ -453,38 +457,38 @@ bool IsBlockDevice(const std::string& path) {
 
 Json MakeBudgetFacts(const std::string& path,
                      const std::optional<uint64_t>& slot_size) {
-  if (IsBoardSpec(path)) return PatternFacts(ParseBoardSpec(path));
+  if (IsBoardSpec(path)) return MakePatternFacts(ParseBoardSpec(path));
   if (IsBlockDevice(path))
-    return SlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
+    return MakeSlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
   if (slot_size)
     throw Error(ExitCode::kUsage,
                 "--slot-size is for block devices only; a file consists of two "
                 "equal slots");
   const std::string bytes = ReadFile(path);
-  if (IsSlotFile(bytes)) return SlotsFacts(path, bytes);
-  if (IsBlob(path, bytes)) return BlobFacts(BlobCamera(path, bytes));
+  if (IsSlotFile(bytes)) return MakeSlotsFacts(path, bytes);
+  if (IsBlob(path, bytes)) return MakeBlobFacts(BlobCamera(path, bytes));
   if (bytes.find("raygrid_camera:") != std::string::npos)
-    return CameraFacts(ParseCameraFile(path, bytes));
+    return MakeCameraFacts(ParseCameraFile(path, bytes));
   if (bytes.find("raygrid_rig:") != std::string::npos)
-    return RigFacts(ParseRigFile(path, bytes));
+    return MakeRigFacts(ParseRigFile(path, bytes));
   if (bytes.find("raygrid_pattern:") != std::string::npos)
-    return PatternFacts(ParsePattern(path, bytes));
+    return MakePatternFacts(ParsePattern(path, bytes));
   if (const Format* format = RecognizeFormat(bytes))
-    return ForeignFacts(*format, path, bytes);
+    return MakeForeignFacts(*format, path, bytes);
   if (const TableFormat* table = RecognizeTable(bytes))
     throw InputError(
         fmt::format("{}: {}", path, table->ExplainMissingCamera()));
   if (bytes.find("board") != std::string::npos)
-    return FeaturesFacts(ParseFeatures(path, bytes));
+    return MakeFeaturesFacts(ParseFeatures(path, bytes));
   throw InputError(path +
                    ": not a blob, camera, rig, pattern or features file, nor "
                    "one of these formats: " +
-                   FormatNames());
+                   ListFormatNames());
 }
 
 // ---- Text ------------------------------------------------------------------
 
-std::string ValueText(const Json& value, int digits = 6) {
+std::string FormatValue(const Json& value, int digits = 6) {
   if (value.is_string()) return "'" + Printable(value.get<std::string>()) + "'";
   if (value.is_boolean()) return value ? "yes" : "no";
   if (value.is_number_float())
@@ -493,7 +497,7 @@ std::string ValueText(const Json& value, int digits = 6) {
   const bool is_size = value.size() == 2 && value[0].is_number_integer();
   std::string text;
   for (const Json& element : value)
-    text += (text.empty() ? "" : is_size ? " x " : ", ") + ValueText(element);
+    text += (text.empty() ? "" : is_size ? " x " : ", ") + FormatValue(element);
   return text;
 }
 
@@ -520,12 +524,12 @@ bool IsStatistic(const std::string& name) {
   return name == "median" || name == "rms" || name == "max" || name == "error";
 }
 
-std::string ObjectText(const Json& object, int digits = 6) {
+std::string FormatObject(const Json& object, int digits = 6) {
   std::string text;
   for (const auto& [key, value] : object.items()) {
     const auto [name, unit] = NameAndUnit(key);
     text += (text.empty() ? "" : ", ") + name + " " +
-            ValueText(value, IsStatistic(name) ? 3 : digits) + unit;
+            FormatValue(value, IsStatistic(name) ? 3 : digits) + unit;
   }
   return text;
 }
@@ -536,12 +540,12 @@ void PrintText(const Json& facts) {
     if (value.is_object()) {
       // A lens in all the digits that other programs may ask for.
       fmt::print("{}: {}\n", name,
-                 ObjectText(value, key == "intrinsics" ? 12 : 6));
+                 FormatObject(value, key == "intrinsics" ? 12 : 6));
     } else if (value.is_array() && (value.empty() || value[0].is_object())) {
       for (const Json& element : value)
-        fmt::print("{}: {}\n", name, ObjectText(element));
+        fmt::print("{}: {}\n", name, FormatObject(element));
     } else {
-      fmt::print("{}: {}{}\n", name, ValueText(value), unit);
+      fmt::print("{}: {}{}\n", name, FormatValue(value), unit);
     }
   }
 }

@@ -273,7 +273,7 @@ nlohmann::ordered_json ToJson(const FixedRig& rig, const Pattern& pattern,
   json["outside_area_features"] = summary.outside_area;
   if (summary.target_change_m)
     json["target_change_m"] = *summary.target_change_m;
-  json["rigid_targets"] = RigidTargetsJson(pattern);
+  json["rigid_targets"] = MakeRigidTargetsJson(pattern);
   json["files"] = summary.files;
   for (size_t c = 0; c < rig.names.size(); ++c) {
     json["cameras"].push_back({{"name", rig.names[c]}});

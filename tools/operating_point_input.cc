@@ -58,7 +58,7 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
 }
 
 // The conditions in the order that stacks have them in.
-std::vector<OperatingParameter> ConditionsIn(
+std::vector<OperatingParameter> GetOperatingParameters(
     const CalibrateArguments& arguments) {
   std::set<OperatingParameter> conditions;
   for (const std::string& name : arguments.condition)
@@ -76,7 +76,7 @@ std::string NamesOf(const std::vector<OperatingParameter>& conditions) {
 
 // The columns of --operating-points: of a single condition, "value" may stand
 // for its name.
-std::vector<std::string> ColumnsOf(
+std::vector<std::string> ParseColumns(
     const std::string& path, const std::string& text,
     const std::vector<OperatingParameter>& conditions) {
   std::vector<std::string> columns;
@@ -92,7 +92,7 @@ void ReadValues(const std::string& path,
                 const std::vector<OperatingParameter>& conditions,
                 std::map<std::string, OperatingPoint>* values) {
   const std::string text = ReadFile(path);
-  const std::vector<std::string> columns = ColumnsOf(path, text, conditions);
+  const std::vector<std::string> columns = ParseColumns(path, text, conditions);
   std::vector<std::string> required = {"image"};
   required.insert(required.end(), columns.begin(), columns.end());
   CsvReader table(path, text, required);
@@ -108,7 +108,8 @@ void ReadValues(const std::string& path,
 }
 
 // The options that tell values.
-std::string WaysToTell(const std::vector<OperatingParameter>& conditions) {
+std::string DescribeValueSources(
+    const std::vector<OperatingParameter>& conditions) {
   if (conditions.size() == 1)
     return "--images-at VALUE=FOLDER for each value, or --operating-points "
            "FILE.csv";
@@ -125,7 +126,7 @@ OperatingPoint ExifValues(const std::string& path, const std::string& bytes,
       throw InputError(fmt::format("{}: no {} in EXIF ({}); specify {}", path,
                                    OperatingParameterName(condition),
                                    ExifTagName(condition),
-                                   WaysToTell(conditions)));
+                                   DescribeValueSources(conditions)));
     values.push_back(*value);
   }
   return values;
@@ -188,12 +189,13 @@ void RequireOperatingPointOptions(const CalibrateArguments& arguments,
     throw Error(ExitCode::kUsage,
                 "--vary-with supports a single camera only; calibrate the "
                 "cameras of a rig separately");
-  const std::vector<OperatingParameter> conditions = ConditionsIn(arguments);
+  const std::vector<OperatingParameter> conditions =
+      GetOperatingParameters(arguments);
   if (conditions.size() > 1 && !arguments.cameras_at.empty())
     throw Error(
         ExitCode::kUsage,
         "--images-at takes one value per folder; for two quantities use " +
-            WaysToTell(conditions));
+            DescribeValueSources(conditions));
   if (!arguments.cameras_at.empty() && !arguments.conditions.empty())
     throw Error(ExitCode::kUsage,
                 "specify either --images-at or --operating-points, not both");
@@ -203,7 +205,7 @@ void RequireOperatingPointOptions(const CalibrateArguments& arguments,
         ExitCode::kUsage,
         fmt::format(
             "--vary-with {}: the images have no operating point; specify {}",
-            NamesOf(conditions), WaysToTell(conditions)));
+            NamesOf(conditions), DescribeValueSources(conditions)));
 }
 
 bool UsesExifValues(const CalibrateArguments& arguments) {
@@ -217,8 +219,8 @@ Measurements MeasureWithExif(const std::vector<std::string>& images,
                              const CommonOptions& common,
                              const Pattern& pattern,
                              const std::function<void(double)>& progress) {
-  const std::map<std::string, OperatingPoint> values =
-      ReadExifValues(FindImages(images).paths, ConditionsIn(arguments));
+  const std::map<std::string, OperatingPoint> values = ReadExifValues(
+      FindImages(images).paths, GetOperatingParameters(arguments));
   Measurements measurements =
       Measure(images, pattern, arguments.pattern, common, progress);
   for (size_t i = 0; i < measurements.paths.size(); ++i)
@@ -272,7 +274,7 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
 std::optional<OperatingPoint> GetOperatingPoint(
     const CalibrateArguments& arguments, const SessionFrame& frame) {
   OperatingPoint values;
-  for (const OperatingParameter condition : ConditionsIn(arguments)) {
+  for (const OperatingParameter condition : GetOperatingParameters(arguments)) {
     const std::optional<double>& value =
         condition == OperatingParameter::kLensPosition
             ? frame.lens_position
@@ -287,7 +289,7 @@ std::optional<OperatingPoint> GetOperatingPoint(
 std::optional<ImageOperatingPoints> ReadOperatingPoints(
     const CalibrateArguments& arguments, const Measurements& measurements) {
   if (arguments.condition.empty()) return std::nullopt;
-  ImageOperatingPoints conditions = {ConditionsIn(arguments),
+  ImageOperatingPoints conditions = {GetOperatingParameters(arguments),
                                      measurements.condition_values};
   if (!arguments.conditions.empty())
     ReadValues(arguments.conditions, conditions.conditions, &conditions.values);

@@ -42,22 +42,22 @@ std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
       .string();
 }
 
-nlohmann::ordered_json FoundJson(const FoundPixels& pixels) {
+nlohmann::ordered_json MakeFoundJson(const ProjectedPixels& pixels) {
   return {{"pixels", pixels.num_pixels},
-          {"num_not_found", pixels.num_lost},
-          {"num_inaccurate", pixels.num_off},
+          {"num_not_found", pixels.num_not_found},
+          {"num_inaccurate", pixels.num_inaccurate},
           {"max_px", pixels.worst_px},
-          {"num_not_invertible", pixels.num_unfindable}};
+          {"num_not_invertible", pixels.num_not_invertible}};
 }
 
-std::string ProjectionText(const ProjectionError& error) {
+std::string FormatProjection(const ProjectionError& error) {
   std::string text =
-      fmt::format("; projection error {:.2g} px", error.trusted.worst_px);
+      fmt::format("; projection error {:.2g} px", error.valid_region.worst_px);
   if (error.others.num_pixels > 0)
     text += fmt::format(
         " in the valid region, Newton projection converges for {} % of the "
         "other pixels",
-        std::floor(1e4 * (1 - error.others.MissedFraction())) / 100);
+        std::floor(1e4 * (1 - error.others.FailedFraction())) / 100);
   return text;
 }
 
@@ -69,16 +69,16 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
         {"unproject_error_px", packed.unproject_error_px},
         {"unproject_error_rad", packed.unproject_error_rad}};
     if (packed.projection) {
-      result["project_error_px"] = packed.projection->trusted.worst_px;
+      result["project_error_px"] = packed.projection->valid_region.worst_px;
       result["projection"] = {
-          {"valid_region", FoundJson(packed.projection->trusted)},
-          {"outside_valid_region", FoundJson(packed.projection->others)}};
+          {"valid_region", MakeFoundJson(packed.projection->valid_region)},
+          {"outside_valid_region", MakeFoundJson(packed.projection->others)}};
     }
     result["uncovered_fraction"] = packed.left_out_part;
     result["warnings"] = packed.warnings;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
-      nlohmann::ordered_json entry = ViewJson(remap.view);
+      nlohmann::ordered_json entry = MakeViewJson(remap.view);
       if (!remap.mode.empty()) entry["mode"] = remap.mode;
       if (remap.distorts) entry["direction"] = "distort";
       if (remap.far_error_px) entry["far_error_px"] = *remap.far_error_px;
@@ -95,7 +95,7 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
       "{}: {} bytes; unprojection error {:.2g} px, {:.2g} rad relative to {}",
       arguments.output, packed.blob.size(), packed.unproject_error_px,
       packed.unproject_error_rad, arguments.camera);
-  if (packed.projection) fmt::print("{}", ProjectionText(*packed.projection));
+  if (packed.projection) fmt::print("{}", FormatProjection(*packed.projection));
   for (size_t k = 0; k < packed.remaps.size(); ++k) {
     const PackedRemap& remap = packed.remaps[k];
     fmt::print(
@@ -111,7 +111,7 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
   }
   fmt::print("\n");
   for (size_t k = 0; k < packed.remaps.size(); ++k)
-    fmt::print("view {}: {}\n", k, ViewText(packed.remaps[k].view));
+    fmt::print("view {}: {}\n", k, FormatView(packed.remaps[k].view));
 }
 
 std::string RotationWarning(const Eigen::Quaterniond& q) {
@@ -184,7 +184,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   for (size_t k = 0; k < num_tables; ++k)
     outputs.push_back(ViewPath(arguments.output, k, num_tables));
   RequireNoInputReplaced({arguments.camera}, outputs);
-  CameraInput input = ReadCameraOrStack(arguments.camera, common.at);
+  CameraInput input = ReadCameraOrModel(arguments.camera, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,

@@ -75,8 +75,8 @@ ScreenBoards PlanForScreen(const std::vector<Board>& boards,
 
 // Says what to measure on the monitor, and what to type then: the same picture
 // with its true lengths.
-std::string HowToMeasure(const ScreenBoards& plan,
-                         const OutputOptions& options) {
+std::string DescribeMeasurement(const ScreenBoards& plan,
+                                const OutputOptions& options) {
   const Board& board = plan.boards.front();
   const ScreenLength length = GetMeasurableLength(board);
   const bool is_largest = !options.dpi && options.square_px == 0;
@@ -96,11 +96,11 @@ void WriteForScreen(const std::vector<Board>& boards,
   const ScreenBoards plan = PlanForScreen(boards, options);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  const std::string yaml = ScreenYaml(plan);
+  const std::string yaml = MakeScreenYaml(plan);
   files.Add((folder / "pattern.yaml").string(), yaml);
   for (const Board& board : plan.boards)
     files.Add((folder / FileName(boards, board, "png")).string(),
-              ScreenPng(plan, board));
+              RenderScreenPng(plan, board));
   files.Commit();
   if (common.json)
     fmt::print("{}",
@@ -112,7 +112,7 @@ void WriteForScreen(const std::vector<Board>& boards,
         "pattern.yaml and {} image(s) in {}; display without scaling: squares "
         "are {} pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
         plan.boards.size(), options.output, plan.square_px,
-        1000 * plan.boards[0].square_m, HowToMeasure(plan, options));
+        1000 * plan.boards[0].square_m, DescribeMeasurement(plan, options));
 }
 
 void WriteForPrint(const std::vector<Board>& boards,
@@ -124,14 +124,14 @@ void WriteForPrint(const std::vector<Board>& boards,
         ComputePrintScale(sheets, options.measured_x_mm, options.measured_y_mm);
   const std::filesystem::path folder = options.output;
   OutputFiles files;
-  const std::string yaml = SheetsYaml(sheets, scale);
+  const std::string yaml = MakeSheetsYaml(sheets, scale);
   files.Add((folder / "pattern.yaml").string(), yaml);
   files.Add((folder / "pattern.pdf").string(), SheetsPdf(sheets));
   for (const Board& board : sheets.boards) {
     files.Add((folder / FileName(boards, board, "svg")).string(),
-              SheetSvg(sheets, board));
+              MakeSheetSvg(sheets, board));
     files.Add((folder / FileName(boards, board, "png")).string(),
-              SheetPng(sheets, board, options.dpi.value_or(kPrintDpi)));
+              RenderSheetPng(sheets, board, options.dpi.value_or(kPrintDpi)));
   }
   files.Commit();
   if (common.json)

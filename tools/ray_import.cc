@@ -20,8 +20,8 @@ std::vector<std::string> RemarksOn(const RayGrid& grid) {
                   100 * grid.part_without_rays)};
 }
 
-nlohmann::ordered_json GridJson(const RayGrid& grid,
-                                const std::string& format) {
+nlohmann::ordered_json MakeGridJson(const RayGrid& grid,
+                                    const std::string& format) {
   const ImageSize& size = grid.camera->image_size();
   return {{"name", ""},
           {"model", grid.camera->Name()},
@@ -43,7 +43,7 @@ void ImportRays(const RayTable& rays, const std::string& format,
   RequireNoInputReplaced({rays.path}, {output});
   RayGrid grid = FitRayGrid(rays, model, common.threads);
   const std::vector<std::string> warnings = RemarksOn(grid);
-  const nlohmann::ordered_json told = GridJson(grid, format);
+  const nlohmann::ordered_json told = MakeGridJson(grid, format);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points; fit error {:.2g} px RMS, "
       "{:.2g} px max at {} pixels; cross-validation (fitted to half of the "

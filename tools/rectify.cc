@@ -43,7 +43,9 @@ struct PairCamera {
   const CameraModel& central() const {
     return at_distance ? *at_distance : *input.file.camera;
   }
-  StereoCamera InStereo() const { return {name, central(), blob_from_rig}; }
+  StereoCamera MakeStereoCamera() const {
+    return {name, central(), blob_from_rig};
+  }
 };
 
 const RigFileCamera& FindInRig(const std::string& path,
@@ -133,7 +135,7 @@ PackedCamera PackForPair(const PairCamera& camera, const VirtualView& view,
 // ---- Output ----------------------------------------------------------------
 
 template <typename Matrix>
-std::string MatrixText(const char* name, const Matrix& matrix) {
+std::string FormatMatrix(const char* name, const Matrix& matrix) {
   std::string text = fmt::format("{}:\n", name);
   for (int row = 0; row < matrix.rows(); ++row) {
     text += "  - [";
@@ -146,7 +148,7 @@ std::string MatrixText(const char* name, const Matrix& matrix) {
 }
 
 template <typename Matrix>
-nlohmann::ordered_json MatrixJson(const Matrix& matrix) {
+nlohmann::ordered_json MakeMatrixJson(const Matrix& matrix) {
   nlohmann::ordered_json rows = nlohmann::json::array();
   for (int row = 0; row < matrix.rows(); ++row) {
     nlohmann::ordered_json values = nlohmann::json::array();
@@ -181,10 +183,10 @@ std::string FormatPair(const Rectification& rectified,
   text += "# As in OpenCV's stereoRectify; lengths in metres.\n";
   for (const int c : {0, 1})
     text +=
-        MatrixText(c == 0 ? "R1" : "R2", RotationOfPair(rectified, pair, c));
+        FormatMatrix(c == 0 ? "R1" : "R2", RotationOfPair(rectified, pair, c));
   for (const int c : {0, 1})
-    text += MatrixText(c == 0 ? "P1" : "P2", rectified.P(c));
-  text += MatrixText("Q", rectified.Q());
+    text += FormatMatrix(c == 0 ? "P1" : "P2", rectified.P(c));
+  text += FormatMatrix("Q", rectified.Q());
   // The key that no pair lacks comes last: a file that was cut is none.
   return text + "raygrid_rectified: 1\n";
 }
@@ -199,10 +201,10 @@ PairPaths PathsOf(const std::string& folder, const std::string& name) {
           (path / (name + ".camera.yaml")).string()};
 }
 
-nlohmann::ordered_json PairJson(const Rectification& rectified,
-                                const std::array<PairCamera, 2>& pair,
-                                const std::array<PackedCamera, 2>& packed,
-                                const RectifyArguments& arguments) {
+nlohmann::ordered_json MakePairJson(const Rectification& rectified,
+                                    const std::array<PairCamera, 2>& pair,
+                                    const std::array<PackedCamera, 2>& packed,
+                                    const RectifyArguments& arguments) {
   nlohmann::ordered_json json = {
       {"orientation", rectified.is_vertical ? "vertical" : "horizontal"},
       {"baseline_m", rectified.baseline_m},
@@ -213,14 +215,14 @@ nlohmann::ordered_json PairJson(const Rectification& rectified,
                                   {"blob", paths.blob},
                                   {"bytes", packed[c].blob.size()},
                                   {"view_file", paths.view}};
-    own.update(ViewJson(rectified.views[c]));
+    own.update(MakeViewJson(rectified.views[c]));
     own["error_px"] = packed[c].remaps[0].error_px;
     own["warnings"] = packed[c].warnings;
-    own["R"] = MatrixJson(RotationOfPair(rectified, pair, c));
-    own["P"] = MatrixJson(rectified.P(c));
+    own["R"] = MakeMatrixJson(RotationOfPair(rectified, pair, c));
+    own["P"] = MakeMatrixJson(rectified.P(c));
     json[c == 0 ? "left" : "right"] = own;
   }
-  json["Q"] = MatrixJson(rectified.Q());
+  json["Q"] = MakeMatrixJson(rectified.Q());
   return json;
 }
 
@@ -238,7 +240,7 @@ void PrintPair(const Rectification& rectified,
     fmt::print(
         "{}.raygrid: {} bytes, remap error {:.2g} px; {}.camera.yaml: {}\n",
         pair[c].name, packed[c].blob.size(), packed[c].remaps[0].error_px,
-        pair[c].name, ViewText(rectified.views[c]));
+        pair[c].name, FormatView(rectified.views[c]));
 }
 
 void Run(const RectifyArguments& arguments, const CommonOptions& common) {
@@ -259,7 +261,7 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
   }
   RequireNoInputReplaced(inputs, outputs);
   const Rectification rectified =
-      Rectify(pair[0].InStereo(), pair[1].InStereo(), request);
+      Rectify(pair[0].MakeStereoCamera(), pair[1].MakeStereoCamera(), request);
   std::array<PackedCamera, 2> packed;
   OutputFiles files;
   files.Add(outputs[0], FormatPair(rectified, pair, arguments));
@@ -275,7 +277,7 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
     for (const std::string& warning : packed[c].warnings)
       fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, warning);
   if (common.json)
-    PrintCommandJson(PairJson(rectified, pair, packed, arguments));
+    PrintCommandJson(MakePairJson(rectified, pair, packed, arguments));
   else if (!common.quiet)
     PrintPair(rectified, pair, packed, arguments);
 }

@@ -19,7 +19,7 @@ double ParseValueAt(const std::string& text) {
 std::string ExampleAt(const std::vector<OperatingRange>& ranges) {
   RequestedOperatingPoint example;
   for (const OperatingRange& range : ranges)
-    example.named[range.condition] = range.Middle();
+    example.named[range.condition] = range.Center();
   return example.Text();
 }
 

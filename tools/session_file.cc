@@ -207,7 +207,7 @@ std::vector<Session> ReadSession(const std::string& folder) {
   }
 }
 
-Capture CaptureOf(const Session& session) {
+Capture GetCaptureSettings(const Session& session) {
   Capture capture;
   capture.lens_position =
       ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);

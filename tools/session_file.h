@@ -55,7 +55,7 @@ std::vector<Session> ReadSession(const std::string& folder);
 
 /// Returns the capture settings common to all frames, without those that differ
 /// or were not provided.
-Capture CaptureOf(const Session& session);
+Capture GetCaptureSettings(const Session& session);
 
 /// Returns the capture times of frames, if provided. Frames of a resumed
 /// capture, whose clock starts again, are placed far from earlier frames.

@@ -64,7 +64,7 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
       FixRequestedPoint(at, ranges, "--lens " + name);
   for (size_t r = 0; r < ranges.size(); ++r) {
     const double width = ranges[r].high - ranges[r].low;
-    if (held[r] && !(std::abs(*held[r] - ranges[r].Middle()) <= 1.5 * width))
+    if (held[r] && !(std::abs(*held[r] - ranges[r].Center()) <= 1.5 * width))
       throw Error(
           ExitCode::kUsage,
           fmt::format("--at: too far outside the range of --lens {}, {}", name,

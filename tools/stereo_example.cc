@@ -20,14 +20,14 @@ constexpr int kMaxPictureWidthPx = 640;
 struct SharedFeature {
   Eigen::Vector2d left_px, right_px;
 };
-using SharedByInstant = std::map<std::string, std::vector<SharedFeature>>;
+using SharedByFrame = std::map<std::string, std::vector<SharedFeature>>;
 
-SharedByInstant ShareFeatures(const Dataset& left, const Dataset& right) {
+SharedByFrame ShareFeatures(const Dataset& left, const Dataset& right) {
   std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d> J_place;
   for (const ImageFeatures& image : right.images)
     for (const Feature& f : image.features)
       J_place[{image.image, f.board, f.column, f.row}] = f.pixel;
-  SharedByInstant shared;
+  SharedByFrame shared;
   for (const ImageFeatures& image : left.images)
     for (const Feature& f : image.features) {
       const auto found = J_place.find({image.image, f.board, f.column, f.row});
@@ -39,10 +39,10 @@ SharedByInstant ShareFeatures(const Dataset& left, const Dataset& right) {
 
 // The distance from a camera of the board that is nearest to it at an instant.
 std::optional<double> BoardDistanceM(const CalibrationResult& camera,
-                                     const std::string& instant) {
+                                     const std::string& frame) {
   std::optional<double> nearest;
   for (const BoardPose& pose : camera.poses) {
-    if (pose.image != instant) continue;
+    if (pose.image != frame) continue;
     const double distance = pose.camera_from_board.translation.norm();
     nearest = std::min(nearest.value_or(distance), distance);
   }
@@ -52,8 +52,8 @@ std::optional<double> BoardDistanceM(const CalibrationResult& camera,
 // The pair's cameras in the order of the rectified images.
 struct ExamplePair {
   size_t left = 0, right = 0;
-  SharedByInstant shared;
-  std::string instant;
+  SharedByFrame shared;
+  std::string frame;
   std::optional<double> distance_m;  // of cameras of lines
 };
 
@@ -67,14 +67,14 @@ std::optional<ExamplePair> ChoosePair(const RigResult& result,
   const CalibrationResult& right = result.cameras[pair.right];
   pair.shared = ShareFeatures(left.features, right.features);
   size_t most = 0;
-  for (const auto& [instant, features] : pair.shared) {
+  for (const auto& [frame, features] : pair.shared) {
     if (features.size() <= most) continue;
     most = features.size();
-    pair.instant = instant;
+    pair.frame = frame;
   }
   if (most == 0) return std::nullopt;
   if (!left.camera.camera->IsCentral())
-    pair.distance_m = BoardDistanceM(left, pair.instant).value_or(1);
+    pair.distance_m = BoardDistanceM(left, pair.frame).value_or(1);
   return pair;
 }
 
@@ -106,7 +106,7 @@ std::optional<ShownImage> RectifiedImage(const Measurements& measured,
   options.num_threads = num_threads;
   const auto& images = measured.dataset.images;
   for (size_t i = 0; i < std::min(images.size(), measured.paths.size()); ++i) {
-    if (images[i].image != pair.instant) continue;
+    if (images[i].image != pair.frame) continue;
     const BlobCamera blob("packed camera", PackCamera(camera, options).blob);
     Image image = ReadImage(measured.paths[i], true);
     const Image rectified = blob.Undistort(image, 0);
@@ -123,7 +123,7 @@ double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
                    StereoMetrics* metrics) {
   const int along = rectified.is_vertical ? 1 : 0, across = 1 - along;
   double largest = 0, sum = 0;
-  for (const auto& [instant, features] : pair.shared)
+  for (const auto& [frame, features] : pair.shared)
     for (const SharedFeature& feature : features) {
       const auto a = left.Unproject(feature.left_px);
       const auto b = right.Unproject(feature.right_px);
@@ -134,7 +134,7 @@ double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
       sum += difference[across] * difference[across];
       metrics->max_px = std::max(metrics->max_px, std::abs(difference[across]));
       ++metrics->num_features;
-      if (instant == pair.instant)
+      if (frame == pair.frame)
         largest = std::max(
             largest, difference[along] / rectified.views[0].focal_px[along]);
     }
@@ -190,7 +190,7 @@ std::optional<StereoExample> ExampleOfPair(
   StereoMetrics& metrics = example.metrics;
   metrics.left = first.name;
   metrics.right = second.name;
-  metrics.instant = pair.instant;
+  metrics.frame = pair.frame;
   const double largest = MeasureRows(pair, Rectify(first, second, {}),
                                      *central_left, *central_right, &metrics);
   const Rectification small = RectifyForPicture(first, second);
@@ -206,8 +206,8 @@ std::optional<StereoExample> ExampleOfPair(
   if (!shown_left || !shown_right) return std::nullopt;
   const RectifiedImages images = {shown_left->image, shown_right->image,
                                   shown_left->shown, small.is_vertical};
-  example.rows = RowsPicture(images);
-  example.disparity = DisparityPicture(images, metrics.num_disparities);
+  example.rows = DrawRowsPicture(images);
+  example.disparity = DrawDisparityPicture(images, metrics.num_disparities);
   return example;
 }
 

@@ -170,7 +170,7 @@ RayTable TableOfRays(const TableArguments& arguments,
 }
 
 // How far beside the origin a camera's lines pass, at most.
-double LargestOffsetM(const CameraModel& camera) {
+double ComputeMaxOffsetM(const CameraModel& camera) {
   constexpr int kPixelsAcross = 80;
   const Area& area = camera.area();
   double largest = 0;
@@ -195,10 +195,10 @@ TableOutput MakeCameraTable(const TableFormat& format,
   table.model = ModelOf(format, arguments.model);
   const CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
-  const std::optional<ValidityMask> trusted = LoadValidityMask(input);
+  const std::optional<ValidityMask> valid_region = LoadValidityMask(input);
   const auto camera = Central(arguments.input, *input.file.camera);
   table.camera = camera.get();
-  table.trusted = trusted ? &*trusted : nullptr;
+  table.valid_region = valid_region ? &*valid_region : nullptr;
   table.max_error_px = arguments.max_fit_error_px;
   table.num_threads = common.threads;
   TableOutput output;
@@ -209,11 +209,11 @@ TableOutput MakeCameraTable(const TableFormat& format,
                 fmt::format("{}: {}", arguments.input, error.what()));
   }
   (*json)["model"] = table.model;
-  (*json)["valid_region_only"] = trusted.has_value();
+  (*json)["valid_region_only"] = valid_region.has_value();
   if (input.file.camera->IsCentral()) return output;
-  const double offset_m = LargestOffsetM(*input.file.camera);
+  const double offset_m = ComputeMaxOffsetM(*input.file.camera);
   (*json)["offset_m"] = offset_m;
-  output.told += fmt::format(
+  output.configuration += fmt::format(
       "; all rays start at one origin, up to {:.2g} mm from the camera's rays; "
       "use them for distant scenes only",
       offset_m * 1000);
@@ -284,7 +284,7 @@ void RequireSmallMeshError(const TableFormat& format,
   if (!most || error.max_px <= *most) return;
   std::string text =
       fmt::format("{}: the error of {} exceeds {:g} px: {}", arguments.input,
-                  format.name, *most, MeshErrorText(error));
+                  format.name, *most, FormatMeshError(error));
   if (!unit.reason.empty()) text += "; " + unit.reason;
   if (!arguments.max_fit_error_px) text += ", or set --max-fit-error-px";
   throw Error(ExitCode::kQuality, text);
@@ -332,12 +332,12 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"pixels", error.num_pixels},
       {"num_filled_pixels", error.num_filled},
       {"num_clamped_vertices", error.num_moved},
-      {"configuration", unit.told}};
+      {"configuration", unit.configuration}};
   if (!errors.text.empty()) (*json)["mesh"]["by_interpolation"] = errors.json;
   return {unit.files,
           fmt::format("{} x {} vertices, {}{}; {}", mesh.lattice.columns(),
-                      mesh.lattice.rows(), MeshErrorText(error), errors.text,
-                      unit.told)};
+                      mesh.lattice.rows(), FormatMeshError(error), errors.text,
+                      unit.configuration)};
 }
 
 // The poses of poses.csv, which are one camera's.
@@ -437,15 +437,15 @@ TableOutput MakeTable(const TableFormat& format,
   }
   if (format.IsOfView()) {
     const SeenView seen = ReadView(arguments, common);
-    (*json)["view"] = ViewJson(seen.view);
+    (*json)["view"] = MakeViewJson(seen.view);
     TableOutput output =
         format.mesh_unit
             ? MakeMesh(format, arguments, seen, common.threads, json)
             : format.write_view(
                   TableOfView(format, arguments, seen, common.threads));
-    output.told +=
+    output.configuration +=
         (arguments.is_reverse ? "; from images of the view: " : "; view: ") +
-        ViewText(seen.view);
+        FormatView(seen.view);
     return output;
   }
   const BlobTable table = TableOfBlob(format, arguments);
@@ -475,7 +475,7 @@ void ExportTable(const TableFormat& format, const TableArguments& arguments,
   if (common.json)
     PrintCommandJson(json);
   else if (!common.quiet)
-    fmt::print("{}: {}\n", Printable(arguments.output), made.told);
+    fmt::print("{}: {}\n", Printable(arguments.output), made.configuration);
 }
 
 }  // namespace raygrid

@@ -165,13 +165,13 @@ void ImportTable(const TableFormat& table, const ImportArguments& arguments,
 
 std::string PatternText(const std::string& path,
                         const std::vector<Board>& boards) {
-  if (boards.front().IsPointSet()) return BoardsYaml(boards);
+  if (boards.front().IsPointSet()) return MakeBoardsYaml(boards);
   try {
     RequirePossibleBoards(boards);
   } catch (const Error& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   }
-  const std::string text = BoardsYaml(boards);
+  const std::string text = MakeBoardsYaml(boards);
   Pattern pattern = ParsePattern(path, text);
   bool has_points = false;
   for (size_t k = 0; k < boards.size(); ++k) {

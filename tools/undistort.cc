@@ -95,21 +95,22 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
 
 // Whether each pixel of the camera's frames, as calibrated or of a mode, is
 // trusted.
-std::vector<bool> TrustedPixels(const ValidityMask& trusted,
-                                const SensorMode& mode) {
+std::vector<bool> FindValidPixels(const ValidityMask& valid_region,
+                                  const SensorMode& mode) {
   std::vector<bool> pixels;
   for (int y = 0; y < mode.size.height; ++y)
     for (int x = 0; x < mode.size.width; ++x)
       pixels.push_back(
-          trusted.IsValidAt(mode.ToCalibrated(Eigen::Vector2d(x, y))));
+          valid_region.IsValidAt(mode.ToCalibrated(Eigen::Vector2d(x, y))));
   return pixels;
 }
 
 // Leaves border in images of the camera, as calibrated or of a mode, where it
 // is not trusted.
-ImageMapper TrustedAlone(ImageMapper mapper, const std::string& path,
-                         const ValidityMask& trusted, const SensorMode& mode) {
-  const std::vector<bool> pixels = TrustedPixels(trusted, mode);
+ImageMapper ValidOnly(ImageMapper mapper, const std::string& path,
+                      const ValidityMask& valid_region,
+                      const SensorMode& mode) {
+  const std::vector<bool> pixels = FindValidPixels(valid_region, mode);
   if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
     throw Error(
         ExitCode::kUsage,
@@ -186,14 +187,14 @@ struct UndistortRequest {
   ViewRequest view;
   std::optional<uint32_t> table;
   std::optional<SensorMode> mode;
-  std::optional<ValidityMask> trusted;
+  std::optional<ValidityMask> valid_region;
 };
 
 // The blob's table serves if no other view is asked for.
 void CompleteRequest(const UndistortArguments& arguments,
                      const CameraInput& input, UndistortRequest* request) {
   request->mode = FindMode(arguments, input);
-  request->trusted =
+  request->valid_region =
       SelectVisibleMask(arguments.outside, arguments.camera, input);
   if (!input.blob || !input.blob->has_remap() || AsksForAView(arguments))
     return;
@@ -234,7 +235,7 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
 ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
                                 const UndistortRequest& request,
                                 CameraInput input, int num_threads) {
-  if (request.table && !request.trusted) {
+  if (request.table && !request.valid_region) {
     const VirtualView view = FindView(input, request);
     return ByTable(*std::move(input.blob), view, *request.table);
   }
@@ -244,7 +245,7 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
   options.remaps.emplace_back(view, request.mode);
   options.max_error_px = arguments.max_error_px;
   options.is_table_bound_soft = !arguments.is_bound_given;
-  options.shown = request.trusted;
+  options.shown = request.valid_region;
   options.num_threads = num_threads;
   const PackedCamera packed = PackCamera(input.file, options);
   if (packed.remaps[0].error_px > arguments.max_error_px)
@@ -270,9 +271,9 @@ ImageMapper Prepare(const UndistortArguments& arguments,
   mode.size = input.file.camera->image_size();
   ImageMapper mapper =
       PrepareDistortion(arguments, request, std::move(input), common.threads);
-  return request.trusted
-             ? TrustedAlone(mapper, arguments.camera, *request.trusted,
-                            request.mode.value_or(mode))
+  return request.valid_region
+             ? ValidOnly(mapper, arguments.camera, *request.valid_region,
+                         request.mode.value_or(mode))
              : mapper;
 }
 
@@ -288,8 +289,8 @@ std::string Target(const std::string& folder, const std::string& path,
 }
 
 // Throws where two images would get one name, or one would replace an input.
-std::vector<Targets> TargetsOf(const UndistortArguments& arguments,
-                               const std::vector<std::string>& paths) {
+std::vector<Targets> MakeTargets(const UndistortArguments& arguments,
+                                 const std::vector<std::string>& paths) {
   std::vector<Targets> targets;
   std::map<std::string, std::string> path_of_target;
   for (const std::string& path : paths) {
@@ -335,7 +336,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "--rectify: only pinhole is supported");
   const FoundImages found = FindImages(arguments.images);
   const std::vector<std::string>& paths = found.paths;
-  const std::vector<Targets> targets = TargetsOf(arguments, paths);
+  const std::vector<Targets> targets = MakeTargets(arguments, paths);
   RequireWritableFolder(arguments.output);
   const ImageMapper mapper = Prepare(arguments, common);
   for (const SkippedImage& image : found.left_out)
@@ -345,7 +346,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   const std::string view_path =
       (std::filesystem::path(arguments.output) / kViewFile).string();
   nlohmann::ordered_json written = {{"images", nlohmann::json::array()},
-                                    {"view", ViewJson(mapper.view)},
+                                    {"view", MakeViewJson(mapper.view)},
                                     {"view_file", view_path}};
   for (size_t i = 0; i < paths.size(); ++i) {
     const Image image = ReadImageAsStored(paths[i]);
@@ -369,7 +370,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   else if (!common.quiet)
     fmt::print("{} images {} to {}; view, in {}: {}\n", paths.size(),
                arguments.is_reverse ? "distorted" : "undistorted",
-               arguments.output, kViewFile, ViewText(mapper.view));
+               arguments.output, kViewFile, FormatView(mapper.view));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 // A byte of a file that has none of them: locks reach beyond its end. Serials
 // that share a byte wait for each other, which is all.
-off_t ByteOf(const std::string& serial) {
+off_t GetLockByte(const std::string& serial) {
   ContentHash hash;
   hash.Add(serial);
   constexpr size_t kDigits = 12;
@@ -31,7 +31,7 @@ UnitLock::UnitLock(const std::string& folder, const std::string& serial) {
   struct flock lock = {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;
-  lock.l_start = ByteOf(serial);
+  lock.l_start = GetLockByte(serial);
   lock.l_len = 1;
   while (fcntl(file_, F_OFD_SETLKW, &lock) != 0 && errno == EINTR) {
   }

@@ -145,9 +145,9 @@ void RequireSlots(const BlobSlots& read, const UpdateArguments& arguments) {
                      "with --initialize");
 }
 
-void Tell(const UpdateArguments& arguments, const CommonOptions& common,
-          uint32_t index, uint32_t sequence, uint64_t num_bytes,
-          uint64_t slot_size, bool is_written) {
+void PrintUpdate(const UpdateArguments& arguments, const CommonOptions& common,
+                 uint32_t index, uint32_t sequence, uint64_t num_bytes,
+                 uint64_t slot_size, bool is_written) {
   if (common.json)
     PrintCommandJson({{"slot", index},
                       {"sequence", sequence},
@@ -170,8 +170,8 @@ void MakeSlots(const UpdateArguments& arguments, const CommonOptions& common,
   for (const SlotWrite& write : update.writes)
     bytes.replace(write.offset, write.bytes.size(), write.bytes);
   WriteFile(arguments.slots, bytes);
-  Tell(arguments, common, update.index, update.sequence, blob.size(), slot_size,
-       true);
+  PrintUpdate(arguments, common, update.index, update.sequence, blob.size(),
+              slot_size, true);
 }
 
 void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
@@ -188,14 +188,15 @@ void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
   const BlobSlots read = ReadSlots(bytes);
   RequireSlots(read, arguments);
   if (read.newest && read.slots[*read.newest].blob == blob) {
-    Tell(arguments, common, *read.newest, read.slots[*read.newest].sequence,
-         blob.size(), slot_size, false);
+    PrintUpdate(arguments, common, *read.newest,
+                read.slots[*read.newest].sequence, blob.size(), slot_size,
+                false);
     return;
   }
   const SlotUpdate update = PlanSlotUpdate(read, slot_size, blob);
   for (const SlotWrite& write : update.writes) store.Write(write);
-  Tell(arguments, common, update.index, update.sequence, blob.size(), slot_size,
-       true);
+  PrintUpdate(arguments, common, update.index, update.sequence, blob.size(),
+              slot_size, true);
 }
 
 void RunUpdate(const UpdateArguments& arguments, const CommonOptions& common) {

@@ -154,7 +154,7 @@ std::vector<SheetCurves> KnownCurves(const ViewedCamera& viewed) {
     known.emplace_back();
     known.back().curves =
         ComputeValidOutline(*viewed.mask, camera.image_size());
-    known.back().color = kTrustedColor;
+    known.back().color = kValidColor;
   }
   return known;
 }
@@ -242,7 +242,7 @@ ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
                              : ShownName(viewed.image));
   tile.curves = {StraightCurves(viewed, view)};
   return {{{std::move(tile)}},
-          {{"views", nlohmann::ordered_json::array({ViewJson(view)})}}};
+          {{"views", nlohmann::ordered_json::array({MakeViewJson(view)})}}};
 }
 
 ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
@@ -272,7 +272,7 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
         ValidFraction(*viewed.mask, viewed.camera());
   result.json["views"] = nlohmann::json::array();
   for (const VirtualView& view : tables.views)
-    result.json["views"].push_back(ViewJson(view));
+    result.json["views"].push_back(MakeViewJson(view));
   return result;
 }
 
@@ -297,7 +297,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
 // The marks that a sheet has, and what they mean.
 std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
-      {kTrustedColor, false, "valid region"},
+      {kValidColor, false, "valid region"},
       {kAreaColor, false, "calibrated area"},
       {kStraightColor, false, "straight line in the world"},
       {GetViewColor(0), true,

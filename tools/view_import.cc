@@ -33,7 +33,7 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
 }
 
 // The size of the view that the words tell.
-std::optional<ImageSize> SizeTold(const ViewRequest& request) {
+std::optional<ImageSize> GetRequestedSize(const ViewRequest& request) {
   if (request.size.width != 0) return request.size;
   if (request.like) return request.like->size;
   return std::nullopt;
@@ -95,7 +95,7 @@ RayTable RaysOfViewPixels(const ViewTable& table, const VirtualView& view) {
 RayTable ReadViewTableRays(const TableFormat& format,
                            const ViewImport& import) {
   const ViewRequest request = ParseViewOptions(import.view);
-  const auto view_size = SizeTold(request);
+  const auto view_size = GetRequestedSize(request);
   std::optional<ImageSize> image_size;
   if (!import.image_size.empty())
     image_size = ParseImageSize("--image-size", import.image_size);

@@ -260,13 +260,13 @@ std::string FirstWord(const ViewWords& words) {
 }
 
 VirtualView RectifiedView(const CameraInput& input, const ViewWords& words) {
-  const bool is_told = !FirstWord(words).empty();
+  const bool is_given = !FirstWord(words).empty();
   const std::vector<uint32_t> tables =
       input.blob ? input.blob->ListCalibratedTables() : std::vector<uint32_t>();
-  if (!is_told && !tables.empty())
+  if (!is_given && !tables.empty())
     return input.blob->GetRemapView(tables.front());
-  return is_told ? MakeView(*input.file.camera, ParseViewOptions(words))
-                 : MakeViewOfArea(*input.file.camera);
+  return is_given ? MakeView(*input.file.camera, ParseViewOptions(words))
+                  : MakeViewOfArea(*input.file.camera);
 }
 
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
@@ -274,7 +274,7 @@ Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {
   return (1e6 * angles).array().round() / 1e6 + 0.0;
 }
 
-std::string ViewText(const VirtualView& view) {
+std::string FormatView(const VirtualView& view) {
   std::string text = fmt::format(
       "{} x {} px, fx {:.6g}, fy {:.6g}, cx {:.6g}, cy {:.6g}, field of view "
       "{:.1f} x {:.1f} degrees",
@@ -299,7 +299,7 @@ Eigen::Matrix3d MatrixOf(const VirtualView& view) {
   return matrix;
 }
 
-nlohmann::ordered_json ViewJson(const VirtualView& view) {
+nlohmann::ordered_json MakeViewJson(const VirtualView& view) {
   nlohmann::ordered_json rotation = nlohmann::json::array();
   for (int row = 0; row < 3; ++row)
     rotation.push_back({view.camera_from_view(row, 0),

@@ -53,14 +53,14 @@ VirtualView RectifiedView(const CameraInput& input, const ViewWords& words);
 
 /// Formats a view: "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees
 /// 93.6 x 77.2 degrees", plus the projection if not pinhole, and the angles.
-std::string ViewText(const VirtualView& view);
+std::string FormatView(const VirtualView& view);
 /// Returns yaw, pitch and roll of a view; angles of rounding size become 0.
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view);
 
 /// Returns K of a view: focal lengths and principal point.
 Eigen::Matrix3d MatrixOf(const VirtualView& view);
 /// Formats size, projection, K, row-major rotation, fields of view in degrees.
-nlohmann::ordered_json ViewJson(const VirtualView& view);
+nlohmann::ordered_json MakeViewJson(const VirtualView& view);
 
 }  // namespace raygrid
 

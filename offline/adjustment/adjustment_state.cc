@@ -2,15 +2,15 @@
 
 #include <utility>
 
-#include "camera/stacked_grid.h"
+#include "camera/operating_point_grid.h"
 
 namespace raygrid {
 
 CameraAtView::CameraAtView(const CameraModel& camera, const View& view)
     : camera_(&camera) {
-  const auto* stack = dynamic_cast<const StackedGrid*>(&camera);
+  const auto* stack = dynamic_cast<const OperatingPointGrid*>(&camera);
   if (!stack || stack->values() == view.conditions) return;
-  auto own = std::make_unique<StackedGrid>(*stack);
+  auto own = std::make_unique<OperatingPointGrid>(*stack);
   own->SetValues(view.conditions);
   own_ = std::move(own);
   camera_ = own_.get();

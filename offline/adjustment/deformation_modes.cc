@@ -17,7 +17,7 @@ struct Plane {
   bool is_flat = false;
 };
 
-Plane PlaneOf(const std::vector<Eigen::Vector3d>& points) {
+Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
   constexpr double kFlatPart = 0.02;  // of its width
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i)
@@ -65,13 +65,13 @@ Eigen::ArrayXd Legendre(int order, const Eigen::ArrayXd& x) {
 // a mean square of 1; false if the points cannot distinguish it.
 bool AddOrthogonal(const Eigen::VectorXd& height,
                    std::vector<Eigen::VectorXd>* heights) {
-  constexpr double kTold = 1e-3;
+  constexpr double kMinIndependentPart = 1e-3;
   const double count = static_cast<double>(height.size());
   Eigen::VectorXd rest = height;
   for (int pass = 0; pass < 2; ++pass)  // twice for numerical accuracy
     for (const Eigen::VectorXd& other : *heights)
       rest -= other.dot(rest) / count * other;
-  if (!(rest.norm() > kTold * height.norm())) return false;
+  if (!(rest.norm() > kMinIndependentPart * height.norm())) return false;
   heights->push_back(rest * std::sqrt(count) / rest.norm());
   return true;
 }
@@ -87,10 +87,10 @@ void AddDeformation(const BoardPoints& board, const Plane& plane,
   int mode = 0;
   for (int order = 0; order <= kMaxOrder; ++order)
     for (int i = 0; i <= order; ++i) {
-      const bool is_told = AddOrthogonal(
+      const bool is_observed = AddOrthogonal(
           (Legendre(order - i, x) * Legendre(i, y)).matrix(), &heights);
       if (order < kMinOrder) continue;
-      for (Eigen::Index p = 0; is_told && p < x.size(); ++p)
+      for (Eigen::Index p = 0; is_observed && p < x.size(); ++p)
         modes->by_point[board.first + p].col(mode) =
             heights.back()[p] * plane.axes.col(2);
       ++mode;
@@ -144,7 +144,7 @@ DeformationModes MakeDeformationModes(const std::vector<BoardPoints>& boards,
     std::fill_n(modes.boards.begin() + board.first, board.nominal.size(),
                 static_cast<int>(b));
     if (board.nominal.size() < kMinPoints) continue;
-    const Plane plane = PlaneOf(board.nominal);
+    const Plane plane = FitBoardPlane(board.nominal);
     if (!plane.is_flat) continue;
     AddDeformation(board, plane, &modes);
     squared_radii += SquaredRadius(plane, board.nominal);

@@ -12,7 +12,7 @@ namespace {
 
 // Independent parameters, each scaled to the displacement (px) that a unit of
 // it causes; 0 for those that are not in the group.
-PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
+PriorGroup MakeCoefficientGroup(const Eigen::VectorXd& pixels) {
   PriorGroup group;
   group.precision.resize(pixels.size(), pixels.size());
   for (Eigen::Index k = 0; k < pixels.size(); ++k) {
@@ -23,9 +23,9 @@ PriorGroup CoefficientGroup(const Eigen::VectorXd& pixels) {
   return group;
 }
 
-PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
-                           int num_features) {
-  PriorGroup group = CoefficientGroup(DecentringPixels(lens, area));
+PriorGroup MakeDecentringGroup(const ParametricModel& lens, const Area& area,
+                               int num_features) {
+  PriorGroup group = MakeCoefficientGroup(DecentringPixels(lens, area));
   // A residual has two coordinates.
   group.precision_floor =
       2.0 * num_features * kDecentringPart * kDecentringPart;
@@ -33,7 +33,7 @@ PriorGroup DecentringGroup(const ParametricModel& lens, const Area& area,
 }
 
 // A Matern field over the angle, for the displacement (px) by the factor.
-PriorGroup RadialGroup(const CentralRadial& lens) {
+PriorGroup MakeRadialGroup(const CentralRadial& lens) {
   const int count = static_cast<int>(lens.spline().size());
   const double kappa = MaternKappa(lens.max_angle_rad(), lens.cell_rad());
   std::vector<Eigen::Triplet<double>> triplets;
@@ -59,8 +59,8 @@ PriorGroup RadialGroup(const CentralRadial& lens) {
 
 }  // namespace
 
-CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
-                            int num_features) {
+CameraPrior MakeDistortionPrior(const ParametricModel& lens, const Area& area,
+                                int num_features) {
   const Eigen::VectorXd parameters = lens.Parameters();
   const int num_parameters = lens.NumParameters();
   CameraPrior prior;
@@ -70,11 +70,11 @@ CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
   if (const auto* radial = dynamic_cast<const CentralRadial*>(&lens)) {
     const int first = FirstCommonParameter(lens);
     prior.mean.head(first) = parameters.head(first);
-    prior.groups.push_back(RadialGroup(*radial));
+    prior.groups.push_back(MakeRadialGroup(*radial));
   } else {
-    prior.groups.push_back(CoefficientGroup(RadialPixels(lens, area)));
+    prior.groups.push_back(MakeCoefficientGroup(RadialPixels(lens, area)));
   }
-  PriorGroup decentring = DecentringGroup(lens, area, num_features);
+  PriorGroup decentring = MakeDecentringGroup(lens, area, num_features);
   if (decentring.rank > 0) prior.groups.push_back(std::move(decentring));
   return prior;
 }

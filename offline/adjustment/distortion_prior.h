@@ -14,8 +14,8 @@ namespace raygrid {
 /// radial spline has a smooth prior about its current values, in a group of its
 /// own; so do tangential and thin-prism terms, with a precision floor for the
 /// number of features (camera/decentring.h).
-CameraPrior DistortionPrior(const ParametricModel& lens, const Area& area,
-                            int num_features);
+CameraPrior MakeDistortionPrior(const ParametricModel& lens, const Area& area,
+                                int num_features);
 
 }  // namespace raygrid
 

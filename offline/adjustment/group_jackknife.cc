@@ -81,7 +81,8 @@ struct LogRatio {
 
 // For sums of n independent squares: log chi^2_n / n has a mean of about -1/n
 // and a variance of about 2/n.
-LogRatio LogRatioOf(double observed, double predicted, double independent) {
+LogRatio ComputeLogRatio(double observed, double predicted,
+                         double independent) {
   return {std::log(observed / predicted) + 1 / independent, 2 / independent};
 }
 
@@ -101,8 +102,8 @@ struct Band {
   }
 };
 
-Band BandOf(const GroupJackknife::SquaredChanges& changes, Eigen::Index first,
-            Eigen::Index count) {
+Band ComputeBand(const GroupJackknife::SquaredChanges& changes,
+                 Eigen::Index first, Eigen::Index count) {
   const auto predicted = changes.predicted.middleRows(first, count);
   Band band;
   band.observed = changes.observed.middleRows(first, count).sum();
@@ -169,19 +170,20 @@ VarianceFactors::VarianceFactors(
   constexpr double kVarianceOfBand = 1;
   const Eigen::Index count = changes.observed.rows();
   of_each.setOnes(count);
-  const Band all = BandOf(changes, 0, count);
+  const Band all = ComputeBand(changes, 0, count);
   if (!(all.predicted > 0) || !(all.observed > 0)) return;
   const LogRatio ratio_of_all = ShrinkImage(
-      LogRatioOf(all.observed, all.predicted, all.NumIndependent()), kOfAll);
+      ComputeLogRatio(all.observed, all.predicted, all.NumIndependent()),
+      kOfAll);
   of_all = std::exp(ratio_of_all.mean);
   for (Eigen::Index first = 0, size = 1; first < count;
        first += size, size *= 2) {
     size = std::min(size, count - first);
-    const Band band = BandOf(changes, first, size);
+    const Band band = ComputeBand(changes, first, size);
     LogRatio ratio = ratio_of_all;
     if (band.predicted > 0 && band.observed > 0)
       ratio = ShrinkImage(
-          LogRatioOf(band.observed, band.predicted, band.NumIndependent()),
+          ComputeLogRatio(band.observed, band.predicted, band.NumIndependent()),
           {ratio_of_all.mean, kVarianceOfBand});
     of_each.segment(first, size).setConstant(std::exp(ratio.mean));
   }

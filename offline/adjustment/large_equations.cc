@@ -315,7 +315,7 @@ bool LargeEquations::MakePreconditioner(const System& system,
   memory_->diagonal = a.diagonal();
   a += prior_.precision;
   a.diagonal() += system.damping;
-  a = frames_.TransformForm(a);
+  a = frames_.TransformNodes(a);
   preconditioner->frames = frames_;
   preconditioner->cameras.clear();
   for (size_t c = 0; c < shapes_.size(); ++c)

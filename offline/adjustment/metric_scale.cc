@@ -19,8 +19,9 @@ struct Similarity {
   }
 };
 
-Similarity BestSimilarity(const AlignedBoard& board,
-                          const AdjustmentState& state, bool scale_is_free) {
+Similarity EstimateSimilarity(const AlignedBoard& board,
+                              const AdjustmentState& state,
+                              bool scale_is_free) {
   const Eigen::Index count = static_cast<Eigen::Index>(board.nominal.size());
   Eigen::Matrix3Xd from(3, count), to(3, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -77,7 +78,7 @@ void ApplyToPlace(const Similarity& body, const Similarity& board,
 }
 
 // The common scale of similarities, by least squares over all points.
-double CommonScale(const std::vector<Similarity>& similarities) {
+double ComputeCommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
   for (const Similarity& similarity : similarities) {
     sum += similarity.scale * similarity.squared_extent;
@@ -94,7 +95,7 @@ void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
     std::vector<Similarity> of_body;
     for (size_t b = 0; b < boards.size(); ++b)
       if (boards[b].body == frame.body) of_body.push_back((*similarities)[b]);
-    const double scale = CommonScale(of_body);
+    const double scale = ComputeCommonScale(of_body);
     for (size_t b = 0; b < boards.size(); ++b)
       if (boards[b].body == frame.body) (*similarities)[b].scale = scale;
   }
@@ -120,9 +121,9 @@ void AlignToNominal(const std::vector<AlignedBoard>& boards,
                   [](const auto& camera) { return camera->IsCentral(); });
   std::vector<Similarity> similarities;
   for (const AlignedBoard& board : boards)
-    similarities.push_back(BestSimilarity(board, *state, scale_is_free));
+    similarities.push_back(EstimateSimilarity(board, *state, scale_is_free));
   if (scale_is_free && state->cameras.size() > 1) {
-    const double scale = CommonScale(similarities);
+    const double scale = ComputeCommonScale(similarities);
     for (Similarity& similarity : similarities) similarity.scale = scale;
     for (Pose& pose : state->camera_from_rig) pose.translation *= scale;
   } else if (scale_is_free) {

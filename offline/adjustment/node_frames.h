@@ -30,7 +30,7 @@ class NodeFrames {
     return axes_ * in_frames;
   }
   /// Transforms a quadratic form from the layout's axes to local axes.
-  Eigen::SparseMatrix<double> TransformForm(
+  Eigen::SparseMatrix<double> TransformNodes(
       const Eigen::SparseMatrix<double>& form) const {
     if (is_same()) return form;
     return axes_.transpose() * form * axes_;

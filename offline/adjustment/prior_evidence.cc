@@ -149,20 +149,21 @@ double SquaredFlex(const AdjustmentState& state, DeformationOrder order) {
   if (state.deformation_scope == DeformationScope::kBoard)
     return std::accumulate(squares.begin(), squares.end(), 0.0);
   std::vector<double> sorted = squares;
-  const auto middle =
+  const auto median =
       sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::nth_element(sorted.begin(), median, sorted.end());
   double sum = 0;
   for (const double square : squares)
-    sum += std::min(square, kTimesMedian * *middle);
+    sum += std::min(square, kTimesMedian * *median);
   return sum;
 }
 
-PriorEvidence EvidenceOf(const std::vector<CameraGroup>& groups,
-                         const GaussianPrior& prior,
-                         const Determined& effective_parameters,
-                         const std::vector<FlexRow>& flex_rows,
-                         int num_seen_points, const AdjustmentState& state) {
+PriorEvidence EvaluateEvidence(const std::vector<CameraGroup>& groups,
+                               const GaussianPrior& prior,
+                               const Determined& effective_parameters,
+                               const std::vector<FlexRow>& flex_rows,
+                               int num_seen_points,
+                               const AdjustmentState& state) {
   PriorEvidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
     const Eigen::VectorXd difference =
@@ -214,8 +215,8 @@ std::optional<PriorEvidence> ComputeEvidence(
   const std::optional<Determined> effective_parameters = NumDetermined(
       equations, layout, groups, prior, flex_rows, num_seen_points, lambda);
   if (!effective_parameters) return std::nullopt;
-  return EvidenceOf(groups, prior, *effective_parameters, flex_rows,
-                    num_seen_points, state);
+  return EvaluateEvidence(groups, prior, *effective_parameters, flex_rows,
+                          num_seen_points, state);
 }
 
 bool IsUndetermined(const GroupEvidence& evidence) {

@@ -155,13 +155,13 @@ Eigen::VectorXd PolynomialHolds() {
 class ParameterDisplacements {
  public:
   ParameterDisplacements(const ParametricModel& lens, const Area& area)
-      : lens_(lens.CloneWithArea(area)), middle_(area.center()) {}
+      : lens_(lens.CloneWithArea(area)), center_(area.center()) {}
 
   Eigen::Matrix2Xd At(const Eigen::Vector2d& pixel) const {
     constexpr int kSteps = 64;
     for (int step = kSteps; step > 0; --step) {
       const Eigen::Vector2d nearer =
-          middle_ + (pixel - middle_) * step / static_cast<double>(kSteps);
+          center_ + (pixel - center_) * step / static_cast<double>(kSteps);
       const auto ray = lens_->Unproject(nearer);
       LinearizedProjection projection;
       if (ray && lens_->Linearize(*ray, &nearer, 1, &projection))
@@ -172,7 +172,7 @@ class ParameterDisplacements {
 
  private:
   std::unique_ptr<ParametricModel> lens_;
-  Eigen::Vector2d middle_;
+  Eigen::Vector2d center_;
 };
 
 // The control points of surfaces with these values at pixels, one column each.
@@ -302,11 +302,10 @@ Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
 
 // The prior of directions, or of their change with an operating point, without
 // its mean: for two parameters of each control point.
-CameraPrior DirectionsPrior(const BSplineSurface& base,
-                            const FieldParameters& field,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseModel& lens = {},
-                            const std::vector<BSplineSurface>& spread = {}) {
+CameraPrior MakeDirectionsPrior(
+    const BSplineSurface& base, const FieldParameters& field,
+    const std::vector<Eigen::Vector2d>& observed_px, const BaseModel& lens = {},
+    const std::vector<BSplineSurface>& spread = {}) {
   constexpr int kPerCell = 4;
   CameraPrior prior;
   prior.base_lens = lens;
@@ -338,7 +337,7 @@ CameraPrior DirectionsPrior(const BSplineSurface& base,
 // The relative precision of a point's position along its line, compared with
 // differences between neighbours: it is not observable, and should not be part
 // of the result.
-constexpr double kFirmness = 1e4;
+constexpr double kPrecision = 1e4;
 
 Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
                                              double pixels_per_metre) {
@@ -348,7 +347,7 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
     const Eigen::Vector3d along = pixels_per_metre * FromChart(chart);
     for (int k = 0; k < 9; ++k)
       triplets.emplace_back(first + k % 3, first + k / 3,
-                            kFirmness * along[k % 3] * along[k / 3]);
+                            kPrecision * along[k % 3] * along[k / 3]);
     first += NonCentralGeneric::kPerNode;
   }
   const int size = NonCentralGeneric::kPerNode * directions.num_points();
@@ -359,17 +358,17 @@ Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
 
 }  // namespace
 
-CameraPrior SmoothnessPrior(const CentralGeneric& base,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseModel& lens,
-                            const std::vector<BSplineSurface>& spread) {
+CameraPrior MakeSmoothnessPrior(const CentralGeneric& base,
+                                const std::vector<Eigen::Vector2d>& observed_px,
+                                const BaseModel& lens,
+                                const std::vector<BSplineSurface>& spread) {
   CameraPrior prior =
-      DirectionsPrior(base.surface(), {2, 0, 2}, observed_px, lens, spread);
+      MakeDirectionsPrior(base.surface(), {2, 0, 2}, observed_px, lens, spread);
   prior.mean = base.Parameters();
   return prior;
 }
 
-CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
+CameraPrior MakeOperatingPointPrior(const CentralGeneric& base, int num_terms) {
   const BSplineSurface& surface = base.surface();
   CameraPrior prior;
   prior.mean = Eigen::VectorXd::Zero(2 * num_terms * surface.num_points());
@@ -378,7 +377,7 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   prior.orientation.resize(prior.mean.size(), 3 * num_terms);
   for (int term = 0; term < num_terms; ++term) {
     CameraPrior of_term =
-        DirectionsPrior(surface, {2 * num_terms, 2 * term, 2}, {});
+        MakeDirectionsPrior(surface, {2 * num_terms, 2 * term, 2}, {});
     prior.groups.push_back(std::move(of_term.groups[0]));
     prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
     prior.orientation_precision = of_term.orientation_precision;
@@ -386,24 +385,24 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms) {
   return prior;
 }
 
-CameraPrior NonCentralPrior(const CentralGeneric& base,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            double distance_m, const BaseModel& lens) {
+CameraPrior MakeNonCentralPrior(const CentralGeneric& base,
+                                const std::vector<Eigen::Vector2d>& observed_px,
+                                double distance_m, const BaseModel& lens) {
   constexpr int kPerNode = NonCentralGeneric::kPerNode;
   const BSplineSurface& surface = base.surface();
   CameraPrior prior =
-      DirectionsPrior(surface, {kPerNode, 0, 2}, observed_px, lens);
+      MakeDirectionsPrior(surface, {kPerNode, 0, 2}, observed_px, lens);
   prior.mean = NonCentralGeneric(base).Parameters();
-  const int middle = surface.num_points() / 2;
+  const int center = surface.num_points() / 2;
   const double chart_per_radian =
-      (1 + surface.points()[middle].squaredNorm()) / 2;
+      (1 + surface.points()[center].squaredNorm()) / 2;
   const std::vector<double> pixels_per_metre(
       surface.num_points(),
-      PixelsPerChartUnit(surface)[middle] * chart_per_radian / distance_m);
+      PixelsPerChartUnit(surface)[center] * chart_per_radian / distance_m);
   PriorGroup points =
       SmoothGroup(surface, {kPerNode, NonCentralGeneric::kFirstOfPoint, 3},
                   pixels_per_metre);
-  points.precision += PlacesAlongLines(surface, pixels_per_metre[middle]);
+  points.precision += PlacesAlongLines(surface, pixels_per_metre[center]);
   prior.groups.push_back(std::move(points));
   return prior;
 }

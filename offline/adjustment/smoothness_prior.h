@@ -27,16 +27,16 @@ namespace raygrid {
 /// spread is the covariance of a fleet, if base is its population mean:
 /// displacement fields in pixels, each with a standard normal coefficient. The
 /// smoothness then applies to the remainder, without any rotation.
-CameraPrior SmoothnessPrior(const CentralGeneric& base,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            const BaseModel& lens = {},
-                            const std::vector<BSplineSurface>& spread = {});
+CameraPrior MakeSmoothnessPrior(const CentralGeneric& base,
+                                const std::vector<Eigen::Vector2d>& observed_px,
+                                const BaseModel& lens = {},
+                                const std::vector<BSplineSurface>& spread = {});
 
 /// Makes the priors of an operating-point model, one group per polynomial term:
 /// the first about base, the others about zero, so that changes which the data
 /// do not determine stay zero. The camera does not rotate with the operating
 /// point: that is not observable, since each observation has its own pose.
-CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
+CameraPrior MakeOperatingPointPrior(const CentralGeneric& base, int num_terms);
 
 /// Makes the prior of a non-central grid: for the directions as above and, as a
 /// second group, three smooth zero-mean fields for the points of the lines, in
@@ -47,9 +47,9 @@ CameraPrior StackPrior(const CentralGeneric& base, int num_terms);
 /// observable: it is chosen by this prior. Neither is drift along the lines,
 /// o(x) -> o(x) + f(x) d(x): the prior penalizes it strongly, so that each
 /// point stays in the plane across base's direction.
-CameraPrior NonCentralPrior(const CentralGeneric& base,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            double distance_m, const BaseModel& lens = {});
+CameraPrior MakeNonCentralPrior(const CentralGeneric& base,
+                                const std::vector<Eigen::Vector2d>& observed_px,
+                                double distance_m, const BaseModel& lens = {});
 
 }  // namespace raygrid
 

@@ -35,7 +35,7 @@ MarkerBits WithBorder(const MarkerBits& code, int border_cells) {
 }
 
 // The cells of a marker; with a border of its own, without a white margin.
-MarkerBits BitsOf(const MarkerPlace& place) {
+MarkerBits GetMarkerBits(const MarkerPlace& place) {
   const MarkerBits bits = place.is_april_tag
                               ? AprilTagBits(place.family, place.id)
                               : ArucoBits(place.family, place.id);
@@ -71,7 +71,7 @@ BoardAppearance::BoardAppearance(const Board& board)
   for (const MarkerPlace& place : kind_->Markers(board)) {
     PlacedMarker& marker = markers_.emplace_back();
     marker.id = place.id;
-    marker.bits = BitsOf(place);
+    marker.bits = GetMarkerBits(place);
     marker.corner = place.corner;
     marker.cell_m = place.side_m / marker.bits.size;
   }

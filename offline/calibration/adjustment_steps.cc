@@ -85,16 +85,16 @@ void Calibration::OptimizeWithRigidTargets(
     lenses.push_back(camera.lens);
   }
   const auto groups = ConnectedGroups(lenses);
-  const bool may_tell = !options_.independent_boards &&
-                        CanDetectRigidTargets(lenses) &&
-                        (groups.size() > 1 || !DoBoardsBend());
+  const bool can_detect = !options_.independent_boards &&
+                          CanDetectRigidTargets(lenses) &&
+                          (groups.size() > 1 || !DoBoardsBend());
   std::vector<AdjustmentResult> apart;
-  if (groups.size() == 1 || !may_tell)
+  if (groups.size() == 1 || !can_detect)
     apart.push_back(AdjustTogether(all, rejected));
   else
     for (const std::vector<int>& group : groups)
       apart.push_back(AdjustTogether(group, rejected));
-  if (may_tell)
+  if (can_detect)
     result_.board_pairs =
         CompareBoardPoses(apart, pattern_, options_.num_threads, &bodies_);
   if (apart.size() == 1 && bodies_.empty()) {

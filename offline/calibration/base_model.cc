@@ -14,8 +14,8 @@ constexpr const char *kFisheye = models::kThinPrismFisheye,
                      *kPinhole = models::kOpenCv;
 
 // A lens as it was fitted, and what held its parameters.
-BaseModel BaseLensOf(const CameraPrior& prior, const CameraModel& lens,
-                     double residual_variance) {
+BaseModel MakeBaseModel(const CameraPrior& prior, const CameraModel& lens,
+                        double residual_variance) {
   BaseModel base;
   base.model = lens.Parametric()->CloneWithArea(lens.area());
   base.precision = Eigen::VectorXd::Zero(lens.NumParameters());
@@ -43,9 +43,9 @@ FittedLenses FitLenses(const std::string& model,
       MakeInitializationOptions(options), &prior, &fitted.state);
   fitted.median_px = ComputeMedianErrorPx(summary.residuals);
   for (size_t c = 0; c < prior.cameras.size() && summary.noise_px > 0; ++c)
-    fitted.lenses.push_back(BaseLensOf(prior.cameras[c],
-                                       *fitted.state.cameras[c],
-                                       std::pow(summary.noise_px, 2)));
+    fitted.lenses.push_back(MakeBaseModel(prior.cameras[c],
+                                          *fitted.state.cameras[c],
+                                          std::pow(summary.noise_px, 2)));
   return fitted;
 }
 

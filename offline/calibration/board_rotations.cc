@@ -118,7 +118,7 @@ class TurnSearch {
     for (const size_t first : order) {
       std::vector<int> turns;
       for (size_t i = 0; i < turned_.size(); ++i)
-        turns.push_back(BestTurn(i, Symmetric(turned_[first][0])));
+        turns.push_back(FindBestRotation(i, Symmetric(turned_[first][0])));
       turns[first] = 0;
       Improve(&turns);
       const double agreement = Agreement(turns);
@@ -195,7 +195,7 @@ class TurnSearch {
   }
 
   // The image's rotation with the least difference from other images.
-  int BestTurn(size_t image, const Displacements& others) const {
+  int FindBestRotation(size_t image, const Displacements& others) const {
     int best = 0;
     double most = -INFINITY;
     for (int turn = 0; turn < num_turns_; ++turn) {
@@ -216,7 +216,7 @@ class TurnSearch {
       Sum sum = SumLanes(*turns);
       for (size_t i = 0; i < turned_.size(); ++i) {
         const Displacements& before = turned_[i][(*turns)[i]];
-        const int turn = BestTurn(i, MeanOfOthers(sum, before));
+        const int turn = FindBestRotation(i, MeanOfOthers(sum, before));
         if (turn == (*turns)[i]) continue;
         has_changed = true;
         Add(before, -1, &sum);
@@ -364,12 +364,12 @@ void AddViews(const AdjustmentResult& views, AdjustmentResult* camera) {
 }
 
 Pose ComputeRotation(const Board& board, int turn) {
-  const Eigen::Vector3d middle =
+  const Eigen::Vector3d center =
       board.square_m / 2 *
       Eigen::Vector3d(board.columns - 1, board.rows - 1, 0);
   const Eigen::Quaterniond rotation(Eigen::AngleAxisd(
       2 * M_PI * turn / board.NumRotations(), Eigen::Vector3d::UnitZ()));
-  return {rotation, middle - rotation * middle};
+  return {rotation, center - rotation * center};
 }
 
 GeometricRotations ResolveRotationsByGeometry(

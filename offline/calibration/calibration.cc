@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-std::vector<std::string> CalibratedModels() {
+std::vector<std::string> ListCalibratedModels() {
   std::vector<std::string> names =
       LensNames(ModelUse::kCalibrate,
                 {models::kNonCentralGeneric, models::kCentralGeneric});

@@ -49,10 +49,10 @@ struct CalibrationInput {
 };
 
 /// Names of the supported models, in descending order of their parameters.
-std::vector<std::string> CalibratedModels();
+std::vector<std::string> ListCalibratedModels();
 
 struct CalibrationOptions {
-  /// One of CalibratedModels(), or "auto": the model that predicts held-out
+  /// One of ListCalibratedModels(), or "auto": the model that predicts held-out
   /// images best (model_selection.h), or central-generic if knot_spacing_px or
   /// like is given.
   std::string model = models::kCentralGeneric;

@@ -105,7 +105,7 @@ std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
   return pixels;
 }
 
-Area FeatureArea(const CalibrationProblem& problem, int camera) {
+Area ComputeFeatureArea(const CalibrationProblem& problem, int camera) {
   Area area = {1e9, 1e9, -1e9, -1e9};
   for (const View& view : problem.views) {
     if (view.camera != camera) continue;
@@ -118,9 +118,9 @@ Area FeatureArea(const CalibrationProblem& problem, int camera) {
       std::ceil(area.x1 * kUnit) / kUnit, std::ceil(area.y1 * kUnit) / kUnit};
 }
 
-Area CalibratedArea(const CalibrationProblem& problem, int camera) {
+Area ComputeCalibratedArea(const CalibrationProblem& problem, int camera) {
   return problem.area == AreaChoice::kFeatures
-             ? FeatureArea(problem, camera)
+             ? ComputeFeatureArea(problem, camera)
              : WholeImage(problem.image_sizes[camera]);
 }
 

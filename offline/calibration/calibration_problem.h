@@ -54,13 +54,13 @@ void RemoveViews(const std::vector<bool>& remove, CalibrationProblem* problem);
 
 /// Returns the bounding rectangle of a camera's features, rounded outwards to
 /// the resolution of a blob.
-Area FeatureArea(const CalibrationProblem& problem, int camera);
+Area ComputeFeatureArea(const CalibrationProblem& problem, int camera);
 /// Returns all observed pixels of a camera.
 std::vector<Eigen::Vector2d> ObservedPixels(const CalibrationProblem& problem,
                                             int camera);
 
 /// Returns the calibrated area of a camera.
-Area CalibratedArea(const CalibrationProblem& problem, int camera);
+Area ComputeCalibratedArea(const CalibrationProblem& problem, int camera);
 
 /// Returns the deformation modes of the boards, per view.
 DeformationModes GetDeformationModes(const CalibrationProblem& problem);

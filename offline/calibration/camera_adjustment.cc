@@ -56,10 +56,10 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
   if (const ParametricModel* lens = camera.Parametric())
-    return DistortionPrior(*lens, CalibratedArea(problem, index),
-                           NumFeatures(problem, index));
-  return SmoothnessPrior(FitPolynomialGrid(CentralPart(camera)),
-                         ObservedPixels(problem, index));
+    return MakeDistortionPrior(*lens, ComputeCalibratedArea(problem, index),
+                               NumFeatures(problem, index));
+  return MakeSmoothnessPrior(FitPolynomialGrid(CentralPart(camera)),
+                             ObservedPixels(problem, index));
 }
 
 // Optimizes cameras from the current state.
@@ -76,9 +76,9 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
 
 // Makes a radial spline with as many control points as the features determine.
 // Its prior smooths superfluous ones (offline/calibration/DESIGN.md).
-int NumKnots(int num_features) {
-  constexpr int kLeast = 24, kMost = 96, kFeaturesPerKnot = 20;
-  return std::clamp(num_features / kFeaturesPerKnot, kLeast, kMost);
+int CountSamples(int num_features) {
+  constexpr int kLeast = 24, kMost = 96, kFeaturesPerSample = 20;
+  return std::clamp(num_features / kFeaturesPerSample, kLeast, kMost);
 }
 
 // Replaces an initial camera by a parametric one. If it has no axis, the fit
@@ -88,9 +88,9 @@ void SetLens(const std::string& model, const CameraModel& lens,
              AdjustmentState* state) {
   FitOptions options;
   options.free_rotation = !IsParametricModel(lens.Name());
-  options.num_knots = NumKnots(NumFeatures(problem, camera));
-  const FittedModel fitted =
-      FitParametricModel(model, lens, FeatureArea(problem, camera), options);
+  options.num_knots = CountSamples(NumFeatures(problem, camera));
+  const FittedModel fitted = FitParametricModel(
+      model, lens, ComputeFeatureArea(problem, camera), options);
   state->cameras[camera] = fitted.model->Clone();
   if (!options.free_rotation) return;
   Pose& pose = state->camera_from_rig[camera];
@@ -117,7 +117,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   OptimizeGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
-    prior->cameras.push_back(NonCentralPrior(
+    prior->cameras.push_back(MakeNonCentralPrior(
         ExpectedGrid(problem, *starts.lenses[c],
                      MakeInitialGrid(problem, c, starts)),
         ObservedPixels(problem, static_cast<int>(c)),
@@ -194,7 +194,7 @@ double ComputeMedianErrorPx(const std::vector<Residual>& residuals) {
 
 CentralGeneric MakeInitialGrid(const CalibrationProblem& problem, size_t camera,
                                const InitialValues& starts) {
-  const Area area = CalibratedArea(problem, static_cast<int>(camera));
+  const Area area = ComputeCalibratedArea(problem, static_cast<int>(camera));
   const double knot_spacing_px = starts.knot_spacings_px[camera];
   const int columns = NumControlPoints(area.width(), knot_spacing_px),
             rows = NumControlPoints(area.height(), knot_spacing_px);
@@ -244,9 +244,9 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     const CentralGeneric base = MakeInitialGrid(problem, c, starts);
     prior->cameras.push_back(
-        SmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
-                        ObservedPixels(problem, static_cast<int>(c)),
-                        starts.GetBaseModel(c), spread));
+        MakeSmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+                            ObservedPixels(problem, static_cast<int>(c)),
+                            starts.GetBaseModel(c), spread));
     state->cameras[c] = base.Clone();
   }
   return IsOfSameImages(starts.adjusted, *state)

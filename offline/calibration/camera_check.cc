@@ -16,9 +16,9 @@ namespace {
 // Displacement in pixels of the area's centre per radian of rotation.
 double FocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 2;
-  const Eigen::Vector2d middle = camera.area().center();
-  const auto left = camera.Unproject(middle - Eigen::Vector2d(kStepPx, 0));
-  const auto right = camera.Unproject(middle + Eigen::Vector2d(kStepPx, 0));
+  const Eigen::Vector2d center = camera.area().center();
+  const auto left = camera.Unproject(center - Eigen::Vector2d(kStepPx, 0));
+  const auto right = camera.Unproject(center + Eigen::Vector2d(kStepPx, 0));
   if (!left || !right)
     throw InputError("the camera model is undefined at the centre of its area");
   return 2 * kStepPx / std::acos(std::min(1.0, left->dot(*right)));

@@ -153,7 +153,7 @@ double LensPx(const CalibrationProblem& problem) {
   return std::max(1.0, std::max(size.width, size.height) / kWidth);
 }
 
-Misfit MisfitOf(const AdjustmentResult& adjusted, size_t num_features) {
+Misfit ComputeMisfit(const AdjustmentResult& adjusted, size_t num_features) {
   const double cap_px = 5 * LensPx(adjusted.problem);
   size_t index = 0, explained = 0;
   double sum = 0;
@@ -173,7 +173,7 @@ Misfit MisfitOf(const AdjustmentResult& adjusted, size_t num_features) {
 }
 
 // Factors of the errors of initial cameras in their comparison.
-double HandicapOf(const CameraModel& start) {
+double GetComplexityPenalty(const CameraModel& start) {
   // A pinhole with distortion is preferred if the error is similar: beyond the
   // outermost features, in the image's corners, it extrapolates better than a
   // polynomial of the angle (simulated lens of 62 degrees: 0.10 px instead of
@@ -209,7 +209,7 @@ std::optional<CentralGeneric> MakeInitialGenericGrid(
     const CalibrationProblem& problem, int num_threads) {
   GenericInitializationOptions options;
   options.num_threads = num_threads;
-  options.area = CalibratedArea(problem, 0);
+  options.area = ComputeCalibratedArea(problem, 0);
   const auto generic = InitializeFromThreeViews(dataset, pattern, options);
   if (!generic) return std::nullopt;
   return generic->camera;
@@ -230,9 +230,9 @@ class StartTrials {
   void Try(const CameraModel& start) {
     const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
     if (!adjusted) return;
-    const Misfit misfit = MisfitOf(*adjusted, num_features_);
+    const Misfit misfit = ComputeMisfit(*adjusted, num_features_);
     const double weighted =
-        misfit.mean_px * HandicapOf(adjusted->state.camera());
+        misfit.mean_px * GetComplexityPenalty(adjusted->state.camera());
     if (best_ && weighted >= least_weighted_) return;
     best_ = adjusted;
     least_ = misfit;
@@ -286,7 +286,7 @@ void TryAll(const Dataset& dataset, const Pattern& pattern,
   const auto grid =
       MakeInitialGenericGrid(dataset, pattern, problem, num_threads);
   if (!grid) return;
-  const Area features = FeatureArea(problem, 0);
+  const Area features = ComputeFeatureArea(problem, 0);
   trials->Try(
       *FitParametricModel(models::kCentralRadial, *grid, features, {true})
            .model);

@@ -34,9 +34,9 @@ Dataset UsedFeatures(const Pattern& pattern, const CalibrationProblem& problem,
   return used;
 }
 
-std::optional<BoardDeformation> BendsOf(const Pattern& pattern,
-                                        const AdjustmentResult& adjusted,
-                                        int camera) {
+std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
+                                               const AdjustmentResult& adjusted,
+                                               int camera) {
   const AdjustmentState& state = adjusted.state;
   const CalibrationProblem& problem = adjusted.problem;
   if (!state.HasPerViewDeformation()) return std::nullopt;
@@ -97,7 +97,7 @@ std::vector<Eigen::Vector3d> SeenNormals(const CalibrationResult& result) {
 }
 
 // The largest angle between two boards' planes.
-double TiltOf(const std::vector<Eigen::Vector3d>& normals) {
+double ComputeTilt(const std::vector<Eigen::Vector3d>& normals) {
   double least_cosine = 1;
   for (const Eigen::Vector3d& a : normals)
     for (const Eigen::Vector3d& b : normals)
@@ -186,7 +186,7 @@ int CountDifferent(const CalibrationResult& result) {
   return static_cast<int>(different.size());
 }
 
-const std::vector<FeatureResidual>& JudgedResiduals(
+const std::vector<FeatureResidual>& GetAssessedResiduals(
     const CalibrationResult& result) {
   return result.held_out.empty() ? result.training : result.held_out;
 }
@@ -206,8 +206,8 @@ std::vector<FeatureResidual> WithoutImages(
 // predictions, but not its training residuals.
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
-  const auto held_out =
-      ComputeNeighborCorrelation(WithoutImages(JudgedResiduals(result), apart));
+  const auto held_out = ComputeNeighborCorrelation(
+      WithoutImages(GetAssessedResiduals(result), apart));
   const auto training =
       ComputeNeighborCorrelation(WithoutImages(result.training, apart));
   if (!held_out || !training) return held_out;
@@ -362,7 +362,8 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   metrics.mixed_cameras = result.mixed_cameras;
   metrics.different_views = CountDifferent(result);
   const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
-  if (normals.size() == result.poses.size()) metrics.tilt_rad = TiltOf(normals);
+  if (normals.size() == result.poses.size())
+    metrics.tilt_rad = ComputeTilt(normals);
   AddSides(result, &metrics);
   metrics.fold_over = result.fold_over;
   metrics.flatness_error_m = result.flatness_error_m;
@@ -426,7 +427,7 @@ void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
       ComputeTrainingResiduals(pattern, adjusted, camera, num_threads);
   result->camera.training = ComputeErrorMetrics(result->training);
   result->rejected_features = adjusted.rejected_features[camera];
-  result->bends = BendsOf(pattern, adjusted, camera);
+  result->bends = GetDeformation(pattern, adjusted, camera);
   result->num_parameters = adjusted.state.cameras[camera]->NumParameters();
   result->converged = adjusted.summary.converged;
   result->bias_kl =
@@ -454,7 +455,7 @@ void FillUncertainty(const AdjustmentResult& adjusted, int camera,
       *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
 }
 
-void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
+void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
                        CalibrationResult* result) {
   constexpr size_t kEnough = 2000;
   std::vector<Eigen::Vector2d> pixels;
@@ -463,7 +464,7 @@ void FillFleetDistance(const CameraModel& middle, const LensSpread& spread,
       pixels.push_back(feature.pixel);
   const CameraFile& camera = result->camera;
   result->fleet_distance = MeasureFleetDistance(
-      middle, spread, *camera.camera,
+      mean, spread, *camera.camera,
       camera.uncertainty ? &camera.uncertainty->lattice : nullptr,
       SelectEvenly(pixels, kEnough));
 }
@@ -513,7 +514,7 @@ void ListUnusedImages(const Dataset& measured,
 void AssessResult(int num_threads, CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorMetrics(result->held_out);
-  const std::vector<FeatureResidual>& residuals = JudgedResiduals(*result);
+  const std::vector<FeatureResidual>& residuals = GetAssessedResiduals(*result);
   const std::set<std::string> apart = FindOutlierImages(residuals);
   result->residual_autocorrelation =
       ComputeNeighborCorrelation(WithoutImages(residuals, apart));
@@ -531,7 +532,7 @@ void AssessResult(int num_threads, CalibrationResult* result) {
 }
 
 bool HasSystematicErrors(const CalibrationResult& result) {
-  const std::vector<FeatureResidual>& residuals = JudgedResiduals(result);
+  const std::vector<FeatureResidual>& residuals = GetAssessedResiduals(result);
   if (residuals.empty()) return false;
   return HasCorrelatedErrors(
       SharedCorrelation(result, FindOutlierImages(residuals)).value_or(0),

@@ -38,12 +38,12 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
 // Unique names of the cameras' training images: in the order of images for one
 // camera, sorted for a rig.
 std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
-  std::vector<std::string> instants;
+  std::vector<std::string> frames;
   for (const Split& camera : cameras)
     for (const ImageFeatures& image : camera.training.images)
-      instants.push_back(image.image);
-  if (cameras.size() < 2) return instants;
-  const std::set<std::string> sorted(instants.begin(), instants.end());
+      frames.push_back(image.image);
+  if (cameras.size() < 2) return frames;
+  const std::set<std::string> sorted(frames.begin(), frames.end());
   return {sorted.begin(), sorted.end()};
 }
 
@@ -61,12 +61,12 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
     for (const std::string& other : group.others) view_of[other] = group.image;
   std::vector<std::vector<std::string>> views;
   std::map<std::string, size_t> index;
-  for (const std::string& instant : CollectFrameSets(cameras)) {
-    const auto found = view_of.find(instant);
-    const std::string& view = found == view_of.end() ? instant : found->second;
+  for (const std::string& frame : CollectFrameSets(cameras)) {
+    const auto found = view_of.find(frame);
+    const std::string& view = found == view_of.end() ? frame : found->second;
     const size_t i = index.emplace(view, views.size()).first->second;
     if (i == views.size()) views.emplace_back();
-    views[i].push_back(instant);
+    views[i].push_back(frame);
   }
   return views;
 }
@@ -115,10 +115,10 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
 }
 
 // The first folds of a cross-validation with num_folds.
-Folds FoldsOf(const std::vector<std::vector<std::string>>& views,
-              const std::vector<Split>& cameras,
-              const std::vector<const CameraModel*>& known, size_t count,
-              size_t num_folds) {
+Folds EvaluateFolds(const std::vector<std::vector<std::string>>& views,
+                    const std::vector<Split>& cameras,
+                    const std::vector<const CameraModel*>& known, size_t count,
+                    size_t num_folds) {
   Folds folds;
   for (const CameraModel* lens : known) folds.known.push_back(lens->Clone());
   folds.folds.resize(count);
@@ -256,9 +256,10 @@ Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known) {
   constexpr size_t kManyViews = 40;
   const auto views = Views(cameras);
-  if (views.size() < 2 * kFolds) return FoldsOf(views, cameras, known, 0, 1);
-  return FoldsOf(views, cameras, known, views.size() <= kManyViews ? kFolds : 1,
-                 kFolds);
+  if (views.size() < 2 * kFolds)
+    return EvaluateFolds(views, cameras, known, 0, 1);
+  return EvaluateFolds(views, cameras, known,
+                       views.size() <= kManyViews ? kFolds : 1, kFolds);
 }
 
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
@@ -266,7 +267,7 @@ Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
   constexpr size_t kMinViews = 4;
   const auto views = Views(cameras);
   const size_t count = views.size() < kMinViews ? 0 : views.size();
-  return FoldsOf(views, cameras, known, count, count);
+  return EvaluateFolds(views, cameras, known, count, count);
 }
 
 void CrossValidate(const Pattern& pattern, const ValidationOptions& options,

@@ -16,19 +16,21 @@ constexpr double kStillRad = kMaxFrameRotationRad / 50;
 
 // Rotates the prior of a grid: same precision, rotated mean. Points of lines
 // have the prior mean 0 in any frame.
-CameraPrior TurnedPrior(const CameraPrior& prior, const CameraModel& camera,
-                        const std::vector<Eigen::Vector2d>& observed_px,
-                        const Eigen::Quaterniond& rotated_from_camera,
-                        double residual_variance) {
+CameraPrior MakeTurnedPrior(const CameraPrior& prior, const CameraModel& camera,
+                            const std::vector<Eigen::Vector2d>& observed_px,
+                            const Eigen::Quaterniond& rotated_from_camera,
+                            double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
   const CentralGeneric base = CentralPart(*Rotated(*mean, rotated_from_camera));
   CameraPrior turned;
   if (camera.IsCentral()) {
-    turned = SmoothnessPrior(base, observed_px, prior.base_lens, prior.spread);
+    turned =
+        MakeSmoothnessPrior(base, observed_px, prior.base_lens, prior.spread);
   } else {
     constexpr double kAnyDistanceM = 1;
-    turned = NonCentralPrior(base, observed_px, kAnyDistanceM, prior.base_lens);
+    turned =
+        MakeNonCentralPrior(base, observed_px, kAnyDistanceM, prior.base_lens);
     turned.groups.back() = prior.groups.back();
   }
   for (size_t g = 0; g < turned.groups.size(); ++g)
@@ -43,10 +45,10 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
                 AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   CameraPrior& prior = adjusted->prior.cameras[camera];
-  prior =
-      TurnedPrior(prior, *state.cameras[camera],
-                  ObservedPixels(adjusted->problem, static_cast<int>(camera)),
-                  rotated_from_camera, std::pow(adjusted->summary.noise_px, 2));
+  prior = MakeTurnedPrior(
+      prior, *state.cameras[camera],
+      ObservedPixels(adjusted->problem, static_cast<int>(camera)),
+      rotated_from_camera, std::pow(adjusted->summary.noise_px, 2));
   state.cameras[camera] = Rotated(*state.cameras[camera], rotated_from_camera);
   prior.orientation_difference =
       prior.OrientationError(state.cameras[camera]->Parameters());

@@ -23,7 +23,8 @@ std::vector<std::optional<Pose>> LocalizeAlone(
   return poses;
 }
 
-double LossOf(const AdjustmentState& state, const std::vector<View>& views) {
+double ComputeLoss(const AdjustmentState& state,
+                   const std::vector<View>& views) {
   constexpr double kHuberPx = 1, kUnseenPx = 1e4;
   double loss = 0;
   for (const Residual& residual : ComputeResiduals(state, views, 1))
@@ -42,7 +43,7 @@ std::optional<Pose> LocalizeTogether(
   double best_loss = INFINITY;
   for (const Pose& candidate : rig_from_pattern) {
     state.rig_from_pattern = {candidate};
-    const double loss = LossOf(state, views);
+    const double loss = ComputeLoss(state, views);
     if (loss >= best_loss) continue;
     best_loss = loss;
     best.rig_from_pattern = {candidate};

@@ -20,7 +20,7 @@ namespace {
 
 // Other parametric models have no prior for unobservable parameters yet.
 void RequireKnownModel(const std::string& model) {
-  std::vector<std::string> known = CalibratedModels();
+  std::vector<std::string> known = ListCalibratedModels();
   known.insert(known.begin(), kAutoModel);
   if (std::count(known.begin(), known.end(), model) > 0) return;
   if (IsParametricModel(model))

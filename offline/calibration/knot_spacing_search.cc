@@ -29,7 +29,7 @@ bool Try(std::vector<int> resolutions,
 }
 
 // The residuals in the images of others.
-std::vector<FeatureResidual> InImagesOf(
+std::vector<FeatureResidual> SelectResidualsInImages(
     const std::vector<FeatureResidual>& others,
     const std::vector<FeatureResidual>& residuals) {
   std::set<std::string> images;
@@ -92,8 +92,9 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
     if (!probe || search.tried.count(to) > 0) return true;
     const std::vector<FeatureResidual> part = probe(to);
     if (part.empty()) return true;  // after a stop
-    return ComputeLossGain(InImagesOf(part, search.tried.at(search.chosen)),
-                           part) > 0;
+    return ComputeLossGain(
+               SelectResidualsInImages(part, search.tried.at(search.chosen)),
+               part) > 0;
   };
   medium = std::min(medium, num_resolutions - 1);
   search.chosen = medium;

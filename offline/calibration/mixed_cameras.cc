@@ -118,8 +118,8 @@ Names FirstHalf(const Dataset& dataset) {
   return {all.begin(), std::next(all.begin(), all.size() / 2)};
 }
 
-std::vector<Names> SplitsToTry(const Dataset& dataset,
-                               const std::vector<FeatureResidual>& residuals) {
+std::vector<Names> ListSplitsToTry(
+    const Dataset& dataset, const std::vector<FeatureResidual>& residuals) {
   if (const auto stems = FirstOfTwoStems(dataset)) return {*stems};
   std::vector<Names> splits = SplitsByResiduals(residuals, dataset.image_size);
   splits.push_back(FirstHalf(dataset));
@@ -165,14 +165,14 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
 }
 
 // The knot spacing of an initial camera that is a grid.
-double CellPxOf(const CameraModel& lens) {
+double GetKnotSpacingPx(const CameraModel& lens) {
   const BSplineSurface* grid = lens.DirectionGrid();
   return grid ? std::max(grid->cell_width(), grid->cell_height()) : 0;
 }
 
 // Residuals of a camera of its own whose board may bend, too, from the lens of
 // all images; none if it cannot be adjusted.
-std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
+std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
                                            const Pattern& pattern,
                                            const CameraModel& joint,
                                            const AdjustmentOptions& options) {
@@ -180,7 +180,8 @@ std::vector<FeatureResidual> FullyAdjusted(const Dataset& dataset,
     AdjustmentResult adjusted = InitializeCamera(
         dataset, pattern, options, AreaChoice::kWholeImage, &joint);
     const CameraModel& lens = adjusted.state.camera();
-    OptimizeModel(pattern, lens.Name(), {CellPxOf(lens)}, options, &adjusted);
+    OptimizeModel(pattern, lens.Name(), {GetKnotSpacingPx(lens)}, options,
+                  &adjusted);
     return ResidualsOf(pattern, adjusted, options.num_threads);
   } catch (const Error&) {
     return {};
@@ -266,7 +267,8 @@ Dataset Thinned(const Dataset& all) {
 }
 
 // The views of a thinned dataset.
-AdjustmentResult OnlyOf(const AdjustmentResult& joint, const Dataset& thinned) {
+AdjustmentResult SelectThinned(const AdjustmentResult& joint,
+                               const Dataset& thinned) {
   const std::vector<std::string> names = NamesOf(thinned);
   AdjustmentResult only = PartOf(joint, {names.begin(), names.end()}, true);
   for (View& view : only.problem.views)
@@ -276,10 +278,10 @@ AdjustmentResult OnlyOf(const AdjustmentResult& joint, const Dataset& thinned) {
 
 // The split of all images whose two cameras fit some images best, if it is
 // worth a full adjustment.
-std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
-                               const AdjustmentResult& joint,
-                               const std::vector<FeatureResidual>& residuals,
-                               const AdjustmentOptions& options) {
+std::optional<Names> FindBestSplit(
+    const Dataset& all, const Pattern& pattern, const AdjustmentResult& joint,
+    const std::vector<FeatureResidual>& residuals,
+    const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
   constexpr double kWorthAnotherLook = 0.9;
   // A linear step predicts the remaining share of an adjustment to 0.003.
@@ -287,9 +289,9 @@ std::optional<Names> BestSplit(const Dataset& all, const Pattern& pattern,
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
   const Dataset training = Thinned(all);
-  const AdjustmentResult thinned = OnlyOf(joint, training);
+  const AdjustmentResult thinned = SelectThinned(joint, training);
   const SplitGain gain(thinned, options.huber_px, options.num_threads);
-  for (Names first : SplitsToTry(all, residuals)) {
+  for (Names first : ListSplitsToTry(all, residuals)) {
     if (gain.ComputeRemainingShare(first) > kWorthAdjusting) continue;
     double before = MeanSquare(residuals);
     for (int round = 0; round < kMaxRounds; ++round) {
@@ -317,7 +319,7 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
                          const AdjustmentOptions& options, bool may_err_alike) {
   std::vector<FeatureResidual> residuals[2];
   for (const int k : {0, 1}) {
-    residuals[k] = FullyAdjusted(k == 0 ? parts.first : parts.second, pattern,
+    residuals[k] = OptimizeFully(k == 0 ? parts.first : parts.second, pattern,
                                  joint, options);
     if (residuals[k].empty() ||
         (!may_err_alike && HasCorrelatedErrors(residuals[k])))
@@ -357,12 +359,12 @@ std::optional<MixedCameras> DetectMixedCameras(
   // Points that are free in each part would absorb more than camera models can.
   AdjustmentOptions fixed = options;
   fixed.fix_points = true;
-  const auto first = BestSplit(training, pattern, joint, residuals, fixed);
+  const auto first = FindBestSplit(training, pattern, joint, residuals, fixed);
   if (!first) return std::nullopt;
   const TwoParts parts = SplitBy(training, *first);
   const CameraModel& lens = joint.state.camera();
   const std::vector<FeatureResidual> of_all =
-      FullyAdjusted(training, pattern, lens, options);
+      OptimizeFully(training, pattern, lens, options);
   if (!HasCorrelatedErrors(of_all)) return std::nullopt;
   const double bound = kMuchBetter * kMuchBetter;
   const double of_two = MeanSquareOfParts(parts, pattern, lens, options, false);

@@ -65,11 +65,11 @@ void PutGridsAroundLenses(const std::string& model, const InitialValues& starts,
         ObservedPixels(problem, static_cast<int>(c));
     if (model == models::kNonCentralGeneric) {
       adjusted->state.cameras[c] = NonCentralGeneric(grid).Clone();
-      adjusted->prior.cameras.push_back(NonCentralPrior(
+      adjusted->prior.cameras.push_back(MakeNonCentralPrior(
           grid, observed_px, ComputeMeanDistance(problem, c, adjusted->state)));
     } else {
       adjusted->state.cameras[c] = grid.Clone();
-      adjusted->prior.cameras.push_back(SmoothnessPrior(grid, observed_px));
+      adjusted->prior.cameras.push_back(MakeSmoothnessPrior(grid, observed_px));
     }
   }
   adjusted->summary = {};
@@ -233,7 +233,7 @@ void FinalizeCameras(AdjustmentResult* adjusted) {
     std::unique_ptr<CameraModel>& camera = adjusted->state.cameras[c];
     if (const ParametricModel* lens = camera->Parametric())
       camera = lens->CloneWithArea(
-          CalibratedArea(adjusted->problem, static_cast<int>(c)));
+          ComputeCalibratedArea(adjusted->problem, static_cast<int>(c)));
     LimitUnobservedControlPoints(adjusted->problem, static_cast<int>(c),
                                  camera.get());
   }

@@ -25,7 +25,7 @@ struct FrameSet {
                                 // are left out
 };
 
-void AddImage(const ImageFeatures& image, size_t camera, FrameSet* instant) {
+void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
   std::map<int, SeenPart> parts;
   for (const Feature& f : image.features) {
     SeenPart& part = parts[f.board];
@@ -35,38 +35,38 @@ void AddImage(const ImageFeatures& image, size_t camera, FrameSet* instant) {
   }
   for (auto& [board, part] : parts) {
     if (part.pixels.size() < kMinViewFeatures) continue;
-    instant->num_features += part.pixels.size();
-    instant->parts.push_back(std::move(part));
+    frame_set->num_features += part.pixels.size();
+    frame_set->parts.push_back(std::move(part));
   }
 }
 
 // Sorted by priority as a representative.
-std::vector<FrameSet> SortedInstants(const std::vector<Dataset>& cameras,
-                                     const std::vector<std::string>& held_out) {
-  std::vector<FrameSet> instants;
+std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
+                                 const std::vector<std::string>& held_out) {
+  std::vector<FrameSet> frame_sets;
   std::map<std::string, size_t> index_of;
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (const ImageFeatures& image : cameras[c].images) {
       const size_t index =
-          index_of.emplace(image.image, instants.size()).first->second;
-      if (index == instants.size())
-        instants.push_back({image.image, false, 0, {}});
-      AddImage(image, c, &instants[index]);
+          index_of.emplace(image.image, frame_sets.size()).first->second;
+      if (index == frame_sets.size())
+        frame_sets.push_back({image.image, false, 0, {}});
+      AddImage(image, c, &frame_sets[index]);
     }
   }
   for (const std::string& name : held_out) {
     const auto found = index_of.find(name);
-    if (found != index_of.end()) instants[found->second].is_held_out = true;
+    if (found != index_of.end()) frame_sets[found->second].is_held_out = true;
   }
-  instants.erase(
-      std::remove_if(instants.begin(), instants.end(),
+  frame_sets.erase(
+      std::remove_if(frame_sets.begin(), frame_sets.end(),
                      [](const FrameSet& i) { return i.parts.empty(); }),
-      instants.end());
-  std::stable_sort(instants.begin(), instants.end(),
+      frame_sets.end());
+  std::stable_sort(frame_sets.begin(), frame_sets.end(),
                    [](const FrameSet& a, const FrameSet& b) {
                      return a.num_features > b.num_features;
                    });
-  return instants;
+  return frame_sets;
 }
 
 // Whether a part adds no information to the other one.
@@ -88,10 +88,11 @@ bool IsDetermined(const SeenPart& part, const SeenPart& other,
          static_cast<double>(num_moved) <= kMovedPart * common;
 }
 
-bool IsDetermined(const FrameSet& instant, const FrameSet& other,
+bool IsDetermined(const FrameSet& frame_set, const FrameSet& other,
                   const std::vector<double>& duplicate_px) {
   return std::all_of(
-      instant.parts.begin(), instant.parts.end(), [&](const SeenPart& part) {
+      frame_set.parts.begin(), frame_set.parts.end(),
+      [&](const SeenPart& part) {
         return std::any_of(
             other.parts.begin(), other.parts.end(), [&](const SeenPart& seen) {
               return seen.camera == part.camera && seen.board == part.board &&
@@ -150,18 +151,18 @@ std::vector<NearDuplicates> FindNearDuplicates(
   const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
   std::vector<FrameSet> different;
   std::vector<NearDuplicates> groups;
-  for (FrameSet& instant : SortedInstants(cameras, held_out)) {
+  for (FrameSet& frame_set : SortFrames(cameras, held_out)) {
     size_t k = 0;
     while (k < different.size() &&
-           (instant.is_held_out != different[k].is_held_out ||
-            !IsDetermined(instant, different[k], distances_px)))
+           (frame_set.is_held_out != different[k].is_held_out ||
+            !IsDetermined(frame_set, different[k], distances_px)))
       ++k;
     if (k < different.size()) {
-      groups[k].others.push_back(std::move(instant.name));
+      groups[k].others.push_back(std::move(frame_set.name));
       continue;
     }
-    groups.push_back({instant.name, {}});
-    different.push_back(std::move(instant));
+    groups.push_back({frame_set.name, {}});
+    different.push_back(std::move(frame_set));
   }
   groups.erase(std::remove_if(groups.begin(), groups.end(),
                               [](const auto& g) { return g.others.empty(); }),
@@ -180,16 +181,16 @@ std::vector<std::string> FindHeldOutDuplicates(
     std::optional<double> duplicate_px) {
   if (IsEachImageAView(duplicate_px)) return {};
   const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
-  const std::vector<FrameSet> instants = SortedInstants(cameras, held_out);
+  const std::vector<FrameSet> frame_sets = SortFrames(cameras, held_out);
   std::vector<std::string> copies;
-  for (const FrameSet& instant : instants)
-    if (instant.is_held_out && std::any_of(instants.begin(), instants.end(),
-                                           [&](const FrameSet& other) {
-                                             return !other.is_held_out &&
-                                                    IsDetermined(instant, other,
-                                                                 distances_px);
-                                           }))
-      copies.push_back(instant.name);
+  for (const FrameSet& frame_set : frame_sets)
+    if (frame_set.is_held_out &&
+        std::any_of(frame_sets.begin(), frame_sets.end(),
+                    [&](const FrameSet& other) {
+                      return !other.is_held_out &&
+                             IsDetermined(frame_set, other, distances_px);
+                    }))
+      copies.push_back(frame_set.name);
   std::sort(copies.begin(), copies.end());
   return copies;
 }

@@ -21,7 +21,7 @@
 #include "calibration/operating_point_initialization.h"
 #include "calibration/stopwatch.h"
 #include "calibration/uncertainty_estimation.h"
-#include "camera/stacked_grid.h"
+#include "camera/operating_point_grid.h"
 #include "dataset/error.h"
 #include "dataset/repeated_images.h"
 
@@ -132,7 +132,8 @@ using FeatureKey = std::tuple<std::string, int, int, int>;
 
 // The features of the images that have poses, where images show them, but for
 // those that were rejected.
-Dataset UsedOf(const Dataset& given, const CalibrationResult& result) {
+Dataset SelectUsedImages(const Dataset& given,
+                         const CalibrationResult& result) {
   std::set<FeatureKey> rejected;
   for (const FeatureResidual& f : result.rejected_features)
     rejected.insert({f.image, f.board, f.column, f.row});
@@ -160,7 +161,7 @@ AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
   adjusted.problem = BuildProblem({used}, pattern, &rejected);
   CalibrationProblem& problem = adjusted.problem;
   AdjustmentState& state = adjusted.state;
-  state.SetCamera(StackedGrid(stack, stack.Middle()));
+  state.SetCamera(OperatingPointGrid(stack, stack.Center()));
   for (const Board& board : result.pattern.boards)
     state.points.insert(state.points.end(), board.points.begin(),
                         board.points.end());
@@ -181,8 +182,8 @@ AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
     view.conditions = conditions.values.at(problem.images[v]);
     state.rig_from_pattern[view.pose] = pose_of(v)->second;
   }
-  adjusted.prior.cameras = {StackPrior(stack.At(stack.Middle()),
-                                       static_cast<int>(stack.terms().size()))};
+  adjusted.prior.cameras = {MakeOperatingPointPrior(
+      stack.At(stack.Center()), static_cast<int>(stack.terms().size()))};
   adjusted.prior.points_mean = problem.nominal;
   adjusted.rejected_features = {result.rejected_features};
   return adjusted;
@@ -236,14 +237,14 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
 }
 
 // Computes the model's standard deviations at values over its ranges.
-std::vector<OperatingPointUncertainty> StackDeviations(
+std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
     const AdjustmentResult& adjusted, int num_threads) {
   const OperatingPointModel& stack = *adjusted.state.camera().Stack();
-  std::vector<StackedGrid> cameras;
+  std::vector<OperatingPointGrid> cameras;
   std::vector<const CameraModel*> as;
   for (const OperatingPoint& values : ValuesOver(stack))
     cameras.emplace_back(stack, values);
-  for (const StackedGrid& camera : cameras) as.push_back(&camera);
+  for (const OperatingPointGrid& camera : cameras) as.push_back(&camera);
   std::vector<OperatingPointUncertainty> deviations;
   for (const UncertaintyLattice& lattice :
        EstimateStandardDeviations(adjusted, 0, as, num_threads))
@@ -273,7 +274,7 @@ double MiddleOfGap(std::vector<double> values) {
 
 // A line fits any two values: images there show no error of the cameras between
 // them.
-std::vector<std::string> FindUntestedConditions(
+std::vector<std::string> FindUntestedParameters(
     const OperatingPointModel& stack, const AdjustmentResult& adjusted) {
   constexpr double kLeastPart = 0.3;  // of what evenly spread values show
   std::vector<std::string> untested;
@@ -285,8 +286,8 @@ std::vector<std::string> FindUntestedConditions(
     const Eigen::ArrayXd t =
         (Eigen::Map<const Eigen::ArrayXd>(
              values.data(), static_cast<Eigen::Index>(values.size())) -
-         range.Middle()) /
-        (range.high - range.Middle());
+         range.Center()) /
+        (range.high - range.Center());
     const int order = stack.orders()[k];
     const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
     if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
@@ -305,7 +306,7 @@ void Warn(const std::string& reason, Assessment* assessment) {
   assessment->reasons.insert(assessment->reasons.begin(), reason);
 }
 
-void WarnOf(const OperatingPointCheck& check, Assessment* assessment) {
+void WarnAboutCheck(const OperatingPointCheck& check, Assessment* assessment) {
   constexpr size_t kMostNamed = 5;
   for (const UnexplainedOperatingParameter& condition : check.unexplained)
     Warn(condition.Text(), assessment);
@@ -344,16 +345,16 @@ void StartAnew(const ImageOperatingPoints& conditions, const Pattern& pattern,
   }
   const OperatingPointModel start =
       InitializeOperatingPointModel(dataset, conditions, pattern, options);
-  const CentralGeneric middle = FitCentralGeneric(
-      start.At(start.Middle()), grid.area(), grid.columns(), grid.rows());
-  const OperatingPointModel stack = TransferChanges(start, middle);
+  const CentralGeneric center = FitCentralGeneric(
+      start.At(start.Center()), grid.area(), grid.columns(), grid.rows());
+  const OperatingPointModel stack = TransferChanges(start, center);
   for (const View& view : problem.views)
     if (const auto pose = Localize(stack.At(view.conditions),
                                    MakeMatches(view, problem.nominal)))
       state.rig_from_pattern[view.pose] = *pose;
-  state.SetCamera(StackedGrid(stack, stack.Middle()));
+  state.SetCamera(OperatingPointGrid(stack, stack.Center()));
   adjusted->prior.cameras = {
-      StackPrior(middle, static_cast<int>(stack.terms().size()))};
+      MakeOperatingPointPrior(center, static_cast<int>(stack.terms().size()))};
   AdjustmentOptions adjustment = MakeStoppableOptions(options);
   adjustment.fix_points = true;
   adjusted->summary = OptimizeWithLearnedPrior(problem.views, adjustment,
@@ -371,11 +372,11 @@ void PutResult(const CalibrationInput& input,
              result);
   FillUncertainty(adjusted, 0, input.image_circle, options.valid_px,
                   options.num_threads, result);
-  CentralGeneric middle = stack.At(stack.Middle());
-  middle.SetImageCircle(input.image_circle);
-  result->camera.camera = middle.Clone();
+  CentralGeneric center = stack.At(stack.Center());
+  center.SetImageCircle(input.image_circle);
+  result->camera.camera = center.Clone();
   result->camera.stack = OperatingPointCalibration{
-      stack, StackDeviations(adjusted, options.num_threads)};
+      stack, OperatingPointStdDevs(adjusted, options.num_threads)};
   const auto readjust = [&](AdjustmentResult* fewer) {
     try {
       StartAnew(conditions, pattern, options, fewer);
@@ -393,8 +394,8 @@ void PutResult(const CalibrationInput& input,
     result->flatness_error_m = 0;
   }
   AssessResult(options.num_threads, result);
-  WarnOf(check, &result->assessment);
-  for (const std::string& reason : FindUntestedConditions(stack, adjusted))
+  WarnAboutCheck(check, &result->assessment);
+  for (const std::string& reason : FindUntestedParameters(stack, adjusted))
     Warn(reason, &result->assessment);
 }
 
@@ -438,24 +439,24 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   in_middle.dataset = MapFeaturesToReference(input.dataset, conditions, *start);
   // It would look where features were moved to.
   in_middle.refine_features = nullptr;
-  CalibrationOptions of_middle = options;
-  of_middle.progress = [&](const std::string& stage, double done) {
+  CalibrationOptions of_mean = options;
+  of_mean.progress = [&](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
   };
-  RigResult result = Calibrate({in_middle}, pattern, of_middle);
+  RigResult result = Calibrate({in_middle}, pattern, of_mean);
   CalibrationResult& camera = result.cameras.front();
   // Features as given, but with boards rotated according to their poses.
   const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
   if (options.ShouldStop()) {
     // The camera is the mid-range camera, but files list the observed features.
-    camera.features = UsedOf(turned, camera);
+    camera.features = SelectUsedImages(turned, camera);
     return result;
   }
   report("bundle adjustment over the range", 0.8);
   const OperatingPointModel stack =
       TransferChanges(*start, CentralPart(*camera.camera.camera));
-  AdjustmentResult adjusted =
-      StartFrom(camera, UsedOf(turned, camera), conditions, pattern, stack);
+  AdjustmentResult adjusted = StartFrom(
+      camera, SelectUsedImages(turned, camera), conditions, pattern, stack);
   adjusted.problem.area = options.area;
   {
     const Stopwatch stopwatch(&seconds["stack_adjustment"]);

@@ -29,7 +29,7 @@ const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
   return adjusted.state.camera().Stack()->ranges();
 }
 
-double WidthOf(const OperatingRange& range) { return range.high - range.low; }
+double GetWidth(const OperatingRange& range) { return range.high - range.low; }
 
 // Converts a quantile of Student's distribution to the normal distribution
 // (Wallace, "Bounds on normal approximations to Student's and the chi-square
@@ -54,26 +54,26 @@ class StepJudge {
         num_images_(static_cast<double>(equations.images.size())),
         count_(equations.count()) {
     for (int r = 0; r < equations.num_ranges; ++r)
-      scatters_.push_back(ScatterOf(r, equations));
+      scatters_.push_back(ComputeScatter(r, equations));
   }
 
   // The smallest error of a value with a given deviation that is doubtful.
-  double LeastDoubtful(double deviation, int range) const {
+  double ComputeMinDetectableError(double deviation, int range) const {
     constexpr double kStep = 1.05;
-    double error = kLeastPart * WidthOf(ranges_[range]);
+    double error = kLeastPart * GetWidth(ranges_[range]);
     while (!IsDoubtful({error, deviation}, range)) error *= kStep;
     return error;
   }
 
   bool IsDoubtful(const ValueStep& step, int range) const {
-    return std::abs(step.step) >= kLeastPart * WidthOf(ranges_[range]) &&
+    return std::abs(step.step) >= kLeastPart * GetWidth(ranges_[range]) &&
            IsBeyondChance(step.Score() / scatters_[range], num_images_, count_);
   }
 
  private:
   // Scatter of the steps of a range in units of their deviations: other model
   // errors shift values, too.
-  static double ScatterOf(int range, const ValueEquations& equations) {
+  static double ComputeScatter(int range, const ValueEquations& equations) {
     std::vector<double> scores;
     for (Eigen::Index i = range; i < equations.count();
          i += equations.num_ranges)
@@ -141,7 +141,7 @@ bool AreUnexplained(const ValueRegression& regression,
   return (regression.scatter_without > kManyDeviations &&
           regression.chance > kLikely) ||
          (regression.scatter > kManyDeviations &&
-          regression.left > kLeftPart * WidthOf(range));
+          regression.left > kLeftPart * GetWidth(range));
 }
 
 // Images whose fitted values deviate from the regression on stated values.
@@ -161,7 +161,7 @@ std::set<std::string> FindApart(const std::vector<FittedValue>& values,
 UncertainOperatingParameter UncertaintyOf(
     const std::vector<FittedValue>& values, const OperatingRange& range,
     int index, const StepJudge& judge) {
-  UncertainOperatingParameter uncertainty = {range.condition, WidthOf(range)};
+  UncertainOperatingParameter uncertainty = {range.condition, GetWidth(range)};
   if (values.empty()) return uncertainty;
   std::vector<double> deviations;
   double mean = 0, squares = 0;
@@ -172,7 +172,8 @@ UncertainOperatingParameter UncertaintyOf(
   for (const FittedValue& value : values)
     squares += std::pow((value.stated - mean) / value.deviation, 2);
   uncertainty.deviation = Quantile(deviations, 0.5);
-  uncertainty.noticed = judge.LeastDoubtful(uncertainty.deviation, index);
+  uncertainty.noticed =
+      judge.ComputeMinDetectableError(uncertainty.deviation, index);
   uncertainty.change_score = std::sqrt(squares);
   return uncertainty;
 }
@@ -197,7 +198,7 @@ std::vector<SuspectOperatingPoint> PredictValues(
       const double stated = views.front().conditions[r];
       const int num_decimals = std::clamp(
           static_cast<int>(
-              std::ceil(-std::log10(kStatedPart * WidthOf(ranges[r])))),
+              std::ceil(-std::log10(kStatedPart * GetWidth(ranges[r])))),
           0, 9);
       doubtful.push_back({image, ranges[r].condition, stated,
                           stated + step.step, num_decimals});
@@ -281,7 +282,7 @@ OperatingPointCheck CheckOperatingPoints(
       const UncertainOperatingParameter uncertainty =
           UncertaintyOf(FitValues(without, r, num_threads), ranges[r],
                         static_cast<int>(r), StepJudge(without, equations));
-      if (uncertainty.noticed > kHardlyNoticed * WidthOf(ranges[r]))
+      if (uncertainty.noticed > kHardlyNoticed * GetWidth(ranges[r]))
         check.uncertain.push_back(uncertainty);
     }
     found.merge(FindDoubtfulImages(without, equations));

@@ -10,7 +10,7 @@
 #include "calibration/camera_initialization.h"
 #include "calibration/extrapolated_grid.h"
 #include "camera/nearest_rotation.h"
-#include "camera/stacked_grid.h"
+#include "camera/operating_point_grid.h"
 #include "camera/stereographic.h"
 
 namespace raygrid {
@@ -20,21 +20,21 @@ namespace {
 // camera, and all others with the same values; of several such groups, the most
 // central one. A second variable, temperature, changes a lens by less than the
 // differences accepted here.
-Dataset ImagesOfLikeValue(const Dataset& dataset,
-                          const ImageOperatingPoints& conditions) {
+Dataset SelectImagesOfSimilarValue(const Dataset& dataset,
+                                   const ImageOperatingPoints& conditions) {
   constexpr size_t kEnough = 12;
   std::vector<double> values;
   for (const ImageFeatures& image : dataset.images)
     values.push_back(conditions.values.at(image.image).front());
   std::sort(values.begin(), values.end());
   const size_t count = std::min(kEnough, values.size());
-  const double middle = (values.front() + values.back()) / 2;
+  const double center = (values.front() + values.back()) / 2;
   double low = values.front(), high = values[count - 1];
   for (size_t first = 1; first + count <= values.size(); ++first) {
     const double from = values[first], to = values[first + count - 1];
     const double gain = (high - low) - (to - from);
-    if (gain > 0 || (gain == 0 && std::abs(from + to - 2 * middle) <
-                                      std::abs(low + high - 2 * middle))) {
+    if (gain > 0 || (gain == 0 && std::abs(from + to - 2 * center) <
+                                      std::abs(low + high - 2 * center))) {
       low = from;
       high = to;
     }
@@ -48,9 +48,9 @@ Dataset ImagesOfLikeValue(const Dataset& dataset,
 }
 
 // Returns the different values of a variable, ascending.
-std::set<double> ValuesOfCondition(const Dataset& dataset,
-                                   const ImageOperatingPoints& conditions,
-                                   size_t condition) {
+std::set<double> ReadParameterValues(const Dataset& dataset,
+                                     const ImageOperatingPoints& conditions,
+                                     size_t condition) {
   std::set<double> values;
   for (const ImageFeatures& image : dataset.images)
     values.insert(conditions.values.at(image.image)[condition]);
@@ -85,10 +85,10 @@ class OrderChoice {
  private:
   // Returns the cost, and the decrease required for another term.
   double OptimizeCameras(OperatingPointModel* stack, double* needed) {
-    state_->SetCamera(StackedGrid(*stack, stack->Middle()));
+    state_->SetCamera(OperatingPointGrid(*stack, stack->Center()));
     GaussianPrior prior;
-    prior.cameras = {
-        StackPrior(base_, static_cast<int>(stack->terms().size()))};
+    prior.cameras = {MakeOperatingPointPrior(
+        base_, static_cast<int>(stack->terms().size()))};
     prior.points_mean = problem_.nominal;
     const AdjustmentSummary summary =
         OptimizeWithLearnedPrior(problem_.views, options_, &prior, state_);
@@ -113,7 +113,7 @@ OperatingPointModel InitializeOperatingPointModel(
   constexpr double kCellsAcross = 8;
   AdjustmentOptions adjustment = MakeAdjustmentOptions(options);
   const AdjustmentResult lens =
-      InitializeCamera(ImagesOfLikeValue(dataset, conditions), pattern,
+      InitializeCamera(SelectImagesOfSimilarValue(dataset, conditions), pattern,
                        adjustment, options.area);
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem({dataset}, pattern, &rejected);
@@ -124,7 +124,7 @@ OperatingPointModel InitializeOperatingPointModel(
   for (const std::optional<Pose>& pose : located) are_lost.push_back(!pose);
   RemoveViews(are_lost, &problem);
 
-  const Area area = CalibratedArea(problem, 0);
+  const Area area = ComputeCalibratedArea(problem, 0);
   const double knot_spacing_px =
       std::max(area.width(), area.height()) / kCellsAcross;
   const CentralGeneric base =
@@ -134,7 +134,7 @@ OperatingPointModel InitializeOperatingPointModel(
   std::vector<OperatingRange> ranges;
   std::vector<int> max_orders;
   for (size_t k = 0; k < conditions.conditions.size(); ++k) {
-    const std::set<double> values = ValuesOfCondition(dataset, conditions, k);
+    const std::set<double> values = ReadParameterValues(dataset, conditions, k);
     ranges.push_back(
         {conditions.conditions[k], *values.begin(), *values.rbegin()});
     max_orders.push_back(MaxPolynomialOrder(static_cast<int>(values.size())));
@@ -161,7 +161,7 @@ OperatingPointModel InitializeOperatingPointModel(
 Dataset MapFeaturesToReference(const Dataset& dataset,
                                const ImageOperatingPoints& conditions,
                                const OperatingPointModel& stack) {
-  const CentralGeneric middle = stack.At(stack.Middle());
+  const CentralGeneric center = stack.At(stack.Center());
   Dataset brought = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
     const CentralGeneric camera = stack.At(conditions.values.at(image.image));
@@ -169,7 +169,7 @@ Dataset MapFeaturesToReference(const Dataset& dataset,
     for (Feature feature : image.features) {
       const auto direction = camera.Unproject(feature.pixel);
       if (!direction) continue;
-      const auto pixel = middle.Project(*direction, &feature.pixel, 0);
+      const auto pixel = center.Project(*direction, &feature.pixel, 0);
       if (!pixel) continue;
       feature.pixel = *pixel;
       brought.images.back().features.push_back(feature);
@@ -223,7 +223,7 @@ OperatingPointModel TransferChanges(const OperatingPointModel& stack,
   const std::vector<Eigen::Vector2d> pixels =
       camera.surface().SamplePixels(kPerCell);
   const Eigen::Matrix3d turn =
-      ComputeNearestRotation(camera, stack.At(stack.Middle()), camera.area())
+      ComputeNearestRotation(camera, stack.At(stack.Center()), camera.area())
           .toRotationMatrix();
   for (size_t r = 0; r < stack.ranges().size(); ++r)
     PutTermsOnGrid(stack, r, turn, pixels, &moved);

@@ -54,10 +54,10 @@ std::vector<std::vector<FeatureResidual>> TakeOutliers(
   return removed;
 }
 
-std::vector<Area> CalibratedAreas(const CalibrationProblem& problem) {
+std::vector<Area> ComputeCalibratedAreas(const CalibrationProblem& problem) {
   std::vector<Area> areas;
   for (size_t c = 0; c < problem.image_sizes.size(); ++c)
-    areas.push_back(CalibratedArea(problem, static_cast<int>(c)));
+    areas.push_back(ComputeCalibratedArea(problem, static_cast<int>(c)));
   return areas;
 }
 
@@ -75,7 +75,7 @@ bool HasOutliers(const std::vector<Residual>& residuals,
 
 RemovalResult RemoveOutliers(const Pattern& pattern,
                              AdjustmentResult* adjusted) {
-  const std::vector<Area> areas = CalibratedAreas(adjusted->problem);
+  const std::vector<Area> areas = ComputeCalibratedAreas(adjusted->problem);
   const auto removed =
       TakeOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
   bool have_removed = false;
@@ -85,7 +85,7 @@ RemovalResult RemoveOutliers(const Pattern& pattern,
     have_removed = have_removed || !removed[c].empty();
   }
   if (!have_removed) return RemovalResult::kNone;
-  return CalibratedAreas(adjusted->problem) == areas
+  return ComputeCalibratedAreas(adjusted->problem) == areas
              ? RemovalResult::kSome
              : RemovalResult::kPartOfArea;
 }

@@ -30,10 +30,10 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-RelativeBoardPose RelationOf(const std::string& image, int first_pose,
-                             int second_pose, const AdjustmentState& state,
-                             const Eigen::Vector3d& middle,
-                             bool scale_is_free) {
+RelativeBoardPose ComputeRelation(const std::string& image, int first_pose,
+                                  int second_pose, const AdjustmentState& state,
+                                  const Eigen::Vector3d& center,
+                                  bool scale_is_free) {
   const Pose& first = state.rig_from_pattern[first_pose];
   const Pose& second = state.rig_from_pattern[second_pose];
   RelativeBoardPose relation;
@@ -42,11 +42,11 @@ RelativeBoardPose RelationOf(const std::string& image, int first_pose,
   relation.second_pose = second_pose;
   relation.rig_from_first = first;
   const Eigen::Matrix3d back = first.rotation.conjugate().toRotationMatrix();
-  const Eigen::Vector3d turned = second.rotation * middle;
+  const Eigen::Vector3d turned = second.rotation * center;
   const Eigen::Vector3d in_rig = turned + second.translation;
   const Eigen::Vector3d apart = in_rig - first.translation;
   relation.turn = first.rotation.conjugate() * second.rotation;
-  relation.middle = back * apart;
+  relation.center = back * apart;
   if (scale_is_free) relation.J_scale.tail<3>() = back * in_rig;
   relation.J_first.topLeftCorner<3, 3>() = -back;
   relation.J_first.bottomLeftCorner<3, 3>() = back * CrossMatrix(apart);
@@ -64,7 +64,7 @@ MeanRelativePose MostAgreed(const std::vector<RelativeBoardPose>& relations) {
   MeanRelativePose best;
   double least = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < relations.size(); i += step) {
-    const MeanRelativePose candidate = {relations[i].turn, relations[i].middle,
+    const MeanRelativePose candidate = {relations[i].turn, relations[i].center,
                                         0};
     std::vector<double> squares;
     for (const RelativeBoardPose& relation : relations)
@@ -94,7 +94,7 @@ RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
   const Eigen::AngleAxisd angle_axis(turn);
   RelativeBoardPose::Vector deviation;
   deviation << angle_axis.angle() * angle_axis.axis(),
-      relation.middle - mean.middle;
+      relation.center - mean.center;
   return deviation + mean.scale * relation.J_scale;
 }
 
@@ -126,7 +126,7 @@ MeanRelativePose ComputeRobustMean(
     }
     const Eigen::VectorXd step = -h.ldlt().solve(g);
     mean.turn = (RotationFromVector(step.head<3>()) * mean.turn).normalized();
-    mean.middle += step.segment<3>(3);
+    mean.center += step.segment<3>(3);
     if (has_scale) mean.scale += step[kDimensions];
   }
   return mean;
@@ -148,15 +148,15 @@ void RemoveUndetermined(std::vector<RelativeBoardPose>* relations) {
 
 std::vector<RelativeBoardPose> ComputeRelativePoses(
     const AdjustmentResult& adjusted, int first, int second,
-    const Eigen::Vector3d& middle, size_t max_count) {
+    const Eigen::Vector3d& center, size_t max_count) {
   const bool scale_is_free =
       HavePointsMoved(adjusted) && adjusted.state.cameras.size() == 1;
   std::vector<RelativeBoardPose> relations;
   for (const auto& [image, poses] : PosesByImage(adjusted.problem)) {
     const auto a = poses.find(first), b = poses.find(second);
     if (a != poses.end() && b != poses.end())
-      relations.push_back(RelationOf(image, a->second, b->second,
-                                     adjusted.state, middle, scale_is_free));
+      relations.push_back(ComputeRelation(
+          image, a->second, b->second, adjusted.state, center, scale_is_free));
   }
   return SelectEvenly(relations, max_count);
 }

@@ -22,7 +22,7 @@ struct RelativeBoardPose {
   int first_pose = 0, second_pose = 0;
   Pose rig_from_first;
   Eigen::Quaterniond turn;
-  Eigen::Vector3d middle;           ///< centre of the second board
+  Eigen::Vector3d center;           ///< centre of the second board
   Vector J_scale = Vector::Zero();  ///< Jacobian with respect to the second
                                     ///< board's scale, if it is free
   /// Jacobians of rotation and centre with respect to UpdatedPose()'s updates.
@@ -34,7 +34,7 @@ struct RelativeBoardPose {
 /// second board's.
 struct MeanRelativePose {
   Eigen::Quaterniond turn;
-  Eigen::Vector3d middle;
+  Eigen::Vector3d center;
   double scale = 0;
 };
 
@@ -61,7 +61,7 @@ void RemoveUndetermined(std::vector<RelativeBoardPose>* relations);
 /// @param middle centre of the second board, in its frame
 std::vector<RelativeBoardPose> ComputeRelativePoses(
     const AdjustmentResult& adjusted, int first, int second,
-    const Eigen::Vector3d& middle, size_t max_count);
+    const Eigen::Vector3d& center, size_t max_count);
 
 /// Covariances of the poses of an adjustment, including the uncertainty of the
 /// camera and the points and all their priors.

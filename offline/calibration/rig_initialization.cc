@@ -127,8 +127,9 @@ struct TurnedView {
   int turn = 0;
 };
 
-TurnedView BestTurn(const Joined& joined, const CameraModel& camera, int view,
-                    const Pose& camera_from_body, const Pattern* turned) {
+TurnedView FindBestRotation(const Joined& joined, const CameraModel& camera,
+                            int view, const Pose& camera_from_body,
+                            const Pattern* turned) {
   const CalibrationProblem& problem = joined.problem;
   const Pose camera_from_board = OnRigidTarget(joined, view, camera_from_body);
   TurnedView best;
@@ -170,17 +171,17 @@ std::vector<RelativePose> RelativePoses(
     RelativePose& candidate = candidates[i];
     std::vector<double> errors;
     for (const auto& [v, w] : shared)
-      errors.push_back(
-          BestTurn(joined, second, w,
-                   candidate.second_from_first * joined.camera_from_pattern[v],
-                   turned)
-              .error_px);
+      errors.push_back(FindBestRotation(joined, second, w,
+                                        candidate.second_from_first *
+                                            joined.camera_from_pattern[v],
+                                        turned)
+                           .error_px);
     candidate.error_px = Quantile(errors, 0.5);
   });
   return candidates;
 }
 
-const RelativePose& BestOf(const std::vector<RelativePose>& candidates) {
+const RelativePose& SelectBest(const std::vector<RelativePose>& candidates) {
   return *std::min_element(candidates.begin(), candidates.end(),
                            [](const RelativePose& a, const RelativePose& b) {
                              return a.error_px < b.error_px;
@@ -188,10 +189,11 @@ const RelativePose& BestOf(const std::vector<RelativePose>& candidates) {
 }
 
 // Returns the best of the relative poses from single shared views.
-RelativePose BestRelativePose(const Joined& joined, const CameraModel& second,
-                              const std::vector<std::pair<int, int>>& shared,
-                              int num_threads) {
-  return BestOf(RelativePoses(joined, second, shared, num_threads, nullptr));
+RelativePose EstimateBestRelativePose(
+    const Joined& joined, const CameraModel& second,
+    const std::vector<std::pair<int, int>>& shared, int num_threads) {
+  return SelectBest(
+      RelativePoses(joined, second, shared, num_threads, nullptr));
 }
 
 // Whether a relative pose with a very different rotation is about equally good.
@@ -256,7 +258,8 @@ class PlacedCameras {
     return from_first_[to] * from_first_[from].Inverse();
   }
   // The view of the camera that was added first.
-  int EarliestOf(const CalibrationProblem& problem, const Views& views) const {
+  int FindEarliest(const CalibrationProblem& problem,
+                   const Views& views) const {
     for (const size_t camera : order_)
       for (const int v : views)
         if (problem.views[v].camera == static_cast<int>(camera)) return v;
@@ -293,8 +296,8 @@ std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
     const auto [first, second] = NextPair(num_shared, reached);
     if (second < 0) return camera_from_rig;
     const auto shared = SharedViews(joined.problem, first, second);
-    const RelativePose best =
-        BestRelativePose(joined, *state.cameras[second], shared, num_threads);
+    const RelativePose best = EstimateBestRelativePose(
+        joined, *state.cameras[second], shared, num_threads);
     RequireAgreement(names, first, second, best, shared.size(),
                      joined.problem.image_sizes[second]);
     camera_from_rig[second] = best.second_from_first * camera_from_rig[first];
@@ -333,8 +336,8 @@ std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
 
 // Views that share their pose and are off by more than the third quartile of
 // such views + 6 interquartile ranges.
-std::vector<bool> DisagreeingViews(const CalibrationProblem& problem,
-                                   const AdjustmentState& state) {
+std::vector<bool> FindInconsistentViews(const CalibrationProblem& problem,
+                                        const AdjustmentState& state) {
   const std::vector<Views> views_of_poses = ViewsOfPoses(problem);
   std::vector<double> errors_px(problem.views.size()), shared_px;
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -430,7 +433,7 @@ RigRotations ResolveRotationsAcrossCameras(
       const auto shared = SharedViews(problem, first, second);
       const auto candidates =
           RelativePoses(joined, camera, shared, num_threads, &pattern);
-      RelativePose best = BestOf(candidates);
+      RelativePose best = SelectBest(candidates);
       // If they disagree, InitializeRig() reports it.
       if (best.error_px >
           kMaxDisagreementPart * problem.image_sizes[second].width)
@@ -441,23 +444,23 @@ RigRotations ResolveRotationsAcrossCameras(
                                     static_cast<int>(shared.size())});
         // Boards are upright in the images, then, as detection has them.
         const RelativePose upright =
-            BestRelativePose(joined, camera, shared, num_threads);
+            EstimateBestRelativePose(joined, camera, shared, num_threads);
         if (IsAsGood(upright, best)) best = upright;
       }
       placed.Add(first, second, best.second_from_first);
     }
   }
   for (const Views& views : ViewsOfPoses(problem)) {
-    const int reference = placed.EarliestOf(problem, views);
+    const int reference = placed.FindEarliest(problem, views);
     for (const int v : views) {
       const View& view = problem.views[v];
       const auto from_reference =
           placed.Between(problem.views[reference].camera, view.camera);
       if (v == reference || !from_reference) continue;
       const int turn =
-          BestTurn(joined, cameras[view.camera].state.camera(), v,
-                   *from_reference * joined.camera_from_pattern[reference],
-                   &pattern)
+          FindBestRotation(
+              joined, cameras[view.camera].state.camera(), v,
+              *from_reference * joined.camera_from_pattern[reference], &pattern)
               .turn;
       if (turn != 0)
         result.by_camera[view.camera][{
@@ -509,7 +512,8 @@ AdjustmentResult InitializeRig(
   AdjustmentOptions fixed_points = options;
   fixed_points.fix_points = true;
   rig.summary = RefineCameras(rig.problem, fixed_points, &rig.state);
-  const std::vector<bool> remove = DisagreeingViews(rig.problem, rig.state);
+  const std::vector<bool> remove =
+      FindInconsistentViews(rig.problem, rig.state);
   for (size_t v = 0; v < remove.size(); ++v)
     if (remove[v])
       (*rejected)[rig.problem.views[v].camera].push_back(

@@ -19,8 +19,9 @@ std::vector<Pose> WithUpdate(std::vector<Pose> camera_from_rig, int parameter,
 }
 
 // Distance and rotation of two cameras by the poses' parameters, in four rows.
-Eigen::MatrixXd ByPoses(const std::vector<Pose>& camera_from_rig,
-                        const Baseline& baseline, int num_parameters) {
+Eigen::MatrixXd ComputeJacobianOfBaseline(
+    const std::vector<Pose>& camera_from_rig, const Baseline& baseline,
+    int num_parameters) {
   constexpr double kStep = 1e-5;
   Eigen::MatrixXd derivative(4, num_parameters);
   for (int k = 0; k < num_parameters; ++k) {
@@ -42,13 +43,14 @@ Eigen::MatrixXd ByPoses(const std::vector<Pose>& camera_from_rig,
 }
 
 // The baselines by the poses of all cameras but the first, four rows each.
-Eigen::MatrixXd AllByPoses(const std::vector<Pose>& camera_from_rig,
-                           const std::vector<Baseline>& baselines) {
+Eigen::MatrixXd ComputeJacobianOfBaselines(
+    const std::vector<Pose>& camera_from_rig,
+    const std::vector<Baseline>& baselines) {
   const int count = 6 * (static_cast<int>(camera_from_rig.size()) - 1);
   Eigen::MatrixXd rows(4 * baselines.size(), count);
   for (size_t b = 0; b < baselines.size(); ++b)
     rows.middleRows<4>(4 * static_cast<Eigen::Index>(b)) =
-        ByPoses(camera_from_rig, baselines[b], count);
+        ComputeJacobianOfBaseline(camera_from_rig, baselines[b], count);
   return rows;
 }
 
@@ -59,7 +61,7 @@ void AddDeviations(const AdjustmentResult& adjusted, AdjustmentOptions options,
   const LinearResponse response(adjusted.problem.views, adjusted.prior, options,
                                 adjusted.state);
   const Eigen::MatrixXd by_poses =
-      AllByPoses(adjusted.state.camera_from_rig, *baselines);
+      ComputeJacobianOfBaselines(adjusted.state.camera_from_rig, *baselines);
   const int first = response.layout().CameraPose(1);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(response.layout().num_all(),
                                                 by_poses.rows()),

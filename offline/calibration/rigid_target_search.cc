@@ -13,19 +13,19 @@ namespace raygrid {
 namespace {
 
 // Minimum number of frames for a decision.
-constexpr size_t kMinInstants = 3;
+constexpr size_t kMinFrames = 3;
 // An instant may show something else: a misread board. So many do not.
 constexpr double kMaxApartPart = 0.1;
 
 // 99.9 % of chi-square (E. Wilson, M. Hilferty, "The Distribution of
 // Chi-Square", 1931).
-double ChiSquareLimit(double degrees) {
+double ComputeChiSquareLimit(double degrees) {
   constexpr double kNormalQuantile = 3.090232;
   const double part = 2 / (9 * degrees);
   return degrees * std::pow(1 - part + kNormalQuantile * std::sqrt(part), 3);
 }
 
-Eigen::Vector3d MiddleOf(const Board& board) {
+Eigen::Vector3d ComputeBoardCenter(const Board& board) {
   Eigen::Vector3d sum(0, 0, 0);
   for (const Eigen::Vector3d& point : board.points) sum += point;
   return sum / static_cast<double>(board.points.size());
@@ -55,13 +55,13 @@ struct PairFinding {
   std::vector<std::string> far_images;  // which show them elsewhere
 };
 
-std::optional<PairFinding> FindingOf(
+std::optional<PairFinding> AnalysePair(
     const std::vector<RelativeBoardPose>& relations,
-    const Eigen::Vector3d& middle) {
+    const Eigen::Vector3d& center) {
   const MeanRelativePose mean = ComputeRobustMean(relations);
   PairFinding finding;
   BoardPair& board_pair = finding.board_pair;
-  finding.first_from_second = {mean.turn, mean.middle - mean.turn * middle};
+  finding.first_from_second = {mean.turn, mean.center - mean.turn * center};
   std::vector<const RelativeBoardPose*> near;
   double square_sum = 0;
   for (const RelativeBoardPose& relation : relations) {
@@ -74,16 +74,17 @@ std::optional<PairFinding> FindingOf(
     square_sum += is_far ? 0 : square;
   }
   const double count = static_cast<double>(near.size());
-  board_pair.num_instants = static_cast<int>(relations.size());
+  board_pair.num_frames = static_cast<int>(relations.size());
   const double degrees = RelativeBoardPose::kDimensions * (count - 1) -
                          (relations.front().J_scale.isZero() ? 0 : 1);
-  const bool is_told = NumDifferent(near) >= kMinInstants;
+  const bool is_observed = NumDifferent(near) >= kMinFrames;
   board_pair.fixed =
-      is_told &&
+      is_observed &&
       static_cast<double>(finding.far_images.size()) <=
           kMaxApartPart * static_cast<double>(relations.size()) &&
-      square_sum <= std::max(ChiSquareLimit(degrees), kRoughly * degrees);
-  if (!is_told && finding.far_images.size() * 2 < relations.size())
+      square_sum <=
+          std::max(ComputeChiSquareLimit(degrees), kRoughly * degrees);
+  if (!is_observed && finding.far_images.size() * 2 < relations.size())
     return std::nullopt;  // always in one view
   double number = 0;
   for (const RelativeBoardPose& relation : relations) {
@@ -116,25 +117,24 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
   const int num_boards = static_cast<int>(pattern.boards.size());
   for (int first = 0; first < num_boards; ++first)
     for (int second = first + 1; second < num_boards; ++second) {
-      const Eigen::Vector3d middle = MiddleOf(pattern.boards[second]);
+      const Eigen::Vector3d center = ComputeBoardCenter(pattern.boards[second]);
       // Unconnected groups of cameras have separate scales: the group with most
       // views of both boards decides.
       std::vector<RelativeBoardPose> most;
       size_t teller = 0;
       for (size_t g = 0; g < adjusted.size(); ++g) {
         std::vector<RelativeBoardPose> relations =
-            ComputeRelativePoses(adjusted[g], first, second, middle,
+            ComputeRelativePoses(adjusted[g], first, second, center,
                                  equations[g]->MaxNumRelations());
         if (relations.size() <= most.size()) continue;
         most = std::move(relations);
         teller = g;
       }
-      if (most.size() < kMinInstants ||
-          !equations[teller]->AddCovariances(&most))
+      if (most.size() < kMinFrames || !equations[teller]->AddCovariances(&most))
         continue;
       RemoveUndetermined(&most);
-      if (most.size() < kMinInstants) continue;
-      auto finding = FindingOf(most, middle);
+      if (most.size() < kMinFrames) continue;
+      auto finding = AnalysePair(most, center);
       if (!finding) continue;
       finding->first = first;
       finding->second = second;
@@ -240,7 +240,7 @@ bool CanDetectRigidTargets(const std::vector<AdjustmentResult>& cameras) {
   for (const auto& [image, seen] : boards)
     for (const int a : seen)
       for (const int b : seen)
-        if (a < b && ++counts[{a, b}] >= kMinInstants) return true;
+        if (a < b && ++counts[{a, b}] >= kMinFrames) return true;
   return false;
 }
 
@@ -253,7 +253,7 @@ RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
     PairFinding finding;
     finding.first = pair.first;
     finding.second = pair.second;
-    if (count >= kMinInstants) Unite(finding, &rigid_targets);
+    if (count >= kMinFrames) Unite(finding, &rigid_targets);
   }
   return rigid_targets;
 }
@@ -268,7 +268,7 @@ std::vector<BoardPair> CompareBoardPoses(
   for (const PairFinding& finding : findings)
     if (finding.board_pair.fixed) best.push_back(&finding);
   std::stable_sort(best.begin(), best.end(), [](const auto* a, const auto* b) {
-    return a->board_pair.num_instants > b->board_pair.num_instants;
+    return a->board_pair.num_frames > b->board_pair.num_frames;
   });
   for (const PairFinding* finding : best)
     if (!WouldBreak(*finding, *rigid_targets, findings))

@@ -19,8 +19,8 @@ MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
 }
 
 // Returns the images that lost all features in the compensation.
-std::set<std::string> ImagesLeftOut(const Dataset& measured,
-                                    const Dataset& still) {
+std::set<std::string> ListExcludedImages(const Dataset& measured,
+                                         const Dataset& still) {
   std::set<std::string> names;
   for (size_t i = 0; i < measured.images.size(); ++i)
     if (!measured.images[i].features.empty() &&
@@ -58,7 +58,7 @@ LineDelayEstimate EstimateFinalLineDelay(const CameraInProgress& camera,
   line_delay.is_compensated = camera.still.has_value();
   if (camera.still)
     line_delay.num_left_out =
-        static_cast<int>(ImagesLeftOut(features, *camera.still).size());
+        static_cast<int>(ListExcludedImages(features, *camera.still).size());
   return line_delay;
 }
 
@@ -67,7 +67,7 @@ void ReportExcludedImages(const CameraInProgress& camera,
                           std::vector<RejectedImage>* rejected) {
   if (!camera.still) return;
   const std::set<std::string> left_out =
-      ImagesLeftOut(CollectFeatures(camera, pattern), *camera.still);
+      ListExcludedImages(CollectFeatures(camera, pattern), *camera.still);
   for (RejectedImage& image : *rejected)
     if (left_out.count(image.image) > 0)
       image = {image.image,

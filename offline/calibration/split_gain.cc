@@ -11,7 +11,8 @@ constexpr int kMaxParameters = 200;
 
 // The Jacobian of a view's residuals with respect to its camera's parameters:
 // two rows per residual.
-Eigen::MatrixXd ByCamera(const ViewJacobian& jacobian, int num_parameters) {
+Eigen::MatrixXd GetCameraBlock(const ViewJacobian& jacobian,
+                               int num_parameters) {
   Eigen::MatrixXd by_camera =
       Eigen::MatrixXd::Zero(2 * jacobian.count(), num_parameters);
   for (int i = 0; i < jacobian.count(); ++i) {
@@ -40,7 +41,7 @@ SplitGain::SplitGain(const AdjustmentResult& joint, double huber_px,
   for (size_t v = 0; v < views.size(); ++v) {
     const ViewJacobian& jacobian = jacobians[v];
     if (jacobian.count() == 0) continue;
-    Eigen::MatrixXd by_camera = ByCamera(jacobian, num_parameters);
+    Eigen::MatrixXd by_camera = GetCameraBlock(jacobian, num_parameters);
     Eigen::VectorXd error = jacobian.error.reshaped();
     squares_ += error.squaredNorm();
     const Eigen::MatrixXd J_pose = jacobian.J_pose.transpose();

@@ -41,7 +41,7 @@ UncertaintyOptions LatticeOver(const Area& area) {
 // Number of features in each cell.
 std::vector<int> CountFeatures(const AdjustmentResult& adjusted, int camera,
                                const ValidityMask& mask) {
-  std::vector<int> counts(mask.is_trusted.size(), 0);
+  std::vector<int> counts(mask.is_valid.size(), 0);
   for (const View& view : adjusted.problem.views) {
     if (view.camera != camera) continue;
     for (const Observation& observation : view.observations)
@@ -68,7 +68,7 @@ ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
       ValidityMask::Over(adjusted.state.cameras[camera]->image_size());
   const std::vector<int> counts = CountFeatures(adjusted, camera, near);
   for (int cell = 0; cell < near.columns * near.rows; ++cell)
-    near.is_trusted[cell] = CountNear(counts, near, cell) >= kMinFeatures;
+    near.is_valid[cell] = CountNear(counts, near, cell) >= kMinFeatures;
   return near;
 }
 
@@ -123,13 +123,15 @@ AdjustmentOptions ResponseOptions(const AdjustmentResult& adjusted,
   return options;
 }
 
-LinearResponse ResponseOf(const AdjustmentResult& adjusted, int num_threads) {
+LinearResponse ComputeResponse(const AdjustmentResult& adjusted,
+                               int num_threads) {
   return LinearResponse(adjusted.problem.views, adjusted.prior,
                         ResponseOptions(adjusted, num_threads), adjusted.state);
 }
 
-GroupJackknife JackknifeOf(const LinearResponse& response,
-                           const AdjustmentResult& adjusted, int num_threads) {
+GroupJackknife ComputeJackknife(const LinearResponse& response,
+                                const AdjustmentResult& adjusted,
+                                int num_threads) {
   return GroupJackknife(response, adjusted.problem.views, adjusted.prior,
                         ResponseOptions(adjusted, num_threads), adjusted.state,
                         adjusted.summary.noise_px);
@@ -148,8 +150,9 @@ std::vector<UncertaintyLattice> EstimateStandardDeviations(
   if (!(adjusted.summary.noise_px > 0)) return {};
   const UncertaintyOptions size =
       LatticeOver(adjusted.state.cameras[camera]->area());
-  const LinearResponse response = ResponseOf(adjusted, num_threads);
-  const GroupJackknife jackknife = JackknifeOf(response, adjusted, num_threads);
+  const LinearResponse response = ComputeResponse(adjusted, num_threads);
+  const GroupJackknife jackknife =
+      ComputeJackknife(response, adjusted, num_threads);
   AdjustmentState state = adjusted.state;
   std::vector<UncertaintyLattice> lattices;
   for (const CameraModel* model : as) {
@@ -180,8 +183,9 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
   const UncertaintyOptions size = LatticeOver(area);
   const ValidityMask near = CellsNearFeatures(adjusted, camera);
   Eigen::MatrixXd joint_px2;
-  const LinearResponse response = ResponseOf(adjusted, num_threads);
-  const GroupJackknife jackknife = JackknifeOf(response, adjusted, num_threads);
+  const LinearResponse response = ComputeResponse(adjusted, num_threads);
+  const GroupJackknife jackknife =
+      ComputeJackknife(response, adjusted, num_threads);
   const std::vector<PixelUncertainty> pixels = EstimateProjectionUncertainty(
       response, noise_px, &jackknife, adjusted.problem.views, adjusted.state,
       camera, size, &joint_px2);
@@ -231,7 +235,7 @@ std::map<std::string, double> PredictHeldOutDeviations(
   // Beside the ones of what other images tell, too.
   constexpr double kUndetermined = 1e-8;
   const CalibrationProblem& problem = adjusted.problem;
-  const LinearResponse response = ResponseOf(adjusted, num_threads);
+  const LinearResponse response = ComputeResponse(adjusted, num_threads);
   std::vector<size_t> left_out;  // views
   Eigen::Index num_rows = 0;
   for (size_t v = 0; v < problem.views.size(); ++v) {

@@ -63,7 +63,7 @@ struct ViewEquations {
     const Eigen::MatrixXd normal = J_pose.transpose() * J_pose;
     return normal.ldlt().solve(J_pose.transpose() * errors);
   }
-  Eigen::MatrixXd BesidePose(const Eigen::MatrixXd& errors) const {
+  Eigen::MatrixXd EliminatePose(const Eigen::MatrixXd& errors) const {
     return errors - J_pose * PoseStep(errors);
   }
 };
@@ -106,8 +106,8 @@ double NoisePx(const std::vector<ViewEquations>& views) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num_values, num_values);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(num_values);
   for (const ViewEquations& view : views) {
-    const Eigen::MatrixXd beside = view.BesidePose(view.by_values);
-    const Eigen::VectorXd error = view.BesidePose(view.error);
+    const Eigen::MatrixXd beside = view.EliminatePose(view.by_values);
+    const Eigen::VectorXd error = view.EliminatePose(view.error);
     normal += beside.transpose() * beside;
     gradient += beside.transpose() * error;
     squares += error.squaredNorm();
@@ -174,7 +174,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
     const Eigen::Index first =
         static_cast<Eigen::Index>(image_of[v]) * result.num_ranges;
     // The pose is eliminated at once, since it takes up nearly all.
-    const Eigen::MatrixXd beside = equations.BesidePose(equations.by_values);
+    const Eigen::MatrixXd beside = equations.EliminatePose(equations.by_values);
     result.gradient.segment(first, result.num_ranges) +=
         beside.transpose() * equations.error;
     result.fixed_camera_information.segment(first, result.num_ranges) +=
@@ -213,7 +213,8 @@ ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
       view.conditions[range] = value;
       equations.push_back(EquationsOf(state, view));
       const ViewEquations& own = equations.back();
-      const Eigen::VectorXd beside = own.BesidePose(own.by_values.col(column));
+      const Eigen::VectorXd beside =
+          own.EliminatePose(own.by_values.col(column));
       information += beside.squaredNorm();
       gradient += beside.dot(own.error);
     }

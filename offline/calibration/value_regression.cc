@@ -8,7 +8,7 @@
 #include <set>
 
 #include "calibration/value_equations.h"
-#include "camera/stacked_grid.h"
+#include "camera/operating_point_grid.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
 
@@ -18,7 +18,7 @@ namespace {
 constexpr double kDeviationPerMedian = 1.4826;  // of normal errors
 
 // Mean and slope of a power of t, over the values of t.
-Eigen::Vector2d LineOf(const Eigen::ArrayXd& t, int power) {
+Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
   Eigen::MatrixX2d line(t.size(), 2);
   line << Eigen::VectorXd::Ones(t.size()), t.matrix();
   return line.colPivHouseholderQr().solve(t.pow(power).matrix());
@@ -30,22 +30,22 @@ void AddTerm(double factor, const BSplineSurface& term, BSplineSurface* sum) {
 }
 
 // The linear model that is closest to a model over the values of the views.
-OperatingPointModel StraightStack(const OperatingPointModel& stack,
-                                  const std::vector<View>& views) {
+OperatingPointModel MakeLinearModel(const OperatingPointModel& stack,
+                                    const std::vector<View>& views) {
   const size_t num_ranges = stack.ranges().size();
   OperatingPointModel straight(stack.ranges(), std::vector<int>(num_ranges, 1),
-                               stack.At(stack.Middle()));
+                               stack.At(stack.Center()));
   for (size_t r = 0; r < num_ranges; ++r) {
     const OperatingRange& range = stack.ranges()[r];
     Eigen::ArrayXd t(views.size());
     for (size_t v = 0; v < views.size(); ++v)
       t[static_cast<Eigen::Index>(v)] =
-          (views[v].conditions[r] - range.Middle()) /
-          (range.high - range.Middle());
+          (views[v].conditions[r] - range.Center()) /
+          (range.high - range.Center());
     for (int power = 1; power <= stack.orders()[r]; ++power) {
       const BSplineSurface& term =
           stack.terms()[stack.FirstTerm(r) + power - 1];
-      const Eigen::Vector2d line = LineOf(t, power);
+      const Eigen::Vector2d line = FitLineToPower(t, power);
       AddTerm(line[0], term, &straight.terms().front());
       AddTerm(line[1], term, &straight.terms()[straight.FirstTerm(r)]);
     }
@@ -62,7 +62,7 @@ struct Equations {
   Eigen::Index count() const { return fitted.size(); }
 };
 
-Eigen::MatrixXd PowersOf(const std::vector<double>& values) {
+Eigen::MatrixXd ComputePowers(const std::vector<double>& values) {
   const auto count = static_cast<Eigen::Index>(values.size());
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const Eigen::ArrayXd t =
@@ -131,7 +131,7 @@ TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
 }
 
 // Robust standard deviation of residuals, from their median.
-double ScatterOf(const TrimmedFit& fit) {
+double ComputeScatter(const TrimmedFit& fit) {
   const Eigen::VectorXd sizes = fit.residuals.cwiseAbs();
   return kDeviationPerMedian *
          Quantile({sizes.data(), sizes.data() + sizes.size()}, 0.5);
@@ -150,8 +150,8 @@ std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
   const OperatingPointModel& stack = *adjusted.state.camera().Stack();
   const std::vector<View>& views = adjusted.problem.views;
   AdjustmentState state = adjusted.state;
-  const OperatingPointModel straight = StraightStack(stack, views);
-  state.SetCamera(StackedGrid(straight, straight.Middle()));
+  const OperatingPointModel straight = MakeLinearModel(stack, views);
+  state.SetCamera(OperatingPointGrid(straight, straight.Center()));
   // Wide limits: wrong values make the change seem small.
   OperatingRange limits = stack.ranges()[range];
   const double width = limits.high - limits.low;
@@ -196,12 +196,12 @@ ValueRegression RegressValues(const std::vector<FittedValue>& values) {
   }
   std::mt19937 random_bits;  // of a fixed seed
   regression.scatter_without =
-      ScatterOf(FitTrimmed(equations, kNumTrials, &random_bits));
-  equations.powers = PowersOf(stated);
+      ComputeScatter(FitTrimmed(equations, kNumTrials, &random_bits));
+  equations.powers = ComputePowers(stated);
   const TrimmedFit fit = FitTrimmed(equations, kNumTrials, &random_bits);
-  regression.scatter = ScatterOf(fit);
+  regression.scatter = ComputeScatter(fit);
   regression.left =
-      ScatterOf({0, fit.residuals.cwiseQuotient(equations.weight)});
+      ComputeScatter({0, fit.residuals.cwiseQuotient(equations.weight)});
   const double scatter = std::max(1.0, regression.scatter);
   for (const double residual : fit.residuals)
     regression.scores.push_back(std::abs(residual) / scatter);
@@ -210,7 +210,7 @@ ValueRegression RegressValues(const std::vector<FittedValue>& values) {
   for (int k = 0; k < kNumPermutations; ++k) {
     for (size_t i = stated.size(); i > 1; --i)
       std::swap(stated[i - 1], stated[random_bits() % i]);
-    equations.powers = PowersOf(stated);
+    equations.powers = ComputePowers(stated);
     num_as_good +=
         TruncatedSquares(FitTrimmed(equations, kFewTrials, &random_bits),
                          scatter) <= explained;

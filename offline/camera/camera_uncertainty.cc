@@ -13,12 +13,12 @@ namespace {
 
 // A position on a lattice: the node above and to the left of it, and the
 // fractions to the next nodes.
-struct LatticePlace {
+struct LatticePosition {
   int node;
   double x, y;
 };
-LatticePlace PlaceOn(int columns, int rows, const Area& area,
-                     const Eigen::Vector2d& pixel) {
+LatticePosition LocateInLattice(int columns, int rows, const Area& area,
+                                const Eigen::Vector2d& pixel) {
   const auto interval = [](double position, int count) {
     return std::clamp(static_cast<int>(position), 0, count - 2);
   };
@@ -32,7 +32,7 @@ LatticePlace PlaceOn(int columns, int rows, const Area& area,
 
 double UncertaintyLattice::At(const Area& area,
                               const Eigen::Vector2d& pixel) const {
-  const LatticePlace place = PlaceOn(columns, rows, area, pixel);
+  const LatticePosition place = LocateInLattice(columns, rows, area, pixel);
   const double* corner = &deviation_px[place.node];
   const double upper = corner[0] + place.x * (corner[1] - corner[0]);
   const double lower =
@@ -42,7 +42,7 @@ double UncertaintyLattice::At(const Area& area,
 
 Eigen::Vector2d ErrorModes::At(size_t mode, const Area& area,
                                const Eigen::Vector2d& pixel) const {
-  const LatticePlace place = PlaceOn(columns, rows, area, pixel);
+  const LatticePosition place = LocateInLattice(columns, rows, area, pixel);
   const Eigen::Vector2d* corner = &displacements_px[mode][place.node];
   const Eigen::Vector2d upper = corner[0] + place.x * (corner[1] - corner[0]);
   const Eigen::Vector2d lower =
@@ -65,10 +65,10 @@ double UncertaintyLattice::MedianPx(const Area& area, const Area& part) const {
       known.push_back(deviation_px[k]);
   }
   if (known.empty()) return NAN;
-  const auto middle =
+  const auto median =
       known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
+  std::nth_element(known.begin(), median, known.end());
+  return *median;
 }
 
 ValidityMask ValidityMask::Over(const ImageSize& size) {
@@ -79,7 +79,7 @@ ValidityMask ValidityMask::Over(const ImageSize& size) {
                       8);
   mask.columns = NumCells(size.width, mask.knot_spacing_px);
   mask.rows = NumCells(size.height, mask.knot_spacing_px);
-  mask.is_trusted.assign(mask.columns * mask.rows, false);
+  mask.is_valid.assign(mask.columns * mask.rows, false);
   return mask;
 }
 
@@ -97,15 +97,14 @@ Eigen::Vector2d ValidityMask::CellCenter(int cell) const {
 }
 
 bool ValidityMask::HasValidCells() const {
-  return std::find(is_trusted.begin(), is_trusted.end(), true) !=
-         is_trusted.end();
+  return std::find(is_valid.begin(), is_valid.end(), true) != is_valid.end();
 }
 
 void ValidityMask::InvalidateAbove(double max_deviation_px,
                                    const UncertaintyLattice& lattice,
                                    const Area& area) {
   const double half = knot_spacing_px / 2.0;
-  for (size_t cell = 0; cell < is_trusted.size(); ++cell) {
+  for (size_t cell = 0; cell < is_valid.size(); ++cell) {
     const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));
     // Within a cell, deviations are nearly bilinear.
     for (const double dy : {-half, half})
@@ -114,7 +113,7 @@ void ValidityMask::InvalidateAbove(double max_deviation_px,
             std::clamp(center.x() + dx, area.x0, area.x1),
             std::clamp(center.y() + dy, area.y0, area.y1));
         if (!(lattice.At(area, corner) <= max_deviation_px))
-          is_trusted[cell] = false;
+          is_valid[cell] = false;
       }
   }
 }
@@ -145,7 +144,7 @@ double CameraUncertainty::ValidFraction(const ImageSize& size,
   int64_t count = 0;
   for (int j = 0; j < mask.rows; ++j)
     for (int i = 0; i < mask.columns; ++i)
-      if (mask.is_trusted[j * mask.columns + i])
+      if (mask.is_valid[j * mask.columns + i])
         count += in_column[i] * in_row[j];
   return static_cast<double>(count) /
          (static_cast<double>(size.width) * size.height);

@@ -29,7 +29,7 @@ struct UncertaintyLattice {
 struct ValidityMask {
   int knot_spacing_px = 0;  ///< a power of two from 4 to 256
   int columns = 0, rows = 0;
-  std::vector<bool> is_trusted;  ///< row by row
+  std::vector<bool> is_valid;  ///< row by row
 
   /// Returns a mask of invalid cells, each about 1/40 of the longer side.
   static ValidityMask Over(const ImageSize& size);
@@ -41,7 +41,7 @@ struct ValidityMask {
   int CellIndex(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d CellCenter(int cell) const;
   bool IsValidAt(const Eigen::Vector2d& pixel) const {
-    return is_trusted[CellIndex(pixel)];
+    return is_valid[CellIndex(pixel)];
   }
   bool HasValidCells() const;
   /// Invalidates the cells with a larger standard deviation. `lattice` covers

@@ -24,8 +24,8 @@ double ValueOf(const ceres::Jet<T, N>& jet) {
 }
 
 template <typename T>
-RadialSupport<T> SupportOf(const T& theta, double cell_rad,
-                           int num_parameters) {
+RadialSupport<T> ComputeSupport(const T& theta, double cell_rad,
+                                int num_parameters) {
   const T position = theta / cell_rad;
   const int cell = std::clamp(static_cast<int>(std::floor(ValueOf(position))),
                               0, num_parameters - 2);
@@ -43,7 +43,7 @@ template <typename T>
 T RadialFactor(const T& theta, double cell_rad,
                const std::vector<double>& spline) {
   const RadialSupport<T> support =
-      SupportOf(theta, cell_rad, static_cast<int>(spline.size()));
+      ComputeSupport(theta, cell_rad, static_cast<int>(spline.size()));
   T g = T(1.0);
   for (int k = 0; k < support.count; ++k)
     g += support.weight[k] * spline[support.first + k];
@@ -51,7 +51,8 @@ T RadialFactor(const T& theta, double cell_rad,
 }
 
 template <typename T>
-PlanarDistortion<T> PlanarOf(const std::array<T, Radial::kNumOthers>& p) {
+PlanarDistortion<T> MakePlanarDistortion(
+    const std::array<T, Radial::kNumOthers>& p) {
   return {p[Radial::kFx], p[Radial::kFy], p[Radial::kCx],  p[Radial::kCy],
           p[Radial::kP1], p[Radial::kP2], p[Radial::kSx1], p[Radial::kSy1]};
 }
@@ -93,7 +94,7 @@ std::optional<Eigen::Vector3d> CentralRadial::Unproject(
   using Jet = ceres::Jet<double, 2>;
   std::array<Jet, kNumOthers> constants;
   for (int k = 0; k < kNumOthers; ++k) constants[k] = Jet(others_[k]);
-  const PlanarDistortion<Jet> planar = PlanarOf(constants);
+  const PlanarDistortion<Jet> planar = MakePlanarDistortion(constants);
   const Eigen::Vector2d start((pixel.x() - others_[kCx]) / others_[kFx],
                               (pixel.y() - others_[kCy]) / others_[kFy]);
   const auto uv = InvertDistortion(
@@ -111,7 +112,7 @@ std::optional<Eigen::Vector2d> CentralRadial::Project(
     double margin_px) const {
   const double theta = std::atan2(point.head<2>().norm(), point.z());
   if (!(theta <= max_theta_) || point.isZero(0)) return std::nullopt;
-  const Eigen::Vector2d pixel = PlanarOf(others_).ToPixel(
+  const Eigen::Vector2d pixel = MakePlanarDistortion(others_).ToPixel(
       ToEquidistant<double>(point), RadialFactor(theta, cell_rad(), spline_));
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
@@ -129,7 +130,7 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
                                     Jet(point.y(), kNumOthers + 1),
                                     Jet(point.z(), kNumOthers + 2));
   const Eigen::Matrix<Jet, 2, 1> uv = ToEquidistant<Jet>(at);
-  const Eigen::Matrix<Jet, 2, 1> value = PlanarOf(others).ToPixel(
+  const Eigen::Matrix<Jet, 2, 1> value = MakePlanarDistortion(others).ToPixel(
       uv, RadialFactor<Jet>(Length(uv), cell_rad(), spline_));
   projection->pixel = *pixel;
   projection->first_global = static_cast<int>(spline_.size());
@@ -141,8 +142,8 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
         value[row].v.segment<3>(kNumOthers).transpose();
   }
   const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
-  const RadialSupport<double> support =
-      SupportOf(at_uv.norm(), cell_rad(), static_cast<int>(spline_.size()));
+  const RadialSupport<double> support = ComputeSupport(
+      at_uv.norm(), cell_rad(), static_cast<int>(spline_.size()));
   projection->num_nodes = static_cast<int>(support.weight.size());
   projection->num_per_node = 1;
   for (int k = 0; k < projection->num_nodes; ++k) {

@@ -56,7 +56,7 @@ StartList FisheyeStarts(double f, double cx, double cy) {
 
 }  // namespace
 
-const std::vector<LensModel>& LensModels() {
+const std::vector<LensModel>& GetLensModels() {
   static const std::vector<LensModel> models = {
       ModelOf<OpenCvModel>(ModelUse::kAuto, OpenCvStarts),
       ModelOf<OpenCv14Formula>(ModelUse::kFit),
@@ -71,7 +71,7 @@ const std::vector<LensModel>& LensModels() {
 std::vector<std::string> LensNames(ModelUse use,
                                    const std::vector<std::string>& others) {
   std::vector<std::string> names;
-  for (const LensModel& model : LensModels())
+  for (const LensModel& model : GetLensModels())
     if (model.use >= use) names.push_back(model.name);
   names.insert(names.end(), others.begin(), others.end());
   return names;
@@ -85,7 +85,7 @@ std::string OrList(const std::vector<std::string>& names) {
 }
 
 const LensModel* FindLensModel(const std::string& name) {
-  for (const LensModel& model : LensModels())
+  for (const LensModel& model : GetLensModels())
     if (model.name == name) return &model;
   return nullptr;
 }

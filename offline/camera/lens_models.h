@@ -35,7 +35,7 @@ struct LensModel {
 };
 
 /// Returns all parametric models, including central-radial.
-const std::vector<LensModel>& LensModels();
+const std::vector<LensModel>& GetLensModels();
 
 /// Names of the models with this use, followed by `others`.
 std::vector<std::string> LensNames(ModelUse use,

@@ -19,44 +19,44 @@ constexpr double kLostPx = 100;      // the error of what is not projected
 struct Sample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray;
-  bool is_trusted = true;
+  bool is_valid = true;
 
   // Weight of invalid pixels, so that they matter only where no valid pixel
   // determines the model.
-  double Weight() const { return is_trusted ? 1 : 1e-3; }
+  double Weight() const { return is_valid ? 1 : 1e-3; }
 };
 
 // Rays of a lattice of pixels with the given columns and rows; of valid pixels
 // only, or of all pixels.
 void AddRays(const CameraModel& camera, const Area& area, int across,
-             const ValidityMask* trusted, bool only_trusted,
+             const ValidityMask* valid_region, bool only_valid,
              std::vector<Sample>* samples) {
   for (int j = 0; j < across; ++j) {
     for (int i = 0; i < across; ++i) {
       const Eigen::Vector2d pixel(area.x0 + area.width() * i / (across - 1),
                                   area.y0 + area.height() * j / (across - 1));
-      const bool is_trusted = !trusted || trusted->IsValidAt(pixel);
-      if (only_trusted && !is_trusted) continue;
+      const bool is_valid = !valid_region || valid_region->IsValidAt(pixel);
+      if (only_valid && !is_valid) continue;
       const auto ray = camera.Unproject(pixel);
-      if (ray) samples->push_back({pixel, *ray, is_trusted});
+      if (ray) samples->push_back({pixel, *ray, is_valid});
     }
   }
 }
 
-size_t NumTrusted(const std::vector<Sample>& samples) {
+size_t CountValid(const std::vector<Sample>& samples) {
   return std::count_if(samples.begin(), samples.end(),
-                       [](const Sample& sample) { return sample.is_trusted; });
+                       [](const Sample& sample) { return sample.is_valid; });
 }
 
 std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
-                               const ValidityMask* trusted) {
+                               const ValidityMask* valid_region) {
   constexpr int kAcross = 40, kMostAcross = 320;
   constexpr size_t kEnough = 400;
   std::vector<Sample> samples;
-  AddRays(camera, area, kAcross, trusted, false, &samples);
+  AddRays(camera, area, kAcross, valid_region, false, &samples);
   for (int across = 2 * kAcross;
-       across <= kMostAcross && NumTrusted(samples) < kEnough; across *= 2)
-    AddRays(camera, area, across, trusted, true, &samples);
+       across <= kMostAcross && CountValid(samples) < kEnough; across *= 2)
+    AddRays(camera, area, across, valid_region, true, &samples);
   return samples;
 }
 
@@ -66,13 +66,13 @@ Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
                                    const Area& area) {
   constexpr double kStepPart = 0.05;
   const Eigen::Vector2d step(kStepPart * area.width(), 0);
-  const auto middle = camera.Unproject(area.center());
+  const auto center = camera.Unproject(area.center());
   const auto right = camera.Unproject(area.center() + step);
-  if (!middle || !right) return Eigen::Quaterniond::Identity();
+  if (!center || !right) return Eigen::Quaterniond::Identity();
   Eigen::Matrix3d level_from_camera;
-  level_from_camera.row(2) = middle->transpose();
+  level_from_camera.row(2) = center->transpose();
   level_from_camera.row(0) =
-      (*right - middle->dot(*right) * *middle).normalized().transpose();
+      (*right - center->dot(*right) * *center).normalized().transpose();
   level_from_camera.row(1) =
       level_from_camera.row(2).cross(level_from_camera.row(0));
   return Eigen::Quaterniond(level_from_camera);
@@ -85,8 +85,9 @@ struct Center {
   double focal_px;
 };
 
-Center CenterOf(const CameraModel& camera, const Eigen::Quaterniond& rotation,
-                const Area& area, const std::vector<Sample>& samples) {
+Center EstimateCenter(const CameraModel& camera,
+                      const Eigen::Quaterniond& rotation, const Area& area,
+                      const std::vector<Sample>& samples) {
   const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
   LinearizedProjection linear;
   if (camera.Linearize(matrix.row(2).transpose(), nullptr, 0, &linear)) {
@@ -165,8 +166,8 @@ std::vector<double> ErrorsPx(const CameraModel& model,
   return errors;
 }
 
-double CostOf(const CameraModel& model, const Eigen::Quaterniond& rotation,
-              const Target& target) {
+double ComputeCost(const CameraModel& model, const Eigen::Quaterniond& rotation,
+                   const Target& target) {
   double cost = DistortionCost(model, target);
   const std::vector<double> errors = ErrorsPx(model, rotation, target);
   for (size_t k = 0; k < errors.size(); ++k)
@@ -256,7 +257,7 @@ struct Freedom {
   bool rotation = false;
 };
 
-Freedom FreedomOf(const ParametricModel& model, const FitOptions& options) {
+Freedom SelectFreedom(const ParametricModel& model, const FitOptions& options) {
   Freedom freedom;
   freedom.ties_focal_lengths = options.ties_focal_lengths;
   freedom.rotation = options.free_rotation;
@@ -302,7 +303,8 @@ double Refine(const Target& target, const Freedom& freedom,
               double converged_part, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
   ParametricModel& model = *fit->model;
-  double cost = CostOf(model, fit->model_from_camera, target), lambda = 1e-4;
+  double cost = ComputeCost(model, fit->model_from_camera, target),
+         lambda = 1e-4;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Equations equations =
         Linearize(model, fit->model_from_camera, target);
@@ -316,7 +318,7 @@ double Refine(const Target& target, const Freedom& freedom,
       Eigen::Quaterniond rotation = fit->model_from_camera;
       if (freedom.rotation)
         rotation = (RotationFromVector(step.tail<3>()) * rotation).normalized();
-      const double next_cost = CostOf(*next, rotation, target);
+      const double next_cost = ComputeCost(*next, rotation, target);
       if (!(next_cost < cost)) continue;
       model.SetParameters(next->Parameters());
       fit->model_from_camera = rotation;
@@ -337,7 +339,7 @@ std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
       ErrorsPx(*fit.model, fit.model_from_camera, target);
   std::vector<double> errors;
   for (size_t k = 0; k < all.size(); ++k)
-    if (target.samples[k].is_trusted) errors.push_back(all[k]);
+    if (target.samples[k].is_valid) errors.push_back(all[k]);
   std::sort(errors.begin(), errors.end());
   errors.resize(static_cast<size_t>(
       std::ceil(part * static_cast<double>(errors.size()))));
@@ -400,7 +402,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
   target->distortion_weights.setZero();
   return freedom.rotation
              ? RmsPx(*fit, *target)
-             : CostOf(*fit->model, fit->model_from_camera, *target);
+             : ComputeCost(*fit->model, fit->model_from_camera, *target);
 }
 
 // Whether the parameters to be held are 0 in a model.
@@ -447,11 +449,11 @@ FittedModel FitParametricModel(const std::string& name,
       options.free_rotation ? LevelFromCamera(camera, area)
                             : Eigen::Quaterniond::Identity();
   Target target;
-  target.samples = SampleRays(camera, area, options.trusted);
+  target.samples = SampleRays(camera, area, options.valid_region);
   for (Sample& sample : target.samples)
     sample.ray = start_from_camera * sample.ray;
   const Center center =
-      CenterOf(camera, start_from_camera, area, target.samples);
+      EstimateCenter(camera, start_from_camera, area, target.samples);
   FittedModel best;
   double best_cost = INFINITY;
   for (auto& start :
@@ -461,7 +463,7 @@ FittedModel FitParametricModel(const std::string& name,
     FittedModel fit;
     fit.model = std::move(start);
     const double cost =
-        RefineInRounds(area, FreedomOf(*fit.model, options), &target, &fit);
+        RefineInRounds(area, SelectFreedom(*fit.model, options), &target, &fit);
     if (best.model && !(cost < best_cost)) continue;
     best = std::move(fit);
     best_cost = cost;

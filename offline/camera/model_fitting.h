@@ -25,10 +25,10 @@ struct FitOptions {
   /// Estimates the model's rotation, too, which no calibration can determine;
   /// the result then does not depend on the camera's frame.
   bool free_rotation = false;
-  std::vector<std::string> held = {};     ///< parameters fixed to 0
-  bool ties_focal_lengths = false;        ///< fx = fy
-  int num_knots = 24;                     ///< control points of central-radial
-  const ValidityMask* trusted = nullptr;  ///< valid region; null: all
+  std::vector<std::string> held = {};  ///< parameters fixed to 0
+  bool ties_focal_lengths = false;     ///< fx = fy
+  int num_knots = 24;                  ///< control points of central-radial
+  const ValidityMask* valid_region = nullptr;  ///< valid region; null: all
 };
 
 /// Fits a parametric model to a camera over an area: least squares of projected

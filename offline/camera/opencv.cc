@@ -91,9 +91,9 @@ Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
   const double radius = distorted.norm();
   double low = 0, high = max_radius;
   for (int k = 0; k < 50; ++k) {
-    const double middle = (low + high) / 2;
-    (DistortOpenCv(middle, 0.0, radial.data()).x() < radius ? low : high) =
-        middle;
+    const double midpoint = (low + high) / 2;
+    (DistortOpenCv(midpoint, 0.0, radial.data()).x() < radius ? low : high) =
+        midpoint;
   }
   return radius > 0 ? Eigen::Vector2d(distorted * (low / radius)) : distorted;
 }

@@ -60,10 +60,10 @@ OperatingPointModel::OperatingPointModel(std::vector<OperatingRange> ranges,
       BSplineSurface(surface.area(), surface.columns(), surface.rows()));
 }
 
-OperatingPoint OperatingPointModel::Middle() const {
-  OperatingPoint middle;
-  for (const OperatingRange& range : ranges_) middle.push_back(range.Middle());
-  return middle;
+OperatingPoint OperatingPointModel::Center() const {
+  OperatingPoint center;
+  for (const OperatingRange& range : ranges_) center.push_back(range.Center());
+  return center;
 }
 
 int OperatingPointModel::FirstTerm(size_t range) const {
@@ -77,7 +77,7 @@ std::vector<double> OperatingPointModel::EvaluateBasis(
   for (size_t r = 0; r < ranges_.size(); ++r) {
     const OperatingRange& range = ranges_[r];
     const double t =
-        (values[r] - range.Middle()) / ((range.high - range.low) / 2);
+        (values[r] - range.Center()) / ((range.high - range.low) / 2);
     double power = 1;
     for (int j = 0; j < orders_[r]; ++j) factors.push_back(power *= t);
   }
@@ -94,7 +94,7 @@ CentralGeneric OperatingPointModel::At(const OperatingPoint& values) const {
 
 OperatingPointModel OperatingPointModel::Hold(
     const FixedOperatingPoint& at) const {
-  OperatingPoint values = Middle();
+  OperatingPoint values = Center();
   OperatingPointModel rest = *this;
   rest.ranges_.clear();
   rest.orders_.clear();
@@ -119,7 +119,7 @@ OperatingPointModel OperatingPointModel::Hold(
 
 OperatingPointModel OperatingPointModel::SliceAlong(size_t range) const {
   FixedOperatingPoint at;
-  for (const OperatingRange& other : ranges_) at.emplace_back(other.Middle());
+  for (const OperatingRange& other : ranges_) at.emplace_back(other.Center());
   at[range].reset();
   return Hold(at);
 }

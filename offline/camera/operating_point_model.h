@@ -28,7 +28,7 @@ struct OperatingRange {
   OperatingParameter condition = OperatingParameter::kLensPosition;
   double low = 0, high = 1;
 
-  double Middle() const { return (low + high) / 2; }
+  double Center() const { return (low + high) / 2; }
   bool Contains(double value) const { return value >= low && value <= high; }
   /// Returns `count` evenly spaced values from low to high.
   std::vector<double> Spread(int count) const;
@@ -56,7 +56,7 @@ class OperatingPointModel {
 
   const std::vector<OperatingRange>& ranges() const { return ranges_; }
   const std::vector<int>& orders() const { return orders_; }
-  OperatingPoint Middle() const;
+  OperatingPoint Center() const;
   const ImageSize& image_size() const { return image_size_; }
 
   /// c_0, then the terms of each range, starting with the first power; all have

@@ -52,9 +52,9 @@ struct PlaneSample {
 // Lattice of pixels, `across` or so along the longer side, without directions
 // that a blob cannot hold, which cover most of a stereographic plane.
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
-                                     const ValidityMask* trusted,
+                                     const ValidityMask* valid_region,
                                      double across) {
-  constexpr double kUntrustedWeight = 1e-6, kFarthest = 8;
+  constexpr double kInvalidWeight = 1e-6, kFarthest = 8;
   const Area& area = camera.area();
   const double step_px = std::max(area.width(), area.height()) / across;
   const int columns = static_cast<int>(area.width() / step_px + 1e-9);
@@ -70,8 +70,8 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
       if (!ray) continue;
       const Eigen::Vector2d u = ToPlane(*ray);
       if (!(u.norm() < kFarthest)) continue;
-      const bool is_trusted = !trusted || trusted->IsValidAt(pixel);
-      samples.push_back({u, pixel, is_trusted ? 1 : kUntrustedWeight});
+      const bool is_valid = !valid_region || valid_region->IsValidAt(pixel);
+      samples.push_back({u, pixel, is_valid ? 1 : kInvalidWeight});
     }
   }
   return samples;
@@ -95,7 +95,7 @@ std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
 }
 
 // Maximum angle of the samples from the axis.
-Eigen::Array2d WidestOf(const std::vector<PlaneSample>& samples) {
+Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
   Eigen::Array2d widest = Eigen::Array2d::Constant(1e-3);
   for (const PlaneSample& sample : samples)
     widest = widest.max(sample.u.array().abs());
@@ -111,7 +111,7 @@ int FovDegOfEdge(double edge) {
 
 // Makes a grid with at least the given number of control points along the
 // longer side that covers all samples.
-SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
+SplineGrid MakeCoveringGrid(const Eigen::Array2d& widest, int along) {
   const double least_cell = 2 * widest.maxCoeff() / (along - 3);
   SplineGrid grid;
   grid.columns = NumControlPoints(2 * widest.x(), least_cell);
@@ -123,7 +123,7 @@ SplineGrid CoveringGrid(const Eigen::Array2d& widest, int along) {
 }
 
 // Returns the prescribed grid, which covers all samples if its angle is 0.
-SplineGrid ToldGrid(const Eigen::Array2d& widest, SplineGrid grid) {
+SplineGrid SelectGrid(const Eigen::Array2d& widest, SplineGrid grid) {
   if (grid.fov_x_deg != 0) return grid;
   const double edge_of_rows = widest.y() * (grid.columns - 3) / (grid.rows - 3);
   grid.fov_x_deg = FovDegOfEdge(std::max(widest.x(), edge_of_rows));
@@ -155,10 +155,10 @@ double ChoiceErrorPx(const SplinedStereographic& model,
     sum += errors_px.back() * errors_px.back();
     ++count;
   }
-  const auto middle =
+  const auto median =
       errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
-  std::nth_element(errors_px.begin(), middle, errors_px.end());
-  return std::max(*middle, std::sqrt(sum / std::max(count, 1.0)));
+  std::nth_element(errors_px.begin(), median, errors_px.end());
+  return std::max(*median, std::sqrt(sum / std::max(count, 1.0)));
 }
 
 // Fits the spline of a grid. Samples outside a prescribed grid are ignored.
@@ -283,29 +283,31 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
 }
 
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const ValidityMask* trusted,
-    const std::optional<SplinedStereographic::Grid>& told) {
+    const CameraModel& camera, const ValidityMask* valid_region,
+    const std::optional<SplinedStereographic::Grid>& given_grid) {
   constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.005;
   constexpr double kLeastAcross = 160, kPerCell = 4;
-  std::vector<PlaneSample> samples = SamplePlane(camera, trusted, kLeastAcross);
+  std::vector<PlaneSample> samples =
+      SamplePlane(camera, valid_region, kLeastAcross);
   if (samples.empty()) return nullptr;
   const auto [fx, cx] = FitLine(samples, 0);
   const auto [fy, cy] = FitLine(samples, 1);
   if (!(fx > 0 && fy > 0)) return nullptr;
   const Eigen::Vector4d others(fx, fy, cx, cy);
-  const Eigen::Array2d widest = WidestOf(samples);
+  const Eigen::Array2d widest = ComputeMaxExtent(samples);
   std::vector<SplineGrid> grids;
-  if (told) {
-    grids = {ToldGrid(widest, *told)};
+  if (given_grid) {
+    grids = {SelectGrid(widest, *given_grid)};
   } else {
     for (const int along : {10, 15, 22, 33, 50, 75, 112})
-      grids.push_back(CoveringGrid(widest, along));
+      grids.push_back(MakeCoveringGrid(widest, along));
   }
   std::vector<std::unique_ptr<SplinedStereographic>> fits;
   std::vector<double> errors_px;
   for (const SplineGrid& grid : grids) {
     const double across = kPerCell * std::max(grid.columns, grid.rows);
-    if (across > kLeastAcross) samples = SamplePlane(camera, trusted, across);
+    if (across > kLeastAcross)
+      samples = SamplePlane(camera, valid_region, across);
     fits.push_back(FitGrid(camera, samples, others, grid));
     errors_px.push_back(ChoiceErrorPx(*fits.back(), samples));
     if (errors_px.back() < kCloseEnoughPx) break;

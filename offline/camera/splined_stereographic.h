@@ -75,8 +75,8 @@ Area ComputeDomain(const SplinedStereographic::Grid& grid);
 /// may be prescribed; fov_x_deg = 0 covers all. Null if the camera has no
 /// directions, only one, or is mirrored.
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
-    const CameraModel& camera, const ValidityMask* trusted,
-    const std::optional<SplinedStereographic::Grid>& told = std::nullopt);
+    const CameraModel& camera, const ValidityMask* valid_region,
+    const std::optional<SplinedStereographic::Grid>& given_grid = std::nullopt);
 
 }  // namespace raygrid
 

@@ -26,7 +26,7 @@ Eigen::Matrix<T, 2, 1> Distort(const Eigen::Matrix<T, 2, 1>& uv, const T* p) {
   return planar.ToPixel(uv, RadialFactor(T(uv.squaredNorm()), p));
 }
 
-double MaxThetaOf(const Prism::ParameterArray& p) {
+double ComputeMaxTheta(const Prism::ParameterArray& p) {
   return FindMaxTheta(
       [&p](double theta) { return RadialFactor(theta * theta, p.data()); },
       kMaxTheta);
@@ -39,7 +39,7 @@ ThinPrismFisheye::ThinPrismFisheye(const ImageSize& image_size,
                                    const ParameterArray& parameters)
     : ParametricModel(image_size, area),
       parameters_(parameters),
-      max_theta_(MaxThetaOf(parameters)) {}
+      max_theta_(ComputeMaxTheta(parameters)) {}
 
 const std::vector<std::string>& ThinPrismFisheye::ParameterNames() const {
   static const std::vector<std::string> names = {
@@ -105,7 +105,7 @@ Eigen::VectorXd ThinPrismFisheye::Parameters() const {
 
 void ThinPrismFisheye::SetParameters(const Eigen::VectorXd& parameters) {
   Eigen::Map<Eigen::VectorXd>(parameters_.data(), kCount) = parameters;
-  max_theta_ = MaxThetaOf(parameters_);
+  max_theta_ = ComputeMaxTheta(parameters_);
 }
 
 }  // namespace raygrid

@@ -25,7 +25,7 @@ double PixelsPerRadian(const CameraModel& camera, const Eigen::Vector2d& pixel,
 
 }  // namespace
 
-Eigen::Vector3d MiddleOf(const Board& board) {
+Eigen::Vector3d ComputeBoardCenter(const Board& board) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const std::vector<Eigen::Vector3d> points = board.NominalPoints();
   for (const Eigen::Vector3d& point : points) sum += point;
@@ -52,7 +52,7 @@ std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
   const Eigen::AngleAxisd turn(view.turn_rad, Eigen::Vector3d::UnitZ());
   const Eigen::Quaterniond rotation = facing * tilt * turn;
   return Pose{rotation, line->origin + line->direction * distance_m -
-                            rotation * MiddleOf(board)};
+                            rotation * ComputeBoardCenter(board)};
 }
 
 }  // namespace raygrid

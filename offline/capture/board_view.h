@@ -21,7 +21,7 @@ struct BoardView {
 };
 
 /// Returns the centre of a board's nominal points.
-Eigen::Vector3d MiddleOf(const Board& board);
+Eigen::Vector3d ComputeBoardCenter(const Board& board);
 
 /// Returns camera_from_board; nullopt if the camera has no ray at the pixel.
 std::optional<Pose> PoseOf(const BoardView& view, const Board& board,

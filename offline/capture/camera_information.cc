@@ -136,7 +136,7 @@ std::optional<CameraInformation> CameraInformation::Of(
                            .cwiseProduct(moves.middleRows<2>(row))
                            .sum();
     trace += sum;
-    knowledge.places_.push_back(
+    knowledge.positions_.push_back(
         {pixels[i].pixel, adjusted.summary.noise_px * std::sqrt(sum)});
   }
   if (!(trace > 0)) return std::nullopt;
@@ -146,14 +146,14 @@ std::optional<CameraInformation> CameraInformation::Of(
 
 double CameraInformation::RmsPx() const {
   double sum = 0;
-  for (const UncertaintySample& place : places_)
+  for (const UncertaintySample& place : positions_)
     sum += place.deviation_px * place.deviation_px;
-  return std::sqrt(sum / static_cast<double>(places_.size()));
+  return std::sqrt(sum / static_cast<double>(positions_.size()));
 }
 
 double CameraInformation::Percentile95Px() const {
   std::vector<double> deviations;
-  for (const UncertaintySample& place : places_)
+  for (const UncertaintySample& place : positions_)
     deviations.push_back(place.deviation_px);
   return Quantile(deviations, 0.95);
 }

@@ -44,7 +44,7 @@ class CameraInformation {
 
   const CameraModel& camera() const { return *camera_; }
   /// Returns a lattice over the image, row by row, where the camera is defined.
-  const std::vector<UncertaintySample>& places() const { return places_; }
+  const std::vector<UncertaintySample>& places() const { return positions_; }
   /// Returns the square root of the mean variance over the lattice.
   double RmsPx() const;
   /// Returns the 95 % quantile of the standard deviations.
@@ -64,7 +64,7 @@ class CameraInformation {
   CameraInformation() = default;
 
   std::unique_ptr<CameraModel> camera_;
-  std::vector<UncertaintySample> places_;
+  std::vector<UncertaintySample> positions_;
   Eigen::MatrixXd inverse_;   // H^-1
   Eigen::MatrixXd weighing_;  // H^-1 D^T D H^-1 / tr(D H^-1 D^T)
 };

@@ -18,10 +18,10 @@ struct AdjustedView {
   std::vector<PointPixelMatch> seen;
 };
 
-using ViewsByInstant = std::map<std::pair<std::string, int>, AdjustedView>;
+using ViewsByFrame = std::map<std::pair<std::string, int>, AdjustedView>;
 
-ViewsByInstant ViewsOf(const AdjustmentResult& adjusted) {
-  ViewsByInstant views;
+ViewsByFrame ViewsOf(const AdjustmentResult& adjusted) {
+  ViewsByFrame views;
   const CalibrationProblem& problem = adjusted.problem;
   for (size_t v = 0; v < problem.views.size(); ++v) {
     AdjustedView& view = views[{problem.images[v], problem.boards[v]}];
@@ -51,7 +51,7 @@ MotionMatrix MotionInformation(const CameraModel& camera,
 }
 
 // The adjoint: a small motion in the first frame, expressed in the second.
-MotionMatrix AdjointOf(const Pose& second_from_first) {
+MotionMatrix ComputeAdjoint(const Pose& second_from_first) {
   const Eigen::Matrix3d rotation =
       second_from_first.rotation.toRotationMatrix();
   MotionMatrix adjoint = MotionMatrix::Zero();
@@ -63,7 +63,7 @@ MotionMatrix AdjointOf(const Pose& second_from_first) {
 }
 
 // Zero if a matrix is singular.
-MotionMatrix InverseOf(const MotionMatrix& matrix) {
+MotionMatrix InvertMotion(const MotionMatrix& matrix) {
   const Eigen::LDLT<MotionMatrix> factor(matrix);
   if (!(factor.vectorD().minCoeff() > 0)) return MotionMatrix::Zero();
   return factor.solve(MotionMatrix::Identity());
@@ -91,10 +91,10 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
   CameraLink link;
   link.first_ = camera_of(*first.adjusted());
   link.second_ = camera_of(*second.adjusted());
-  const ViewsByInstant in_second = ViewsOf(*second.adjusted());
+  const ViewsByFrame in_second = ViewsOf(*second.adjusted());
   std::vector<SharedBoard> boards;
-  for (const auto& [instant, view] : ViewsOf(*first.adjusted())) {
-    const auto other = in_second.find(instant);
+  for (const auto& [frame, view] : ViewsOf(*first.adjusted())) {
+    const auto other = in_second.find(frame);
     if (other == in_second.end()) continue;
     boards.push_back({view.camera_from_board, other->second.camera_from_board,
                       view.seen, other->second.seen});
@@ -110,7 +110,7 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
     num_features += static_cast<double>(board.in_second.size());
   }
   link.weighing_ /= num_features;
-  if (InverseOf(link.information_).isZero(0)) return std::nullopt;
+  if (InvertMotion(link.information_).isZero(0)) return std::nullopt;
   return link;
 }
 
@@ -130,7 +130,7 @@ void CameraLink::EstimateRelativePose(const std::vector<SharedBoard>& boards) {
                                       board.second_from_board *
                                           board.first_from_board.Inverse());
     }
-    const Eigen::Matrix<double, 6, 1> motion = InverseOf(sum) * weighed;
+    const Eigen::Matrix<double, 6, 1> motion = InvertMotion(sum) * weighed;
     const Pose moved{RotationFromVector(motion.head<3>()), motion.tail<3>()};
     second_from_first_ = moved * second_from_first_;
   }
@@ -151,28 +151,28 @@ void CameraLink::EstimateScatter(const std::vector<SharedBoard>& boards) {
 }
 
 MotionMatrix CameraLink::ComputeInformation(const SharedBoard& shared) const {
-  const MotionMatrix of_first = InverseOf(MotionInformation(
+  const MotionMatrix of_first = InvertMotion(MotionInformation(
       *first_.model, shared.in_first, shared.first_from_board));
-  const MotionMatrix of_second = InverseOf(MotionInformation(
+  const MotionMatrix of_second = InvertMotion(MotionInformation(
       *second_.model, shared.in_second, shared.second_from_board));
   if (of_first.isZero(0) || of_second.isZero(0)) return MotionMatrix::Zero();
-  const MotionMatrix adjoint = AdjointOf(second_from_first_);
-  return InverseOf(first_.noise_px * first_.noise_px * adjoint * of_first *
-                       adjoint.transpose() +
-                   second_.noise_px * second_.noise_px * of_second);
+  const MotionMatrix adjoint = ComputeAdjoint(second_from_first_);
+  return InvertMotion(first_.noise_px * first_.noise_px * adjoint * of_first *
+                          adjoint.transpose() +
+                      second_.noise_px * second_.noise_px * of_second);
 }
 
 double CameraLink::RmsPx() const {
-  return std::sqrt(scatter_ * (weighing_ * InverseOf(information_)).trace());
+  return std::sqrt(scatter_ * (weighing_ * InvertMotion(information_)).trace());
 }
 
 double CameraLink::ComputeGain(const SharedBoard& shared) const {
   if (shared.in_first.size() < kMinViewFeatures ||
       shared.in_second.size() < kMinViewFeatures)
     return 0;
-  const double before = (weighing_ * InverseOf(information_)).trace();
+  const double before = (weighing_ * InvertMotion(information_)).trace();
   const double after =
-      (weighing_ * InverseOf(information_ + ComputeInformation(shared)))
+      (weighing_ * InvertMotion(information_ + ComputeInformation(shared)))
           .trace();
   return 1 - after / before;
 }

@@ -27,8 +27,9 @@ double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
   // The normal relative to the line of sight: translation is not tilt.
   const auto normal = [](const LocatedBoard& located) -> Eigen::Vector3d {
     const Pose& pose = located.camera_from_board;
-    return Eigen::Quaterniond::FromTwoVectors(pose * MiddleOf(*located.board),
-                                              Eigen::Vector3d::UnitZ()) *
+    return Eigen::Quaterniond::FromTwoVectors(
+               pose * ComputeBoardCenter(*located.board),
+               Eigen::Vector3d::UnitZ()) *
            (pose.rotation * Eigen::Vector3d::UnitZ());
   };
   const Eigen::Vector3d first = normal(a), second = normal(b);

@@ -69,8 +69,8 @@ std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
 double SpreadOf(double part) {
   double low = 0.05, high = 20;
   for (int halving = 0; halving < 30; ++halving) {
-    const double middle = (low + high) / 2;
-    (std::erf(M_SQRT1_2 / middle) > part ? low : high) = middle;
+    const double center = (low + high) / 2;
+    (std::erf(M_SQRT1_2 / center) > part ? low : high) = center;
   }
   return low;
 }
@@ -114,7 +114,7 @@ bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
   for (const double nearness : {0.85, 1.0, 1.15})
     for (const double part : {0.1, 0.4, 0.7, 1.0}) {
       const auto is_black = [&](double along, double side) {
-        return appearance_.IsBlack(at + along * edge.middle +
+        return appearance_.IsBlack(at + along * edge.center +
                                    side * edge.across);
       };
       if (is_black(nearness, part) != is_black(1, 1) ||
@@ -147,10 +147,10 @@ QualityMeter::QualityMeter(const Board& board)
       double low = angle - 0.01, high = next - 0.01;
       const bool first = appearance_.IsBlack(at + radius_m * along(low));
       for (int halving = 0; halving < 12; ++halving) {
-        const double middle = (low + high) / 2;
-        (appearance_.IsBlack(at + radius_m * along(middle)) == first ? low
+        const double center = (low + high) / 2;
+        (appearance_.IsBlack(at + radius_m * along(center)) == first ? low
                                                                      : high) =
-            middle;
+            center;
       }
       const Eigen::Vector2d direction = along((low + high) / 2);
       const Eigen::Vector2d across(-direction.y(), direction.x());
@@ -204,7 +204,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
     image_from_board << *by_x, *by_y;
     for (const Edge& edge :
          edges_[board_.PointIndex(feature.column, feature.row)]) {
-      const Eigen::Vector2d along = image_from_board * edge.middle;
+      const Eigen::Vector2d along = image_from_board * edge.center;
       const Eigen::Vector2d normal =
           Eigen::Vector2d(-along.y(), along.x()).normalized();
       const double half_px = std::min(

@@ -39,7 +39,7 @@ class QualityMeter {
 
  private:
   struct Edge {
-    Eigen::Vector2d middle, across;  // from the feature; half a profile, m
+    Eigen::Vector2d center, across;  // from the feature; half a profile, m
   };
   bool IsStep(const Eigen::Vector2d& at, const Edge& edge) const;
 

@@ -18,14 +18,14 @@ struct Move {
 
 // The rotation of a board relative to the line of sight to its centre.
 Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
-  const Eigen::Vector3d sight = pose * MiddleOf(board);
+  const Eigen::Vector3d sight = pose * ComputeBoardCenter(board);
   return Eigen::Quaterniond::FromTwoVectors(sight, Eigen::Vector3d::UnitZ())
              .toRotationMatrix() *
          pose.rotation.toRotationMatrix();
 }
 
 // The tilt towards image right and down, radians: which side is farther away.
-Eigen::Vector2d TiltOf(const Eigen::Matrix3d& facing) {
+Eigen::Vector2d ComputeTilt(const Eigen::Matrix3d& facing) {
   const Eigen::Vector3d behind = facing.col(2);  // away from the camera
   const double across = behind.head<2>().norm();
   if (across < 1e-9) return Eigen::Vector2d::Zero();
@@ -46,10 +46,10 @@ Move Tilt(double change_rad, const char* plus, const char* minus) {
 // The motion components between two poses, largest first.
 std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
                                const Pose& from, const Pose& to) {
-  const Eigen::Vector3d middle = MiddleOf(board);
+  const Eigen::Vector3d center = ComputeBoardCenter(board);
   std::vector<Move> moves;
-  const auto seen = camera.Project(from * middle);
-  const auto wanted = camera.Project(to * middle);
+  const auto seen = camera.Project(from * center);
+  const auto wanted = camera.Project(to * center);
   if (seen && wanted) {
     constexpr double kWorth = 0.08;  // of the image's width
     const Eigen::Vector2d shift =
@@ -57,13 +57,13 @@ std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
     moves.push_back({std::abs(shift.x()), shift.x() > 0 ? "right" : "left"});
     moves.push_back({std::abs(shift.y()), shift.y() > 0 ? "down" : "up"});
   }
-  const double nearer = (from * middle).norm() / (to * middle).norm();
+  const double nearer = (from * center).norm() / (to * center).norm();
   constexpr double kWorthFactor = 1.2;
   moves.push_back({std::abs(std::log(nearer)) / std::log(kWorthFactor),
                    nearer > 1 ? "closer" : "farther"});
   const Eigen::Matrix3d now = FacingFrom(board, from);
   const Eigen::Matrix3d then = FacingFrom(board, to);
-  const Eigen::Vector2d tilt = TiltOf(then) - TiltOf(now);
+  const Eigen::Vector2d tilt = ComputeTilt(then) - ComputeTilt(now);
   moves.push_back(Tilt(tilt.x(), "right", "left"));
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
   // Half a turn is ignored: boards look alike then.

@@ -214,7 +214,7 @@ ValidityMask ParseMask(const YAML::Node& node, const ImageSize& size) {
       throw InputError(fmt::format(
           "trusted: cells: each row must consist of {} characters # or .",
           mask.columns));
-    for (const char cell : text) mask.is_trusted.push_back(cell == '#');
+    for (const char cell : text) mask.is_valid.push_back(cell == '#');
   }
   return mask;
 }
@@ -373,7 +373,7 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
   for (int row = 0; row < mask.rows; ++row) {
     std::string text;
     for (int column = 0; column < mask.columns; ++column)
-      text += mask.is_trusted[row * mask.columns + column] ? '#' : '.';
+      text += mask.is_valid[row * mask.columns + column] ? '#' : '.';
     *out << YAML::DoubleQuoted << text;
   }
   *out << YAML::EndSeq << YAML::EndMap;

@@ -85,14 +85,14 @@ CsvReader FeatureTable(const std::string& path, const std::string& text) {
   return CsvReader(path, text, {"image", "board", "column", "row", "x", "y"});
 }
 
-Feature FeatureIn(const CsvReader& table) {
+Feature ReadFeature(const CsvReader& table) {
   return {table.Integer("board"),
           table.Integer("column"),
           table.Integer("row"),
           {table.Number("x"), table.Number("y")}};
 }
 
-std::string CameraIn(const CsvReader& table, bool has_camera) {
+std::string ReadCameraName(const CsvReader& table, bool has_camera) {
   return has_camera ? table.Text("camera") : "";
 }
 
@@ -104,13 +104,15 @@ void RefuseSecond(const std::string& path, const std::string& text,
   const bool has_camera = table.HasColumn("camera");
   int count = 0;
   while (table.Next())
-    if (table.Text("image") == image && CameraIn(table, has_camera) == camera &&
-        KeyOf(FeatureIn(table)) == key && ++count == 2)
+    if (table.Text("image") == image &&
+        ReadCameraName(table, has_camera) == camera &&
+        KeyOf(ReadFeature(table)) == key && ++count == 2)
       FeatureCollector::ThrowOnSecond(table);
 }
 
 // The lines of features, each led by prefix.
-std::string FeatureLines(const std::string& prefix, const Dataset& dataset) {
+std::string FormatFeatureLines(const std::string& prefix,
+                               const Dataset& dataset) {
   std::string text;
   for (const ImageFeatures& image : dataset.images) {
     const std::string name = CsvField(image.image);
@@ -170,8 +172,8 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
   {
     FeatureCollector collector(&datasets);
     while (table.Next())
-      collector.Add(table, CameraIn(table, has_camera), table.Text("image"),
-                    FeatureIn(table));
+      collector.Add(table, ReadCameraName(table, has_camera),
+                    table.Text("image"), ReadFeature(table));
   }
   for (const auto& [camera, dataset] : datasets)
     for (const ImageFeatures& image : dataset.images)
@@ -183,13 +185,13 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
 }
 
 std::string FormatFeatures(const Dataset& dataset) {
-  return "image,board,column,row,x,y\n" + FeatureLines("", dataset);
+  return "image,board,column,row,x,y\n" + FormatFeatureLines("", dataset);
 }
 
 std::string FormatFeatures(const std::vector<NamedDataset>& cameras) {
   std::string text = "camera,image,board,column,row,x,y\n";
   for (const NamedDataset& camera : cameras)
-    text += FeatureLines(CsvField(camera.camera) + ",", camera.dataset);
+    text += FormatFeatureLines(CsvField(camera.camera) + ",", camera.dataset);
   return text;
 }
 
@@ -267,7 +269,7 @@ std::map<std::string, std::vector<BoardPose>> ReadPoses(
     if (!(rotation.norm() > 0.5))
       throw InputError(table.Place() +
                        ": qw, qx, qy, qz are not a unit quaternion");
-    poses[CameraIn(table, has_camera)].push_back(
+    poses[ReadCameraName(table, has_camera)].push_back(
         {table.Text("image"),
          table.Integer("board"),
          {rotation.normalized(), {number("tx"), number("ty"), number("tz")}}});

@@ -53,7 +53,7 @@ std::vector<OperatingPointUncertainty> HoldDeviations(
   return known;
 }
 
-FixedOperatingPoint AllHeld(const OperatingPoint& values) {
+FixedOperatingPoint HoldAll(const OperatingPoint& values) {
   return {values.begin(), values.end()};
 }
 
@@ -76,7 +76,7 @@ OperatingPointCalibration FixOperatingPoint(
 
 OperatingPointCalibration SliceOperatingPointModel(
     const OperatingPointCalibration& stack, size_t range) {
-  FixedOperatingPoint at = AllHeld(stack.cameras.Middle());
+  FixedOperatingPoint at = HoldAll(stack.cameras.Center());
   at[range].reset();
   return FixOperatingPoint(stack, at);
 }
@@ -86,13 +86,13 @@ CameraFile MakeCameraFileAt(const CameraFile& stack,
   CameraFile file = stack;
   const std::vector<OperatingRange>& ranges = stack.stack->cameras.ranges();
   OperatingPointCalibration rest = FixOperatingPoint(*stack.stack, at);
-  const OperatingPoint middle = rest.cameras.Middle();
-  CentralGeneric camera = rest.cameras.At(middle);
+  const OperatingPoint center = rest.cameras.Center();
+  CentralGeneric camera = rest.cameras.At(center);
   camera.SetImageCircle(stack.camera->image_circle());
   file.camera = std::make_shared<CentralGeneric>(std::move(camera));
   if (file.uncertainty) {
     const std::vector<OperatingPointUncertainty> known =
-        HoldDeviations(rest.deviations, AllHeld(middle));
+        HoldDeviations(rest.deviations, HoldAll(center));
     if (known.size() == 1)
       PutDeviations(known[0].lattice, file.camera->area(), &*file.uncertainty);
   }

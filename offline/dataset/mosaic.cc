@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kNumPhases = 4;  // 2 (y % 2) + x % 2
 
-int PhaseOf(int x, int y) { return 2 * (y % 2) + x % 2; }
+int GetPhase(int x, int y) { return 2 * (y % 2) + x % 2; }
 
 float At(const GreyLevels& image, int x, int y) {
   return image.levels[static_cast<size_t>(y) * image.size.width + x];
@@ -28,9 +28,9 @@ float MeanAround(const GreyLevels& image, int x, int y) {
 
 template <typename T>
 T MedianOf(std::vector<T> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 // The relative brightness of each phase compared with its surroundings, in a
@@ -39,7 +39,7 @@ using Excess = std::array<double, kNumPhases>;
 
 constexpr int kBlockPx = 16;
 
-std::vector<Excess> ExcessOfBlocks(const GreyLevels& image) {
+std::vector<Excess> ComputeExcessOfBlocks(const GreyLevels& image) {
   constexpr int kMaxAcross = 40;
   constexpr double kMinLevel = 4;
   const auto stride = [](int side) {
@@ -55,7 +55,7 @@ std::vector<Excess> ExcessOfBlocks(const GreyLevels& image) {
       for (int y = top; y < top + kBlockPx; ++y) {
         for (int x = left; x < left + kBlockPx; ++x) {
           const double mean = MeanAround(image, x, y);
-          excess[PhaseOf(x, y)] += At(image, x, y) - mean;
+          excess[GetPhase(x, y)] += At(image, x, y) - mean;
           sum += mean;
         }
       }
@@ -71,7 +71,7 @@ std::vector<Excess> ExcessOfBlocks(const GreyLevels& image) {
 bool IsMosaic(const GreyLevels& image) {
   constexpr size_t kMinBlocks = 20;
   constexpr double kMinExcess = 0.02, kMinPart = 0.8;
-  const std::vector<Excess> blocks = ExcessOfBlocks(image);
+  const std::vector<Excess> blocks = ComputeExcessOfBlocks(image);
   if (blocks.size() < kMinBlocks) return false;
   for (int phase = 0; phase < kNumPhases; ++phase) {
     std::vector<double> excess;
@@ -166,7 +166,7 @@ bool BalanceMosaic(GreyLevels* image) {
     for (int x = 0; x < image->size.width; ++x) {
       float& level =
           image->levels[static_cast<size_t>(y) * image->size.width + x];
-      const Line& line = lines[PhaseOf(x, y)];
+      const Line& line = lines[GetPhase(x, y)];
       level = static_cast<float>(
           std::clamp((level - line.offset) / line.slope, 0.0, brightest));
     }

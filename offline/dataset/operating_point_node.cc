@@ -20,7 +20,7 @@ OperatingParameter ParseCondition(const std::string& name) {
 }
 
 // The nodes of a model's conditions: for a single one, the model's own.
-std::vector<YAML::Node> ConditionNodes(const YAML::Node& node) {
+std::vector<YAML::Node> SplitConditionNodes(const YAML::Node& node) {
   const YAML::Node several = node["conditions"];
   if (!several) return {node};
   RequireYamlList(several, "stack: conditions",
@@ -94,7 +94,7 @@ OperatingPoint ParseValues(const YAML::Node& node, size_t count) {
   return values;
 }
 
-std::vector<OperatingPointUncertainty> ParseStackDeviations(
+std::vector<OperatingPointUncertainty> ParseOperatingPointStdDevs(
     const YAML::Node& node, size_t num_conditions) {
   std::vector<OperatingPointUncertainty> deviations;
   for (const YAML::Node& entry : node) {
@@ -143,7 +143,7 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
   if (camera.Name() != models::kCentralGeneric)
     throw InputError(
         fmt::format("stack: requires a {} camera", models::kCentralGeneric));
-  const std::vector<YAML::Node> nodes = ConditionNodes(node);
+  const std::vector<YAML::Node> nodes = SplitConditionNodes(node);
   std::vector<OperatingRange> ranges;
   std::vector<int> orders;
   for (const YAML::Node& condition : nodes) {
@@ -164,7 +164,8 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
                             condition["condition"].Scalar()),
                 &stack.cameras.terms()[term++]);
   }
-  stack.deviations = ParseStackDeviations(node["deviations"], ranges.size());
+  stack.deviations =
+      ParseOperatingPointStdDevs(node["deviations"], ranges.size());
   return stack;
 }
 

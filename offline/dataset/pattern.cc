@@ -21,17 +21,17 @@ void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
   std::map<int, int> board_of_tag;
   for (const Board& board : pattern.boards) {
     for (const BoardTag& tag : board.tags) {
-      const auto [place, is_new] = board_of_tag.emplace(tag.id, board.id);
+      const auto [position, is_new] = board_of_tag.emplace(tag.id, board.id);
       if (!is_new)
         throw InputError(
             fmt::format("{}: tag {} is on both board {} and board {}; tag ids "
                         "must be unique",
-                        name, tag.id, place->second, board.id));
+                        name, tag.id, position->second, board.id));
     }
   }
 }
 
-std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
+std::vector<Eigen::Vector3d> ParsePoints(const std::string& position,
                                          const YAML::Node& list) {
   std::vector<Eigen::Vector3d> points;
   for (const YAML::Node& item : list) {
@@ -41,24 +41,24 @@ std::vector<Eigen::Vector3d> ParsePoints(const std::string& place,
     };
     if (xyz.size() != 3 || std::any_of(xyz.begin(), xyz.end(), is_far))
       throw InputError(fmt::format(
-          "{}: each point must be three numbers in metres, at most {:g}", place,
-          kMaxCoordinateM));
+          "{}: each point must be three numbers in metres, at most {:g}",
+          position, kMaxCoordinateM));
     points.emplace_back(xyz[0], xyz[1], xyz[2]);
   }
   return points;
 }
 
-Board ParseBoard(const std::string& place, const YAML::Node& node) {
+Board ParseBoard(const std::string& position, const YAML::Node& node) {
   Board board;
-  board.id = Value<int>(place, node, "id");
-  board.kind = Value<std::string>(place, node, "kind");
+  board.id = Value<int>(position, node, "id");
+  board.kind = Value<std::string>(position, node, "kind");
   const TargetKind& kind = KindOf(board);
-  kind.Read(place, node, &board);
+  kind.Read(position, node, &board);
   if (node[kind.points_key])
-    board.points = ParsePoints(place, node[kind.points_key]);
+    board.points = ParsePoints(position, node[kind.points_key]);
   if (static_cast<int>(board.points.size()) != board.num_points())
     throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
-                                 place, board.points.size(), board.columns,
+                                 position, board.points.size(), board.columns,
                                  board.rows));
   return board;
 }
@@ -92,7 +92,7 @@ std::vector<RigidTarget> ParseRigidTargets(const std::string& name,
   return rigid_targets;
 }
 
-YAML::Node RigidTargetsNode(const std::vector<RigidTarget>& rigid_targets) {
+YAML::Node MakeRigidTargetsNode(const std::vector<RigidTarget>& rigid_targets) {
   YAML::Node list(YAML::NodeType::Sequence);
   for (const RigidTarget& body : rigid_targets) {
     YAML::Node node;
@@ -107,12 +107,12 @@ YAML::Node RigidTargetsNode(const std::vector<RigidTarget>& rigid_targets) {
 
 }  // namespace
 
-void RequireFewPoints(const std::string& place, size_t count) {
+void RequireFewPoints(const std::string& position, size_t count) {
   if (count > kMaxPatternPoints)
     throw InputError(
         fmt::format("{}: {} feature points exceed the limit of {} per pattern; "
                     "check columns and rows",
-                    place, count, kMaxPatternPoints));
+                    position, count, kMaxPatternPoints));
 }
 
 std::vector<Eigen::Vector3d> Board::NominalPoints() const {
@@ -121,8 +121,8 @@ std::vector<Eigen::Vector3d> Board::NominalPoints() const {
   std::vector<Eigen::Vector3d> nominal;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      nominal.emplace_back(of_kind.PlaceOf(*this, column),
-                           of_kind.PlaceOf(*this, row), 0);
+      nominal.emplace_back(of_kind.GetPosition(*this, column),
+                           of_kind.GetPosition(*this, row), 0);
   return nominal;
 }
 
@@ -175,14 +175,15 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
   size_t num_points = 0;
   try {
     for (size_t i = 0; i < root["boards"].size(); ++i) {
-      const std::string place = fmt::format("{}, board {}", name, i + 1);
+      const std::string position = fmt::format("{}, board {}", name, i + 1);
       if (!root["boards"][i].IsMap())
-        throw InputError(fmt::format("{}: not a mapping", place));
-      Board board = ParseBoard(place, root["boards"][i]);
+        throw InputError(fmt::format("{}: not a mapping", position));
+      Board board = ParseBoard(position, root["boards"][i]);
       if (pattern.FindBoard(board.id))
-        throw InputError(fmt::format("{}: duplicate id {}", place, board.id));
+        throw InputError(
+            fmt::format("{}: duplicate id {}", position, board.id));
       num_points += board.points.size();
-      RequireFewPoints(place, num_points);
+      RequireFewPoints(position, num_points);
       pattern.boards.push_back(std::move(board));
     }
     RequireDistinctTags(name, pattern);
@@ -216,7 +217,7 @@ std::string FormatPattern(const Pattern& pattern) {
   }
   root.remove("board_bodies");
   if (!pattern.rigid_targets.empty())
-    root["board_bodies"] = RigidTargetsNode(pattern.rigid_targets);
+    root["board_bodies"] = MakeRigidTargetsNode(pattern.rigid_targets);
   // The key that no pattern lacks comes last: a file that was cut is no
   // pattern.
   root.remove("raygrid_pattern");

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kSamePx = 1e-3, kSavedAgainPx = 0.05;
 
-using LatticePlace = std::tuple<int, int, int>;
-using PixelsByPlace = std::map<LatticePlace, Eigen::Vector2d>;
+using LatticePosition = std::tuple<int, int, int>;
+using PixelsByPlace = std::map<LatticePosition, Eigen::Vector2d>;
 
 PixelsByPlace ByPlace(const ImageFeatures& image) {
   PixelsByPlace pixels;

@@ -79,11 +79,11 @@ void RequireTextFile(const std::string& path, std::string_view contents) {
       throw InputError(
           path +
           ": begins with a byte order mark; save it as UTF-8 without BOM");
-  const size_t place = FindInvalidUtf8(contents);
-  if (place == std::string_view::npos) return;
+  const size_t position = FindInvalidUtf8(contents);
+  if (position == std::string_view::npos) return;
   const auto line =
       1 + std::count(contents.begin(),
-                     contents.begin() + static_cast<std::ptrdiff_t>(place),
+                     contents.begin() + static_cast<std::ptrdiff_t>(position),
                      '\n');
   throw InputError(fmt::format(
       "{}, line {}: not UTF-8; save the file in this encoding", path, line));

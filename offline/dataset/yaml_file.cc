@@ -172,11 +172,11 @@ void RequireYamlList(const YAML::Node& node, const char* name, int size) {
 
 InputError YamlError(const std::string& path, const YAML::Exception& error) {
   // A missing key has no line number.
-  const std::string place =
+  const std::string position =
       error.mark.is_null()
           ? path
           : fmt::format("{}, line {}", path, error.mark.line + 1);
-  return InputError(place + ": " + error.msg);
+  return InputError(position + ": " + error.msg);
 }
 
 }  // namespace raygrid

@@ -262,7 +262,7 @@ void AssessPopulationDistance(const CalibrationMetrics& metrics,
 
 // "the corners of the image are extrapolated: expect errors up to 0.7 px
 // there".
-std::string ExtrapolationText(const ExtrapolatedRegion& region) {
+std::string FormatExtrapolation(const ExtrapolatedRegion& region) {
   const bool is_plural = region.where.back() == 's' ||
                          region.where.find(" and ") != std::string::npos;
   constexpr double kManyPx = 10;
@@ -284,14 +284,14 @@ void AssessExtrapolation(const CalibrationMetrics& metrics,
     findings->Warn(
         fmt::format("{} ({:.0f} % of the image); move the target into that "
                     "part, or use the valid region only",
-                    ExtrapolationText(*region), 100 * region->share));
+                    FormatExtrapolation(*region), 100 * region->share));
   else if (covered < kEnoughArea)
     findings->Warn(fmt::format(
         "features cover only {:.0f} % of the image, and the remainder is "
         "extrapolated; move the target into the corners",
         100 * covered));
   else if (is_large && region->share > 0)
-    findings->Note(ExtrapolationText(*region));
+    findings->Note(FormatExtrapolation(*region));
 }
 
 void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {

@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kWorthwhile = 0.1;  // fraction of the squared residuals
 
-std::string BetterModelAdvice(const BudgetFacts& facts) {
+std::string AdviseOnBetterModel(const BudgetFacts& facts) {
   return fmt::format("use --model {}, which has a lower held-out error",
                      facts.better_model);
 }
 
 std::string AdviseOnImagePosition(const BudgetFacts& facts) {
-  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid() && !facts.generic_tried)
     return "use --model central-generic";
   if (!facts.IsGrid())
@@ -33,7 +33,7 @@ std::string AdviseOnImagePosition(const BudgetFacts& facts) {
 }
 
 // The recommendation for a cause, unless it was already tried.
-std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
+std::string AdviseOnCause(ErrorCause cause, const BudgetFacts& facts) {
   switch (cause) {
     case ErrorCause::kImagePosition:
       return AdviseOnImagePosition(facts);
@@ -60,7 +60,7 @@ std::string AdviceFor(ErrorCause cause, const BudgetFacts& facts) {
   }
 }
 
-const char* InWords(ErrorCause cause) {
+const char* NameCause(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePosition:
       return "systematic residuals that depend on the position in the image";
@@ -79,7 +79,7 @@ const char* InWords(ErrorCause cause) {
   }
 }
 
-std::optional<ErrorCause> LargestCause(const ResidualBudget& budget) {
+std::optional<ErrorCause> FindLargestCause(const ResidualBudget& budget) {
   std::optional<ErrorCause> largest;
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
@@ -95,7 +95,7 @@ int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
 // The causes that explain the views as well as the largest does: few tilts or a
 // narrow field of view cannot separate them. A cause that explains no more than
 // the control, column-wise motion, is not identified either.
-std::vector<std::string> EquivalentCauses(const ResidualBudget& budget) {
+std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)
     if (budget.causes[static_cast<size_t>(k)].is_indistinguishable)
@@ -106,7 +106,7 @@ std::vector<std::string> EquivalentCauses(const ResidualBudget& budget) {
 // Model errors and incorrect target geometry also cause such errors, and can be
 // tested without new images.
 std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
-  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid() && !facts.generic_tried)
     return "first use --model central-generic, since a model error causes such "
            "residuals, too";
@@ -131,15 +131,15 @@ BudgetAssessment OfViewsAlike(const std::vector<std::string>& causes,
 }
 
 BudgetAssessment OfCause(ErrorCause cause, const ResidualBudget& budget) {
-  const std::vector<std::string> alike = EquivalentCauses(budget);
+  const std::vector<std::string> alike = ListEquivalentCauses(budget);
   if (cause >= ErrorCause::kDeformation &&
       (alike.size() > 1 ||
        (budget.is_column_delay_indistinguishable && !alike.empty())))
     return OfViewsAlike(alike, budget);
   return {ToString(cause),
-          fmt::format("{} ({} % of the squared residuals)", InWords(cause),
+          fmt::format("{} ({} % of the squared residuals)", NameCause(cause),
                       Percent(budget.Of(cause).in_turn)),
-          AdviceFor(cause, budget.facts)};
+          AdviseOnCause(cause, budget.facts)};
 }
 
 BudgetAssessment OfLargeErrors(const ResidualBudget& budget) {
@@ -152,7 +152,7 @@ BudgetAssessment OfLargeErrors(const ResidualBudget& budget) {
 }
 
 // "; effects that these images do not determine: ...", or empty.
-std::string UntoldCauses(const ResidualBudget& budget) {
+std::string DescribeUnresolvedCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)
     if (!budget.causes[static_cast<size_t>(k)].is_observable)
@@ -167,7 +167,7 @@ BudgetAssessment OfNoise(const ResidualBudget& budget) {
           fmt::format("feature noise, {:.2g} px in x and {:.2g} px in y ({} % "
                       "of the squared residuals){}",
                       budget.noise_px.x(), budget.noise_px.y(),
-                      Percent(budget.noise), UntoldCauses(budget)),
+                      Percent(budget.noise), DescribeUnresolvedCauses(budget)),
           "add images, or improve their sharpness: more light, better focus"};
 }
 
@@ -175,12 +175,12 @@ BudgetAssessment OfRest(const ResidualBudget& budget) {
   return {"unexplained",
           fmt::format("spatially correlated residuals of unknown cause ({} % "
                       "of the squared residuals){}",
-                      Percent(budget.rest), UntoldCauses(budget)),
+                      Percent(budget.rest), DescribeUnresolvedCauses(budget)),
           AdviseOnCorrelatedErrors(budget.facts)};
 }
 
 BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
-  const std::optional<ErrorCause> cause = LargestCause(budget);
+  const std::optional<ErrorCause> cause = FindLargestCause(budget);
   const double largest = cause ? budget.Of(*cause).in_turn : 0;
   if (budget.large >= kWorthwhile && budget.large > largest)
     return OfLargeErrors(budget);
@@ -193,7 +193,7 @@ BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
 std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
   constexpr char kLook[] =
       "look for blur, glare, motion and outlier images in the report";
-  if (!facts.better_model.empty()) return BetterModelAdvice(facts);
+  if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid())
     return facts.generic_tried ? fmt::format(
                                      "central-generic was tried and is not "

@@ -160,8 +160,8 @@ Eigen::MatrixXd MatrixOf(const Information& information,
   return matrix;
 }
 
-Estimate EstimateOf(const Information& information,
-                    const std::vector<int>& parameters) {
+Estimate EstimateParameters(const Information& information,
+                            const std::vector<int>& parameters) {
   const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
   const Eigen::MatrixXd matrix = MatrixOf(information, parameters);
   Eigen::VectorXd right(size);
@@ -301,8 +301,8 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
 
 // The variance inflation of smooth sums by correlated residuals: an AR(1)
 // correlation of r between features, in both directions.
-double Inflation(const std::vector<ProjectedView>& views,
-                 const std::vector<Eigen::VectorXd>& remainders) {
+double ComputeInflation(const std::vector<ProjectedView>& views,
+                        const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
   for (size_t v = 0; v < views.size(); ++v)
     for (size_t i = 0; i < views[v].size(); ++i)
@@ -332,9 +332,9 @@ std::vector<int> Range(int first, int count) {
   return range;
 }
 
-Movement MovementOf(const std::string& name,
-                    const std::vector<std::string>& parameters,
-                    const GroupTest& test) {
+Movement MakeMovement(const std::string& name,
+                      const std::vector<std::string>& parameters,
+                      const GroupTest& test) {
   Movement movement;
   movement.name = name;
   movement.sigmas = ChiSquaredSigmas(test.chi_squared, test.degrees_of_freedom);
@@ -366,7 +366,8 @@ std::vector<std::string> Explain(const Information& information,
     double least = kAlarmSigmas;
     for (const Candidate& candidate : candidates) {
       if (candidate.names.size() != count) continue;
-      const Estimate estimate = EstimateOf(information, candidate.parameters);
+      const Estimate estimate =
+          EstimateParameters(information, candidate.parameters);
       const double left =
           ChiSquaredSigmas(smooth_chi_squared - estimate.chi_squared,
                            kNumSmooth - estimate.degrees_of_freedom);
@@ -424,8 +425,8 @@ Judged Assess(const ReferenceCamera& camera,
     judged.reduced.push_back(Reduce(camera, view, clip_px));
     judged.num_features += static_cast<int>(view.size());
   }
-  const Estimate first = EstimateOf(Gather(judged.reduced, camera.noise_px),
-                                    Range(0, kNumMovements));
+  const Estimate first = EstimateParameters(
+      Gather(judged.reduced, camera.noise_px), Range(0, kNumMovements));
   const std::vector<Eigen::VectorXd> remainders =
       Remainders(judged.reduced, first.values);
   double sum = 0;
@@ -436,12 +437,13 @@ Judged Assess(const ReferenceCamera& camera,
                first.degrees_of_freedom);
   judged.noise_px =
       std::max(camera.noise_px, std::sqrt(sum / degrees_of_freedom)) *
-      std::sqrt(Inflation(views, remainders));
+      std::sqrt(ComputeInflation(views, remainders));
   judged.information = Gather(judged.reduced, judged.noise_px);
   return judged;
 }
 
-std::vector<std::string> SignificantOf(const std::vector<Movement>& movements) {
+std::vector<std::string> SelectSignificant(
+    const std::vector<Movement>& movements) {
   std::vector<std::string> names;
   for (const Movement& movement : movements)
     if (movement.sigmas > kAlarmSigmas) names.push_back(movement.name);
@@ -477,23 +479,24 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   CameraChange change;
   change.num_features = judged.num_features;
   change.noise_px = judged.noise_px;
-  const Estimate of_smooth = EstimateOf(information, Range(0, kNumSmooth));
+  const Estimate of_smooth =
+      EstimateParameters(information, Range(0, kNumSmooth));
   const GroupTests tests = TestGroups(information, camera.modes);
   change.movements = {
-      MovementOf("scale", {"relative_change"}, tests[0]),
-      MovementOf("shift", {"x_px", "y_px"}, tests[1]),
-      MovementOf("tilt", {"about_y_rad", "about_x_rad"}, tests[2])};
+      MakeMovement("scale", {"relative_change"}, tests[0]),
+      MakeMovement("shift", {"x_px", "y_px"}, tests[1]),
+      MakeMovement("tilt", {"about_y_rad", "about_x_rad"}, tests[2])};
   for (const Movement& movement : change.movements)
     change.smooth_sigmas = std::max(change.smooth_sigmas, movement.sigmas);
   const GroupTest& of_local = tests[3];
-  const Movement local = MovementOf("local", {}, of_local);
+  const Movement local = MakeMovement("local", {}, of_local);
   change.local_sigmas = local.sigmas;
   // A local change is partly explained by smooth ones.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
     change.moved = camera.modes.beyond.HasSmooth()
-                       ? SignificantOf(change.movements)
+                       ? SelectSignificant(change.movements)
                        : Explain(information, of_smooth.chi_squared);
   if (is_local) {
     change.moved.push_back("local");
@@ -504,7 +507,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   change.is_conclusive = WouldFindAHundredth(camera, change.movements);
 
   const Eigen::VectorXd fitted =
-      is_local ? EstimateOf(information, Range(0, kNumMovements)).values
+      is_local ? EstimateParameters(information, Range(0, kNumMovements)).values
                : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
                   Eigen::VectorXd::Zero(kNumLocal))
                      .finished();

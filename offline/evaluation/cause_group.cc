@@ -17,7 +17,7 @@ CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
 }
 
 // The minimum share of a cause to be significant.
-double LeastTold(const CauseShare& share) {
+double MinSignificantGain(const CauseShare& share) {
   constexpr double kNegligible = 0.002;
   return std::max(share.chance_high, kNegligible);
 }
@@ -85,9 +85,9 @@ std::optional<size_t> CauseGroup::FindNextCause(
   double best_gain = 0;
   for (size_t k = 0; k < fits_.size(); ++k) {
     const CauseShare& share = budget->Of(fits_[k].cause);
-    if (is_taken[k] || share.alone <= LeastTold(share)) continue;
+    if (is_taken[k] || share.alone <= MinSignificantGain(share)) continue;
     const double gain = Gain(fits_[k].fit, left);
-    if (gain <= std::max(best_gain, LeastTold(share))) continue;
+    if (gain <= std::max(best_gain, MinSignificantGain(share))) continue;
     best_gain = gain;
     best = k;
   }

@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kViewBlocks = 4;
 
-Eigen::Index ColumnOf(size_t feature) {
+Eigen::Index GetColumn(size_t feature) {
   return 2 * static_cast<Eigen::Index>(feature);
 }
 
 // Consecutive images are similar: they are assigned to one half.
-std::vector<int> HalvesByView(const BudgetInput& input) {
+std::vector<int> SplitByView(const BudgetInput& input) {
   const int num_views = static_cast<int>(CountFeaturesByView(input).size());
   std::vector<int> half;
   for (const BudgetFeature& feature : input.features)
@@ -24,7 +24,7 @@ std::vector<int> HalvesByView(const BudgetInput& input) {
 
 // Neighbours share errors of unmodelled causes. Blocks keep most of them within
 // one half.
-std::vector<int> HalvesByLattice(const BudgetInput& input) {
+std::vector<int> SplitByLattice(const BudgetInput& input) {
   constexpr int kBlocksAlongBoard = 6;
   int columns = 1, rows = 1;
   for (const BudgetFeature& feature : input.features) {
@@ -61,7 +61,7 @@ struct BoardPlane {
   Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
 };
 
-std::vector<BoardPlane> PlanesOf(const BudgetInput& input) {
+std::vector<BoardPlane> FitBoardPlanes(const BudgetInput& input) {
   int num_boards = 0;
   for (const int board : input.boards)
     num_boards = std::max(num_boards, board + 1);
@@ -147,13 +147,13 @@ LinearCause PerViewShare(const BudgetInput& input, const PoseParts& pose,
                          const Errors& errors_of) {
   const std::vector<int> counts = CountFeaturesByView(input);
   LinearCause linear;
-  linear.half = HalvesByLattice(input);
+  linear.half = SplitByLattice(input);
   linear.num_units = static_cast<int>(counts.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     const BudgetFeature& feature = input.features[i];
     const Eigen::Matrix2Xd errors = errors_of(feature);
     if (i == 0) linear.columns.resize(errors.cols(), 2 * input.features.size());
-    linear.columns.middleCols<2>(ColumnOf(i)) = errors.transpose();
+    linear.columns.middleCols<2>(GetColumn(i)) = errors.transpose();
     linear.unit.push_back(
         counts[feature.view] >= kMinBudgetViewFeatures ? feature.view : -1);
   }
@@ -186,7 +186,7 @@ PoseParts::PoseParts(const BudgetInput& input) {
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(J_pose);
     qr.setThreshold(1e-9);
     views_.push_back(
-        {ColumnOf(first),
+        {GetColumn(first),
          qr.householderQ() * Eigen::MatrixXd::Identity(2 * count, qr.rank())});
     first += count;
   }
@@ -210,7 +210,7 @@ void PoseParts::RemoveFromRows(Eigen::MatrixXd* columns) const {
 
 LinearCause MakeImagePositionCause(const BudgetInput& input) {
   LinearCause cause;
-  cause.half = HalvesByView(input);
+  cause.half = SplitByView(input);
   const double knot_spacing_px = CellPx(input);
   const int columns =
       static_cast<int>(std::ceil(input.image_size.width / knot_spacing_px)) + 1;
@@ -227,19 +227,19 @@ LinearCause MakeImagePositionCause(const BudgetInput& input) {
     const Eigen::Vector2d& pixel = input.features[i].pixel;
     cause.unit.push_back(cell_of(pixel.y(), rows) * columns +
                          cell_of(pixel.x(), columns));
-    cause.columns.middleCols<2>(ColumnOf(i)).setIdentity();
+    cause.columns.middleCols<2>(GetColumn(i)).setIdentity();
   }
   return cause;
 }
 
 LinearCause MakeBoardPositionCause(const BudgetInput& input) {
   LinearCause cause;
-  cause.half = HalvesByView(input);
+  cause.half = SplitByView(input);
   cause.num_units = static_cast<int>(input.points.size());
   cause.columns.resize(3, 2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     cause.unit.push_back(input.features[i].point);
-    cause.columns.middleCols<2>(ColumnOf(i)) =
+    cause.columns.middleCols<2>(GetColumn(i)) =
         input.features[i].J_point.transpose();
   }
   return cause;
@@ -251,7 +251,7 @@ std::optional<LinearCause> MakeViewCause(ErrorCause cause,
   const bool is_bend = cause == ErrorCause::kDeformation;
   if (is_bend && (input.bends.empty() || input.bends.front().cols() == 0))
     return std::nullopt;
-  const std::vector<BoardPlane> planes = PlanesOf(input);
+  const std::vector<BoardPlane> planes = FitBoardPlanes(input);
   return PerViewShare(input, pose, [&](const BudgetFeature& feature) {
     return ApplyJacobian(cause, input, planes, feature);
   });

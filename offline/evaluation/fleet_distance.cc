@@ -14,12 +14,12 @@ namespace {
 // The Jacobian of the mean camera's projections with respect to a rotation
 // about each axis, two rows per pixel; zero where it is undefined.
 Eigen::MatrixXd DisplacementsByTurn(
-    const CameraModel& middle, const std::vector<Eigen::Vector2d>& places) {
-  Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * places.size(), 3);
-  for (size_t i = 0; i < places.size(); ++i) {
-    const auto ray = middle.Unproject(places[i]);
+    const CameraModel& mean, const std::vector<Eigen::Vector2d>& positions) {
+  Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const auto ray = mean.Unproject(positions[i]);
     LinearizedProjection projection;
-    if (!ray || !middle.Linearize(*ray, &places[i], 1, &projection)) continue;
+    if (!ray || !mean.Linearize(*ray, &positions[i], 1, &projection)) continue;
     Eigen::Matrix3d cross;  // w x ray, for w
     cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
         -ray->x(), 0;
@@ -29,12 +29,12 @@ Eigen::MatrixXd DisplacementsByTurn(
 }
 
 Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
-                        const std::vector<Eigen::Vector2d>& places) {
+                        const std::vector<Eigen::Vector2d>& positions) {
   const std::vector<BSplineSurface> surfaces = spread.Surfaces(area);
-  Eigen::MatrixXd columns(2 * places.size(), surfaces.size());
+  Eigen::MatrixXd columns(2 * positions.size(), surfaces.size());
   for (size_t k = 0; k < surfaces.size(); ++k)
-    for (size_t i = 0; i < places.size(); ++i)
-      columns.block<2, 1>(2 * i, k) = surfaces[k].Evaluate(places[i]);
+    for (size_t i = 0; i < positions.size(); ++i)
+      columns.block<2, 1>(2 * i, k) = surfaces[k].Evaluate(positions[i]);
   return columns;
 }
 
@@ -47,12 +47,12 @@ double SquaresWithoutTurns(const Eigen::MatrixXd& by_turn,
 
 // The sum of squared distances between the rays of the camera and those of the
 // mean.
-double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
-                        const std::vector<Eigen::Vector2d>& places) {
-  const PixelField field = ComputeDisplacements(middle, camera, places);
+double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
+                        const std::vector<Eigen::Vector2d>& positions) {
+  const PixelField field = ComputeDisplacements(mean, camera, positions);
   std::vector<Eigen::Vector2d> seen;
-  for (size_t i = 0; i < places.size(); ++i)
-    if (field[i]) seen.push_back(places[i]);
+  for (size_t i = 0; i < positions.size(); ++i)
+    if (field[i]) seen.push_back(positions[i]);
   Eigen::VectorXd moved(2 * seen.size());
   Eigen::Index row = 0;
   for (const auto& displacement : field)
@@ -60,16 +60,16 @@ double SquaredDistances(const CameraModel& middle, const CameraModel& camera,
       moved.segment<2>(row) = *displacement;
       row += 2;
     }
-  const double beyond = static_cast<double>(places.size() - seen.size()) *
+  const double beyond = static_cast<double>(positions.size() - seen.size()) *
                         std::pow(kDisplacementMarginPx, 2);
-  return beyond + SquaresWithoutTurns(DisplacementsByTurn(middle, seen), moved);
+  return beyond + SquaresWithoutTurns(DisplacementsByTurn(mean, seen), moved);
 }
 
 double SquaredDeviations(const CameraModel& camera,
                          const UncertaintyLattice& deviations,
-                         const std::vector<Eigen::Vector2d>& places) {
+                         const std::vector<Eigen::Vector2d>& positions) {
   double sum = 0;
-  for (const Eigen::Vector2d& place : places) {
+  for (const Eigen::Vector2d& place : positions) {
     const double deviation_px = deviations.At(camera.area(), place);
     if (std::isfinite(deviation_px)) sum += 2 * std::pow(deviation_px, 2);
   }
@@ -103,19 +103,20 @@ std::string FleetDistance::Warning() const {
 }
 
 std::optional<FleetDistance> MeasureFleetDistance(
-    const CameraModel& middle, const LensSpread& spread,
+    const CameraModel& mean, const LensSpread& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels) {
-  std::vector<Eigen::Vector2d> places;
+  std::vector<Eigen::Vector2d> positions;
   for (const Eigen::Vector2d& pixel : pixels)
-    if (middle.area().Contains(pixel)) places.push_back(pixel);
-  if (places.empty()) return std::nullopt;
-  const double count = static_cast<double>(places.size());
-  double of_units = SquaresWithoutTurns(DisplacementsByTurn(middle, places),
-                                        Stacked(spread, middle.area(), places));
-  if (deviations) of_units += SquaredDeviations(camera, *deviations, places);
+    if (mean.area().Contains(pixel)) positions.push_back(pixel);
+  if (positions.empty()) return std::nullopt;
+  const double count = static_cast<double>(positions.size());
+  double of_units =
+      SquaresWithoutTurns(DisplacementsByTurn(mean, positions),
+                          Stacked(spread, mean.area(), positions));
+  if (deviations) of_units += SquaredDeviations(camera, *deviations, positions);
   return FleetDistance{
-      std::sqrt(SquaredDistances(middle, camera, places) / count),
+      std::sqrt(SquaredDistances(mean, camera, positions) / count),
       std::sqrt(of_units / count)};
 }
 

@@ -30,7 +30,7 @@ struct FleetDistance {
 /// deviations per axis, are added to the spread of the units. Returns nullopt
 /// if no pixel is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
-    const CameraModel& middle, const LensSpread& spread,
+    const CameraModel& mean, const LensSpread& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels);
 

@@ -15,7 +15,7 @@ struct FoldOver {
 
 /// Measures the fold at the centres of square cells. null: no valid region.
 FoldOver MeasureFoldOver(const CameraModel& camera,
-                         const ValidityMask* trusted);
+                         const ValidityMask* valid_region);
 
 }  // namespace raygrid
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSteps = 40;  // along each side
 
-std::vector<ObservationLine> LinesOfCamera(const CameraModel& camera) {
+std::vector<ObservationLine> SampleObservationLines(const CameraModel& camera) {
   std::vector<ObservationLine> lines;
   const Area& area = camera.area();
   for (int j = 0; j <= kSteps; ++j) {
@@ -30,7 +30,7 @@ LineSpread MeasureLineSpread(const CameraModel& camera) {
   LineSpread spread;
   if (camera.IsCentral()) return spread;
   // The sum of |(I - d d^T)(c - o)|^2 is minimal at c.
-  const std::vector<ObservationLine> lines = LinesOfCamera(camera);
+  const std::vector<ObservationLine> lines = SampleObservationLines(camera);
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const ObservationLine& line : lines) {

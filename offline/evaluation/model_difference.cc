@@ -108,7 +108,7 @@ Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
   return UpdatedPose(pose, matrix.ldlt().solve(right));
 }
 
-Pose BestMotion(const std::vector<LinePair>& pairs, bool are_central) {
+Pose EstimateMotion(const std::vector<LinePair>& pairs, bool are_central) {
   constexpr int kRounds = 10;
   std::vector<double> weights(pairs.size(), 1);
   Pose pose;
@@ -152,7 +152,8 @@ ModelDifference CompareModels(const CameraModel& first,
       SampleLines(first, second, step_px, distance_m);
   if (pairs.empty()) return {};
   const bool are_central = first.IsCentral() && second.IsCentral();
-  return DifferenceAfter(pairs, BestMotion(pairs, are_central), are_central);
+  return DifferenceAfter(pairs, EstimateMotion(pairs, are_central),
+                         are_central);
 }
 
 ModelDifference CompareRotatedModels(

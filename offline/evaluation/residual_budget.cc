@@ -25,13 +25,13 @@ double SquaresOf(const BudgetInput& input) {
 }
 
 // The standard deviation per coordinate, from the median norm.
-double DeviationOf(std::vector<double> norms) {
+double ComputeRobustStdDev(std::vector<double> norms) {
   return Quantile(std::move(norms), 0.5) / std::sqrt(2 * std::log(2.0));
 }
 
 // Limits of errors per view: five standard deviations, of its own or of all.
 // Views differ, depending on the causes; few large errors would mask all else.
-std::vector<double> LongestByView(const BudgetInput& input) {
+std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
   constexpr double kDeviations = 5;
   std::vector<std::vector<double>> norms(CountFeaturesByView(input).size());
   std::vector<double> all, longest;
@@ -39,16 +39,16 @@ std::vector<double> LongestByView(const BudgetInput& input) {
     norms[feature.view].push_back(feature.error_px.norm());
     all.push_back(norms[feature.view].back());
   }
-  const double of_all = DeviationOf(std::move(all));
+  const double of_all = ComputeRobustStdDev(std::move(all));
   for (std::vector<double>& of_view : norms)
-    longest.push_back(kDeviations *
-                      std::max(of_all, DeviationOf(std::move(of_view))));
+    longest.push_back(kDeviations * std::max(of_all, ComputeRobustStdDev(
+                                                         std::move(of_view))));
   return longest;
 }
 
 // The errors in sequence, without those beyond the limit.
 Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
-  const std::vector<double> longest = LongestByView(input);
+  const std::vector<double> longest = ComputeMaxErrorByView(input);
   Eigen::VectorXd errors(2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     const Eigen::Vector2d& error = input.features[i].error_px;
@@ -61,8 +61,8 @@ Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
 
 // ---- Causes ----------------------------------------------------------------
 
-void CannotTell(const std::vector<ErrorCause>& causes, const std::string& why,
-                ResidualBudget* budget) {
+void MarkUnresolved(const std::vector<ErrorCause>& causes,
+                    const std::string& why, ResidualBudget* budget) {
   for (const ErrorCause cause : causes)
     budget->causes[static_cast<size_t>(cause)].unobservable_reason = why;
 }
@@ -71,10 +71,10 @@ Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
                                 const Eigen::VectorXd& errors,
                                 ResidualBudget* budget) {
   if (budget->num_views < kMinBudgetViews) {
-    CannotTell({ErrorCause::kImagePosition, ErrorCause::kBoardPosition},
-               fmt::format("{} views, at least {} required", budget->num_views,
-                           kMinBudgetViews),
-               budget);
+    MarkUnresolved({ErrorCause::kImagePosition, ErrorCause::kBoardPosition},
+                   fmt::format("{} views, at least {} required",
+                               budget->num_views, kMinBudgetViews),
+                   budget);
     return errors;
   }
   std::vector<NamedFit> fits;
@@ -99,10 +99,10 @@ void ExplainByViews(const BudgetInput& input, double squares,
       ErrorCause::kDeformation, ErrorCause::kInPlane, ErrorCause::kImageAffine,
       ErrorCause::kRollingShutter};
   if (!HaveViewsMany(input)) {
-    CannotTell(causes,
-               fmt::format("most views have fewer than {} features",
-                           kMinBudgetViewFeatures),
-               budget);
+    MarkUnresolved(causes,
+                   fmt::format("most views have fewer than {} features",
+                               kMinBudgetViewFeatures),
+                   budget);
     return;
   }
   const PoseParts pose(input);
@@ -112,7 +112,7 @@ void ExplainByViews(const BudgetInput& input, double squares,
     if (auto linear = MakeViewCause(cause, input, pose))
       fits.push_back({cause, CrossFit(std::move(*linear))});
     else
-      CannotTell({cause}, "the target is not planar, or too small", budget);
+      MarkUnresolved({cause}, "the target is not planar, or too small", budget);
   }
   const CauseGroup group(std::move(fits), &pose, squares);
   group.Explain(errors, budget);

@@ -17,7 +17,7 @@ constexpr double kHistogramExtent = 2.5;
 // Mean norm of a two-dimensional standard normal variable: sqrt(pi / 2).
 constexpr double kNormalMeanNorm = 1.2533141373155003;
 
-int BinOf(double value) {
+int GetBinIndex(double value) {
   const double position =
       (value + kHistogramExtent) / (2 * kHistogramExtent) * kBins;
   return std::clamp(static_cast<int>(std::floor(position)), 0, kBins - 1);
@@ -47,7 +47,7 @@ double DivergenceFromNormal(const std::vector<Eigen::Vector2d>& errors) {
   std::array<std::array<double, kBins>, kBins> histogram = {};
   for (const Eigen::Vector2d& error : errors) {
     const Eigen::Vector2d scaled = error * (kNormalMeanNorm / mean_norm);
-    histogram[BinOf(scaled.y())][BinOf(scaled.x())] +=
+    histogram[GetBinIndex(scaled.y())][GetBinIndex(scaled.x())] +=
         1.0 / static_cast<double>(errors.size());
   }
   const std::array<double, kBins> normal = NormalBins();

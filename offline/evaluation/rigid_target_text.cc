@@ -13,24 +13,24 @@ namespace {
 struct PairDeviation {
   double square_m2 = 0, square_rad2 = 0;
   double expected_m2 = 0, expected_rad2 = 0;
-  int num_instants = 0;
+  int num_frames = 0;
 
   void Add(const BoardPair& pair) {
-    const double count = pair.num_instants;
+    const double count = pair.num_frames;
     square_m2 += count * pair.deviation_m * pair.deviation_m;
     square_rad2 += count * pair.deviation_rad * pair.deviation_rad;
     expected_m2 += count * pair.expected_m * pair.expected_m;
     expected_rad2 += count * pair.expected_rad * pair.expected_rad;
-    num_instants += pair.num_instants;
+    num_frames += pair.num_frames;
   }
   std::string Text() const {
-    const double count = std::max(1, num_instants);
+    const double count = std::max(1, num_frames);
     constexpr double kDegrees = 180 / M_PI;
     return fmt::format(
         "{:.3f} mm and {:.3f} degrees RMS ({} pairs of views; expected from "
         "noise: {:.3f} mm and {:.3f} degrees)",
         1e3 * std::sqrt(square_m2 / count),
-        kDegrees * std::sqrt(square_rad2 / count), num_instants,
+        kDegrees * std::sqrt(square_rad2 / count), num_frames,
         1e3 * std::sqrt(expected_m2 / count),
         kDegrees * std::sqrt(expected_rad2 / count));
   }

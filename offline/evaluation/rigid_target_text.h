@@ -11,7 +11,7 @@ namespace raygrid {
 /// The relative pose of two boards that were seen in the same frames.
 struct BoardPair {
   int first = 0, second = 0;  ///< board ids
-  int num_instants = 0;       ///< number of common frames
+  int num_frames = 0;         ///< number of common frames
   bool fixed = false;  ///< constant relative pose, within the uncertainty
   /// RMS deviation of the second board's centre and rotation, in the frame of
   /// the first, from their mean; and the deviation expected from noise.

@@ -50,7 +50,7 @@ double SumLanes(const std::vector<CountedCell>& cells) {
 }
 
 // The third of the image, across or down, that contains a pixel: 0 to 2.
-int ThirdOf(double position, int extent) {
+int GetThird(double position, int extent) {
   return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
 }
 
@@ -131,7 +131,7 @@ double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid) {
       CellsOf(camera, camera.image_circle(), valid);
   double num_valid = 0;
   for (const CountedCell& cell : cells)
-    if (cell.is_calibrated && valid.is_trusted[cell.cell])
+    if (cell.is_calibrated && valid.is_valid[cell.cell])
       num_valid += cell.num_pixels;
   return num_valid / SumLanes(cells);
 }
@@ -157,10 +157,10 @@ ExtrapolatedRegion FindExtrapolatedRegion(
   const std::vector<CountedCell> cells =
       CellsOf(camera, image_circle, supported);
   for (const CountedCell& cell : cells) {
-    const int column = ThirdOf(cell.center.x(), size.width);
-    const int row = ThirdOf(cell.center.y(), size.height);
+    const int column = GetThird(cell.center.x(), size.width);
+    const int row = GetThird(cell.center.y(), size.height);
     all[row][column] += cell.num_pixels;
-    if (!cell.is_calibrated || supported.is_trusted[cell.cell]) continue;
+    if (!cell.is_calibrated || supported.is_valid[cell.cell]) continue;
     shares[row][column] += cell.num_pixels;
     region.share += cell.num_pixels;
     const double px = lattice.At(camera.area(), cell.center);
@@ -179,12 +179,12 @@ ExtrapolatedRegion FindExtrapolatedRegion(
 
 void InvalidateOutside(const ImageCircle& circle, ValidityMask* mask) {
   const double half = mask->knot_spacing_px / 2.0;
-  for (size_t cell = 0; cell < mask->is_trusted.size(); ++cell) {
+  for (size_t cell = 0; cell < mask->is_valid.size(); ++cell) {
     const Eigen::Vector2d center = mask->CellCenter(static_cast<int>(cell));
     for (const double dy : {-half, half})
       for (const double dx : {-half, half})
         if (!circle.Contains(center + Eigen::Vector2d(dx, dy)))
-          mask->is_trusted[cell] = false;
+          mask->is_valid[cell] = false;
   }
 }
 

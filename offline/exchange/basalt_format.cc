@@ -8,7 +8,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -23,19 +23,19 @@ constexpr char kType[] = "camera_type";
 constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0 is no limit
 
 // Parameters of the forms are Basalt's keys.
-const std::vector<LensForm>& BasaltForms() {
-  static const std::vector<LensForm> forms = [] {
-    LensForm fisheye = OpenCvFisheyeForm("kb4");
+const std::vector<ExternalModel>& GetBasaltModels() {
+  static const std::vector<ExternalModel> external_models = [] {
+    ExternalModel fisheye = MakeOpenCvFisheyeModel("kb4");
     fisheye.reach_rad = M_PI;
-    return std::vector<LensForm>{
-        OpenCvForm("pinhole", 0),
-        OpenCvForm("pinhole-radtan8", 8),
+    return std::vector<ExternalModel>{
+        MakeOpenCvModel("pinhole", 0),
+        MakeOpenCvModel("pinhole-radtan8", 8),
         fisheye,
-        MakeForm("ds", models::kDoubleSphere, {"xi", "alpha"}),
-        MakeForm("eucm", models::kEucm, {"alpha", "beta"}),
-        MakeForm("ucm", models::kDoubleSphere, {"alpha"})};
+        MakeExternalModel("ds", models::kDoubleSphere, {"xi", "alpha"}),
+        MakeExternalModel("eucm", models::kEucm, {"alpha", "beta"}),
+        MakeExternalModel("ucm", models::kDoubleSphere, {"alpha"})};
   }();
-  return forms;
+  return external_models;
 }
 
 // Keys that Basalt requires, all but one for its IMU. The values are the
@@ -56,30 +56,30 @@ const Json& DefaultsOfOthers() {
 
 // ---- Reading ---------------------------------------------------------------
 
-const LensForm& BasaltFormNamed(const std::string& type) {
+const ExternalModel& FindBasaltModel(const std::string& type) {
   std::string names;
-  for (const LensForm& form : BasaltForms()) {
-    if (form.name == type) return form;
-    names += (names.empty() ? "" : ", ") + form.name;
+  for (const ExternalModel& external_model : GetBasaltModels()) {
+    if (external_model.name == type) return external_model;
+    names += (names.empty() ? "" : ", ") + external_model.name;
   }
   throw InputError(fmt::format("unsupported {} '{}'; supported are {}", kType,
                                Printable(type), names));
 }
 
-ConvertedLens ReadBasaltLens(const YAML::Node& camera,
-                             std::vector<std::string>* warnings) {
+ConvertedCamera ReadBasaltLens(const YAML::Node& camera,
+                               std::vector<std::string>* warnings) {
   if (!camera.IsMap() || !camera[kType] || !camera[kType].IsScalar())
     throw InputError(fmt::format("'{}' is missing", kType));
-  ConvertedLens lens;
-  lens.form = &BasaltFormNamed(camera[kType].as<std::string>());
+  ConvertedCamera lens;
+  lens.external_model = &FindBasaltModel(camera[kType].as<std::string>());
   const YAML::Node values = camera[kLenses];
   if (!values || !values.IsMap())
     throw InputError(fmt::format("'{}' is missing", kLenses));
   const CameraKeys keys(values, kLenses);
-  for (const std::string& parameter : lens.form->parameters)
+  for (const std::string& parameter : lens.external_model->parameters)
     lens.values.push_back(FiniteNumber(keys[parameter], parameter));
   keys.Skip({kRadius});
-  keys.Finish(*lens.form, warnings);
+  keys.Finish(*lens.external_model, warnings);
   return lens;
 }
 
@@ -214,12 +214,12 @@ Json BasaltPose(const Pose& pose) {
           {"qy", q.y()}, {"qz", q.z()}, {"qw", q.w()}};
 }
 
-Json BasaltLens(const ConvertedLens& lens) {
+Json BasaltLens(const ConvertedCamera& lens) {
   Json values = Json::object();
   for (size_t k = 0; k < lens.values.size(); ++k)
-    values[lens.form->parameters[k]] = lens.values[k];
-  if (lens.form->Has("k6")) values[kRadius] = 0.0;
-  return {{kType, lens.form->name}, {kLenses, std::move(values)}};
+    values[lens.external_model->parameters[k]] = lens.values[k];
+  if (lens.external_model->Has("k6")) values[kRadius] = 0.0;
+  return {{kType, lens.external_model->name}, {kLenses, std::move(values)}};
 }
 
 // The IMU stands in the rig's frame, or in that of a camera alone. Basalt
@@ -230,7 +230,7 @@ std::string WriteBasalt(const WriteRequest& request) {
                {kSizes, Json::array()}};
   Json own = Json::array();
   for (const WrittenLens& camera : request.cameras) {
-    const ConvertedLens& lens = camera.lens;
+    const ConvertedCamera& lens = camera.lens;
     root[kPoses].push_back(
         BasaltPose(camera.camera_from_rig.value_or(Pose{}).Inverse()));
     root[kLenses].push_back(BasaltLens(lens));
@@ -244,13 +244,13 @@ std::string WriteBasalt(const WriteRequest& request) {
 
 }  // namespace
 
-Format BasaltFormat() {
+Format MakeBasaltFormat() {
   Format format;
   format.name = "basalt";
   format.holds =
       "calibration.json: a camera or rig of pinhole, radtan8, kb4, ds, eucm "
       "and ucm cameras";
-  format.forms = BasaltForms();
+  format.external_models = GetBasaltModels();
   format.ending = ".json";
   format.supports_rigs = true;
   format.recognizes = IsBasalt;

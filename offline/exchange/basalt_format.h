@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// Basalt's calibration.json, which describes a whole rig.
-Format BasaltFormat();
+Format MakeBasaltFormat();
 
 }  // namespace raygrid
 

@@ -29,9 +29,9 @@ class ByteReader {
     Require(1, kSize);
     uint64_t bits = 0;
     for (size_t k = 0; k < kSize; ++k) {
-      const size_t place = order == ByteOrder::kLittle ? k : kSize - 1 - k;
+      const size_t position = order == ByteOrder::kLittle ? k : kSize - 1 - k;
       bits |= uint64_t{static_cast<unsigned char>(bytes_[at_ + k])}
-              << 8 * place;
+              << 8 * position;
     }
     at_ += kSize;
     Number number;
@@ -87,8 +87,8 @@ void Append(Number number, std::string* bytes,
   uint64_t bits = 0;
   std::memcpy(&bits, &number, kSize);
   for (size_t k = 0; k < kSize; ++k) {
-    const size_t place = order == ByteOrder::kLittle ? k : kSize - 1 - k;
-    bytes->push_back(static_cast<char>(bits >> 8 * place & 0xff));
+    const size_t position = order == ByteOrder::kLittle ? k : kSize - 1 - k;
+    bytes->push_back(static_cast<char>(bits >> 8 * position & 0xff));
   }
 }
 

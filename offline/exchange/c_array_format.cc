@@ -25,7 +25,7 @@ std::string ArrayName(const std::filesystem::path& path) {
   return name;
 }
 
-std::string InCapitals(std::string name) {
+std::string ToUpper(std::string name) {
   for (char& c : name)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
   return name;
@@ -63,7 +63,7 @@ std::string Constants(const std::string& capitals, const BlobTable& blob) {
 std::string Declarator(const std::string& name) {
   return fmt::format(
       "const uint8_t {}[{}_SIZE]\n    __attribute__((aligned({})))", name,
-      InCapitals(name), BlobTable::kAlignment);
+      ToUpper(name), BlobTable::kAlignment);
 }
 
 std::string Bytes(const std::string& bytes) {
@@ -77,7 +77,7 @@ std::string Bytes(const std::string& bytes) {
 
 std::string Header(const std::string& name, const BlobTable& blob,
                    const std::string& declaration) {
-  const std::string capitals = InCapitals(name);
+  const std::string capitals = ToUpper(name);
   return fmt::format(
       "{0}#ifndef {1}_H\n#define {1}_H\n\n#include <stdint.h>\n"
       "\n{2}\n{3}\n#endif /* {1}_H */\n",
@@ -107,7 +107,7 @@ TableOutput WriteCArray(const BlobTable& blob) {
                "#ifdef __cplusplus\nextern \"C\" {\n#endif\nextern " +
                    Declarator(name) + ";\n#ifdef __cplusplus\n}\n#endif\n"));
   }
-  output.told =
+  output.configuration =
       fmt::format("{}, {} bytes, alignment {}, CRC-32 {:08X}", name,
                   blob.bytes.size(), BlobTable::kAlignment, blob.crc32);
   return output;
@@ -115,7 +115,7 @@ TableOutput WriteCArray(const BlobTable& blob) {
 
 }  // namespace
 
-TableFormat CArrayFormat() {
+TableFormat MakeCArrayFormat() {
   TableFormat format;
   format.name = "c";
   format.holds =

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// A blob as a C or C++ array.
-TableFormat CArrayFormat();
+TableFormat MakeCArrayFormat();
 
 }  // namespace raygrid
 

@@ -101,25 +101,27 @@ bool IsNothing(const YAML::Node& value, int depth = 0) {
 }
 
 // The last key of a path, or of OpenCV's parts: k1 of "Camera.k1".
-std::string LastOf(const std::string& path) {
+std::string GetLastKey(const std::string& path) {
   return path.substr(path.find_last_of("/.") + 1);
 }
 
-LensFamily FamilyOf(const LensForm& form) {
-  if (form.model == models::kThinPrismFisheye) return LensFamily::kFisheye;
-  if (form.model == models::kOpenCv || form.model == models::kOpenCv14)
+LensFamily GetLensFamily(const ExternalModel& external_model) {
+  if (external_model.model == models::kThinPrismFisheye)
+    return LensFamily::kFisheye;
+  if (external_model.model == models::kOpenCv ||
+      external_model.model == models::kOpenCv14)
     return LensFamily::kPinhole;
-  return form.model == models::kOmniRadtan ? LensFamily::kOmni
-                                           : LensFamily::kOther;
+  return external_model.model == models::kOmniRadtan ? LensFamily::kOmni
+                                                     : LensFamily::kOther;
 }
 
 // Whether a selector is consistent with a form. Kalibr uses "pinhole" also for
 // fisheyes, whose distortion has a separate key.
 bool Agrees(const std::string& key, const YAML::Node& value,
-            const LensForm& form) {
+            const ExternalModel& external_model) {
   if (IsNothing(value) || !value.IsScalar()) return true;
   const std::string text = Plain(value.as<std::string>());
-  const LensFamily own = FamilyOf(form);
+  const LensFamily own = GetLensFamily(external_model);
   if (text == "true" || text == "1" || text == "yes") {
     const auto names = [&](const char* word) {
       return key.find(word) != std::string::npos;
@@ -135,13 +137,15 @@ bool Agrees(const std::string& key, const YAML::Node& value,
 }
 
 // Whether a value repeats a parameter's value.
-bool IsValueOf(const LensForm& form, const std::vector<double>& values,
-               const std::string& parameter, const YAML::Node& value) {
+bool IsValueOf(const ExternalModel& external_model,
+               const std::vector<double>& values, const std::string& parameter,
+               const YAML::Node& value) {
   double number = NAN;
   if (!value.IsScalar() || !YAML::convert<double>::decode(value, number))
     return false;
-  for (size_t k = 0; k < std::min(values.size(), form.parameters.size()); ++k)
-    if (form.parameters[k] == parameter)
+  for (size_t k = 0;
+       k < std::min(values.size(), external_model.parameters.size()); ++k)
+    if (external_model.parameters[k] == parameter)
       return std::abs(values[k] - number) <= 1e-6 * std::abs(values[k]);
   return false;
 }
@@ -309,7 +313,7 @@ void CameraKeys::FindUnread(
   }
 }
 
-void CameraKeys::Finish(const LensForm& form,
+void CameraKeys::Finish(const ExternalModel& external_model,
                         std::vector<std::string>* warnings,
                         const std::vector<double>& values) const {
   std::vector<std::pair<std::string, YAML::Node>> unread;
@@ -319,13 +323,14 @@ void CameraKeys::Finish(const LensForm& form,
   std::string names;
   size_t count = 0;
   for (const auto& [path, value] : unread) {
-    const std::string plain = Plain(LastOf(path));
-    if (IsValueOf(form, values, plain, value)) continue;
+    const std::string plain = Plain(GetLastKey(path));
+    if (IsValueOf(external_model, values, plain, value)) continue;
     const bool is_named_only = named_only_.count(path) > 0;
     const bool is_selector = IsSelector(plain) && !is_named_only,
                is_parameter = IsParameter(plain) && !is_named_only,
                is_nothing = IsNothing(value);
-    if (is_selector ? !Agrees(plain, value, form) : is_parameter && !is_nothing)
+    if (is_selector ? !Agrees(plain, value, external_model)
+                    : is_parameter && !is_nothing)
       throw InputError(fmt::format(
           "{}'{}'{} contradicts {}, the camera model implied by the other "
           "keys; remove it if it is not an intrinsic parameter",
@@ -333,7 +338,7 @@ void CameraKeys::Finish(const LensForm& form,
           value.IsScalar()
               ? fmt::format(", '{}',", Printable(value.as<std::string>()))
               : "",
-          form.name));
+          external_model.name));
     if (is_nothing && (is_selector || is_parameter || value.IsNull())) continue;
     if (++count <= kMostNames)
       names += (names.empty() ? "" : ", ") + Printable(path);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -64,7 +64,8 @@ class CameraKeys {
   /// key that in some format selects another model or is a parameter, unless
   /// its value is equivalent or empty, or one of the camera's own `values`. One
   /// warning lists the remaining unread keys.
-  void Finish(const LensForm& form, std::vector<std::string>* warnings,
+  void Finish(const ExternalModel& external_model,
+              std::vector<std::string>* warnings,
               const std::vector<double>& values = {}) const;
 
  private:

@@ -11,7 +11,7 @@ namespace {
 constexpr int32_t kCameraSensor = 0;
 constexpr uint64_t kMostCameras = 1000000, kLongestSidePx = 1000000;
 
-int SideOf(uint64_t side) {
+int GetSide(uint64_t side) {
   if (side < 1 || side > kLongestSidePx)
     throw InputError(fmt::format("{}: invalid image size", side));
   return static_cast<int>(side);
@@ -105,8 +105,8 @@ std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes) {
       throw InputError(
           fmt::format("camera {}: unknown model {}", camera.id, model));
     camera.model = names[model];
-    camera.size.width = SideOf(reader.Get<uint64_t>());
-    camera.size.height = SideOf(reader.Get<uint64_t>());
+    camera.size.width = GetSide(reader.Get<uint64_t>());
+    camera.size.height = GetSide(reader.Get<uint64_t>());
     for (int n = NumColmapParameters(camera.model); n > 0; --n)
       camera.parameters.push_back(reader.GetFinite());
     cameras.push_back(std::move(camera));

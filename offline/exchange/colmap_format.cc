@@ -14,31 +14,33 @@
 #include "dataset/yaml_file.h"
 #include "exchange/colmap_files.h"
 #include "exchange/nearest_grid.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 
 namespace raygrid {
 namespace {
 
-LensForm ColmapForm(LensForm form, bool is_explicit_only) {
-  form.origin = PixelOrigin::kImageCorner;
-  form.reach_rad = M_PI / 2;
-  form.is_explicit_only = is_explicit_only;
-  return form;
+ExternalModel MakeColmapModel(ExternalModel external_model,
+                              bool is_explicit_only) {
+  external_model.origin = PixelOrigin::kImageCorner;
+  external_model.reach_rad = M_PI / 2;
+  external_model.is_explicit_only = is_explicit_only;
+  return external_model;
 }
 
 // COLMAP's fisheyes divide by z, as OpenCV's. Models with one focal length are
 // restrictions of others; versions before 4 lack the last three.
-std::vector<LensForm> MakeColmapForms() {
+std::vector<ExternalModel> MakeColmapForms() {
   const std::string fisheye = models::kThinPrismFisheye;
-  std::vector<LensForm> forms = {
-      ColmapForm(OpenCvForm("PINHOLE", 0), false),
-      ColmapForm(OpenCvForm("OPENCV", 4), false),
-      ColmapForm(OpenCvForm("FULL_OPENCV", 8), false),
-      ColmapForm(OpenCvFisheyeForm("OPENCV_FISHEYE"), false),
-      ColmapForm(MakeForm("THIN_PRISM_FISHEYE", fisheye,
-                          {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"}),
-                 false)};
-  const std::vector<LensForm> asked = {
+  std::vector<ExternalModel> external_models = {
+      MakeColmapModel(MakeOpenCvModel("PINHOLE", 0), false),
+      MakeColmapModel(MakeOpenCvModel("OPENCV", 4), false),
+      MakeColmapModel(MakeOpenCvModel("FULL_OPENCV", 8), false),
+      MakeColmapModel(MakeOpenCvFisheyeModel("OPENCV_FISHEYE"), false),
+      MakeColmapModel(
+          MakeExternalModel("THIN_PRISM_FISHEYE", fisheye,
+                            {"k1", "k2", "p1", "p2", "k3", "k4", "sx1", "sy1"}),
+          false)};
+  const std::vector<ExternalModel> asked = {
       {"SIMPLE_PINHOLE", models::kOpenCv, {"f", "cx", "cy"}},
       {"SIMPLE_RADIAL", models::kOpenCv, {"f", "cx", "cy", "k1"}},
       {"RADIAL", models::kOpenCv, {"f", "cx", "cy", "k1", "k2"}},
@@ -46,21 +48,22 @@ std::vector<LensForm> MakeColmapForms() {
       {"RADIAL_FISHEYE", fisheye, {"f", "cx", "cy", "k1", "k2"}},
       {"SIMPLE_FISHEYE", fisheye, {"f", "cx", "cy"}},
       {"FISHEYE", fisheye, {"fx", "fy", "cx", "cy"}},
-      MakeForm("EUCM", models::kEucm, {"alpha", "beta"})};
-  for (const LensForm& form : asked) forms.push_back(ColmapForm(form, true));
-  return forms;
+      MakeExternalModel("EUCM", models::kEucm, {"alpha", "beta"})};
+  for (const ExternalModel& external_model : asked)
+    external_models.push_back(MakeColmapModel(external_model, true));
+  return external_models;
 }
 
-const std::vector<LensForm>& ColmapForms() {
-  static const std::vector<LensForm> forms = MakeColmapForms();
-  return forms;
+const std::vector<ExternalModel>& GetColmapModels() {
+  static const std::vector<ExternalModel> external_models = MakeColmapForms();
+  return external_models;
 }
 
-const LensForm& ColmapFormNamed(const ColmapCamera& camera) {
+const ExternalModel& FindColmapModel(const ColmapCamera& camera) {
   std::string names;
-  for (const LensForm& form : ColmapForms()) {
-    if (form.name == camera.model) return form;
-    names += (names.empty() ? "" : ", ") + form.name;
+  for (const ExternalModel& external_model : GetColmapModels()) {
+    if (external_model.name == camera.model) return external_model;
+    names += (names.empty() ? "" : ", ") + external_model.name;
   }
   const std::vector<std::string>& known = ColmapModelNames();
   const bool is_known =
@@ -114,8 +117,8 @@ std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
   return std::nullopt;
 }
 
-ConvertedLens ReadAriaFisheye(const ColmapCamera& camera,
-                              std::vector<std::string>* warnings) {
+ConvertedCamera ReadAriaFisheye(const ColmapCamera& camera,
+                                std::vector<std::string>* warnings) {
   const std::vector<double>& values = camera.parameters;
   if (values.size() != 16)
     throw InputError(fmt::format("camera {}: {}: expected 16 numbers, found {}",
@@ -154,8 +157,8 @@ std::vector<std::string> PathsBeside(const std::string& path) {
 
 // Returns the only rig of several cameras, if all have poses in it; otherwise
 // nullopt, with a warning if there is any such rig.
-ColmapRig RigOf(const std::vector<ColmapRig>& rigs, size_t num_cameras,
-                std::vector<std::string>* warnings) {
+ColmapRig FindColmapRig(const std::vector<ColmapRig>& rigs, size_t num_cameras,
+                        std::vector<std::string>* warnings) {
   std::vector<ColmapRig> wide;
   for (const ColmapRig& rig : rigs)
     if (rig.size() > 1) wide.push_back(rig);
@@ -228,8 +231,8 @@ void ReadCompanionFiles(const ReadRequest& request, bool is_text,
   };
   take("rigs", request.beside[0], ParseColmapRigs, DecodeColmapRigs,
        [&](const std::vector<ColmapRig>& rigs) {
-         SetPoses(RigOf(rigs, cameras.size(), &contents->warnings), cameras,
-                  contents);
+         SetPoses(FindColmapRig(rigs, cameras.size(), &contents->warnings),
+                  cameras, contents);
        });
   take("images", request.beside[1], ParseColmapImages, DecodeColmapImages,
        [&](const std::vector<ColmapImage>& images) {
@@ -255,8 +258,8 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
     read.serial = camera.serial;
     read.lens = camera.model == kAriaFisheye
                     ? ReadAriaFisheye(camera, &contents.warnings)
-                    : ConvertedLens{&ColmapFormNamed(camera), camera.size,
-                                    camera.parameters};
+                    : ConvertedCamera{&FindColmapModel(camera), camera.size,
+                                      camera.parameters};
     contents.cameras.push_back(std::move(read));
   }
   ReadCompanionFiles(request, is_text, cameras, &contents);
@@ -267,7 +270,7 @@ std::string WriteColmap(const WriteRequest& request) {
   std::vector<ColmapCamera> cameras;
   for (const WrittenLens& camera : request.cameras)
     cameras.push_back({static_cast<uint32_t>(cameras.size() + 1),
-                       camera.lens.form->name, camera.lens.size,
+                       camera.lens.external_model->name, camera.lens.size,
                        camera.lens.values, camera.name, camera.serial,
                        camera.fit ? FormatLensFit(*camera.fit) : ""});
   return IsBinaryPath(request.path) ? EncodeColmapCameras(cameras)
@@ -285,7 +288,8 @@ ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
 }
 
 // Images of several cameras are in folders named after the cameras.
-std::vector<ColmapImage> ImagesOf(const std::vector<WrittenLens>& cameras) {
+std::vector<ColmapImage> MakeColmapImages(
+    const std::vector<WrittenLens>& cameras) {
   std::vector<ColmapImage> images;
   for (size_t c = 0; c < cameras.size(); ++c)
     for (const BoardPose& pose : cameras[c].poses)
@@ -297,7 +301,7 @@ std::vector<ColmapImage> ImagesOf(const std::vector<WrittenLens>& cameras) {
   return images;
 }
 
-// Images of the same name are one frame. images come from ImagesOf().
+// Images of the same name are one frame. images come from MakeColmapImages().
 std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
                                   const std::vector<WrittenLens>& cameras) {
   const ColmapRig rig = RigOfCameras(cameras);
@@ -332,7 +336,7 @@ std::vector<CompanionFile> WriteColmapBeside(const WriteRequest& request) {
   if (is_rig)
     add("rigs", EncodeColmapRig, FormatColmapRig,
         RigOfCameras(request.cameras));
-  const std::vector<ColmapImage> images = ImagesOf(request.cameras);
+  const std::vector<ColmapImage> images = MakeColmapImages(request.cameras);
   if (images.empty()) return files;
   if (is_rig)
     add("frames", EncodeColmapFrames, FormatColmapFrames,
@@ -345,13 +349,13 @@ std::vector<CompanionFile> WriteColmapBeside(const WriteRequest& request) {
 
 }  // namespace
 
-Format ColmapFormat() {
+Format MakeColmapFormat() {
   Format format;
   format.name = "colmap";
   format.holds =
       "cameras.txt or cameras.bin; rigs with rigs.txt or rigs.bin; poses of a "
       "board as images.txt or images.bin";
-  format.forms = ColmapForms();
+  format.external_models = GetColmapModels();
   format.supports_rigs = true;
   format.recognizes = [](const std::string& text) {
     return IsColmapText(text) || IsColmapBinary(text);

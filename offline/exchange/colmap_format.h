@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// COLMAP's cameras.txt and cameras.bin; for a rig with the adjacent rigs.txt
 /// or rigs.bin.
-Format ColmapFormat();
+Format MakeColmapFormat();
 
 }  // namespace raygrid
 

@@ -58,8 +58,8 @@ std::map<uint32_t, std::string> Comments(const std::string& text,
   return comments;
 }
 
-std::string CommentText(const std::string& kind, uint32_t id,
-                        const std::string& text) {
+std::string FormatComment(const std::string& kind, uint32_t id,
+                          const std::string& text) {
   return text.empty() ? ""
                       : fmt::format("{}{}: {}\n", kind, id, Printable(text));
 }
@@ -186,9 +186,9 @@ std::string FormatColmapCameras(const std::vector<ColmapCamera>& cameras) {
   std::string text = kCamerasHeader;
   text += fmt::format("# Number of cameras: {}\n", cameras.size());
   for (const ColmapCamera& camera : cameras) {
-    text += CommentText(kNameComment, camera.id, camera.name);
-    text += CommentText(kSerialComment, camera.id, camera.serial);
-    text += CommentText("# Fit of camera ", camera.id, camera.warning);
+    text += FormatComment(kNameComment, camera.id, camera.name);
+    text += FormatComment(kSerialComment, camera.id, camera.serial);
+    text += FormatComment("# Fit of camera ", camera.id, camera.warning);
     text += fmt::format("{} {} {} {}", camera.id, camera.model,
                         camera.size.width, camera.size.height);
     for (const double number : camera.parameters)

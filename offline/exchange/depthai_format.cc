@@ -11,7 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -34,19 +34,19 @@ constexpr int kDevPerspectiveType = 0, kDevFisheyeType = 1;
 constexpr std::array<double, 3> kDevUnitM = {1, 0.01, 0.001};
 constexpr int kDevCentimetres = 1;
 
-const std::vector<LensForm>& DepthAiForms() {
-  static const std::vector<LensForm> forms = {
-      OpenCvForm("perspective", 0), OpenCvForm("perspective5", 5),
-      OpenCvForm("perspective8", 8), OpenCvForm("perspective14", 14),
-      OpenCvFisheyeForm(kDevFisheye)};
-  return forms;
+const std::vector<ExternalModel>& GetDepthAiModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("perspective", 0), MakeOpenCvModel("perspective5", 5),
+      MakeOpenCvModel("perspective8", 8), MakeOpenCvModel("perspective14", 14),
+      MakeOpenCvFisheyeModel(kDevFisheye)};
+  return external_models;
 }
 
-const LensForm& DepthAiForm(bool is_fisheye, size_t num_coefficients) {
-  for (const LensForm& form : DepthAiForms())
-    if ((form.name == kDevFisheye) == is_fisheye &&
-        form.parameters.size() >= 4 + num_coefficients)
-      return form;
+const ExternalModel& GetDepthAiModel(bool is_fisheye, size_t num_coefficients) {
+  for (const ExternalModel& external_model : GetDepthAiModels())
+    if ((external_model.name == kDevFisheye) == is_fisheye &&
+        external_model.parameters.size() >= 4 + num_coefficients)
+      return external_model;
   throw InputError(
       fmt::format("{}: too many non-zero coefficients", kDevCoefficients));
 }
@@ -80,7 +80,7 @@ int WholeNumber(const YAML::Node& node, const std::string& name) {
   return static_cast<int>(number);
 }
 
-ConvertedLens ReadDevLens(const CameraKeys& camera) {
+ConvertedCamera ReadDevLens(const CameraKeys& camera) {
   const int type = camera.Has("cameraType")
                        ? WholeNumber(camera["cameraType"], "cameraType")
                        : kDevPerspectiveType;
@@ -88,19 +88,20 @@ ConvertedLens ReadDevLens(const CameraKeys& camera) {
     throw InputError(fmt::format(
         "cameraType {}: unsupported, expected 0 (perspective) or 1 (fisheye)",
         type));
-  ConvertedLens lens;
+  ConvertedCamera lens;
   ReadCameraMatrix(RowsOfMatrix(camera[kDevMatrix], kDevMatrix), kDevMatrix,
                    &lens);
   std::vector<double> coefficients =
       FiniteNumbers(camera[kDevCoefficients], kDevCoefficients);
   while (!coefficients.empty() && coefficients.back() == 0)
     coefficients.pop_back();
-  lens.form = &DepthAiForm(type == kDevFisheyeType, coefficients.size());
+  lens.external_model =
+      &GetDepthAiModel(type == kDevFisheyeType, coefficients.size());
   lens.size = {SidePx(camera["width"], "width"),
                SidePx(camera["height"], "height")};
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
-  lens.values.resize(lens.form->parameters.size(), 0);
+  lens.values.resize(lens.external_model->parameters.size(), 0);
   return lens;
 }
 
@@ -140,7 +141,7 @@ DevCamera ReadDevCamera(const YAML::Node& entry,
   camera.lens.lens = ReadDevLens(keys);
   ReadDevLink(keys[kDevExtrinsics], &camera);
   keys.Skip({"lensPosition", "specHfovDeg"});
-  keys.Finish(*camera.lens.lens.form, warnings);
+  keys.Finish(*camera.lens.lens.external_model, warnings);
   return camera;
 }
 
@@ -241,7 +242,7 @@ int SocketOfName(const std::string& name) {
 
 // A pair whose names do not say sockets has those of Luxonis's pairs. Other
 // cameras have the first ones.
-std::vector<int> SocketsOf(const std::vector<WrittenLens>& cameras) {
+std::vector<int> AssignSockets(const std::vector<WrittenLens>& cameras) {
   if (cameras.size() > static_cast<size_t>(kDevNumSockets))
     throw Error(ExitCode::kUsage,
                 fmt::format("--to depthai: the rig has {1} cameras, but a "
@@ -283,7 +284,7 @@ Json DevLink(const Pose& target_from_camera, int target) {
       {kDevTranslation, translation}};
 }
 
-Json DevLens(const ConvertedLens& lens) {
+Json DevLens(const ConvertedCamera& lens) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   k(0, 0) = lens.Value("fx");
   k(1, 1) = lens.Value("fy");
@@ -291,8 +292,9 @@ Json DevLens(const ConvertedLens& lens) {
   k(1, 2) = lens.Value("cy");
   std::vector<double> coefficients = lens.ValuesFrom(4);
   coefficients.resize(kDevNumCoefficients, 0);
-  return {{"cameraType", lens.form->name == kDevFisheye ? kDevFisheyeType
-                                                        : kDevPerspectiveType},
+  return {{"cameraType", lens.external_model->name == kDevFisheye
+                             ? kDevFisheyeType
+                             : kDevPerspectiveType},
           {kDevCoefficients, coefficients},
           {"height", lens.size.height},
           {kDevMatrix, DevMatrix(k)},
@@ -316,7 +318,7 @@ Json DevRectification(const WriteRequest& request,
 }
 
 std::string WriteDepthAi(const WriteRequest& request) {
-  const std::vector<int> sockets = SocketsOf(request.cameras);
+  const std::vector<int> sockets = AssignSockets(request.cameras);
   Json cameras = Json::array(), own = Json::array();
   const Pose first_from_rig =
       request.cameras.front().camera_from_rig.value_or(Pose{});
@@ -342,13 +344,13 @@ std::string WriteDepthAi(const WriteRequest& request) {
 
 }  // namespace
 
-Format DepthAiFormat() {
+Format MakeDepthAiFormat() {
   Format format;
   format.name = "depthai";
   format.holds =
       "Luxonis: calibration.json of a camera or rig; the socket follows from "
       "the name, such as left or CAM_B";
-  format.forms = DepthAiForms();
+  format.external_models = GetDepthAiModels();
   format.ending = ".json";
   format.supports_rigs = true;
   format.supports_pairs = true;

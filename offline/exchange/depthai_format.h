@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The calibration of a Luxonis device, as read by CalibrationHandler.
-Format DepthAiFormat();
+Format MakeDepthAiFormat();
 
 }  // namespace raygrid
 

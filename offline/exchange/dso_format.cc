@@ -11,7 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/nearest_grid.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -19,11 +19,12 @@ namespace {
 
 constexpr char kDsoFov[] = "FOV";
 
-const std::vector<LensForm>& DsoForms() {
-  static const std::vector<LensForm> forms = {
-      OpenCvForm("Pinhole", 0), OpenCvForm("RadTan", 4),
-      OpenCvFisheyeForm("EquiDistant"), OpenCvFisheyeForm("KannalaBrandt")};
-  return forms;
+const std::vector<ExternalModel>& GetDsoModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("Pinhole", 0), MakeOpenCvModel("RadTan", 4),
+      MakeOpenCvFisheyeModel("EquiDistant"),
+      MakeOpenCvFisheyeModel("KannalaBrandt")};
+  return external_models;
 }
 
 // Words of the first two non-empty lines.
@@ -54,15 +55,17 @@ bool IsDso(const std::string& text) {
       }))
     return false;
   if (is_number(lens[0])) return lens.size() == 5 || lens.size() == 8;
-  return lens[0] == kDsoFov || std::any_of(DsoForms().begin(), DsoForms().end(),
-                                           [&](const LensForm& form) {
-                                             return form.name == lens[0];
-                                           });
+  return lens[0] == kDsoFov ||
+         std::any_of(GetDsoModels().begin(), GetDsoModels().end(),
+                     [&](const ExternalModel& external_model) {
+                       return external_model.name == lens[0];
+                     });
 }
 
 // The model of R. Devernay and O. Faugeras, whose radius is an angle.
-ConvertedLens ReadFov(const ImageSize& size, const std::vector<double>& values,
-                      std::vector<std::string>* warnings) {
+ConvertedCamera ReadFov(const ImageSize& size,
+                        const std::vector<double>& values,
+                        std::vector<std::string>* warnings) {
   const double omega = values[4];
   if (!(omega > 0 && omega < M_PI))
     throw InputError(
@@ -116,15 +119,15 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   if (!(values[0] > 0 && values[1] > 0))
     throw InputError("focal lengths must be positive");
   ExchangeContents contents;
-  ConvertedLens& read = contents.cameras.emplace_back().lens;
+  ConvertedCamera& read = contents.cameras.emplace_back().lens;
   if (model == kDsoFov && values.size() == 5 && values[4] != 0) {
     read = ReadFov(size, values, &contents.warnings);
     return contents;
   }
   const std::string name = model == kDsoFov ? "Pinhole" : model;
-  for (const LensForm& form : DsoForms())
-    if (form.name == name) read.form = &form;
-  if (!read.form)
+  for (const ExternalModel& external_model : GetDsoModels())
+    if (external_model.name == name) read.external_model = &external_model;
+  if (!read.external_model)
     throw InputError(fmt::format("'{}' is not a DSO model", model));
   if (name == "Pinhole") TrimCoefficients(4, &values);
   read.size = size;
@@ -136,28 +139,28 @@ ExchangeContents ReadDso(const ReadRequest& request) {
 // cropped to the area without border.
 std::string WriteDso(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const bool is_pinhole = camera.lens.form->name == "Pinhole";
-  std::string text = camera.lens.form->name;
-  for (const double value : camera.lens.values) text += " " + RealText(value);
+  const bool is_pinhole = camera.lens.external_model->name == "Pinhole";
+  std::string text = camera.lens.external_model->name;
+  for (const double value : camera.lens.values) text += " " + FormatReal(value);
   const std::string size =
       fmt::format("{} {}\n", camera.lens.size.width, camera.lens.size.height);
   text += fmt::format("{}\n{}{}\n{}", is_pinhole ? " 0.0" : "", size,
                       is_pinhole ? "none" : "crop", size);
   if (camera.fit)
-    text += fmt::format("# nearest {}: {}\n", camera.lens.form->name,
+    text += fmt::format("# nearest {}: {}\n", camera.lens.external_model->name,
                         FormatLensFit(*camera.fit));
   return text;
 }
 
 }  // namespace
 
-Format DsoFormat() {
+Format MakeDsoFormat() {
   Format format;
   format.name = "dso";
   format.holds =
       "camera.txt of DSO, LSD-SLAM and the TUM monocular dataset; FOV "
       "converted to central-generic";
-  format.forms = DsoForms();
+  format.external_models = GetDsoModels();
   format.ending = ".txt";
   format.discards_rig_poses = true;
   format.recognizes = IsDso;

@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// camera.txt of DSO and LSD-SLAM, as in TUM's monocular data set: camera
 /// model, image size, and the program's rectification.
-Format DsoFormat();
+Format MakeDsoFormat();
 
 }  // namespace raygrid
 

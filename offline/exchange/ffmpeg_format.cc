@@ -15,9 +15,9 @@ namespace {
 constexpr uint16_t kNoPlace = 65535;
 
 // Column or row of the nearest pixel.
-uint16_t NearestIndex(double place, int count) {
+uint16_t NearestIndex(double position, int count) {
   return static_cast<uint16_t>(std::clamp<long>(
-      std::lround(place), 0, std::min<long>(count, kNoPlace) - 1));
+      std::lround(position), 0, std::min<long>(count, kNoPlace) - 1));
 }
 
 void AppendSample(uint16_t sample, std::string* pgm) {
@@ -59,7 +59,7 @@ TableOutput WriteFfmpeg(const ViewTable& view) {
 
 }  // namespace
 
-TableFormat FfmpegFormat() {
+TableFormat MakeFfmpegFormat() {
   TableFormat format;
   format.name = "ffmpeg";
   format.holds =

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The x and y maps of a view for ffmpeg's remap filter.
-TableFormat FfmpegFormat();
+TableFormat MakeFfmpegFormat();
 
 }  // namespace raygrid
 

@@ -45,7 +45,7 @@ std::vector<std::string> WordsOf(const std::string& text) {
   return words;
 }
 
-YAML::Node LeafNode(const std::string& text) {
+YAML::Node MakeLeafNode(const std::string& text) {
   const std::vector<std::string> words = WordsOf(text);
   if (words.size() == 1) return YAML::Node(words[0]);
   YAML::Node list(YAML::NodeType::Sequence);
@@ -55,7 +55,7 @@ YAML::Node LeafNode(const std::string& text) {
 
 YAML::Node NodeOf(const XmlElement& element) {
   if (element.children.empty()) {
-    const YAML::Node leaf = LeafNode(element.text);
+    const YAML::Node leaf = MakeLeafNode(element.text);
     // A list of one number is a list.
     if (element.name != "data" || leaf.IsSequence()) return leaf;
     YAML::Node list(YAML::NodeType::Sequence);
@@ -267,7 +267,7 @@ void FileStorageText::Add(const std::string& key, int number) {
 }
 
 void FileStorageText::Add(const std::string& key, double number) {
-  AddPlain(key, RealText(number));
+  AddPlain(key, FormatReal(number));
 }
 
 void FileStorageText::Add(const std::string& key, const std::string& text) {

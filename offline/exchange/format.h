@@ -10,7 +10,7 @@
 #include "camera/pose.h"
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 #include "exchange/lens_selection.h"
 
 namespace raygrid {
@@ -30,7 +30,7 @@ struct RectifiedProjection {
 /// A camera read from a file.
 struct ReadLens {
   std::string name, serial;  ///< "" if not in the file
-  ConvertedLens lens;        ///< size 0 x 0 if not in the file
+  ConvertedCamera lens;      ///< size 0 x 0 if not in the file
   std::optional<Pose> camera_from_rig;
   std::optional<RectifiedProjection> rectified;
   std::vector<ImageFeatures> features;  ///< features used for calibration
@@ -38,7 +38,7 @@ struct ReadLens {
       missing_features_reason;   ///< why features in the file are not imported
   std::vector<BoardPose> poses;  ///< camera_from_board by board and image
   /// Valid region, if the file has one.
-  std::optional<ValidityMask> trusted = {};
+  std::optional<ValidityMask> valid_region = {};
 };
 
 /// The contents of an imported file.
@@ -60,7 +60,7 @@ struct ReadRequest {
   std::string path, text;
   /// --model and --image-size, for files without them; "" and nullopt if not
   /// given. ReadExchangeFile() compares them with the file's.
-  std::string form;
+  std::string external_model;
   std::optional<ImageSize> size;
   /// Texts of the files listed by Format::beside(); "" for missing files.
   std::vector<std::string> beside = {};
@@ -71,13 +71,13 @@ struct ReadRequest {
 /// A camera to write.
 struct WrittenLens {
   std::string name, serial;
-  ConvertedLens lens;
+  ConvertedCamera lens;
   std::optional<LensFit> fit;           ///< nullopt: exact conversion
   std::optional<Pose> camera_from_rig;  ///< pose of the model's frame, in a rig
   std::optional<RectifiedProjection> rectified;
   std::vector<BoardPose> poses;  ///< board poses in the model's frame
   /// Valid region, if known.
-  std::optional<ValidityMask> trusted = {};
+  std::optional<ValidityMask> valid_region = {};
 };
 
 struct WriteRequest {
@@ -98,10 +98,10 @@ struct CompanionFile {
 // ---- The table -------------------------------------------------------------
 
 struct Format {
-  std::string name;                  ///< "opencv", for --to and --from
-  std::string holds;                 ///< one line for --list
-  std::vector<LensForm> forms;       ///< empty: files have no camera
-  std::string ending = ".yaml";      ///< extension of files of a rig
+  std::string name;   ///< "opencv", for --to and --from
+  std::string holds;  ///< one line for --list
+  std::vector<ExternalModel> external_models;  ///< empty: files have no camera
+  std::string ending = ".yaml";                ///< extension of files of a rig
   bool supports_rigs = false;        ///< otherwise one camera per file
   bool discards_rig_poses = false;   ///< files of a rig lack poses
   bool supports_pairs = false;       ///< files of two cameras have R and P
@@ -134,16 +134,16 @@ struct Format {
       nullptr;
 
   /// Returns null if there is no model with this name.
-  const LensForm* FindForm(const std::string& form) const;
+  const ExternalModel* FindModel(const std::string& external_model) const;
   /// Returns the models that --model selects: the format's model of this name,
   /// or all based on raygrid's model of this name; "" selects all. Models with
   /// is_explicit_only are selected only by their own name. Throws
   /// Error(kUsage), listing the names.
-  std::vector<const LensForm*> FindForms(const std::string& model) const;
+  std::vector<const ExternalModel*> FindModels(const std::string& model) const;
 };
 
 /// Returns all formats, in the order of recognition.
-const std::vector<Format>& Formats();
+const std::vector<Format>& GetFormats();
 
 /// Finds a format. Throws Error(kUsage), naming the option, if there is none.
 const Format& FindFormat(const std::string& option, const std::string& name);
@@ -156,7 +156,7 @@ const Format* RecognizeFormat(const std::string& text);
 const Format* RecognizeCamera(const std::string& path, const std::string& text);
 
 /// Formats the list "opencv, ros and kalibr", for errors.
-std::string FormatNames();
+std::string ListFormatNames();
 
 /// Reads a file of the given format, or of the recognized one if null. All its
 /// cameras are checked to be valid models. Throws InputError with the file's
@@ -190,7 +190,8 @@ void ComputePairPoses(std::vector<ReadLens>* cameras);
 
 /// Throws InputError if --model is neither the name of the file's model nor of
 /// raygrid's model that it is based on.
-void RequireModelOfFile(const ReadRequest& request, const LensForm& form);
+void RequireModelOfFile(const ReadRequest& request,
+                        const ExternalModel& external_model);
 
 /// Assigns the relative pose from another file, if any, to two cameras. Throws
 /// InputError, naming the files, if there are not exactly two cameras without

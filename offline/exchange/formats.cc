@@ -45,24 +45,25 @@ bool HasByteOrderMark(const std::string& text) {
 }
 
 // Distance of the principal point from the image centre, relative to its size.
-double OffCenter(const ConvertedLens& lens, double width, double height) {
-  const Eigen::Vector2d point = FromProgram(
-      lens.form->origin, lens.size, {lens.Value("cx"), lens.Value("cy")});
+double OffCenter(const ConvertedCamera& lens, double width, double height) {
+  const Eigen::Vector2d point =
+      FromProgram(lens.external_model->origin, lens.size,
+                  {lens.Value("cx"), lens.Value("cy")});
   return std::max(std::abs(point.x() / width - 0.5),
                   std::abs(point.y() / height - 0.5));
 }
 
 // Throws for lengths relative to the image size, as in some programs. A missing
 // parameter is reported later.
-void RequirePixels(const ConvertedLens& lens) {
+void RequirePixels(const ConvertedCamera& lens) {
   constexpr double kLeastFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
     return std::abs(lens.Value(name)) < most;
   };
-  if (lens.values.size() < lens.form->parameters.size() ||
-      lens.form->origin != PixelOrigin::kFirstPixelCenter ||
-      !lens.form->Has("fx") || !lens.form->Has("cx") || lens.Value("cx") <= 0 ||
-      lens.Value("cy") <= 0 ||
+  if (lens.values.size() < lens.external_model->parameters.size() ||
+      lens.external_model->origin != PixelOrigin::kFirstPixelCenter ||
+      !lens.external_model->Has("fx") || !lens.external_model->Has("cx") ||
+      lens.Value("cx") <= 0 || lens.Value("cy") <= 0 ||
       std::min(lens.size.width, lens.size.height) < kLeastFocalPx)
     return;
   if (is_part("fx", kLeastFocalPx) && is_part("fy", kLeastFocalPx) &&
@@ -74,10 +75,10 @@ void RequirePixels(const ConvertedLens& lens) {
 }
 
 // Warns of another resolution, or of exchanged width and height.
-void AddRemarkOnCenter(const std::string& name, const ConvertedLens& lens,
+void AddRemarkOnCenter(const std::string& name, const ConvertedCamera& lens,
                        std::vector<std::string>* warnings) {
   constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
-  if (!lens.form->Has("cx") || lens.values.empty()) return;
+  if (!lens.external_model->Has("cx") || lens.values.empty()) return;
   const ImageSize& size = lens.size;
   const double off = OffCenter(lens, size.width, size.height);
   if (off < kFar &&
@@ -128,7 +129,8 @@ void TakeOptions(const Format& format, const ReadRequest& request,
           "scaled or cropped images use 'raygrid pack --mode NAME:scale={:g}'",
           request.size->width, request.size->height, size.width, size.height,
           static_cast<double>(request.size->width) / size.width));
-    if (!format.accepts_model) RequireModelOfFile(request, *camera.lens.form);
+    if (!format.accepts_model)
+      RequireModelOfFile(request, *camera.lens.external_model);
     RequirePixels(camera.lens);
     if (camera.lens.skew_px != 0)
       camera.lens = FitSkewedGrid(camera.lens, &contents->warnings);
@@ -178,42 +180,58 @@ void AddFiles(const std::vector<CompanionFile>& written,
 
 }  // namespace
 
-const std::vector<Format>& Formats() {
+const std::vector<Format>& GetFormats() {
   static const std::vector<Format> formats = [] {
     // Settings of programs may have matrices of OpenCV, too.
-    std::vector<Format> all = KeyedFormats();
-    for (const auto& row :
-         {OpenCvFormat,       RosFormat,          KalibrFormat,
-          KalibrTargetFormat, ColmapFormat,       MrcalCornersFormat,
-          MrcalFormat,        BasaltFormat,       NerfstudioFormat,
-          MetashapeFormat,    PuzzlepaintFormat,  DepthAiFormat,
-          LibcameraFormat,    PhotonVisionFormat, PuzzlepaintPatternFormat,
-          OcamCalibFormat,    DsoFormat,          RosIniFormat,
-          LensfunFormat,      PythonFormat})
+    std::vector<Format> all = MakeKeyedFormats();
+    for (const auto& row : {OpenCvFormat,
+                            MakeRosFormat,
+                            MakeKalibrFormat,
+                            MakeKalibrTargetFormat,
+                            MakeColmapFormat,
+                            MakeMrcalCornersFormat,
+                            MakeMrcalFormat,
+                            MakeBasaltFormat,
+                            MakeNerfstudioFormat,
+                            MakeMetashapeFormat,
+                            MakePuzzlepaintFormat,
+                            MakeDepthAiFormat,
+                            MakeLibcameraFormat,
+                            MakePhotonVisionFormat,
+                            MakePuzzlepaintPatternFormat,
+                            MakeOcamCalibFormat,
+                            MakeDsoFormat,
+                            MakeRosIniFormat,
+                            MakeLensfunFormat,
+                            MakePythonFormat})
       all.push_back(row());
     return all;
   }();
   return formats;
 }
 
-const LensForm* Format::FindForm(const std::string& form) const {
-  for (const LensForm& known : forms)
-    if (known.name == form) return &known;
+const ExternalModel* Format::FindModel(
+    const std::string& external_model) const {
+  for (const ExternalModel& known : external_models)
+    if (known.name == external_model) return &known;
   return nullptr;
 }
 
-std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
-  const bool is_named = FindForm(model) != nullptr;
-  std::vector<const LensForm*> chosen;
+std::vector<const ExternalModel*> Format::FindModels(
+    const std::string& model) const {
+  const bool is_named = FindModel(model) != nullptr;
+  std::vector<const ExternalModel*> chosen;
   std::string names;
-  for (const LensForm& form : forms) {
-    if (model.empty() ? !form.is_explicit_only : model == form.name)
-      chosen.push_back(&form);
-    names += (names.empty() ? "" : ", ") + form.name;
+  for (const ExternalModel& external_model : external_models) {
+    if (model.empty() ? !external_model.is_explicit_only
+                      : model == external_model.name)
+      chosen.push_back(&external_model);
+    names += (names.empty() ? "" : ", ") + external_model.name;
   }
-  for (const LensForm& form : forms)
-    if (!is_named && form.model == model && !form.is_explicit_only)
-      chosen.push_back(&form);
+  for (const ExternalModel& external_model : external_models)
+    if (!is_named && external_model.model == model &&
+        !external_model.is_explicit_only)
+      chosen.push_back(&external_model);
   if (chosen.empty())
     throw Error(ExitCode::kUsage,
                 fmt::format("--model {}: not available in {}; use {}", model,
@@ -222,10 +240,10 @@ std::vector<const LensForm*> Format::FindForms(const std::string& model) const {
 }
 
 const Format& FindFormat(const std::string& option, const std::string& name) {
-  for (const Format& format : Formats())
+  for (const Format& format : GetFormats())
     if (format.name == name) return format;
   throw Error(ExitCode::kUsage, fmt::format("{} {}: unknown format; use {}",
-                                            option, name, FormatNames()));
+                                            option, name, ListFormatNames()));
 }
 
 const Format* RecognizeFormat(const std::string& text) {
@@ -233,7 +251,7 @@ const Format* RecognizeFormat(const std::string& text) {
     return RecognizeFormat(text.substr(kByteOrderMark.size()));
   for (const char* own : {"raygrid_camera:", "raygrid_rig:"})
     if (text.find(own) != std::string::npos) return nullptr;
-  for (const Format& format : Formats())
+  for (const Format& format : GetFormats())
     if (format.recognizes(text)) return &format;
   return nullptr;
 }
@@ -245,12 +263,12 @@ const Format* RecognizeCamera(const std::string& path,
     throw InputError(
         fmt::format("{}: not a camera file (no 'raygrid_camera: 1'), nor of a "
                     "supported format: {}",
-                    path, FormatNames()));
+                    path, ListFormatNames()));
   return format;
 }
 
-std::string FormatNames() {
-  const std::vector<Format>& formats = Formats();
+std::string ListFormatNames() {
+  const std::vector<Format>& formats = GetFormats();
   std::string names = formats.front().name;
   for (size_t k = 1; k < formats.size(); ++k)
     names += (k + 1 < formats.size() ? ", " : " or ") + formats[k].name;
@@ -267,7 +285,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
   const Format* found = RecognizeFormat(request.text);
   if (!format && !found)
     throw InputError(fmt::format("{}: not of a supported format: {}",
-                                 request.path, FormatNames()));
+                                 request.path, ListFormatNames()));
   if (format && found && format != found && !format->recognizes(request.text))
     throw InputError(fmt::format("{}: has the format {}, not {}", request.path,
                                  found->name, format->name));
@@ -287,7 +305,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
 }
 
 void RequireCameraFormat(const Format& format, const std::string& path) {
-  if (!format.forms.empty()) return;
+  if (!format.external_models.empty()) return;
   if (format.requires_board_size) ThrowOnCorners(path);
   throw InputError(
       fmt::format("{}: contains a target but no camera; convert it with "
@@ -367,13 +385,15 @@ void ComputePairPoses(std::vector<ReadLens>* cameras) {
   }
 }
 
-void RequireModelOfFile(const ReadRequest& request, const LensForm& form) {
-  if (request.form.empty() || request.form == form.name ||
-      request.form == form.model)
+void RequireModelOfFile(const ReadRequest& request,
+                        const ExternalModel& external_model) {
+  if (request.external_model.empty() ||
+      request.external_model == external_model.name ||
+      request.external_model == external_model.model)
     return;
   throw InputError(fmt::format(
       "--model {}: the file specifies its model, {}; omit the option",
-      request.form, form.name));
+      request.external_model, external_model.name));
 }
 
 void AssignPairPose(const std::optional<Pose>& second_from_first,
@@ -412,8 +432,8 @@ CameraFile MakeCameraFile(const ReadLens& read) {
   file.camera = MakeLens(read.lens);
   file.name = read.name;
   file.serial = read.serial;
-  if (read.trusted)
-    file.uncertainty = CameraUncertainty::FromMask(*read.trusted);
+  if (read.valid_region)
+    file.uncertainty = CameraUncertainty::FromMask(*read.valid_region);
   return file;
 }
 

@@ -69,7 +69,7 @@ TableOutput WriteIntelHex(const BlobTable& blob) {
 
 }  // namespace
 
-TableFormat IntelHexFormat() {
+TableFormat MakeIntelHexFormat() {
   TableFormat format;
   format.name = "hex";
   format.holds = "Intel HEX: a blob at a flash address, --address";

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// A blob for an address in flash, as Intel HEX for flash programmers.
-TableFormat IntelHexFormat();
+TableFormat MakeIntelHexFormat();
 
 }  // namespace raygrid
 

@@ -19,7 +19,7 @@ constexpr char kAhead[] = "ahead", kBehind[] = "behind";
 
 // The renderer's axes are x right, y up, z backward. The camera's axes of such
 // a direction, and the other way around.
-Eigen::Vector3d InOtherAxes(const Eigen::Vector3d& direction) {
+Eigen::Vector3d SwapAxes(const Eigen::Vector3d& direction) {
   return {direction.x(), -direction.y(), -direction.z()};
 }
 
@@ -30,10 +30,10 @@ Eigen::Vector2d ToUnitImage(const ImageSize& size,
       .cwiseQuotient(Eigen::Vector2d(size.width, size.height));
 }
 Eigen::Vector2d FromUnitImage(const ImageSize& size,
-                              const Eigen::Vector2d& place) {
+                              const Eigen::Vector2d& position) {
   return FromProgram(
       PixelOrigin::kImageCorner, size,
-      place.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
+      position.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
 }
 
 // All directions on a square from (-1, -1) to (1, 1): an octahedron seen along
@@ -47,16 +47,16 @@ class Octahedron {
     const Eigen::Vector3d on_it = direction / direction.lpNorm<1>();
     return sign_ * on_it.z() < 0 ? Folded(on_it.head<2>()) : on_it.head<2>();
   }
-  Eigen::Vector3d DirectionAt(const Eigen::Vector2d& place) const {
-    const double height = 1 - place.lpNorm<1>();
-    const Eigen::Vector2d across = height < 0 ? Folded(place) : place;
+  Eigen::Vector3d DirectionAt(const Eigen::Vector2d& position) const {
+    const double height = 1 - position.lpNorm<1>();
+    const Eigen::Vector2d across = height < 0 ? Folded(position) : position;
     return Eigen::Vector3d(across.x(), across.y(), sign_ * height).normalized();
   }
 
  private:
-  static Eigen::Vector2d Folded(const Eigen::Vector2d& place) {
-    return {std::copysign(1 - std::abs(place.y()), place.x()),
-            std::copysign(1 - std::abs(place.x()), place.y())};
+  static Eigen::Vector2d Folded(const Eigen::Vector2d& position) {
+    return {std::copysign(1 - std::abs(position.y()), position.x()),
+            std::copysign(1 - std::abs(position.x()), position.y())};
   }
 
   double sign_;
@@ -92,9 +92,9 @@ struct LookupError {
   }
 };
 
-bool IsTrusted(const CameraTable& table, const Eigen::Vector2d& pixel) {
+bool IsValid(const CameraTable& table, const Eigen::Vector2d& pixel) {
   return table.camera->IsInImageCircle(pixel) &&
-         (!table.trusted || table.trusted->IsValidAt(pixel));
+         (!table.valid_region || table.valid_region->IsValidAt(pixel));
 }
 
 // ---- From pixels to directions ---------------------------------------------
@@ -114,8 +114,7 @@ std::vector<float> EnterTable(const CameraTable& table) {
       const auto seen = table.camera->IsInImageCircle(pixel)
                             ? table.camera->Unproject(pixel)
                             : std::nullopt;
-      const Eigen::Vector3d ray =
-          seen ? InOtherAxes(seen->normalized()) : kNoRay;
+      const Eigen::Vector3d ray = seen ? SwapAxes(seen->normalized()) : kNoRay;
       for (size_t c = 0; c < kEnterChannels; ++c)
         numbers[kEnterChannels * (static_cast<size_t>(y) * size.width + x) +
                 c] = static_cast<float>(ray[c]);
@@ -150,14 +149,14 @@ LookupError EnterError(const CameraTable& table,
            {std::pair(x, y), {x + 1, y}, {x, y + 1}, {x + 1, y + 1}}) {
         const Eigen::Vector3d ray = EnteringRay(size, numbers, i, j);
         is_known =
-            is_known && HasRay(ray) && IsTrusted(table, Eigen::Vector2d(i, j));
+            is_known && HasRay(ray) && IsValid(table, Eigen::Vector2d(i, j));
         sum += ray;
       }
-      const Eigen::Vector2d place(x + 0.5, y + 0.5);
+      const Eigen::Vector2d position(x + 0.5, y + 0.5);
       const auto seen = is_known
-                            ? table.camera->Project(InOtherAxes(sum), &place, 1)
+                            ? table.camera->Project(SwapAxes(sum), &position, 1)
                             : std::nullopt;
-      if (seen) error.Add((*seen - place).norm(), place);
+      if (seen) error.Add((*seen - position).norm(), position);
     }
   return error;
 }
@@ -170,17 +169,17 @@ struct TexelCell {
   Eigen::Vector2d part = {0, 0};
 
   // The square has so many texels a side; (-1, -1) is its outer corner.
-  static TexelCell At(const Eigen::Vector2d& place, int side) {
+  static TexelCell At(const Eigen::Vector2d& position, int side) {
     TexelCell cell;
-    cell.x = SliceAlong(place.x(), side, &cell.part.x());
-    cell.y = SliceAlong(place.y(), side, &cell.part.y());
+    cell.x = SliceAlong(position.x(), side, &cell.part.x());
+    cell.y = SliceAlong(position.y(), side, &cell.part.y());
     return cell;
   }
 
  private:
   // The texel before a place along a side, and the part of the way from it.
-  static int SliceAlong(double place, int side, double* rest) {
-    const double texel = std::clamp((place + 1) / 2 * side - 0.5, 0.0,
+  static int SliceAlong(double position, int side, double* rest) {
+    const double texel = std::clamp((position + 1) / 2 * side - 0.5, 0.0,
                                     static_cast<double>(side - 1));
     const int first = std::min(static_cast<int>(texel), side - 2);
     *rest = texel - first;
@@ -193,7 +192,7 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
 }
 
 // Maximum angle between the rays of neighbouring pixels, in radians.
-double LargestStep(const ImageSize& size, const std::vector<float>& enter) {
+double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
   double largest = 0;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
@@ -214,7 +213,7 @@ class ExitProjection {
   ExitProjection(const CameraTable& table, const std::vector<float>& enter)
       : camera_(*table.camera),
         octahedron_(table.model == kAhead),
-        mask_side_(MaskSide(LargestStep(table.camera->image_size(), enter))),
+        mask_side_(MaskSide(ComputeMaxStep(table.camera->image_size(), enter))),
         is_near_(static_cast<size_t>(mask_side_) * mask_side_, false) {
     for (size_t k = 0; k < enter.size(); k += kEnterChannels) {
       const Eigen::Vector3d ray(enter[k], enter[k + 1], enter[k + 2]);
@@ -227,15 +226,15 @@ class ExitProjection {
   std::optional<Eigen::Vector2d> PlaceOf(const Eigen::Vector3d& direction,
                                          const Eigen::Vector2d* start) const {
     if (!IsNear(direction)) return std::nullopt;
-    return camera_.Project(InOtherAxes(direction), start, 0);
+    return camera_.Project(SwapAxes(direction), start, 0);
   }
   // Also beside the image, whose edge is to lie between two places.
   std::optional<Eigen::Vector2d> PlaceNear(const Eigen::Vector3d& direction,
                                            const Eigen::Vector2d& start) const {
     constexpr double kMarginPx = 64;
-    const auto place = PlaceOf(direction, &start);
-    return place ? place
-                 : camera_.Project(InOtherAxes(direction), &start, kMarginPx);
+    const auto position = PlaceOf(direction, &start);
+    return position ? position
+                    : camera_.Project(SwapAxes(direction), &start, kMarginPx);
   }
 
  private:
@@ -269,13 +268,13 @@ class ExitProjection {
 
 // A place in no image, beyond the corner that is nearest to a direction: all
 // places between this and one beside the image are beside it, too.
-Eigen::Vector2d NoPlace(const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d seen = InOtherAxes(direction);
+Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
 }
-bool IsNoPlace(const Eigen::Vector2d& place) {
-  return (place.x() == -1 || place.x() == 2) &&
-         (place.y() == -1 || place.y() == 2);
+bool IsNoPlace(const Eigen::Vector2d& position) {
+  return (position.x() == -1 || position.x() == 2) &&
+         (position.y() == -1 || position.y() == 2);
 }
 
 // A square table of positions, one per texel's direction.
@@ -293,7 +292,7 @@ class ExitTexels {
       for (int x = 0; x < side_; ++x) {
         const Eigen::Vector3d direction = DirectionOf(x, y);
         last = projection_.PlaceOf(direction, last ? &*last : nullptr);
-        Set(x, y, last ? ToUnitImage(size_, *last) : NoPlace(direction));
+        Set(x, y, last ? ToUnitImage(size_, *last) : NoPosition(direction));
       }
     });
   }
@@ -305,14 +304,14 @@ class ExitTexels {
       for (int x = 0; x < side_; ++x) {
         const auto start =
             IsNoPlace(At(x, y)) ? PlaceBeside(x, y) : std::nullopt;
-        const auto place =
+        const auto position =
             start ? projection_.PlaceNear(DirectionOf(x, y), *start)
                   : std::nullopt;
-        if (place) found[y].emplace_back(x, ToUnitImage(size_, *place));
+        if (position) found[y].emplace_back(x, ToUnitImage(size_, *position));
       }
     });
     for (int y = 0; y < side_; ++y)
-      for (const auto& [x, place] : found[y]) Set(x, y, place);
+      for (const auto& [x, position] : found[y]) Set(x, y, position);
   }
 
   Eigen::Vector2d At(int x, int y) const {
@@ -325,9 +324,9 @@ class ExitTexels {
   size_t IndexOf(int x, int y) const {
     return kExitChannels * (static_cast<size_t>(y) * side_ + x);
   }
-  void Set(int x, int y, const Eigen::Vector2d& place) {
+  void Set(int x, int y, const Eigen::Vector2d& position) {
     for (size_t c = 0; c < kExitChannels; ++c)
-      numbers_[IndexOf(x, y) + c] = static_cast<float>(place[c]);
+      numbers_[IndexOf(x, y) + c] = static_cast<float>(position[c]);
   }
   Eigen::Vector3d DirectionOf(int x, int y) const {
     return projection_.octahedron().DirectionAt(TexelCenter(x, y, side_));
@@ -390,10 +389,10 @@ void AddLookup(const CameraTable& table, const ExitProjection& projection,
   const ImageSize& size = table.camera->image_size();
   const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
   const Eigen::Vector2d pixel(x, y);
-  if (!HasRay(ray) || !IsTrusted(table, pixel)) return;
-  const auto place = LookUp(projection.octahedron(), side, ray, texel);
-  if (place)
-    error->Add((FromUnitImage(size, *place) - pixel).norm(), pixel);
+  if (!HasRay(ray) || !IsValid(table, pixel)) return;
+  const auto position = LookUp(projection.octahedron(), side, ray, texel);
+  if (position)
+    error->Add((FromUnitImage(size, *position) - pixel).norm(), pixel);
   else
     ++error->num_lost;
 }
@@ -415,8 +414,9 @@ LookupError ExpectedExitError(const CameraTable& table,
           [&](int i, int j) -> Eigen::Vector2d {
             const Eigen::Vector3d direction =
                 projection.octahedron().DirectionAt(TexelCenter(i, j, side));
-            const auto place = projection.PlaceNear(direction, start);
-            return place ? ToUnitImage(size, *place) : NoPlace(direction);
+            const auto position = projection.PlaceNear(direction, start);
+            return position ? ToUnitImage(size, *position)
+                            : NoPosition(direction);
           },
           &error);
     }
@@ -485,7 +485,7 @@ ExitChoice ChooseExit(const CameraTable& table,
   return MakeExit(table, projection, enter, kUsualExitSide);
 }
 
-std::string ExitText(const ExitChoice& choice) {
+std::string FormatExit(const ExitChoice& choice) {
   std::string text = choice.error.Text();
   if (choice.error.num_lost > 0)
     text +=
@@ -501,7 +501,7 @@ void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
               fmt::format("isaac: the error exceeds {:g} px even with the "
                           "largest table of {} x {} directions: {}",
                           *table.max_error_px, choice.side, choice.side,
-                          ExitText(choice)));
+                          FormatExit(choice)));
 }
 
 TableOutput WriteIsaac(const CameraTable& table) {
@@ -516,12 +516,12 @@ TableOutput WriteIsaac(const CameraTable& table) {
   output.files = {
       {enter_path, WriteExr(size, {"R", "G", "B"}, enter)},
       {exit_path, WriteExr({exit.side, exit.side}, {"R", "G"}, exit.numbers)}};
-  output.told = fmt::format(
+  output.configuration = fmt::format(
       "{}: {} x {} rays, interpolation error {}; {}: {} x {} directions, error "
       "{}; set omni:lensdistortion:lut: nominalWidth {}, nominalHeight {}, "
       "opticalCenter ({:g}, {:g})",
       enter_path, size.width, size.height, enter_error.Text(), exit_path,
-      exit.side, exit.side, ExitText(exit), size.width, size.height,
+      exit.side, exit.side, FormatExit(exit), size.width, size.height,
       size.width / 2.0, size.height / 2.0);
   output.metrics = {{"enter_max_px", enter_error.max_px},
                     {"enter_rms_px", enter_error.rms_px()},
@@ -535,7 +535,7 @@ TableOutput WriteIsaac(const CameraTable& table) {
 
 }  // namespace
 
-TableFormat IsaacFormat() {
+TableFormat MakeIsaacFormat() {
   TableFormat format;
   format.name = "isaac";
   format.holds =

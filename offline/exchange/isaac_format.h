@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The pair of lookup textures (rays, pixels) for cameras of Isaac Sim.
-TableFormat IsaacFormat();
+TableFormat MakeIsaacFormat();
 
 }  // namespace raygrid
 

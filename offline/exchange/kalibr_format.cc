@@ -10,7 +10,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -18,54 +18,57 @@ namespace {
 
 // A form in the order of Kalibr's intrinsics and coefficients. Its name is that
 // of kalibr_calibrate_cameras --models, CAMERA-DISTORTION.
-LensForm KalibrForm(const std::string& name, const std::string& model,
-                    std::vector<std::string> first,
-                    const std::vector<std::string>& coefficients,
-                    double reach_rad) {
-  LensForm form;
-  form.name = name;
-  form.model = model;
-  form.parameters = std::move(first);
+ExternalModel MakeKalibrModel(const std::string& name, const std::string& model,
+                              std::vector<std::string> first,
+                              const std::vector<std::string>& coefficients,
+                              double reach_rad) {
+  ExternalModel external_model;
+  external_model.name = name;
+  external_model.model = model;
+  external_model.parameters = std::move(first);
   for (const char* parameter : {"fx", "fy", "cx", "cy"})
-    form.parameters.push_back(parameter);
-  form.parameters.insert(form.parameters.end(), coefficients.begin(),
-                         coefficients.end());
-  form.reach_rad = reach_rad;
-  return form;
+    external_model.parameters.push_back(parameter);
+  external_model.parameters.insert(external_model.parameters.end(),
+                                   coefficients.begin(), coefficients.end());
+  external_model.reach_rad = reach_rad;
+  return external_model;
 }
 
-const std::vector<LensForm>& KalibrForms() {
-  static const std::vector<LensForm> forms = {
-      KalibrForm("pinhole-none", models::kOpenCv, {}, {}, M_PI / 2),
-      KalibrForm("pinhole-radtan", models::kOpenCv, {},
-                 {"k1", "k2", "p1", "p2"}, M_PI / 2),
-      KalibrForm("pinhole-equi", models::kThinPrismFisheye, {},
-                 {"k1", "k2", "k3", "k4"}, M_PI / 2),
-      KalibrForm("omni-none", models::kOmniRadtan, {"xi"}, {}, M_PI),
-      KalibrForm("omni-radtan", models::kOmniRadtan, {"xi"},
-                 {"k1", "k2", "p1", "p2"}, M_PI),
-      KalibrForm("ds-none", models::kDoubleSphere, {"xi", "alpha"}, {}, M_PI),
-      KalibrForm("eucm-none", models::kEucm, {"alpha", "beta"}, {}, M_PI)};
-  return forms;
+const std::vector<ExternalModel>& GetKalibrModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeKalibrModel("pinhole-none", models::kOpenCv, {}, {}, M_PI / 2),
+      MakeKalibrModel("pinhole-radtan", models::kOpenCv, {},
+                      {"k1", "k2", "p1", "p2"}, M_PI / 2),
+      MakeKalibrModel("pinhole-equi", models::kThinPrismFisheye, {},
+                      {"k1", "k2", "k3", "k4"}, M_PI / 2),
+      MakeKalibrModel("omni-none", models::kOmniRadtan, {"xi"}, {}, M_PI),
+      MakeKalibrModel("omni-radtan", models::kOmniRadtan, {"xi"},
+                      {"k1", "k2", "p1", "p2"}, M_PI),
+      MakeKalibrModel("ds-none", models::kDoubleSphere, {"xi", "alpha"}, {},
+                      M_PI),
+      MakeKalibrModel("eucm-none", models::kEucm, {"alpha", "beta"}, {}, M_PI)};
+  return external_models;
 }
 
 // equi: equidistant.
-std::string DistortionOfForm(const LensForm& form) {
-  const std::string distortion = form.name.substr(form.name.find('-') + 1);
+std::string GetKalibrDistortionModel(const ExternalModel& external_model) {
+  const std::string distortion =
+      external_model.name.substr(external_model.name.find('-') + 1);
   return distortion == "equi" ? "equidistant" : distortion;
 }
 
-std::string CameraOfForm(const LensForm& form) {
-  return form.name.substr(0, form.name.find('-'));
+std::string GetKalibrCameraModel(const ExternalModel& external_model) {
+  return external_model.name.substr(0, external_model.name.find('-'));
 }
 
-const LensForm& FindKalibrForm(const std::string& camera,
-                               const std::string& distortion) {
+const ExternalModel& FindKalibrModel(const std::string& camera,
+                                     const std::string& distortion) {
   std::string names;
-  for (const LensForm& form : KalibrForms()) {
-    if (CameraOfForm(form) == camera && DistortionOfForm(form) == distortion)
-      return form;
-    names += (names.empty() ? "" : ", ") + form.name;
+  for (const ExternalModel& external_model : GetKalibrModels()) {
+    if (GetKalibrCameraModel(external_model) == camera &&
+        GetKalibrDistortionModel(external_model) == distortion)
+      return external_model;
+    names += (names.empty() ? "" : ", ") + external_model.name;
   }
   throw InputError(
       fmt::format("unsupported camera_model '{}' with distortion_model '{}'; "
@@ -107,14 +110,14 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
 constexpr char kDsecIntrinsics[] = "camera_matrix";
 constexpr char kDsecRectified[] = "camRect";
 
-ConvertedLens ReadKalibrLens(const CameraKeys& camera) {
+ConvertedCamera ReadKalibrLens(const CameraKeys& camera) {
   const auto text_of = [&](const char* key) {
     if (!camera.Has(key)) throw InputError(fmt::format("'{}' is missing", key));
     return camera[key].as<std::string>();
   };
-  ConvertedLens lens;
-  lens.form =
-      &FindKalibrForm(text_of("camera_model"), text_of("distortion_model"));
+  ConvertedCamera lens;
+  lens.external_model =
+      &FindKalibrModel(text_of("camera_model"), text_of("distortion_model"));
   if (camera.Has("resolution"))
     lens.size = GetListSize(camera["resolution"], "resolution");
   const char* const intrinsics =
@@ -123,7 +126,7 @@ ConvertedLens ReadKalibrLens(const CameraKeys& camera) {
   std::vector<double> coefficients;
   constexpr char kKey[] = "distortion_coeffs";
   constexpr size_t kNumCoefficients = 4;
-  if (DistortionOfForm(*lens.form) != "none") {
+  if (GetKalibrDistortionModel(*lens.external_model) != "none") {
     coefficients = FiniteNumbers(camera[kKey], kKey);
     TrimCoefficients(kNumCoefficients, &coefficients);
     if (coefficients.size() != kNumCoefficients)
@@ -137,10 +140,10 @@ ConvertedLens ReadKalibrLens(const CameraKeys& camera) {
           fmt::format("{}: must be zero with distortion_model none", kKey));
   }
   const size_t num_intrinsics =
-      lens.form->parameters.size() - coefficients.size();
+      lens.external_model->parameters.size() - coefficients.size();
   if (lens.values.size() != num_intrinsics)
     throw InputError(fmt::format("intrinsics: found {} numbers, but {} has {}",
-                                 lens.values.size(), lens.form->name,
+                                 lens.values.size(), lens.external_model->name,
                                  num_intrinsics));
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
@@ -198,7 +201,7 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
       }
       keys.Skip({"T_cam_imu", "T_imu_cam", "timeshift_cam_imu", "cam_overlaps",
                  "rostopic", "camera_type", "camera_location", "is_rectified"});
-      keys.Finish(*camera.lens.form, &contents.warnings);
+      keys.Finish(*camera.lens.external_model, &contents.warnings);
       contents.cameras.push_back(std::move(camera));
     } catch (const InputError& error) {
       const std::string message = error.what();
@@ -247,10 +250,10 @@ std::string WriteKalibr(const WriteRequest& request) {
   std::string text;
   for (size_t c = 0; c < request.cameras.size(); ++c) {
     const WrittenLens& camera = request.cameras[c];
-    const ConvertedLens& lens = camera.lens;
+    const ConvertedCamera& lens = camera.lens;
     const std::string key = fmt::format("cam{}", c);
     const size_t num_coefficients =
-        lens.form->Has("k1") ? 4 : 0;  // radtan's and equidistant's
+        lens.external_model->Has("k1") ? 4 : 0;  // radtan's and equidistant's
     const size_t num_intrinsics = lens.values.size() - num_coefficients;
     std::vector<double> intrinsics = lens.values;
     intrinsics.resize(num_intrinsics);
@@ -259,14 +262,14 @@ std::string WriteKalibr(const WriteRequest& request) {
       if (other != c)
         overlaps += fmt::format("{}{}", overlaps.empty() ? "" : ", ", other);
     if (camera.fit)
-      text += fmt::format("# Fitted {}: {}\n", lens.form->name,
+      text += fmt::format("# Fitted {}: {}\n", lens.external_model->name,
                           FormatLensFit(*camera.fit));
     text += fmt::format(
         "{}:\n  camera_model: {}\n  intrinsics: [{}]\n  distortion_model: {}\n"
         "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n"
         "  rostopic: \"/{}/image_raw\"\n  cam_overlaps: [{}]\n",
-        key, CameraOfForm(*lens.form), RealTexts(intrinsics),
-        DistortionOfForm(*lens.form),
+        key, GetKalibrCameraModel(*lens.external_model), RealTexts(intrinsics),
+        GetKalibrDistortionModel(*lens.external_model),
         RealTexts(lens.ValuesFrom(num_intrinsics)), lens.size.width,
         lens.size.height, IsRigCameraName(camera.name) ? camera.name : key,
         overlaps);
@@ -279,13 +282,13 @@ std::string WriteKalibr(const WriteRequest& request) {
 
 }  // namespace
 
-Format KalibrFormat() {
+Format MakeKalibrFormat() {
   Format format;
   format.name = "kalibr";
   format.holds =
       "camchain .yaml: a camera or rig of pinhole, omni, ds and eucm cameras "
       "with radtan, equidistant or no distortion";
-  format.forms = KalibrForms();
+  format.external_models = GetKalibrModels();
   format.supports_rigs = true;
   format.recognizes = IsKalibr;
   format.read = ReadKalibr;

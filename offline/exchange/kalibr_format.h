@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// Kalibr's camchain: a camera, or a rig as a chain of relative poses.
-Format KalibrFormat();
+Format MakeKalibrFormat();
 
 }  // namespace raygrid
 

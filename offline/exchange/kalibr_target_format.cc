@@ -22,7 +22,7 @@ bool IsKalibrTarget(const std::string& text) {
 // The largest count along a side whose features a pattern may have.
 constexpr int kMostAlongSide = 1000;
 
-int CountOf(const YAML::Node& root, const char* key, int features) {
+int ReadCount(const YAML::Node& root, const char* key, int features) {
   const double count = FiniteNumber(root[key], key);
   if (!(count >= 1 && count * features <= kMostAlongSide) ||
       count != std::floor(count))
@@ -31,7 +31,7 @@ int CountOf(const YAML::Node& root, const char* key, int features) {
   return static_cast<int>(count);
 }
 
-double LengthOf(const YAML::Node& root, const char* key) {
+double ReadLength(const YAML::Node& root, const char* key) {
   const double length = FiniteNumber(root[key], key);
   if (!(length > 0)) throw InputError(fmt::format("{}: must be positive", key));
   return length;
@@ -40,10 +40,10 @@ double LengthOf(const YAML::Node& root, const char* key) {
 Board ReadAprilGrid(const YAML::Node& root) {
   Board board;
   board.kind = "aprilgrid";
-  board.columns = 2 * CountOf(root, "tagCols", 2);
-  board.rows = 2 * CountOf(root, "tagRows", 2);
-  board.square_m = LengthOf(root, "tagSize");
-  board.spacing_ratio = LengthOf(root, "tagSpacing");
+  board.columns = 2 * ReadCount(root, "tagCols", 2);
+  board.rows = 2 * ReadCount(root, "tagRows", 2);
+  board.square_m = ReadLength(root, "tagSize");
+  board.spacing_ratio = ReadLength(root, "tagSpacing");
   board.tag_family = "tag36h11";
   return board;
 }
@@ -53,10 +53,10 @@ Board ReadAprilGrid(const YAML::Node& root) {
 Board ReadCheckerboard(const YAML::Node& root) {
   Board board;
   board.kind = "chessboard";
-  board.columns = CountOf(root, "targetCols", 1);
-  board.rows = CountOf(root, "targetRows", 1);
-  const double x = LengthOf(root, "colSpacingMeters"),
-               y = LengthOf(root, "rowSpacingMeters");
+  board.columns = ReadCount(root, "targetCols", 1);
+  board.rows = ReadCount(root, "targetRows", 1);
+  const double x = ReadLength(root, "colSpacingMeters"),
+               y = ReadLength(root, "rowSpacingMeters");
   board.square_m = (x + y) / 2;
   if (x == y) return board;
   for (int row = 0; row < board.rows; ++row)
@@ -85,7 +85,7 @@ ExchangeContents ReadKalibrTarget(const ReadRequest& request) {
 
 }  // namespace
 
-Format KalibrTargetFormat() {
+Format MakeKalibrTargetFormat() {
   Format format;
   format.name = "kalibr-target";
   format.holds =

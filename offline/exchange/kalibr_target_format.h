@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// Kalibr's target file: a board without a camera.
-Format KalibrTargetFormat();
+Format MakeKalibrTargetFormat();
 
 }  // namespace raygrid
 

@@ -13,7 +13,7 @@
 #include "exchange/file_storage.h"
 #include "exchange/keyed_table.h"
 #include "exchange/keyed_writer.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/plain_trees.h"
 #include "exchange/radial_lens.h"
 #include "exchange/raygrid_json.h"
@@ -102,8 +102,8 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
   std::set<std::string> tried;
   for (const KeyedModel& model : format.models) {
     if (IsSaid(keys, model, camera)) return model;
-    if (tried.insert(model.form.name).second)
-      names += (names.empty() ? "" : ", ") + model.form.name;
+    if (tried.insert(model.external_model.name).second)
+      names += (names.empty() ? "" : ", ") + model.external_model.name;
     said.clear();
     for (const std::string& condition : SplitText(model.says)) {
       const KeyedWord part = SplitAtMark(condition, '?', camera);
@@ -175,8 +175,8 @@ void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                    [](double number) { return number != 0; })))
     throw InputError(
         fmt::format("{}: found {} coefficients, but {} of {} has {}", part.key,
-                    numbers.size(), camera->lens.form->name, format.name,
-                    parameters.size()));
+                    numbers.size(), camera->lens.external_model->name,
+                    format.name, parameters.size()));
   for (size_t k = 0; k < std::min(numbers.size(), parameters.size()); ++k) {
     if (parameters[k] == "0" && numbers[k] != 0)
       throw InputError(fmt::format("{}: number {} is {:g}, expected 0",
@@ -200,8 +200,8 @@ ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
   return size;
 }
 
-ImageSize KeyedSizeOf(const KeyedFormat& format, const CameraKeys& keys,
-                      const std::string& word) {
+ImageSize ReadKeyedSize(const KeyedFormat& format, const CameraKeys& keys,
+                        const std::string& word) {
   const std::string sizes = format.size;
   if (sizes.find('=') != std::string::npos) return SizeOfWord(sizes, word);
   std::vector<std::string> names = SplitText(SubstituteWord(sizes, word));
@@ -211,8 +211,8 @@ ImageSize KeyedSizeOf(const KeyedFormat& format, const CameraKeys& keys,
   return {SidePx(keys[names[0]], names[0]), SidePx(keys[names[1]], names[1])};
 }
 
-std::optional<Pose> KeyedPoseOf(const KeyedPose& pose, const CameraKeys& keys,
-                                const std::string& word) {
+std::optional<Pose> ReadKeyedPose(const KeyedPose& pose, const CameraKeys& keys,
+                                  const std::string& word) {
   std::vector<std::vector<double>> numbers;
   for (const std::string& text : SplitText(pose.keys)) {
     const std::string key = SubstituteWord(text, word);
@@ -260,7 +260,7 @@ void TakeRadialLens(const std::map<std::string, double>& values,
   if (camera->lens.skew_px != 0)
     throw InputError(
         fmt::format("camera matrix: a skew of {:g} px is not supported by {}",
-                    camera->lens.skew_px, camera->lens.form->name));
+                    camera->lens.skew_px, camera->lens.external_model->name));
   if (camera->lens.size == ImageSize{} && request.size)
     camera->lens.size = *request.size;
   RadialLens lens;
@@ -270,8 +270,8 @@ void TakeRadialLens(const std::map<std::string, double>& values,
     return values.count(name) > 0 ? values.at(name) : 0.0;
   };
   lens.coefficients = {coefficient("c"), coefficient("b"), coefficient("a"), 0};
-  camera->lens = MakeRadialLens(camera->lens.form->name, camera->lens.size,
-                                lens, warnings);
+  camera->lens = MakeRadialLens(camera->lens.external_model->name,
+                                camera->lens.size, lens, warnings);
 }
 
 void TakeSizeOfValues(const std::map<std::string, double>& values,
@@ -309,8 +309,8 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
                          std::vector<std::string>* warnings) {
   const KeyedModel& model = FindKeyedModel(format, keys, word);
   ReadLens camera;
-  camera.lens.form = &model.form;
-  camera.lens.size = KeyedSizeOf(format, keys, word);
+  camera.lens.external_model = &model.external_model;
+  camera.lens.size = ReadKeyedSize(format, keys, word);
   std::map<std::string, double> values;
   for (const std::string& entry : SplitText(model.values))
     TakeKeyedValue(format, keys, entry, word, &values, &camera);
@@ -318,13 +318,14 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   ConvertLengths(format.unit, camera.lens.size, &values);
   if (values.count("skew") > 0) camera.lens.skew_px = values["skew"];
   camera.lens.values.clear();
-  for (const std::string& parameter : model.form.parameters)
+  for (const std::string& parameter : model.external_model.parameters)
     camera.lens.values.push_back(values[parameter]);
-  if (model.form.IsGrid()) TakeRadialLens(values, request, warnings, &camera);
+  if (model.external_model.IsGrid())
+    TakeRadialLens(values, request, warnings, &camera);
   for (const KeyedPose& pose : format.poses) {
     if (pose.word[0] != 0 && word != pose.word) continue;
     if (!camera.camera_from_rig)
-      camera.camera_from_rig = KeyedPoseOf(pose, keys, word);
+      camera.camera_from_rig = ReadKeyedPose(pose, keys, word);
   }
   for (const std::string& key : SplitText(format.ones))
     if (keys.Has(key) && !keys[key].IsNull() &&
@@ -371,7 +372,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
       contents->cameras.back().camera_from_rig)
     leader.camera_from_rig = Pose{};
   keys.Skip(format.others);
-  keys.Finish(*leader.lens.form, &contents->warnings);
+  keys.Finish(*leader.lens.external_model, &contents->warnings);
 }
 
 // Maps by their names, or those of a list. Without the key that a camera begins
@@ -440,7 +441,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
 
 }  // namespace
 
-std::vector<Format> KeyedFormats() {
+std::vector<Format> MakeKeyedFormats() {
   std::vector<Format> formats;
   for (const KeyedFormat& row : ListKeyedFormats()) {
     Format format;
@@ -449,7 +450,7 @@ std::vector<Format> KeyedFormats() {
     const bool is_written = row.ending[0] != 0;
     for (const KeyedModel& model : row.models)
       if (!is_written || !model.is_read_only)
-        format.forms.push_back(model.form);
+        format.external_models.push_back(model.external_model);
     format.recognizes = row.recognizes;
     format.read = [&row](const ReadRequest& request) {
       return ReadKeyed(row, request);

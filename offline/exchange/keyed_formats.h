@@ -9,7 +9,7 @@ namespace raygrid {
 
 /// Formats of keys and numbers, each described by a table row: key names,
 /// layout, parameter order, size, and pose convention. They are read-only.
-std::vector<Format> KeyedFormats();
+std::vector<Format> MakeKeyedFormats();
 
 }  // namespace raygrid
 

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <sstream>
 
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/radial_lens.h"
 
 namespace raygrid {
@@ -63,38 +63,40 @@ bool IsLineOfNumbers(const std::string& text) {
   return words.eof() && (count == 4 || count == 8 || count == 9);
 }
 
-LensForm KeyedPinhole(const char* name, int count) {
-  return OpenCvForm(name, count);
+ExternalModel MakeKeyedPinhole(const char* name, int count) {
+  return MakeOpenCvModel(name, count);
 }
-LensForm KeyedPinhole(const char* name,
-                      const std::vector<std::string>& coefficients) {
-  LensForm form = MakeForm(name, models::kOpenCv, coefficients);
-  form.reach_rad = M_PI / 2;
-  return form;
+ExternalModel MakeKeyedPinhole(const char* name,
+                               const std::vector<std::string>& coefficients) {
+  ExternalModel external_model =
+      MakeExternalModel(name, models::kOpenCv, coefficients);
+  external_model.reach_rad = M_PI / 2;
+  return external_model;
 }
-LensForm KeyedFisheye(const char* name) {
-  LensForm form = OpenCvFisheyeForm(name);
-  form.reach_rad = M_PI;
-  return form;
+ExternalModel MakeKeyedFisheye(const char* name) {
+  ExternalModel external_model = MakeOpenCvFisheyeModel(name);
+  external_model.reach_rad = M_PI;
+  return external_model;
 }
-LensForm KeyedOmni(const char* name) {
-  return MakeForm(name, models::kOmniRadtan, {"xi", "k1", "k2", "p1", "p2"});
+ExternalModel MakeKeyedOmni(const char* name) {
+  return MakeExternalModel(name, models::kOmniRadtan,
+                           {"xi", "k1", "k2", "p1", "p2"});
 }
-LensForm WithOrigin(PixelOrigin origin, LensForm form) {
-  form.origin = origin;
-  return form;
+ExternalModel WithOrigin(PixelOrigin origin, ExternalModel external_model) {
+  external_model.origin = origin;
+  return external_model;
 }
 // OpenSfM's pixel origin is the image centre.
-LensForm FromMiddle(LensForm form) {
-  return WithOrigin(PixelOrigin::kImageMiddle, std::move(form));
+ExternalModel SetImageCenterOrigin(ExternalModel external_model) {
+  return WithOrigin(PixelOrigin::kImageCenter, std::move(external_model));
 }
 // One focal length, principal point and coefficients.
-LensForm KeyedSingleFocal(const char* name, const char* model,
-                          std::vector<std::string> coefficients) {
+ExternalModel KeyedSingleFocal(const char* name, const char* model,
+                               std::vector<std::string> coefficients) {
   coefficients.insert(coefficients.begin(), {"f", "cx", "cy"});
-  LensForm form = {name, model, coefficients};
-  form.reach_rad = M_PI / 2;
-  return form;
+  ExternalModel external_model = {name, model, coefficients};
+  external_model.reach_rad = M_PI / 2;
+  return external_model;
 }
 
 }  // namespace
@@ -110,25 +112,25 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{OpenCvFisheyeForm("opencv_fisheye"),
+       {{MakeOpenCvFisheyeModel("opencv_fisheye"),
          "distortion_model?=opencv_fisheye",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1,k2,k3,k4"},
-        {KeyedPinhole("opencv_standard", 12),
+        {MakeKeyedPinhole("opencv_standard", 12),
          "distortion_model=opencv_standard",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1,k2,p1,p2,k3,k4,k5,k6,s1,s2,s3,"
          "s4"},
         // Lensfun's polynomials of the radius, in focal lengths.
-        {KeyedPinhole("poly3", {"k1"}), "distortion_model=poly3",
+        {MakeKeyedPinhole("poly3", {"k1"}), "distortion_model=poly3",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1",
          true},
-        {KeyedPinhole("poly5", {"k1", "k2"}), "distortion_model=poly5",
+        {MakeKeyedPinhole("poly5", {"k1", "k2"}), "distortion_model=poly5",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1,k2",
          true},
-        {RadialLensForm("ptlens"), "distortion_model=ptlens",
+        {MakeRadialLensModel("ptlens"), "distortion_model=ptlens",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=a,b,c",
          true}},
@@ -183,15 +185,15 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"Camera", "Camera1", "Camera2"},
-       {{KeyedPinhole("PinHole", 5),
+       {{MakeKeyedPinhole("PinHole", 5),
          "Camera.type?=PinHole Camera.model?=perspective",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1?=k1 @.k2?=k2 @.p1?=p1 @.p2?=p2 "
          "@.k3?=k3"},
-        {KeyedPinhole("Rectified", 0), "Camera.type=Rectified",
+        {MakeKeyedPinhole("Rectified", 0), "Camera.type=Rectified",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy", true},
-        {KeyedFisheye("KannalaBrandt8"), "Camera.type=KannalaBrandt8",
+        {MakeKeyedFisheye("KannalaBrandt8"), "Camera.type=KannalaBrandt8",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1=k1 @.k2=k2 @.k3=k3 @.k4=k4"},
-        {OpenCvFisheyeForm("fisheye"), "Camera.model=fisheye",
+        {MakeOpenCvFisheyeModel("fisheye"), "Camera.model=fisheye",
          "@.fx=fx @.fy=fy @.cx=cx @.cy=cy @.k1=k1 @.k2=k2 @.k3=k3 @.k4=k4",
          true}},
        "Camera.width|Camera.cols Camera.height|Camera.rows",
@@ -242,25 +244,25 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("PINHOLE", 4), "model_type=PINHOLE",
+       {{MakeKeyedPinhole("PINHOLE", 4), "model_type=PINHOLE",
          "projection_parameters/fx=fx projection_parameters/fy=fy "
          "projection_parameters/cx=cx projection_parameters/cy=cy "
          "distortion_parameters/k1=k1 distortion_parameters/k2=k2 "
          "distortion_parameters/p1=p1 distortion_parameters/p2=p2"},
-        {KeyedPinhole("PINHOLE_FULL", 8), "model_type=PINHOLE_FULL",
+        {MakeKeyedPinhole("PINHOLE_FULL", 8), "model_type=PINHOLE_FULL",
          "projection_parameters/fx=fx projection_parameters/fy=fy "
          "projection_parameters/cx=cx projection_parameters/cy=cy "
          "distortion_parameters/k1=k1 distortion_parameters/k2=k2 "
          "distortion_parameters/k3=k3 distortion_parameters/k4=k4 "
          "distortion_parameters/k5=k5 distortion_parameters/k6=k6 "
          "distortion_parameters/p1=p1 distortion_parameters/p2=p2"},
-        {KeyedOmni("MEI"), "model_type=MEI",
+        {MakeKeyedOmni("MEI"), "model_type=MEI",
          "mirror_parameters/xi=xi projection_parameters/gamma1=fx "
          "projection_parameters/gamma2=fy projection_parameters/u0=cx "
          "projection_parameters/v0=cy distortion_parameters/k1=k1 "
          "distortion_parameters/k2=k2 distortion_parameters/p1=p1 "
          "distortion_parameters/p2=p2"},
-        {KeyedFisheye("KANNALA_BRANDT"), "model_type=KANNALA_BRANDT",
+        {MakeKeyedFisheye("KANNALA_BRANDT"), "model_type=KANNALA_BRANDT",
          "projection_parameters/mu=fx projection_parameters/mv=fy "
          "projection_parameters/u0=cx projection_parameters/v0=cy "
          "projection_parameters/k2|distortion_parameters/k2=k1 "
@@ -284,14 +286,14 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("pinhole-radtan", 5),
+       {{MakeKeyedPinhole("pinhole-radtan", 5),
          "camera_model=pinhole "
          "distortion_model=radial-tangential|radtan|plumb_bob",
          "intrinsics=fx,fy,cx,cy distortion_coefficients~=k1,k2,p1,p2,k3"},
-        {KeyedFisheye("pinhole-equidistant"),
+        {MakeKeyedFisheye("pinhole-equidistant"),
          "camera_model=pinhole distortion_model=equidistant|fisheye",
          "intrinsics=fx,fy,cx,cy distortion_coefficients~=k1,k2,k3,k4"},
-        {KeyedPinhole("pinhole-none", 0),
+        {MakeKeyedPinhole("pinhole-none", 0),
          "camera_model=pinhole distortion_model=none", "intrinsics=fx,fy,cx,cy",
          true}},
        "resolution",
@@ -313,9 +315,9 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "*",
        {},
-       {{KeyedPinhole("pinhole", 8), "fisheye?=false",
+       {{MakeKeyedPinhole("pinhole", 8), "fisheye?=false",
          "matrix=K distortions~=k1,k2,p1,p2,k3,k4,k5,k6"},
-        {OpenCvFisheyeForm("fisheye"), "fisheye=true",
+        {MakeOpenCvFisheyeModel("fisheye"), "fisheye=true",
          "matrix=K distortions~=k1,k2,k3,k4"}},
        "size",
        {{"rotation translation", PoseKind::kVectors}},
@@ -333,18 +335,18 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "cameras",
        {},
-       {{KeyedPinhole("radialtangential", 4),
+       {{MakeKeyedPinhole("radialtangential", 4),
          "distortion_type=radialtangential",
          "focal_length=fx,fy principal_point=cx,cy "
          "distortion_coefficients=k1,k2,p1,p2"},
-        {KeyedPinhole("radialtangential8", 8),
+        {MakeKeyedPinhole("radialtangential8", 8),
          "distortion_type=radialtangential8",
          "focal_length=fx,fy principal_point=cx,cy "
          "distortion_coefficients=k1,k2,p1,p2,k3,k4,k5,k6"},
-        {KeyedFisheye("equidistant"), "distortion_type=equidistant",
+        {MakeKeyedFisheye("equidistant"), "distortion_type=equidistant",
          "focal_length=fx,fy principal_point=cx,cy "
          "distortion_coefficients=k1,k2,k3,k4"},
-        {KeyedPinhole("none", 0), "distortion_type=none",
+        {MakeKeyedPinhole("none", 0), "distortion_type=none",
          "focal_length=fx,fy principal_point=cx,cy", true}},
        "image_dimension",
        {{"T_SC", PoseKind::kRigFromCamera}},
@@ -362,20 +364,25 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "cameras|*",
        {},
-       {{FromMiddle({"perspective", models::kOpenCv, {"f", "k1", "k2"}}),
+       {{SetImageCenterOrigin(
+             {"perspective", models::kOpenCv, {"f", "k1", "k2"}}),
          "projection_type=perspective", "focal=f k1?=k1 k2?=k2", true},
-        {FromMiddle(KeyedPinhole("brown", 5)), "projection_type=brown",
+        {SetImageCenterOrigin(MakeKeyedPinhole("brown", 5)),
+         "projection_type=brown",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1?=k1 k2?=k2 p1?=p1 p2?=p2 "
          "k3?=k3"},
-        {FromMiddle(MakeForm("simple_radial", models::kOpenCv, {"k1"})),
+        {SetImageCenterOrigin(
+             MakeExternalModel("simple_radial", models::kOpenCv, {"k1"})),
          "projection_type=simple_radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1"},
-        {FromMiddle(MakeForm("radial", models::kOpenCv, {"k1", "k2"})),
+        {SetImageCenterOrigin(
+             MakeExternalModel("radial", models::kOpenCv, {"k1", "k2"})),
          "projection_type=radial",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1 k2=k2"},
-        {FromMiddle({"fisheye", models::kThinPrismFisheye, {"f", "k1", "k2"}}),
+        {SetImageCenterOrigin(
+             {"fisheye", models::kThinPrismFisheye, {"f", "k1", "k2"}}),
          "projection_type=fisheye", "focal=f k1?=k1 k2?=k2", true},
-        {FromMiddle(KeyedFisheye("fisheye_opencv")),
+        {SetImageCenterOrigin(MakeKeyedFisheye("fisheye_opencv")),
          "projection_type=fisheye_opencv",
          "focal_x=fx focal_y=fy c_x=cx c_y=cy k1=k1 k2=k2 k3=k3 k4=k4"}},
        "width height",
@@ -398,7 +405,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"00", "01", "02", "03"},
-       {{KeyedPinhole("pinhole", 5), "", "K_@=K D_@~=k1,k2,p1,p2,k3"}},
+       {{MakeKeyedPinhole("pinhole", 5), "", "K_@=K D_@~=k1,k2,p1,p2,k3"}},
        "S_@",
        {{"R_@ T_@", PoseKind::kRAndT}},
        "",
@@ -414,7 +421,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"P0", "P1", "P2", "P3"},
-       {{KeyedPinhole("pinhole", 0), "", "@=P"}},
+       {{MakeKeyedPinhole("pinhole", 0), "", "@=P"}},
        "",
        {},
        "",
@@ -431,18 +438,18 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "cameras",
        {},
-       {{KeyedPinhole("pinhole-radtan", 4),
+       {{MakeKeyedPinhole("pinhole-radtan", 4),
          "camera/type=pinhole camera/distortion/type=radial-tangential",
          "camera/intrinsics=fx,fy,cx,cy "
          "camera/distortion/parameters=k1,k2,p1,p2"},
-        {OpenCvFisheyeForm("pinhole-equidistant"),
+        {MakeOpenCvFisheyeModel("pinhole-equidistant"),
          "camera/type=pinhole camera/distortion/type=equidistant",
          "camera/intrinsics=fx,fy,cx,cy "
          "camera/distortion/parameters=k1,k2,k3,k4"},
-        {KeyedPinhole("pinhole-none", 0),
+        {MakeKeyedPinhole("pinhole-none", 0),
          "camera/type=pinhole camera/distortion/type=none",
          "camera/intrinsics=fx,fy,cx,cy"},
-        {KeyedOmni("unified-projection"),
+        {MakeKeyedOmni("unified-projection"),
          "camera/type=unified-projection "
          "camera/distortion/type=radial-tangential",
          "camera/intrinsics=xi,fx,fy,cx,cy "
@@ -463,10 +470,11 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("Pinhole", 5), "cam_model|model=Pinhole|PinholeRadTan",
+       {{MakeKeyedPinhole("Pinhole", 5),
+         "cam_model|model=Pinhole|PinholeRadTan",
          "cam_fx|fx=fx cam_fy|fy=fy cam_cx|cx=cx cam_cy|cy=cy cam_d0|d0?=k1 "
          "cam_d1|d1?=k2 cam_d2|d2?=p1 cam_d3|d3?=p2 cam_d4|d4?=k3"},
-        {OpenCvFisheyeForm("EquidistantCamera"),
+        {MakeOpenCvFisheyeModel("EquidistantCamera"),
          "cam_model|model=EquidistantCamera|PinholeEquidistant",
          "cam_fx|fx=fx cam_fy|fy=fy cam_cx|cx=cx cam_cy|cy=cy "
          "cam_d0|d0|k1=k1 cam_d1|d1|k2=k2 cam_d2|d2|k3=k3 cam_d3|d3|k4=k4"}},
@@ -487,7 +495,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"", "_left", "_right"},
-       {{KeyedPinhole("pinhole", 5), "",
+       {{MakeKeyedPinhole("pinhole", 5), "",
          "fc@=fx,fy cc@=cx,cy kc@~=k1,k2,p1,p2,k3"}},
        "nx ny",
        {{"om T", PoseKind::kVectors, "_right"}},
@@ -504,7 +512,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"cam0", "cam1"},
-       {{KeyedPinhole("pinhole", 0), "", "@=K"}},
+       {{MakeKeyedPinhole("pinhole", 0), "", "@=K"}},
        "width height",
        {{"baseline", PoseKind::kBaselineMm, "cam1"}},
        "",
@@ -521,15 +529,15 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"", "left/", "right/", "intrinsic/"},
-       {{KeyedPinhole("pinhole_radial_tangential", 5),
+       {{MakeKeyedPinhole("pinhole_radial_tangential", 5),
          "@model=pinhole_radial_tangential",
          "@pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx @pinhole/cy=cy "
          "@pinhole/skew?=skew @radial_tangential/radial?=k1,k2,k3 "
          "@radial_tangential/t1?=p1 @radial_tangential/t2?=p2"},
-        {KeyedPinhole("pinhole", 0), "@model=pinhole",
+        {MakeKeyedPinhole("pinhole", 0), "@model=pinhole",
          "@pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx @pinhole/cy=cy "
          "@pinhole/skew?=skew"},
-        {KeyedOmni("omnidirectional_universal"),
+        {MakeKeyedOmni("omnidirectional_universal"),
          "@model=omnidirectional_universal",
          "@mirror_offset=xi @pinhole/fx=fx @pinhole/fy=fy @pinhole/cx=cx "
          "@pinhole/cy=cy @pinhole/skew?=skew @radial_tangential/radial?=k1,k2 "
@@ -605,23 +613,23 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
         {KeyedSingleFocal("pinhole", models::kOpenCv, {}),
          "pxFocalLength type=pinhole",
          KEYED_OLD_SFM " distortionParams?=0,0,0"},
-        {FromMiddle(
+        {SetImageCenterOrigin(
              KeyedSingleFocal("radial3", models::kOpenCv, {"k1", "k2", "k3"})),
          "focalLength type=radial3|radial1",
          KEYED_SFM " distortionParams~=k1,k2,k3"},
-        {FromMiddle(
+        {SetImageCenterOrigin(
              KeyedSingleFocal("radial3", models::kOpenCv, {"k1", "k2", "k3"})),
          "focalLength type=pinhole distortionType=radialk3|radialk1",
          KEYED_SFM " distortionParams~=k1,k2,k3"},
-        {FromMiddle(KeyedSingleFocal("brown", models::kOpenCv,
-                                     {"k1", "k2", "k3", "p1", "p2"})),
+        {SetImageCenterOrigin(KeyedSingleFocal("brown", models::kOpenCv,
+                                               {"k1", "k2", "k3", "p1", "p2"})),
          "focalLength type=brown",
          KEYED_SFM " distortionParams=k1,k2,k3,p1,p2"},
-        {FromMiddle(KeyedSingleFocal("fisheye4", models::kThinPrismFisheye,
-                                     {"k1", "k2", "k3", "k4"})),
+        {SetImageCenterOrigin(KeyedSingleFocal(
+             "fisheye4", models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"})),
          "focalLength type=fisheye4",
          KEYED_SFM " distortionParams=k1,k2,k3,k4"},
-        {FromMiddle(KeyedSingleFocal("pinhole", models::kOpenCv, {})),
+        {SetImageCenterOrigin(KeyedSingleFocal("pinhole", models::kOpenCv, {})),
          "focalLength type=pinhole distortionType?=none",
          KEYED_SFM " distortionParams?=0,0,0"}},
        "width height",
@@ -648,10 +656,10 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"left", "right"},
-       {{KeyedPinhole("pinhole", 4), "Camera.model_@=pinhole",
+       {{MakeKeyedPinhole("pinhole", 4), "Camera.model_@=pinhole",
          "Camera.fx%=fx Camera.fy%=fy Camera.cx%=cx Camera.cy%=cy "
          "Camera.k1%=k1 Camera.k2%=k2 Camera.p1%=p1 Camera.p2%=p2"},
-        {OpenCvFisheyeForm("fisheye"), "Camera.model_@=fisheye",
+        {MakeOpenCvFisheyeModel("fisheye"), "Camera.model_@=fisheye",
          "Camera.fx%=fx Camera.fy%=fy Camera.cx%=cx Camera.cy%=cy "
          "Camera.k1%=k1 Camera.k2%=k2 Camera.p1%=k3 Camera.p2%=k4"}},
        "Camera.@_nwidth Camera.@_nheight",
@@ -685,7 +693,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("pinhole", 8), "",
+       {{MakeKeyedPinhole("pinhole", 8), "",
          "Intrinsics=K Distortion~=k1,k2,p1,p2,k3,k4,k5,k6"}},
        "",
        {{"CameraMatrix", PoseKind::kCameraFromRig}},
@@ -702,7 +710,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("pinhole", 5), "", "Kc=K kc~=k1,k2,p1,p2,k3"}},
+       {{MakeKeyedPinhole("pinhole", 5), "", "Kc=K kc~=k1,k2,p1,p2,k3"}},
        "frameWidth frameHeight",
        {},
        "",
@@ -715,7 +723,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        IsInfiniTam,
        "",
        {"0", "1"},
-       {{KeyedPinhole("pinhole", 0), "", "@=width,height,fx,fy,cx,cy"}},
+       {{MakeKeyedPinhole("pinhole", 0), "", "@=width,height,fx,fy,cx,cy"}},
        "",
        {{"2", PoseKind::kCameraFromRig, "1"}},
        "",
@@ -731,7 +739,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("pinhole", 5), "", "K=K D?=k1,k2,p1,p2,k3"}},
+       {{MakeKeyedPinhole("pinhole", 5), "", "K=K D?=k1,k2,p1,p2,k3"}},
        "",
        {},
        "",
@@ -746,7 +754,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"color", "depth"},
-       {{KeyedPinhole("pinhole", 0), "", "fx_@=fx fy_@=fy mx_@=cx my_@=cy"}},
+       {{MakeKeyedPinhole("pinhole", 0), "",
+         "fx_@=fx fy_@=fy mx_@=cx my_@=cy"}},
        "@Width @Height",
        {},
        "",
@@ -762,7 +771,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {},
-       {{KeyedPinhole("pinhole", 0), "", "m_calibrationColorIntrinsic=K"}},
+       {{MakeKeyedPinhole("pinhole", 0), "", "m_calibrationColorIntrinsic=K"}},
        "m_colorWidth m_colorHeight",
        {},
        "",
@@ -780,7 +789,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        {"LEFT_CAM_2K", "RIGHT_CAM_2K", "LEFT_CAM_FHD", "RIGHT_CAM_FHD",
         "LEFT_CAM_HD", "RIGHT_CAM_HD", "LEFT_CAM_VGA", "RIGHT_CAM_VGA"},
-       {{KeyedPinhole("pinhole", 5), "",
+       {{MakeKeyedPinhole("pinhole", 5), "",
          "@/fx=fx @/fy=fy @/cx=cx @/cy=cy @/k1=k1 @/k2=k2 @/p1?=p1 @/p2?=p2 "
          "@/k3?=k3"}},
        "2K=2208x1242 FHD=1920x1080 HD=1280x720 VGA=672x376",
@@ -797,7 +806,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "",
        {"Color", "Depth"},
-       {{KeyedPinhole("rational", 8), "",
+       {{MakeKeyedPinhole("rational", 8), "",
          "@Intrinsic/fx=fx @Intrinsic/fy=fy @Intrinsic/cx=cx @Intrinsic/cy=cy "
          "@Distortion/k1=k1 @Distortion/k2=k2 @Distortion/k3=k3 "
          "@Distortion/k4=k4 @Distortion/k5=k5 @Distortion/k6=k6 "
@@ -819,7 +828,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        },
        "CalibrationInformation/Cameras",
        {},
-       {{WithOrigin(PixelOrigin::kImageCorner, KeyedPinhole("BrownConrady", 8)),
+       {{WithOrigin(PixelOrigin::kImageCorner,
+                    MakeKeyedPinhole("BrownConrady", 8)),
          "Intrinsics/ModelType=CALIBRATION_LensDistortionModelBrownConrady",
          "Intrinsics/ModelParameters=cx,cy,fx,fy,k1,k2,k3,k4,k5,k6,0,0,p2,p1"}},
        "SensorWidth SensorHeight",
@@ -836,7 +846,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        IsLineOfNumbers,
        "",
        {},
-       {{KeyedPinhole("pinhole", 5), "",
+       {{MakeKeyedPinhole("pinhole", 5), "",
          "numbers~=fx,fy,cx,cy,k1,k2,p1,p2,k3"}},
        "",
        {},

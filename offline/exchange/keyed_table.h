@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -14,7 +14,7 @@ namespace raygrid {
 /// by spaces. '@' in a key is replaced by the camera's word, '%' by the word's
 /// first letter; a key followed by '?' is optional.
 struct KeyedModel {
-  LensForm form;
+  ExternalModel external_model;
   /// "KEY=WORD|WORD": values that identify this model, at the first existing
   /// key of "KEY|KEY"; the first word is written. "KEY": the key exists.
   const char* says;

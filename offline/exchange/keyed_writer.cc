@@ -46,19 +46,20 @@ Json FlatMatrix(const Eigen::MatrixXd& matrix) {
 }
 
 // Lines have no rows.
-Json MatrixJson(const KeyedFormat& format, const Eigen::MatrixXd& matrix) {
+Json MakeMatrixJson(const KeyedFormat& format, const Eigen::MatrixXd& matrix) {
   return format.syntax == KeyedSyntax::kLines ? FlatMatrix(matrix)
                                               : MatrixRows(matrix);
 }
 
-const KeyedModel& KeyedModelOf(const KeyedFormat& format,
-                               const LensForm& form) {
+const KeyedModel& GetKeyedModel(const KeyedFormat& format,
+                                const ExternalModel& external_model) {
   return *std::find_if(
-      format.models.begin(), format.models.end(),
-      [&](const KeyedModel& model) { return model.form.name == form.name; });
+      format.models.begin(), format.models.end(), [&](const KeyedModel& model) {
+        return model.external_model.name == external_model.name;
+      });
 }
 
-double KeyedValue(const KeyedFormat& format, const ConvertedLens& lens,
+double KeyedValue(const KeyedFormat& format, const ConvertedCamera& lens,
                   const std::string& parameter) {
   const double value = lens.Value(parameter);
   const bool is_length = parameter[0] == 'f' || parameter[0] == 'c';
@@ -120,7 +121,7 @@ Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
 
 void AddValues(const KeyedFormat& format, const KeyedModel& model,
                const WrittenLens& camera, const std::string& word, Json* map) {
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   for (const std::string& entry : SplitText(model.values)) {
     const bool may_be_missing = entry.find("?=") != std::string::npos;
     const KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
@@ -132,8 +133,8 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
       k(0, 2) = lens.Value("cx");
       k(1, 2) = lens.Value("cy");
       SetAt(key,
-            MatrixJson(format, part.words == "K" ? Eigen::MatrixXd(k)
-                                                 : ProjectionOf(camera, k)),
+            MakeMatrixJson(format, part.words == "K" ? Eigen::MatrixXd(k)
+                                                     : ProjectionOf(camera, k)),
             map);
       continue;
     }
@@ -183,11 +184,11 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
 
 void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
                const std::string& word, Json* map) {
-  const KeyedModel& model = KeyedModelOf(format, *camera.lens.form);
+  const KeyedModel& model = GetKeyedModel(format, *camera.lens.external_model);
   for (const auto& [key, text] : format.written) SetAt(key, text, map);
   if (format.fit_key[0] != 0 && camera.fit)
     SetAt(format.fit_key,
-          fmt::format("nearest {}: {}", model.form.name,
+          fmt::format("nearest {}: {}", model.external_model.name,
                       FormatLensFit(*camera.fit)),
           map);
   if (format.camera_name[0] != 0 && !camera.name.empty())
@@ -233,8 +234,8 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
 
 // ---- Texts -----------------------------------------------------------------
 
-std::string ScalarText(const Json& value) {
-  if (value.is_number_float()) return RealText(value.get<double>());
+std::string FormatScalar(const Json& value) {
+  if (value.is_number_float()) return FormatReal(value.get<double>());
   if (!value.is_string()) return value.dump();
   const std::string text = value.get<std::string>();
   return QuotedYaml(text);
@@ -242,7 +243,7 @@ std::string ScalarText(const Json& value) {
 
 // YAML words that no parser misinterprets need no quotes.
 std::string YamlScalar(const Json& value) {
-  if (!value.is_string()) return ScalarText(value);
+  if (!value.is_string()) return FormatScalar(value);
   const std::string text = value.get<std::string>();
   const bool is_word =
       !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) &&
@@ -257,16 +258,16 @@ std::string ListText(const Json& list) {
   std::string text;
   for (const Json& value : list)
     text += (text.empty() ? "" : ", ") +
-            (value.is_array() ? ListText(value) : ScalarText(value));
+            (value.is_array() ? ListText(value) : FormatScalar(value));
   return "[" + text + "]";
 }
 
-std::string YamlText(const Json& map, const std::string& indentation) {
+std::string FormatYaml(const Json& map, const std::string& indentation) {
   std::string text;
   for (const auto& [key, value] : map.items()) {
     text += indentation + key + ":";
     if (value.is_object())
-      text += "\n" + YamlText(value, indentation + "   ");
+      text += "\n" + FormatYaml(value, indentation + "   ");
     else if (value.is_array() && !value.empty() && value[0].is_object())
       for (const Json& entry : value) {
         std::string entries;
@@ -284,32 +285,32 @@ std::string YamlText(const Json& map, const std::string& indentation) {
   return text;
 }
 
-std::string TomlText(const Json& tables) {
+std::string FormatToml(const Json& tables) {
   std::string text;
   for (const auto& [name, table] : tables.items()) {
     text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", name);
     for (const auto& [key, value] : table.items())
       text +=
           fmt::format("{} = {}\n", key,
-                      value.is_array() ? ListText(value) : ScalarText(value));
+                      value.is_array() ? ListText(value) : FormatScalar(value));
   }
   return text;
 }
 
-std::string LinesText(const Json& map) {
+std::string FormatLines(const Json& map) {
   std::string text;
   for (const auto& [key, value] : map.items()) {
     text += key + ":";
-    for (const Json& number : value) text += " " + ScalarText(number);
+    for (const Json& number : value) text += " " + FormatScalar(number);
     text += "\n";
   }
   return text;
 }
 
-std::string NumbersText(const Json& numbers) {
+std::string FormatNumbers(const Json& numbers) {
   std::string text;
   for (const Json& number : numbers)
-    text += (text.empty() ? "" : " ") + ScalarText(number);
+    text += (text.empty() ? "" : " ") + FormatScalar(number);
   return text + "\n";
 }
 
@@ -322,7 +323,8 @@ std::string FitComments(const KeyedFormat& format,
     if (camera.fit)
       text += fmt::format("# {}{}nearest {}: {}\n", Printable(camera.name),
                           camera.name.empty() ? "" : ": ",
-                          camera.lens.form->name, FormatLensFit(*camera.fit));
+                          camera.lens.external_model->name,
+                          FormatLensFit(*camera.fit));
   return text;
 }
 
@@ -334,16 +336,16 @@ std::string WriteKeyed(const KeyedFormat& format, const WriteRequest& request) {
     case KeyedSyntax::kJson:
       return tree.dump(2) + "\n";
     case KeyedSyntax::kToml:
-      return FitComments(format, request) + TomlText(tree);
+      return FitComments(format, request) + FormatToml(tree);
     case KeyedSyntax::kLines:
-      return LinesText(tree);
+      return FormatLines(tree);
     case KeyedSyntax::kNumbers:
-      return FitComments(format, request) + NumbersText(tree["numbers"]);
+      return FitComments(format, request) + FormatNumbers(tree["numbers"]);
     case KeyedSyntax::kStorage:
       return "%YAML:1.0\n---\n" + FitComments(format, request) +
-             YamlText(tree, "");
+             FormatYaml(tree, "");
     default:
-      return FitComments(format, request) + YamlText(tree, "");
+      return FitComments(format, request) + FormatYaml(tree, "");
   }
 }
 

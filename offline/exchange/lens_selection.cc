@@ -30,48 +30,55 @@ double ChoiceRmsPx(const LensFit& fit) {
 }
 
 // A spline needs no rotation.
-SelectedLens FitSpline(const LensForm& form, const CameraModel& camera,
-                       const ValidityMask* trusted) {
-  auto model = FitSplinedStereographic(camera, trusted);
+SelectedLens FitSpline(const ExternalModel& external_model,
+                       const CameraModel& camera,
+                       const ValidityMask* valid_region) {
+  auto model = FitSplinedStereographic(camera, valid_region);
   SelectedLens chosen;
   chosen.fit = LensFit{};
   if (!model) return chosen;
-  chosen.fit = MeasureLensFit(camera, trusted, *model, form,
+  chosen.fit = MeasureLensFit(camera, valid_region, *model, external_model,
                               Eigen::Quaterniond::Identity());
-  chosen.lens = ConvertToForm(form, *model).value();
+  chosen.lens = ConvertToExternalModel(external_model, *model).value();
   chosen.model = std::move(model);
   return chosen;
 }
 
 // A grid needs no rotation, either, unless its program has an axis.
-SelectedLens FitGrid(const LensForm& form, const CameraModel& camera,
-                     const ValidityMask* trusted) {
-  const FormGrid grid = form.fit_grid
-                            ? form.fit_grid(camera, trusted)
-                            : FormGrid{std::make_shared<UnitGrid>(
-                                  FitUnitGrid(camera, form.HasLines()))};
+SelectedLens FitGrid(const ExternalModel& external_model,
+                     const CameraModel& camera,
+                     const ValidityMask* valid_region) {
+  const ExternalGrid grid =
+      external_model.fit_grid
+          ? external_model.fit_grid(camera, valid_region)
+          : ExternalGrid{std::make_shared<UnitGrid>(
+                FitUnitGrid(camera, external_model.HasLines()))};
   SelectedLens chosen;
-  chosen.lens = {&form, camera.image_size(), {}, nullptr, grid.camera};
-  chosen.fit = MeasureLensFit(camera, trusted, *grid.camera, form,
-                              grid.camera_from_given);
+  chosen.lens = {
+      &external_model, camera.image_size(), {}, nullptr, grid.camera};
+  chosen.fit = MeasureLensFit(camera, valid_region, *grid.camera,
+                              external_model, grid.camera_from_given);
   chosen.model = grid.camera->Clone();
   return chosen;
 }
 
-SelectedLens FitLens(const LensForm& form, const CameraModel& camera,
-                     const ValidityMask* trusted) {
-  if (form.IsGrid()) return FitGrid(form, camera, trusted);
-  if (form.IsSpline()) return FitSpline(form, camera, trusted);
+SelectedLens FitLens(const ExternalModel& external_model,
+                     const CameraModel& camera,
+                     const ValidityMask* valid_region) {
+  if (external_model.IsGrid())
+    return FitGrid(external_model, camera, valid_region);
+  if (external_model.IsSpline())
+    return FitSpline(external_model, camera, valid_region);
   FitOptions options;
-  options.held = form.Missing();
-  options.ties_focal_lengths = form.Has("f");
-  options.trusted = trusted;
+  options.held = external_model.Missing();
+  options.ties_focal_lengths = external_model.Has("f");
+  options.valid_region = valid_region;
   FittedModel fitted =
-      FitNearestModel(form.model, camera, camera.area(), options);
+      FitNearestModel(external_model.model, camera, camera.area(), options);
   SelectedLens chosen;
-  chosen.fit = MeasureLensFit(camera, trusted, *fitted.model, form,
-                              fitted.model_from_camera);
-  chosen.lens = ConvertToForm(form, *fitted.model).value();
+  chosen.fit = MeasureLensFit(camera, valid_region, *fitted.model,
+                              external_model, fitted.model_from_camera);
+  chosen.lens = ConvertToExternalModel(external_model, *fitted.model).value();
   chosen.model = std::move(fitted.model);
   return chosen;
 }
@@ -84,8 +91,10 @@ double AtPart(const std::vector<double>& sorted, double part) {
 
 }  // namespace
 
-LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
-                       const CameraModel& lens, const LensForm& form,
+LensFit MeasureLensFit(const CameraModel& camera,
+                       const ValidityMask* valid_region,
+                       const CameraModel& lens,
+                       const ExternalModel& external_model,
                        const Eigen::Quaterniond& lens_from_camera) {
   constexpr double kAnywherePx = 1e9;
   const Area& area = camera.area();
@@ -93,13 +102,13 @@ LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
       std::max(1.0, std::max(area.width(), area.height()) / kPixelsAcross);
   LensFit fit;
   fit.lens_from_camera = lens_from_camera;
-  fit.is_of_trusted = trusted;
+  fit.has_valid_region = valid_region;
   std::vector<double> errors;
   double sum = 0;
   for (double y = area.y0; y <= area.y1; y += step_px) {
     for (double x = area.x0; x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      if ((trusted && !trusted->IsValidAt(pixel)) ||
+      if ((valid_region && !valid_region->IsValidAt(pixel)) ||
           !camera.IsInImageCircle(pixel))
         continue;
       const auto line = camera.Line(pixel);
@@ -108,9 +117,9 @@ LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
           lens_from_camera * (line->origin + line->direction);
       const double angle = std::atan2(turned.head<2>().norm(), turned.z());
       fit.widest_rad = std::max(fit.widest_rad, angle);
-      const auto seen =
-          lens.Project(turned, form.IsGrid() ? &pixel : nullptr, kAnywherePx);
-      if (!seen || !(angle < form.reach_rad)) {
+      const auto seen = lens.Project(
+          turned, external_model.IsGrid() ? &pixel : nullptr, kAnywherePx);
+      if (!seen || !(angle < external_model.reach_rad)) {
         ++fit.num_beyond;
         continue;
       }
@@ -127,21 +136,23 @@ LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
   return fit;
 }
 
-SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
-                        const CameraModel& camera, const ValidityMask* trusted,
-                        int num_threads) {
+SelectedLens SelectLens(
+    const std::vector<const ExternalModel*>& external_models,
+    const CameraModel& camera, const ValidityMask* valid_region,
+    int num_threads) {
   constexpr double kWorthPart = 0.02;
-  const auto has_fewer = [](const LensForm* a, const LensForm* b) {
+  const auto has_fewer = [](const ExternalModel* a, const ExternalModel* b) {
     return std::make_pair(a->IsSpline(), a->parameters.size()) <
            std::make_pair(b->IsSpline(), b->parameters.size());
   };
-  std::vector<const LensForm*> sorted;
-  for (const LensForm* form : forms)
-    if (form->HasLines() != camera.IsCentral()) sorted.push_back(form);
-  if (sorted.empty() && camera.IsCentral()) sorted = forms;
+  std::vector<const ExternalModel*> sorted;
+  for (const ExternalModel* external_model : external_models)
+    if (external_model->HasLines() != camera.IsCentral())
+      sorted.push_back(external_model);
+  if (sorted.empty() && camera.IsCentral()) sorted = external_models;
   std::stable_sort(sorted.begin(), sorted.end(), has_fewer);
-  for (const LensForm* form : sorted)
-    if (auto held = ConvertToForm(*form, camera))
+  for (const ExternalModel* external_model : sorted)
+    if (auto held = ConvertToExternalModel(*external_model, camera))
       return {*held, MakeLens(*held), std::nullopt};
   if (sorted.empty())
     throw Error(
@@ -154,7 +165,7 @@ SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
   // Forms with many parameters are the slowest, so they start first.
   const int last = static_cast<int>(sorted.size()) - 1;
   ParallelFor(last + 1, NumThreads(num_threads), [&](int k) {
-    fits[last - k] = FitLens(*sorted[last - k], camera, trusted);
+    fits[last - k] = FitLens(*sorted[last - k], camera, valid_region);
   });
   double best_px = INFINITY;
   for (const SelectedLens& lens : fits)
@@ -176,7 +187,7 @@ std::string FormatLensFit(const LensFit& fit) {
   std::string text = fmt::format(
       "RMS {:.3g} px, 99th percentile {:.3g} px, max {:.3g} px at {} {}pixels",
       fit.rms_px, fit.p99_px, fit.max_px, fit.num_pixels,
-      fit.is_of_trusted ? "valid " : "");
+      fit.has_valid_region ? "valid " : "");
   if (fit.num_beyond > 0)
     text += fmt::format(
         "; {} pixels cannot be represented, up to {:.0f} degrees off axis",

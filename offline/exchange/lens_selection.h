@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "camera/camera_uncertainty.h"
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -14,10 +14,10 @@ namespace raygrid {
 /// the valid region, after a rotation.
 struct LensFit {
   double rms_px = 0, p99_px = 0, max_px = 0;
-  size_t num_pixels = 0;       ///< compared pixels
-  size_t num_beyond = 0;       ///< valid pixels that the form cannot represent
-  double widest_rad = 0;       ///< maximum angle from the axis, valid pixels
-  bool is_of_trusted = false;  ///< false: the camera has no valid region
+  size_t num_pixels = 0;  ///< compared pixels
+  size_t num_beyond = 0;  ///< valid pixels that the form cannot represent
+  double widest_rad = 0;  ///< maximum angle from the axis, valid pixels
+  bool has_valid_region = false;  ///< false: the camera has no valid region
   Eigen::Quaterniond lens_from_camera = Eigen::Quaterniond::Identity();
 
   bool IsTurned() const {
@@ -27,7 +27,7 @@ struct LensFit {
 
 /// A camera converted to one of a program's models.
 struct SelectedLens {
-  ConvertedLens lens;
+  ConvertedCamera lens;
   std::unique_ptr<CameraModel> model;  ///< raygrid's model of the conversion
   std::optional<LensFit> fit;          ///< nullopt if the conversion is exact
 };
@@ -39,14 +39,17 @@ struct SelectedLens {
 /// a mask all are valid. Non-central cameras require non-central forms and vice
 /// versa: otherwise throws Error(kUsage). Throws Error(kQuality) if no form can
 /// represent any valid pixel.
-SelectedLens SelectLens(const std::vector<const LensForm*>& forms,
-                        const CameraModel& camera, const ValidityMask* trusted,
-                        int num_threads = 1);
+SelectedLens SelectLens(
+    const std::vector<const ExternalModel*>& external_models,
+    const CameraModel& camera, const ValidityMask* valid_region,
+    int num_threads = 1);
 
 /// Measures the accuracy of a converted camera; for a non-central camera with
 /// points at a distance of 1 m.
-LensFit MeasureLensFit(const CameraModel& camera, const ValidityMask* trusted,
-                       const CameraModel& lens, const LensForm& form,
+LensFit MeasureLensFit(const CameraModel& camera,
+                       const ValidityMask* valid_region,
+                       const CameraModel& lens,
+                       const ExternalModel& external_model,
                        const Eigen::Quaterniond& lens_from_camera);
 
 /// Formats "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200

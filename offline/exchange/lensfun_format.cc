@@ -11,7 +11,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/radial_lens.h"
 #include "exchange/xml.h"
 #include "exchange/yaml_numbers.h"
@@ -28,17 +28,18 @@ Eigen::Vector2d SidesPx(const ImageSize& size) {
   return {std::max(1.0, size.width - 1.0), std::max(1.0, size.height - 1.0)};
 }
 
-LensForm LensfunForm(const char* name, const char* model, double reach_rad) {
-  LensForm form = {name, model, {"f", "cx", "cy", "k1", "k2"}};
-  form.reach_rad = reach_rad;
-  return form;
+ExternalModel MakeLensfunModel(const char* name, const char* model,
+                               double reach_rad) {
+  ExternalModel external_model = {name, model, {"f", "cx", "cy", "k1", "k2"}};
+  external_model.reach_rad = reach_rad;
+  return external_model;
 }
 
-const std::vector<LensForm>& LensfunForms() {
-  static const std::vector<LensForm> forms = {
-      LensfunForm("rectilinear", models::kOpenCv, M_PI / 2),
-      LensfunForm("fisheye", models::kThinPrismFisheye, M_PI)};
-  return forms;
+const std::vector<ExternalModel>& GetLensfunModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeLensfunModel("rectilinear", models::kOpenCv, M_PI / 2),
+      MakeLensfunModel("fisheye", models::kThinPrismFisheye, M_PI)};
+  return external_models;
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -142,9 +143,9 @@ double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
 }
 
 // Makes the camera of a lens at a focal length. crop: the camera's.
-RadialLens RadialLensOf(const XmlElement& lens, const XmlElement& calibration,
-                        const XmlElement& distortion, double crop,
-                        const ImageSize& size) {
+RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
+                          const XmlElement& distortion, double crop,
+                          const ImageSize& size) {
   const double focal_mm = LensfunAttribute(distortion, "focal", NAN);
   if (!(focal_mm > 0))
     throw InputError(fmt::format(
@@ -213,7 +214,7 @@ void RequireKnownElements(const XmlElement& lens,
   keys.Skip({"maker", "model", "variant", "notes", "mount", "type", "focal",
              "aperture", "cropfactor", "aspect-ratio", "center",
              "calibration"});
-  keys.Finish(LensfunForms()[0], warnings);
+  keys.Finish(GetLensfunModels()[0], warnings);
 }
 
 ExchangeContents ReadLensfun(const ReadRequest& request) {
@@ -236,7 +237,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
             fmt::format("more than {} distortions; copy the one of your lens "
                         "and focal length into a separate file",
                         kMost));
-      const RadialLens radial = RadialLensOf(
+      const RadialLens radial = ReadRadialLens(
           lens, *calibration, distortion,
           crop_of_camera.value_or(CropFactor(lens)), *request.size);
       ReadLens& camera = contents.cameras.emplace_back();
@@ -269,7 +270,7 @@ std::string Escaped(const std::string& text) {
 // A camera of crop factor 1 with the calibration's images.
 std::string WriteLensfun(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   const Eigen::Vector2d sides_px = SidesPx(lens.size);
   const double mm_per_pixel = kDiagonalMm / sides_px.norm();
   const double smaller_px = sides_px.minCoeff();
@@ -278,8 +279,8 @@ std::string WriteLensfun(const WriteRequest& request) {
   const double scale = smaller_px / 2 / focal_px;
   std::string text = "<lensdatabase version=\"1\">\n";
   if (camera.fit)
-    text += fmt::format("    <!-- Fitted {}: {} -->\n", lens.form->name,
-                        FormatLensFit(*camera.fit));
+    text += fmt::format("    <!-- Fitted {}: {} -->\n",
+                        lens.external_model->name, FormatLensFit(*camera.fit));
   return text +
          fmt::format(
              "    <lens>\n"
@@ -297,23 +298,24 @@ std::string WriteLensfun(const WriteRequest& request) {
              "    </lens>\n"
              "</lensdatabase>\n",
              camera.name.empty() ? "camera" : Escaped(camera.name),
-             lens.form->name, RealText(sides_px.maxCoeff() / smaller_px),
-             RealText((lens.Value("cx") - sides_px.x() / 2) * 2 / smaller_px),
-             RealText((lens.Value("cy") - sides_px.y() / 2) * 2 / smaller_px),
-             RealText(focal_px * mm_per_pixel),
-             RealText(lens.Value("k1") * scale * scale),
-             RealText(lens.Value("k2") * std::pow(scale, 4)));
+             lens.external_model->name,
+             FormatReal(sides_px.maxCoeff() / smaller_px),
+             FormatReal((lens.Value("cx") - sides_px.x() / 2) * 2 / smaller_px),
+             FormatReal((lens.Value("cy") - sides_px.y() / 2) * 2 / smaller_px),
+             FormatReal(focal_px * mm_per_pixel),
+             FormatReal(lens.Value("k1") * scale * scale),
+             FormatReal(lens.Value("k2") * std::pow(scale, 4)));
 }
 
 }  // namespace
 
-Format LensfunFormat() {
+Format MakeLensfunFormat() {
   Format format;
   format.name = "lensfun";
   format.holds =
       "Lensfun database .xml: poly3, poly5 and ptlens (ptlens and rare "
       "projections converted to central-generic); written as poly5";
-  format.forms = LensfunForms();
+  format.external_models = GetLensfunModels();
   format.ending = ".xml";
   format.discards_rig_poses = true;
   format.requires_image_size = true;

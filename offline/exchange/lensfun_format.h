@@ -8,7 +8,7 @@ namespace raygrid {
 /// Lenses of Lensfun's database, as documented there ("Declaring lenses",
 /// "lfDistortionModel"): poly3, poly5 and ptlens on a rectilinear or fisheye
 /// projection.
-Format LensfunFormat();
+Format MakeLensfunFormat();
 
 }  // namespace raygrid
 

@@ -6,7 +6,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -19,16 +19,16 @@ constexpr char kTuningMatrix[] = "cm";
 constexpr char kTuningCoefficients[] = "coefficients";
 constexpr char kTuningSize[] = "image_size";  // in raygrid's own map
 
-const std::vector<LensForm>& LibcameraForms() {
-  static const std::vector<LensForm> forms = {
-      OpenCvForm("dewarp4", 4), OpenCvForm("dewarp5", 5),
-      OpenCvForm("dewarp8", 8), OpenCvForm("dewarp12", 12)};
-  return forms;
+const std::vector<ExternalModel>& GetLibcameraModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("dewarp4", 4), MakeOpenCvModel("dewarp5", 5),
+      MakeOpenCvModel("dewarp8", 8), MakeOpenCvModel("dewarp12", 12)};
+  return external_models;
 }
 
 // ---- Reading ---------------------------------------------------------------
 
-YAML::Node DewarpNode(const YAML::Node& root) {
+YAML::Node MakeDewarpNode(const YAML::Node& root) {
   const YAML::Node modules = root.IsMap() ? root[kTuningModules] : YAML::Node();
   if (modules && modules.IsSequence())
     for (const YAML::Node& module : modules)
@@ -37,22 +37,23 @@ YAML::Node DewarpNode(const YAML::Node& root) {
       fmt::format("{}: missing module '{}'", kTuningModules, kTuningDewarp));
 }
 
-ConvertedLens ReadDewarp(const CameraKeys& dewarp,
-                         std::vector<std::string>* warnings) {
-  ConvertedLens lens;
+ConvertedCamera ReadDewarp(const CameraKeys& dewarp,
+                           std::vector<std::string>* warnings) {
+  ConvertedCamera lens;
   ReadCameraMatrix(FiniteNumbers(dewarp[kTuningMatrix], kTuningMatrix, 9),
                    kTuningMatrix, &lens);
   const std::vector<double> coefficients =
       FiniteNumbers(dewarp[kTuningCoefficients], kTuningCoefficients);
-  for (const LensForm& form : LibcameraForms())
-    if (form.parameters.size() == 4 + coefficients.size()) lens.form = &form;
-  if (!lens.form)
+  for (const ExternalModel& external_model : GetLibcameraModels())
+    if (external_model.parameters.size() == 4 + coefficients.size())
+      lens.external_model = &external_model;
+  if (!lens.external_model)
     throw InputError(
         fmt::format("{}: {} coefficients; libcamera supports 4, 5, 8 and 12",
                     kTuningCoefficients, coefficients.size()));
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
-  dewarp.Finish(*lens.form, warnings);
+  dewarp.Finish(*lens.external_model, warnings);
   return lens;
 }
 
@@ -60,7 +61,7 @@ ExchangeContents ReadLibcamera(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
   ReadLens camera;
-  camera.lens = ReadDewarp(CameraKeys(DewarpNode(root), kTuningDewarp),
+  camera.lens = ReadDewarp(CameraKeys(MakeDewarpNode(root), kTuningDewarp),
                            &contents.warnings);
   const YAML::Node own = root[kRaygridKey];
   ParseRaygridJson(own, &camera);
@@ -81,7 +82,7 @@ bool IsLibcamera(const std::string& text) {
 // libcamera ignores unknown keys.
 std::string WriteLibcamera(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   std::string own = fmt::format("  {}: [{}, {}]\n", kTuningSize,
                                 lens.size.width, lens.size.height);
   if (!camera.name.empty()) own += "  name: " + QuotedYaml(camera.name) + "\n";
@@ -100,13 +101,13 @@ std::string WriteLibcamera(const WriteRequest& request) {
 
 }  // namespace
 
-Format LibcameraFormat() {
+Format MakeLibcameraFormat() {
   Format format;
   format.name = "libcamera";
   format.holds =
       "libcamera tuning file of the i.MX 8M Plus: intrinsics of the Dewarp "
       "module";
-  format.forms = LibcameraForms();
+  format.external_models = GetLibcameraModels();
   format.discards_rig_poses = true;
   format.recognizes = IsLibcamera;
   format.read = ReadLibcamera;

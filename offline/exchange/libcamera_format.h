@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The Dewarp module of libcamera's tuning files.
-Format LibcameraFormat();
+Format MakeLibcameraFormat();
 
 }  // namespace raygrid
 

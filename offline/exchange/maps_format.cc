@@ -53,7 +53,7 @@ OpenCvMaps MakeMaps(const ViewTable& view) {
   return maps;
 }
 
-NpyArray ArrayOf(const std::string& name, const cv::Mat& matrix) {
+NpyArray MakeArray(const std::string& name, const cv::Mat& matrix) {
   std::vector<size_t> shape = {static_cast<size_t>(matrix.rows),
                                static_cast<size_t>(matrix.cols)};
   if (matrix.channels() > 1) shape.push_back(matrix.channels());
@@ -71,15 +71,15 @@ NpyArray ArrayOf(const std::string& name, const cv::Mat& matrix) {
   }
 }
 
-std::string NpzText(const OpenCvMaps& maps) {
-  std::vector<NpyArray> arrays = {ArrayOf("map1", maps.map1),
-                                  ArrayOf("map2", maps.map2),
-                                  ArrayOf("source_size", maps.source_size)};
-  if (!maps.matrix.empty()) arrays.push_back(ArrayOf("K", maps.matrix));
+std::string FormatNpz(const OpenCvMaps& maps) {
+  std::vector<NpyArray> arrays = {MakeArray("map1", maps.map1),
+                                  MakeArray("map2", maps.map2),
+                                  MakeArray("source_size", maps.source_size)};
+  if (!maps.matrix.empty()) arrays.push_back(MakeArray("K", maps.matrix));
   return WriteNpz(arrays);
 }
 
-std::string StorageText(const std::string& ending, const OpenCvMaps& maps) {
+std::string FormatStorage(const std::string& ending, const OpenCvMaps& maps) {
   cv::FileStorage storage(ending,
                           cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   storage << "map1" << maps.map1 << "map2" << maps.map2 << "source_size"
@@ -93,7 +93,7 @@ TableOutput WriteMaps(const ViewTable& view) {
       std::filesystem::path(view.path).extension().string();
   const OpenCvMaps maps = MakeMaps(view);
   const std::string text =
-      ending == kNpz ? NpzText(maps) : StorageText(ending, maps);
+      ending == kNpz ? FormatNpz(maps) : FormatStorage(ending, maps);
   return {{{view.path, text}},
           fmt::format("map1 and map2, {}", view.model == kFixed
                                                ? "CV_16SC2 and CV_16UC1"
@@ -102,7 +102,7 @@ TableOutput WriteMaps(const ViewTable& view) {
 
 }  // namespace
 
-TableFormat MapsFormat() {
+TableFormat MakeMapsFormat() {
   TableFormat format;
   format.name = "maps";
   format.holds =

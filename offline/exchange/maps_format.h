@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The maps of a view for cv2.remap().
-TableFormat MapsFormat();
+TableFormat MakeMapsFormat();
 
 }  // namespace raygrid
 

@@ -5,7 +5,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/xml.h"
 #include "exchange/yaml_numbers.h"
 
@@ -17,24 +17,25 @@ constexpr char kRoot[] = "calibration", kDocument[] = "document";
 // p1 and p2 have each other's name in OpenCV and raygrid. Metashape bends a
 // frame camera's x and y over z, and a fisheye's where these are as long as the
 // angle off the axis. A frame has f in x and y, and b1 more in x.
-const std::vector<LensForm>& MetashapeForms() {
-  static const std::vector<LensForm> forms = [] {
-    std::vector<LensForm> made = {
-        MakeForm("frame", models::kOpenCv, {"k1", "k2", "k3", "p2", "p1"}),
-        MakeForm("fisheye", models::kThinPrismFisheye,
-                 {"k1", "k2", "k3", "k4", "p2", "p1"})};
-    for (LensForm& form : made) {
-      form.origin = PixelOrigin::kImageMiddle;
-      form.reach_rad = M_PI / 2;
+const std::vector<ExternalModel>& GetMetashapeModels() {
+  static const std::vector<ExternalModel> external_models = [] {
+    std::vector<ExternalModel> made = {
+        MakeExternalModel("frame", models::kOpenCv,
+                          {"k1", "k2", "k3", "p2", "p1"}),
+        MakeExternalModel("fisheye", models::kThinPrismFisheye,
+                          {"k1", "k2", "k3", "k4", "p2", "p1"})};
+    for (ExternalModel& external_model : made) {
+      external_model.origin = PixelOrigin::kImageCenter;
+      external_model.reach_rad = M_PI / 2;
     }
     return made;
   }();
-  return forms;
+  return external_models;
 }
 
 // Metashape's names of a form's coefficients, in its order.
-std::vector<std::string> KeysOf(const LensForm& form) {
-  return form.Has("k4")
+std::vector<std::string> KeysOf(const ExternalModel& external_model) {
+  return external_model.Has("k4")
              ? std::vector<std::string>{"k1", "k2", "k3", "k4", "p1", "p2"}
              : std::vector<std::string>{"k1", "k2", "k3", "p1", "p2"};
 }
@@ -51,10 +52,11 @@ double RequiredNumber(const CameraKeys& keys, const std::string& name) {
   return FiniteNumber(keys[name], name);
 }
 
-const LensForm& FormOfProjection(const std::string& name) {
-  const std::vector<LensForm>& forms = MetashapeForms();
-  if (name.empty() || name == "frame") return forms[0];
-  if (name == "fisheye" || name == "equidistant_fisheye") return forms[1];
+const ExternalModel& FindMetashapeModel(const std::string& name) {
+  const std::vector<ExternalModel>& external_models = GetMetashapeModels();
+  if (name.empty() || name == "frame") return external_models[0];
+  if (name == "fisheye" || name == "equidistant_fisheye")
+    return external_models[1];
   throw InputError(
       fmt::format("unsupported projection '{}'; supported are frame, fisheye "
                   "and equidistant_fisheye",
@@ -62,15 +64,16 @@ const LensForm& FormOfProjection(const std::string& name) {
 }
 
 // A form has no place for some numbers that bend the lens.
-void RequireNothingElse(const CameraKeys& keys, const LensForm& form) {
+void RequireNothingElse(const CameraKeys& keys,
+                        const ExternalModel& external_model) {
   std::vector<std::string> others = {"p3", "p4"};
-  if (!form.Has("k4")) others.push_back("k4");
+  if (!external_model.Has("k4")) others.push_back("k4");
   for (const std::string& name : others)
     if (NumberOf(keys, name) != 0)
       throw InputError(
           fmt::format("non-zero {} of a {} is not supported; optimize the "
                       "cameras in Metashape without it",
-                      name, form.name));
+                      name, external_model.name));
   for (const char* name : {"fx", "fy", "skew"})
     if (keys.Has(name))
       throw InputError(
@@ -100,12 +103,12 @@ CameraKeys KeysOfCalibration(const XmlElement& calibration,
   return CameraKeys(map, name);
 }
 
-ConvertedLens ReadCalibration(const CameraKeys& keys,
-                              const std::string& projection,
-                              std::vector<std::string>* warnings) {
-  ConvertedLens lens;
-  lens.form = &FormOfProjection(projection);
-  RequireNothingElse(keys, *lens.form);
+ConvertedCamera ReadCalibration(const CameraKeys& keys,
+                                const std::string& projection,
+                                std::vector<std::string>* warnings) {
+  ConvertedCamera lens;
+  lens.external_model = &FindMetashapeModel(projection);
+  RequireNothingElse(keys, *lens.external_model);
   if (keys.Has("width") || keys.Has("height"))
     lens.size = {SidePx(keys["width"], "width"),
                  SidePx(keys["height"], "height")};
@@ -113,24 +116,24 @@ ConvertedLens ReadCalibration(const CameraKeys& keys,
   lens.values = {f + NumberOf(keys, "b1"), f, NumberOf(keys, "cx"),
                  NumberOf(keys, "cy")};
   lens.skew_px = NumberOf(keys, "b2");
-  for (const std::string& key : KeysOf(*lens.form))
+  for (const std::string& key : KeysOf(*lens.external_model))
     lens.values.push_back(NumberOf(keys, key));
   keys.Skip({"projection", "date"});
-  keys.Finish(*lens.form, warnings);
+  keys.Finish(*lens.external_model, warnings);
   return lens;
 }
 
-std::string AttributeOf(const XmlElement& element, const std::string& name) {
+std::string GetAttribute(const XmlElement& element, const std::string& name) {
   const auto found = element.attributes.find(name);
   return found == element.attributes.end() ? "" : found->second;
 }
 
 // The calibration of a sensor that its images gave, or the one it began with.
-const XmlElement* CalibrationOf(const XmlElement& sensor) {
+const XmlElement* FindCalibration(const XmlElement& sensor) {
   const XmlElement* first = nullptr;
   for (const XmlElement& child : sensor.children) {
     if (child.name != kRoot) continue;
-    if (AttributeOf(child, "class") == "adjusted") return &child;
+    if (GetAttribute(child, "class") == "adjusted") return &child;
     if (!first) first = &child;
   }
   return first;
@@ -144,24 +147,24 @@ void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
       for (const XmlElement& sensor : list->children)
         if (sensor.name == "sensor") sensors.push_back(&sensor);
   for (const XmlElement* sensor : sensors) {
-    const std::string label = AttributeOf(*sensor, "label"),
+    const std::string label = GetAttribute(*sensor, "label"),
                       name = sensors.size() > 1
-                                 ? "sensor" + AttributeOf(*sensor, "id")
+                                 ? "sensor" + GetAttribute(*sensor, "id")
                                  : "";
-    const XmlElement* const calibration = CalibrationOf(*sensor);
+    const XmlElement* const calibration = FindCalibration(*sensor);
     if (!calibration) {
       contents->warnings.push_back(
           fmt::format("sensor '{}' has no calibration", Printable(label)));
       continue;
     }
-    const std::string type = AttributeOf(*calibration, "type");
+    const std::string type = GetAttribute(*calibration, "type");
     ReadLens camera;
     camera.name = name;
     camera.lens =
         ReadCalibration(KeysOfCalibration(*calibration, name),
-                        type.empty() ? AttributeOf(*sensor, "type") : type,
+                        type.empty() ? GetAttribute(*sensor, "type") : type,
                         &contents->warnings);
-    if (AttributeOf(*calibration, "class") == "initial")
+    if (GetAttribute(*calibration, "class") == "initial")
       contents->warnings.push_back(fmt::format(
           "sensor '{}' has only its initial calibration", Printable(label)));
     contents->cameras.push_back(std::move(camera));
@@ -197,39 +200,39 @@ bool IsMetashape(const std::string& text) {
 
 std::string WriteMetashape(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   if (camera.fit)
-    text += fmt::format("<!-- Fitted {}: {} -->\n", lens.form->name,
+    text += fmt::format("<!-- Fitted {}: {} -->\n", lens.external_model->name,
                         FormatLensFit(*camera.fit));
   text += fmt::format("<{}>\n", kRoot);
   const auto add = [&](const std::string& name, const std::string& value) {
     text += fmt::format("  <{0}>{1}</{0}>\n", name, value);
   };
   const double fx = lens.Value("fx"), fy = lens.Value("fy");
-  add("projection", lens.form->name);
+  add("projection", lens.external_model->name);
   add("width", std::to_string(lens.size.width));
   add("height", std::to_string(lens.size.height));
-  add("f", RealText(fy));
-  add("cx", RealText(lens.Value("cx")));
-  add("cy", RealText(lens.Value("cy")));
-  add("b1", RealText(fx - fy));
-  const std::vector<std::string> keys = KeysOf(*lens.form);
+  add("f", FormatReal(fy));
+  add("cx", FormatReal(lens.Value("cx")));
+  add("cy", FormatReal(lens.Value("cy")));
+  add("b1", FormatReal(fx - fy));
+  const std::vector<std::string> keys = KeysOf(*lens.external_model);
   const std::vector<double> coefficients = lens.ValuesFrom(4);
   for (size_t k = 0; k < keys.size(); ++k)
-    add(keys[k], RealText(coefficients[k]));
+    add(keys[k], FormatReal(coefficients[k]));
   return text + fmt::format("</{}>\n", kRoot);
 }
 
 }  // namespace
 
-Format MetashapeFormat() {
+Format MakeMetashapeFormat() {
   Format format;
   format.name = "metashape";
   format.holds =
       "Agisoft Metashape calibration .xml of a frame or fisheye camera; one "
       "file per camera of a rig";
-  format.forms = MetashapeForms();
+  format.external_models = GetMetashapeModels();
   format.ending = ".xml";
   format.discards_rig_poses = true;
   format.recognizes = IsMetashape;

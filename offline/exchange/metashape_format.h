@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The XML calibration of Agisoft Metashape.
-Format MetashapeFormat();
+Format MakeMetashapeFormat();
 
 }  // namespace raygrid
 

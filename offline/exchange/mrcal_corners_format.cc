@@ -20,7 +20,7 @@ constexpr char kNoValue[] = "-";
 
 // The names of a vnlog's columns: words of the first line that begins with one
 // '#'. Empty if other lines come before it.
-std::vector<std::string> LegendOf(const std::string& text) {
+std::vector<std::string> FindLegend(const std::string& text) {
   constexpr size_t kHeadBytes = 1 << 16;
   std::istringstream lines(text.substr(0, kHeadBytes));
   for (std::string line; std::getline(lines, line) && line[0] == '#';) {
@@ -40,13 +40,13 @@ struct CornerColumns {
 };
 
 bool IsMrcalCorners(const std::string& text) {
-  const std::vector<std::string> legend = LegendOf(text);
+  const std::vector<std::string> legend = FindLegend(text);
   return legend.size() >= 3 && legend[0] == "filename" && legend[1] == "x" &&
          legend[2] == "y";
 }
 
-CornerColumns ColumnsOf(const std::string& text) {
-  const std::vector<std::string> legend = LegendOf(text);
+CornerColumns ParseColumns(const std::string& text) {
+  const std::vector<std::string> legend = FindLegend(text);
   if (!IsMrcalCorners(text) || legend.size() > 4)
     throw InputError(
         "its columns must be '# filename x y', optionally followed by 'level' "
@@ -86,9 +86,9 @@ bool IsOccupied(const WordLines& line, const CornerColumns& columns,
   return columns.has_level ? value >= 0 : value > 0;
 }
 
-std::optional<Eigen::Vector2d> CornerOf(const WordLines& line,
-                                        const CornerColumns& columns,
-                                        CornerCounts* counts) {
+std::optional<Eigen::Vector2d> ParseCorner(const WordLines& line,
+                                           const CornerColumns& columns,
+                                           CornerCounts* counts) {
   if (line.Text(1) == kNoValue && line.Text(2) == kNoValue) return std::nullopt;
   const Eigen::Vector2d pixel(line.Get<double>(1), line.Get<double>(2));
   if (!IsOccupied(line, columns, counts)) return std::nullopt;
@@ -118,7 +118,7 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
                                 Printable(name)));
       images.push_back({name, {}});
     }
-    images.back().corners.push_back(CornerOf(line, columns, counts));
+    images.back().corners.push_back(ParseCorner(line, columns, counts));
   }
   return images;
 }
@@ -127,7 +127,7 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
 
 // How much lines of so many neighbours bend, in pixels. A wrong number of
 // columns makes rows jump.
-double BendOf(const CornerRows& image, int columns) {
+double ComputeBend(const CornerRows& image, int columns) {
   double bend = 0;
   for (size_t k = 0; k + 2 < image.corners.size(); ++k) {
     if (static_cast<int>(k) % columns + 2 >= columns) continue;
@@ -143,12 +143,14 @@ void RequireThisWayRound(const std::vector<CornerRows>& images,
                          const ImageSize& board) {
   if (std::min(board.width, board.height) < 3 || board.width == board.height)
     return;
-  double told = 0, turned = 0;
+  double configuration = 0, turned = 0;
   for (const CornerRows& image : images) {
-    told += BendOf(image, board.width) / (board.width - 2) / board.height;
-    turned += BendOf(image, board.height) / (board.height - 2) / board.width;
+    configuration +=
+        ComputeBend(image, board.width) / (board.width - 2) / board.height;
+    turned +=
+        ComputeBend(image, board.height) / (board.height - 2) / board.width;
   }
-  if (told > 3 * turned)
+  if (configuration > 3 * turned)
     throw InputError(fmt::format(
         "the corners match --board-size {}x{} (columns first), not {}x{}",
         board.height, board.width, board.width, board.height));
@@ -183,7 +185,7 @@ void AddCornerWarnings(const CornerCounts& counts, ExchangeContents* contents) {
 }
 
 ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
-  const CornerColumns columns = ColumnsOf(request.text);
+  const CornerColumns columns = ParseColumns(request.text);
   if (!request.board)
     throw InputError(
         "missing board size; specify it in corners with --board-size "
@@ -208,7 +210,7 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
 
 }  // namespace
 
-Format MrcalCornersFormat() {
+Format MakeMrcalCornersFormat() {
   Format format;
   format.name = "mrcal-corners";
   format.holds =

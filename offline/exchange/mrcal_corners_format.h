@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// corners.vnl of mrcal and mrgingham: board corners without a camera.
-Format MrcalCornersFormat();
+Format MakeMrcalCornersFormat();
 
 }  // namespace raygrid
 

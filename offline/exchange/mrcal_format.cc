@@ -10,7 +10,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/photonvision_format.h"
 #include "exchange/valid_region.h"
 #include "exchange/yaml_numbers.h"
@@ -21,15 +21,15 @@ namespace {
 constexpr char kPrefix[] = "LENSMODEL_";
 constexpr char kSplined[] = "LENSMODEL_SPLINED_STEREOGRAPHIC";
 
-const std::vector<LensForm>& MrcalForms() {
-  static const std::vector<LensForm> forms = {
-      OpenCvForm("LENSMODEL_PINHOLE", 0),
-      OpenCvForm("LENSMODEL_OPENCV4", 4),
-      OpenCvForm("LENSMODEL_OPENCV5", 5),
-      OpenCvForm("LENSMODEL_OPENCV8", 8),
-      OpenCvForm("LENSMODEL_OPENCV12", 12),
+const std::vector<ExternalModel>& GetMrcalModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("LENSMODEL_PINHOLE", 0),
+      MakeOpenCvModel("LENSMODEL_OPENCV4", 4),
+      MakeOpenCvModel("LENSMODEL_OPENCV5", 5),
+      MakeOpenCvModel("LENSMODEL_OPENCV8", 8),
+      MakeOpenCvModel("LENSMODEL_OPENCV12", 12),
       {kSplined, models::kSplinedStereographic, {"fx", "fy", "cx", "cy"}}};
-  return forms;
+  return external_models;
 }
 
 // ---- The dictionary as YAML ------------------------------------------------
@@ -45,7 +45,7 @@ size_t BehindString(const std::string& text, size_t quote) {
 // Python's dictionary as YAML reads it: without comments, with tuples as
 // lists, and without what stands in strings of bytes, which are the solver's
 // and long.
-std::string AsYaml(const std::string& text) {
+std::string ConvertToYaml(const std::string& text) {
   std::string yaml;
   for (size_t at = 0; at < text.size();) {
     const char c = text[at];
@@ -69,11 +69,11 @@ std::string AsYaml(const std::string& text) {
 
 // ---- Reading ---------------------------------------------------------------
 
-const LensForm& MrcalFormNamed(const std::string& name) {
+const ExternalModel& FindMrcalModel(const std::string& name) {
   std::string names;
-  for (const LensForm& form : MrcalForms()) {
-    if (form.name == name) return form;
-    names += (names.empty() ? "" : ", ") + form.name;
+  for (const ExternalModel& external_model : GetMrcalModels()) {
+    if (external_model.name == name) return external_model;
+    names += (names.empty() ? "" : ", ") + external_model.name;
   }
   throw InputError(fmt::format("unsupported lensmodel '{}'; supported are {}",
                                Printable(name), names));
@@ -134,11 +134,11 @@ std::string ModelNameOf(const CameraKeys& root) {
   return kPrefix + (behind == "NONE" ? "PINHOLE" : behind);
 }
 
-ConvertedLens LensOf(const CameraKeys& root) {
+ConvertedCamera LensOf(const CameraKeys& root) {
   const std::string name = ModelNameOf(root);
   const bool is_spline = name.rfind(kSplined, 0) == 0;
-  ConvertedLens lens;
-  lens.form = &MrcalFormNamed(is_spline ? kSplined : name);
+  ConvertedCamera lens;
+  lens.external_model = &FindMrcalModel(is_spline ? kSplined : name);
   const char* const size_key =
       root.Has("imagersize") ? "imagersize" : "dimensions";
   if (!root.Has(size_key)) throw InputError("'imagersize' is missing");
@@ -152,7 +152,7 @@ ConvertedLens LensOf(const CameraKeys& root) {
 }
 
 // Versions from 2.5 on have the pose under a name that says it.
-std::optional<Pose> MrcalPoseOf(const CameraKeys& root) {
+std::optional<Pose> ReadMrcalPose(const CameraKeys& root) {
   const char* const key = root.Has("rt_cam_ref") ? "rt_cam_ref" : "extrinsics";
   if (!root.Has(key)) return std::nullopt;
   const std::vector<double> rt = FiniteNumbers(root[key], key, 6);
@@ -160,8 +160,8 @@ std::optional<Pose> MrcalPoseOf(const CameraKeys& root) {
 }
 
 // nullopt if the file has no region, i.e. the valid region is unknown.
-std::optional<ValidityMask> TrustIn(const CameraKeys& root,
-                                    const ImageSize& size) {
+std::optional<ValidityMask> ParseValidRegion(const CameraKeys& root,
+                                             const ImageSize& size) {
   constexpr char kKey[] = "valid_intrinsics_region";
   const YAML::Node node = root[kKey];
   if (!node.IsDefined() || node.IsNull()) return std::nullopt;
@@ -178,18 +178,18 @@ std::optional<ValidityMask> TrustIn(const CameraKeys& root,
 }
 
 ExchangeContents ReadMrcal(const ReadRequest& request) {
-  const std::string yaml = AsYaml(request.text);
+  const std::string yaml = ConvertToYaml(request.text);
   const CameraKeys root(LoadForeignMap(request.path, yaml));
   ExchangeContents contents;
   ReadLens camera;
   camera.lens = LensOf(root);
-  camera.camera_from_rig = MrcalPoseOf(root);
-  camera.trusted = TrustIn(root, camera.lens.size);
+  camera.camera_from_rig = ReadMrcalPose(root);
+  camera.valid_region = ParseValidRegion(root, camera.lens.size);
   root.Skip({"rt_cam_ref", "extrinsics", "icam_intrinsics",
              "icam_intrinsics_optimization_inputs", "optimization_inputs",
              "observed_pixel_uncertainty", "invJtJ_intrinsics_full",
              "invJtJ_intrinsics_observations_only", "covariance_intrinsics*"});
-  root.Finish(*camera.lens.form, &contents.warnings);
+  root.Finish(*camera.lens.external_model, &contents.warnings);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
@@ -197,8 +197,9 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
 // ---- Writing ---------------------------------------------------------------
 
 // Name of a camera's model, and its parameters in mrcal's order.
-std::pair<std::string, std::vector<double>> ModelOf(const ConvertedLens& lens) {
-  if (!lens.spline) return {lens.form->name, lens.values};
+std::pair<std::string, std::vector<double>> ModelOf(
+    const ConvertedCamera& lens) {
+  if (!lens.spline) return {lens.external_model->name, lens.values};
   const SplinedStereographic::Grid& grid = lens.spline->grid();
   const Eigen::VectorXd parameters = lens.spline->Parameters();
   std::vector<double> values(parameters.end() - 4, parameters.end());
@@ -213,9 +214,10 @@ std::string Comment(const std::string& what, const std::string& text) {
   return text.empty() ? "" : fmt::format("# {}{}\n", what, Printable(text));
 }
 
-std::string RegionText(const ValidityMask& trusted, const ImageSize& size) {
+std::string FormatRegion(const ValidityMask& valid_region,
+                         const ImageSize& size) {
   std::string text = "    'valid_intrinsics_region': [\n";
-  for (const Eigen::Vector2d& point : ComputeValidRegion(trusted, size))
+  for (const Eigen::Vector2d& point : ComputeValidRegion(valid_region, size))
     text += fmt::format("    [ {}, {} ],\n", point.x(), point.y());
   return text + "],\n\n";
 }
@@ -235,7 +237,8 @@ std::string WriteMrcal(const WriteRequest& request) {
   if (camera.fit) text += Comment("fit: ", FormatLensFit(*camera.fit));
   text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
   text += fmt::format("    'intrinsics': [ {},],\n\n", RealTexts(values));
-  if (camera.trusted) text += RegionText(*camera.trusted, camera.lens.size);
+  if (camera.valid_region)
+    text += FormatRegion(*camera.valid_region, camera.lens.size);
   text += fmt::format("    # rt_cam_ref\n    'extrinsics': [ {},],\n\n", rt);
   text += fmt::format("    'imagersize': [ {}, {},],\n}}\n",
                       camera.lens.size.width, camera.lens.size.height);
@@ -254,13 +257,13 @@ bool IsMrcal(const std::string& text) {
 
 }  // namespace
 
-Format MrcalFormat() {
+Format MakeMrcalFormat() {
   Format format;
   format.name = "mrcal";
   format.holds =
       ".cameramodel: pinhole with 4, 5, 8 or 12 OpenCV coefficients, or the "
       "splined stereographic model; one file per camera of a rig";
-  format.forms = MrcalForms();
+  format.external_models = GetMrcalModels();
   format.ending = ".cameramodel";
   format.supports_region = true;
   format.recognizes = IsMrcal;

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// mrcal's .cameramodel: a Python dictionary of a camera with its pose.
-Format MrcalFormat();
+Format MakeMrcalFormat();
 
 }  // namespace raygrid
 

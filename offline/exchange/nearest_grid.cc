@@ -50,16 +50,16 @@ class DirectionCamera : public CameraModel {
 
 }  // namespace
 
-const LensForm& NearestGridForm() {
-  static const LensForm form = {
+const ExternalModel& GetNearestGridModel() {
+  static const ExternalModel external_model = {
       models::kCentralGeneric, models::kCentralGeneric, {}};
-  return form;
+  return external_model;
 }
 
-ConvertedLens FitNearestGrid(const ImageSize& size,
-                             const DirectionAtPixel& direction,
-                             const std::string& why,
-                             std::vector<std::string>* warnings) {
+ConvertedCamera FitNearestGrid(const ImageSize& size,
+                               const DirectionAtPixel& direction,
+                               const std::string& why,
+                               std::vector<std::string>* warnings) {
   constexpr double kNearEnoughPx = 0.002, kMostWithout = 0.9;
   constexpr int kFewest = 12, kMost = 96;
   const DirectionCamera camera(size, direction);
@@ -68,7 +68,7 @@ ConvertedLens FitNearestGrid(const ImageSize& size,
         fmt::format("less than 10 % of the {} x {} image has a valid ray; "
                     "check parameters and image size",
                     size.width, size.height));
-  ConvertedLens lens = {&NearestGridForm(), size, {}};
+  ConvertedCamera lens = {&GetNearestGridModel(), size, {}};
   LensFit fit;
   const Area image = WholeImage(size);
   const double longest = std::max(image.width(), image.height());
@@ -79,7 +79,7 @@ ConvertedLens FitNearestGrid(const ImageSize& size,
     };
     lens.grid = std::make_shared<CentralGeneric>(FitCentralGeneric(
         camera, image, points(image.width()), points(image.height())));
-    fit = MeasureLensFit(camera, nullptr, *lens.grid, *lens.form,
+    fit = MeasureLensFit(camera, nullptr, *lens.grid, *lens.external_model,
                          Eigen::Quaterniond::Identity());
     if (fit.rms_px < kNearEnoughPx || along + along / 2 > kMost) break;
   }
@@ -89,17 +89,18 @@ ConvertedLens FitNearestGrid(const ImageSize& size,
   return lens;
 }
 
-ConvertedLens FitSkewedGrid(const ConvertedLens& lens,
-                            std::vector<std::string>* warnings) {
+ConvertedCamera FitSkewedGrid(const ConvertedCamera& lens,
+                              std::vector<std::string>* warnings) {
   const Area image = WholeImage(lens.size);
   const double shear = lens.skew_px / lens.Value("fy");
   const double cy =
-      FromProgram(lens.form->origin, lens.size, {0, lens.Value("cy")}).y();
+      FromProgram(lens.external_model->origin, lens.size, {0, lens.Value("cy")})
+          .y();
   const double widest = std::abs(shear) * (lens.size.height + std::abs(cy)) + 1;
   if (!(widest < lens.size.width))
     throw InputError(fmt::format(
         "camera matrix: a skew of {:g} px is out of range", lens.skew_px));
-  ConvertedLens straight = lens;
+  ConvertedCamera straight = lens;
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
   // Pixels beside the image come into it.

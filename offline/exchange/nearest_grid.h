@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -17,19 +17,19 @@ using DirectionAtPixel =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
 /// The form of grids that approximate other models.
-const LensForm& NearestGridForm();
+const ExternalModel& GetNearestGridModel();
 
 /// Fits a grid to the directions of pixels. A warning states the fit error and
 /// the reason: "it has a skew of 2 px, which no lens of raygrid has". Throws
 /// InputError if almost no pixel has a direction.
-ConvertedLens FitNearestGrid(const ImageSize& size,
-                             const DirectionAtPixel& direction,
-                             const std::string& why,
-                             std::vector<std::string>* warnings);
+ConvertedCamera FitNearestGrid(const ImageSize& size,
+                               const DirectionAtPixel& direction,
+                               const std::string& why,
+                               std::vector<std::string>* warnings);
 
 /// Fits a grid to a camera whose camera matrix has a skew.
-ConvertedLens FitSkewedGrid(const ConvertedLens& lens,
-                            std::vector<std::string>* warnings);
+ConvertedCamera FitSkewedGrid(const ConvertedCamera& lens,
+                              std::vector<std::string>* warnings);
 
 }  // namespace raygrid
 

@@ -30,20 +30,22 @@ constexpr std::array<const char*, 6> kCoefficients = {"k1", "k2", "k3",
 // nerfstudio goes over pixels by their centres, the first of which is at (0.5,
 // 0.5): get_image_coords(pixel_offset=0.5). Its rays of a fisheye do not divide
 // by z.
-const std::vector<LensForm>& NerfstudioForms() {
-  static const std::vector<LensForm> forms = [] {
-    std::vector<LensForm> made = {
-        MakeForm("PINHOLE", models::kOpenCv, {}),
-        MakeForm("OPENCV", models::kOpenCv, {"k1", "k2", "k3", "p1", "p2"}),
-        MakeForm(kNerfFisheye, models::kThinPrismFisheye,
-                 {"k1", "k2", "k3", "k4"})};
-    for (LensForm& form : made) {
-      form.origin = PixelOrigin::kImageCorner;
-      form.reach_rad = form.name == kNerfFisheye ? M_PI : M_PI / 2;
+const std::vector<ExternalModel>& GetNerfstudioModels() {
+  static const std::vector<ExternalModel> external_models = [] {
+    std::vector<ExternalModel> made = {
+        MakeExternalModel("PINHOLE", models::kOpenCv, {}),
+        MakeExternalModel("OPENCV", models::kOpenCv,
+                          {"k1", "k2", "k3", "p1", "p2"}),
+        MakeExternalModel(kNerfFisheye, models::kThinPrismFisheye,
+                          {"k1", "k2", "k3", "k4"})};
+    for (ExternalModel& external_model : made) {
+      external_model.origin = PixelOrigin::kImageCorner;
+      external_model.reach_rad =
+          external_model.name == kNerfFisheye ? M_PI : M_PI / 2;
     }
     return made;
   }();
-  return forms;
+  return external_models;
 }
 
 // A camera looks along -z there, and y is up.
@@ -87,7 +89,7 @@ const std::vector<std::string> kSceneKeys = {kFrames,
 
 // Returns the mapping with the camera: the file, or its first frame if all
 // frames agree.
-YAML::Node CameraNode(const YAML::Node& root) {
+YAML::Node MakeCameraNode(const YAML::Node& root) {
   if (root["fl_x"]) return root;
   const YAML::Node frames = root[kFrames];
   if (!frames || !frames.IsSequence() || frames.size() == 0 ||
@@ -106,7 +108,7 @@ YAML::Node CameraNode(const YAML::Node& root) {
 }
 
 // In the order of kCoefficients; missing ones are 0.
-std::vector<double> CoefficientsOf(const CameraKeys& camera) {
+std::vector<double> ReadCoefficients(const CameraKeys& camera) {
   constexpr char kList[] = "distortion_params";
   if (camera.Has(kList))
     return FiniteNumbers(camera[kList], kList, kCoefficients.size());
@@ -146,12 +148,12 @@ void RequireZero(const std::vector<double>& coefficients,
                       kCoefficients[k], model));
 }
 
-const LensForm& FormOfModel(const std::string& model,
-                            const std::vector<double>& coefficients) {
-  const std::vector<LensForm>& forms = NerfstudioForms();
+const ExternalModel& FindNerfstudioModel(
+    const std::string& model, const std::vector<double>& coefficients) {
+  const std::vector<ExternalModel>& external_models = GetNerfstudioModels();
   if (model == kNerfFisheye) {
     RequireZero(coefficients, {4, 5}, model);
-    return forms[2];
+    return external_models[2];
   }
   for (const char* pinhole :
        {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"}) {
@@ -160,28 +162,29 @@ const LensForm& FormOfModel(const std::string& model,
     const bool is_plain =
         std::count(coefficients.begin(), coefficients.end(), 0) ==
         static_cast<std::ptrdiff_t>(coefficients.size());
-    return forms[is_plain ? 0 : 1];
+    return external_models[is_plain ? 0 : 1];
   }
   throw InputError(
       fmt::format("unsupported {} '{}'; supported are PINHOLE, OPENCV and {}",
                   kNerfModel, Printable(model), kNerfFisheye));
 }
 
-ConvertedLens ReadNerfstudioLens(const YAML::Node& root,
-                                 std::vector<std::string>* warnings) {
-  const CameraKeys camera(CameraNode(root));
-  const std::vector<double> coefficients = CoefficientsOf(camera);
-  ConvertedLens lens;
-  lens.form = &FormOfModel(NerfModelOf(camera, root), coefficients);
+ConvertedCamera ReadNerfstudioLens(const YAML::Node& root,
+                                   std::vector<std::string>* warnings) {
+  const CameraKeys camera(MakeCameraNode(root));
+  const std::vector<double> coefficients = ReadCoefficients(camera);
+  ConvertedCamera lens;
+  lens.external_model =
+      &FindNerfstudioModel(NerfModelOf(camera, root), coefficients);
   if (camera.Has("w") || camera.Has("h"))
     lens.size = {SidePx(camera["w"], "w"), SidePx(camera["h"], "h")};
   for (const auto& [parameter, key] : kIntrinsics)
     lens.values.push_back(FiniteNumber(camera[key], key));
   for (size_t k = 0; k < kCoefficients.size(); ++k)
-    if (lens.form->Has(kCoefficients[k]))
+    if (lens.external_model->Has(kCoefficients[k]))
       lens.values.push_back(coefficients[k]);
   camera.Skip(kSceneKeys);
-  camera.Finish(*lens.form, warnings);
+  camera.Finish(*lens.external_model, warnings);
   return lens;
 }
 
@@ -234,7 +237,7 @@ bool IsNerfstudio(const std::string& text) {
 
 // ---- Writing ---------------------------------------------------------------
 
-Json FrameJson(const BoardPose& pose) {
+Json MakeFrameJson(const BoardPose& pose) {
   const Pose place = Rotated(pose.camera_from_board.Inverse());
   const Eigen::Matrix3d r = place.rotation.toRotationMatrix();
   Json rows = Json::array();
@@ -247,31 +250,31 @@ Json FrameJson(const BoardPose& pose) {
 
 std::string WriteNerfstudio(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   RequireOneBoard("nerfstudio", request.cameras);
-  Json root = {{kNerfModel, lens.form->name},
+  Json root = {{kNerfModel, lens.external_model->name},
                {"w", lens.size.width},
                {"h", lens.size.height}};
   for (const auto& [parameter, key] : kIntrinsics)
     root[key] = lens.Value(parameter);
   for (const char* key : kCoefficients)
-    root[key] = lens.form->Has(key) ? lens.Value(key) : 0.0;
+    root[key] = lens.external_model->Has(key) ? lens.Value(key) : 0.0;
   root[kRaygridKey] = MakeRaygridJson(camera);
   root[kFrames] = Json::array();
   for (const BoardPose& pose : camera.poses)
-    root[kFrames].push_back(FrameJson(pose));
+    root[kFrames].push_back(MakeFrameJson(pose));
   return root.dump(4) + "\n";
 }
 
 }  // namespace
 
-Format NerfstudioFormat() {
+Format MakeNerfstudioFormat() {
   Format format;
   format.name = "nerfstudio";
   format.holds =
       "transforms.json: pinhole with optional k1, k2, k3, p1, p2, or OpenCV "
       "fisheye; one file per camera of a rig; poses of a board as frames";
-  format.forms = NerfstudioForms();
+  format.external_models = GetNerfstudioModels();
   format.ending = ".json";
   format.supports_poses = true;
   format.discards_rig_poses = true;

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// transforms.json of nerfstudio and instant-ngp: a camera with its poses.
-Format NerfstudioFormat();
+Format MakeNerfstudioFormat();
 
 }  // namespace raygrid
 

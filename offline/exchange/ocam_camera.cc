@@ -23,7 +23,7 @@ double SlopeAt(const std::vector<double>& polynomial, double x) {
   return slope;
 }
 
-double AngleOf(const Eigen::Vector3d& direction) {
+double ComputeAngle(const Eigen::Vector3d& direction) {
   return std::atan2(direction.head<2>().norm(), direction.z());
 }
 
@@ -59,7 +59,7 @@ struct OcamSample {
 
 // Samples of a fit: pixels and their directions.
 std::vector<OcamSample> SamplesOf(const CameraModel& camera,
-                                  const ValidityMask* trusted) {
+                                  const ValidityMask* valid_region) {
   constexpr double kAcross = 28;
   const Area& area = camera.area();
   const double step_px =
@@ -68,7 +68,7 @@ std::vector<OcamSample> SamplesOf(const CameraModel& camera,
   for (double y = area.y0; y <= area.y1; y += step_px)
     for (double x = area.x0; x <= area.x1; x += step_px) {
       const Eigen::Vector2d pixel(x, y);
-      if ((trusted && !trusted->IsValidAt(pixel)) ||
+      if ((valid_region && !valid_region->IsValidAt(pixel)) ||
           !camera.IsInImageCircle(pixel))
         continue;
       if (const auto ray = camera.Unproject(pixel))
@@ -263,7 +263,7 @@ std::optional<Eigen::Vector2d> OcamCamera::Project(
     double margin_px) const {
   if (!point.allFinite() || !(point.norm() > 0)) return std::nullopt;
   const double across = point.head<2>().norm();
-  const auto radius = Radius(AngleOf(point));
+  const auto radius = Radius(ComputeAngle(point));
   if (!radius) return std::nullopt;
   const Eigen::Vector2d at =
       across > 0 ? Eigen::Vector2d(point.head<2>() * (*radius / across))
@@ -319,15 +319,16 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
   return best;
 }
 
-FormGrid FitOcamCamera(const CameraModel& camera, const ValidityMask* trusted) {
+ExternalGrid FitOcamCamera(const CameraModel& camera,
+                           const ValidityMask* valid_region) {
   constexpr int kUsualDegree = 4, kMostDegree = 8;
   constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.002;
   FitOptions options;
-  options.trusted = trusted;
+  options.valid_region = valid_region;
   options.held = {"p1", "p2", "sx1", "sy1"};
   const FittedModel near = FitNearestModel(models::kThinPrismFisheye, camera,
                                            camera.area(), options);
-  const OcamFit fit(camera.image_size(), SamplesOf(camera, trusted), near);
+  const OcamFit fit(camera.image_size(), SamplesOf(camera, valid_region), near);
   OcamFit::Fitted best = fit.Fit(kUsualDegree);
   for (int degree = kUsualDegree + 1;
        degree <= kMostDegree && best.rms_px > kCloseEnoughPx; ++degree) {

@@ -5,7 +5,7 @@
 
 #include "camera/camera_model.h"
 #include "camera/camera_uncertainty.h"
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -65,7 +65,8 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera);
 /// Fits this model to a camera by least squares of projection errors in the
 /// valid region: degree 4, OCamCalib's default, up to 8 while another degree
 /// reduces the error by at least 2 %.
-FormGrid FitOcamCamera(const CameraModel& camera, const ValidityMask* trusted);
+ExternalGrid FitOcamCamera(const CameraModel& camera,
+                           const ValidityMask* valid_region);
 
 }  // namespace raygrid
 

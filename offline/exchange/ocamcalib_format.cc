@@ -55,7 +55,7 @@ class OcamReader {
 };
 
 int OcamSidePx(OcamReader* numbers, const char* what) {
-  return SidePx(YAML::Node(RealText(numbers->Next(what))), what);
+  return SidePx(YAML::Node(FormatReal(numbers->Next(what))), what);
 }
 
 // Rows are x and columns y in OCamCalib, and the view direction is -z.
@@ -85,7 +85,7 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
 // A list, preceded by its length.
 std::string CountedReals(const std::vector<double>& numbers) {
   std::string text = fmt::format("{}", numbers.size());
-  for (const double number : numbers) text += " " + RealText(number);
+  for (const double number : numbers) text += " " + FormatReal(number);
   return text;
 }
 
@@ -104,9 +104,10 @@ std::string WriteOcamCalib(const WriteRequest& request) {
   add("polynomial coefficients for the inverse mapping function (world2cam)",
       CountedReals(InverseOcamPolynomial(camera)));
   add("center: row and column, 0-based",
-      fmt::format("{} {}", RealText(n.row), RealText(n.column)));
+      fmt::format("{} {}", FormatReal(n.row), FormatReal(n.column)));
   add("affine parameters c, d, e",
-      fmt::format("{} {} {}", RealText(n.c), RealText(n.d), RealText(n.e)));
+      fmt::format("{} {} {}", FormatReal(n.c), FormatReal(n.d),
+                  FormatReal(n.e)));
   add("image size: height and width",
       fmt::format("{} {}", written.lens.size.height, written.lens.size.width));
   if (written.fit)
@@ -115,25 +116,25 @@ std::string WriteOcamCalib(const WriteRequest& request) {
   return text;
 }
 
-const std::vector<LensForm>& OcamForms() {
-  static const std::vector<LensForm> forms = [] {
-    LensForm form = {"polynomial", models::kCentralGeneric, {}};
-    form.fit_grid = FitOcamCamera;
-    return std::vector<LensForm>{form};
+const std::vector<ExternalModel>& GetOcamModels() {
+  static const std::vector<ExternalModel> external_models = [] {
+    ExternalModel external_model = {"polynomial", models::kCentralGeneric, {}};
+    external_model.fit_grid = FitOcamCamera;
+    return std::vector<ExternalModel>{external_model};
   }();
-  return forms;
+  return external_models;
 }
 
 }  // namespace
 
-Format OcamCalibFormat() {
+Format MakeOcamCalibFormat() {
   Format format;
   format.name = "ocamcalib";
   format.holds =
       "calib_results.txt of OCamCalib; its polynomial is converted by fitting";
   format.ending = ".txt";
   format.discards_rig_poses = true;
-  format.forms = OcamForms();
+  format.external_models = GetOcamModels();
   format.recognizes = [](const std::string& text) {
     return text.find(kDirect) != std::string::npos;
   };

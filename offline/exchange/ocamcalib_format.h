@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// calib_results.txt of OCamCalib (D. Scaramuzza's toolbox for omnidirectional
 /// cameras), imported as a fitted grid.
-Format OcamCalibFormat();
+Format MakeOcamCalibFormat();
 
 }  // namespace raygrid
 

@@ -21,8 +21,8 @@ std::string ImageName(const YAML::Node& names, int index) {
 
 // The board that the file states, or else the user. The message of an error
 // begins with image_points.
-ImageSize BoardOf(const YAML::Node& root, const ReadRequest& request,
-                  int num_points) {
+ImageSize GetBoardSize(const YAML::Node& root, const ReadRequest& request,
+                       int num_points) {
   ImageSize board = request.board.value_or(ImageSize{0, 0});
   if (root["board_width"]) {
     const int width = SidePx(root["board_width"], "board_width");
@@ -74,7 +74,7 @@ void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
   const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
   try {
     camera->features =
-        FeaturesOf(root, points, BoardOf(root, request, points.columns));
+        FeaturesOf(root, points, GetBoardSize(root, request, points.columns));
   } catch (const InputError& error) {
     camera->missing_features_reason = error.what();
   }
@@ -85,7 +85,7 @@ ExchangeContents ReadCornersOnly(const YAML::Node& root,
   const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
   ExchangeContents contents;
   contents.corners =
-      FeaturesOf(root, points, BoardOf(root, request, points.columns));
+      FeaturesOf(root, points, GetBoardSize(root, request, points.columns));
   return contents;
 }
 

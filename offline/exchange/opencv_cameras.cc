@@ -39,7 +39,7 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
                     const ReadRequest& request,
                     std::vector<std::string>* warnings) {
   ReadLens camera;
-  ConvertedLens& lens = camera.lens;
+  ConvertedCamera& lens = camera.lens;
   lens.size = ReadImageSize(keys, affixes);
   ReadIntrinsics(keys, affixes, &lens);
   DistortionCoefficients coefficients;
@@ -50,17 +50,17 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
   else
     warnings->push_back(
         "no distortion coefficients: assuming a camera without distortion");
-  lens.form = &DetermineForm(keys, affixes, request, lens.skew_px,
-                             &coefficients, warnings);
+  lens.external_model = &DetermineModel(keys, affixes, request, lens.skew_px,
+                                        &coefficients, warnings);
   lens.values.insert(lens.values.end(), coefficients.numbers.begin(),
                      coefficients.numbers.end());
-  if (lens.form->name == kOmnidir) {
+  if (lens.external_model->name == kOmnidir) {
     const std::string xi = affixes.before + "xi" + affixes.behind;
     const std::vector<double> numbers = AllNumbers(keys[xi], xi);
     if (numbers.size() != 1)
       throw InputError(fmt::format("{}: expected one number", xi));
     lens.values.push_back(numbers[0]);
-    RequireModelOfFile(request, *lens.form);
+    RequireModelOfFile(request, *lens.external_model);
   }
   return camera;
 }
@@ -77,7 +77,7 @@ ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
   camera.poses = ReadBoardPoses(root);
   keys.Skip(kOtherKeys);
   keys.NameOnly(kVagueKeys);
-  keys.Finish(*camera.lens.form, warnings, camera.lens.values);
+  keys.Finish(*camera.lens.external_model, warnings, camera.lens.values);
   return camera;
 }
 
@@ -92,7 +92,8 @@ void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
   }
   AssignPairPose(PoseInFile(keys), request.path, &contents->cameras);
   keys.Skip(kOtherKeys);
-  keys.Finish(*contents->cameras.front().lens.form, &contents->warnings);
+  keys.Finish(*contents->cameras.front().lens.external_model,
+              &contents->warnings);
 }
 
 // Joins intrinsics and distortion that are separate mappings of a camera, as in

@@ -36,14 +36,14 @@ void AddFit(const LensFit& fit, FileStorageText* text) {
 
 std::string WriteOpenCv(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   FileStorageText text(FileStorageText::KindOf(request.path));
   if (!camera.name.empty()) text.Add("camera_name", camera.name);
   if (!camera.serial.empty()) text.Add("serial", camera.serial);
   text.Add("image_width", lens.size.width);
   text.Add("image_height", lens.size.height);
-  if (lens.form->name != kOmnidir)
-    text.Add("fisheye_model", lens.form->name == kFisheye ? 1 : 0);
+  if (lens.external_model->name != kOmnidir)
+    text.Add("fisheye_model", lens.external_model->name == kFisheye ? 1 : 0);
   if (camera.fit) AddFit(*camera.fit, &text);
   text.Add("camera_matrix",
            StoredMatrix{3,
@@ -51,7 +51,7 @@ std::string WriteOpenCv(const WriteRequest& request) {
                         {lens.Value("fx"), 0, lens.Value("cx"), 0,
                          lens.Value("fy"), lens.Value("cy"), 0, 0, 1}});
   std::vector<double> coefficients = lens.ValuesFrom(4);
-  if (lens.form->name == kOmnidir) {
+  if (lens.external_model->name == kOmnidir) {
     coefficients.pop_back();
     text.Add("xi", lens.Value("xi"));
   }
@@ -82,7 +82,7 @@ Format OpenCvFormat() {
       "coefficients, cv::fisheye or cv::omnidir; stereo pairs as in "
       "stereo_calib; one file per camera of a rig, with R and T; poses and "
       "corners of boards";
-  format.forms = opencv_file::OpenCvForms();
+  format.external_models = opencv_file::GetOpenCvModels();
   format.supports_poses = true;
   format.accepts_model = true;
   format.accepts_board_size = true;

@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "exchange/file_storage.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -242,7 +242,7 @@ ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes) {
 }
 
 void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
-                    ConvertedLens* lens) {
+                    ConvertedCamera* lens) {
   const std::string key = FindMatrix(keys, affixes);
   if (!key.empty()) {
     const std::vector<double> k = ParseStoredMatrix(keys[key], key).data;

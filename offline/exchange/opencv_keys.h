@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "exchange/camera_keys.h"
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 namespace opencv_file {
@@ -45,7 +45,7 @@ ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes);
 
 /// Sets fx, fy, cx, cy and skew from the camera matrix. Throws InputError.
 void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
-                    ConvertedLens* lens);
+                    ConvertedCamera* lens);
 
 /// Distortion coefficients; whether they are a column of four, as written by
 /// cv::fisheye (cv::calibrateCamera() has five or more), and whether their keys

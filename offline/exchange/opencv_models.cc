@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -17,31 +17,32 @@ namespace opencv_file {
 namespace {
 
 // OpenCV's omnidir: k1, k2, p1, p2, and xi, which has a separate key.
-LensForm OmnidirForm() {
-  LensForm form =
-      MakeForm(kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
-  form.is_explicit_only = true;
-  return form;
+ExternalModel MakeOmnidirModel() {
+  ExternalModel external_model = MakeExternalModel(
+      kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
+  external_model.is_explicit_only = true;
+  return external_model;
 }
 
 }  // namespace
 
-const std::vector<LensForm>& OpenCvForms() {
-  static const std::vector<LensForm> forms = {OpenCvForm("opencv4", 4),
-                                              OpenCvForm("opencv5", 5),
-                                              OpenCvForm("opencv8", 8),
-                                              OpenCvForm("opencv12", 12),
-                                              OpenCvForm("opencv14", 14),
-                                              OpenCvFisheyeForm(kFisheye),
-                                              OmnidirForm()};
-  return forms;
+const std::vector<ExternalModel>& GetOpenCvModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("opencv4", 4),
+      MakeOpenCvModel("opencv5", 5),
+      MakeOpenCvModel("opencv8", 8),
+      MakeOpenCvModel("opencv12", 12),
+      MakeOpenCvModel("opencv14", 14),
+      MakeOpenCvFisheyeModel(kFisheye),
+      MakeOmnidirModel()};
+  return external_models;
 }
 
 namespace {
 
-const LensForm& FormNamed(const std::string& name) {
-  for (const LensForm& form : OpenCvForms())
-    if (form.name == name) return form;
+const ExternalModel& FindOpenCvModel(const std::string& name) {
+  for (const ExternalModel& external_model : GetOpenCvModels())
+    if (external_model.name == name) return external_model;
   throw InputError(
       fmt::format("unknown distortion model '{}'; supported are opencv4, "
                   "opencv5, opencv8, opencv12, opencv14, fisheye and omnidir",
@@ -49,7 +50,7 @@ const LensForm& FormNamed(const std::string& name) {
 }
 
 // Returns the form for a number of coefficients.
-const LensForm& FormOfCount(size_t count) {
+const ExternalModel& FindModelByCount(size_t count) {
   const std::map<size_t, const char*> names = {
       {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},
       {8, "opencv8"}, {12, "opencv12"}, {14, "opencv14"}};
@@ -57,7 +58,7 @@ const LensForm& FormOfCount(size_t count) {
   if (name == names.end())
     throw InputError(fmt::format(
         "{} distortion coefficients, expected 4, 5, 8, 12 or 14", count));
-  return FormNamed(name->second);
+  return FindOpenCvModel(name->second);
 }
 
 // The model stated in a file, and its key.
@@ -104,10 +105,11 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
 
 }  // namespace
 
-const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
-                              const ReadRequest& request, double skew_px,
-                              DistortionCoefficients* coefficients,
-                              std::vector<std::string>* warnings) {
+const ExternalModel& DetermineModel(const CameraKeys& keys,
+                                    const Affixes& affixes,
+                                    const ReadRequest& request, double skew_px,
+                                    DistortionCoefficients* coefficients,
+                                    std::vector<std::string>* warnings) {
   std::vector<double>& d = coefficients->numbers;
   const auto said = ModelInFile(keys, affixes);
   bool is_fisheye = said && said->family == LensFamily::kFisheye;
@@ -121,28 +123,29 @@ const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
   if (said && said->family == LensFamily::kOmni) {
     if (!keys.Has(affixes.before + "xi" + affixes.behind))
       throw InputError("missing 'xi' of the omnidirectional camera");
-    return FormNamed(kOmnidir);
+    return FindOpenCvModel(kOmnidir);
   }
-  const LensForm* const wanted =
-      request.form.empty() ? nullptr : &FormNamed(request.form);
+  const ExternalModel* const wanted =
+      request.external_model.empty() ? nullptr
+                                     : &FindOpenCvModel(request.external_model);
   if (said && wanted && (wanted->name == kFisheye) != is_fisheye)
     throw InputError(fmt::format(
         "--model {}: the file specifies its model, '{}' {}; omit the option",
-        request.form, said->key, Printable(said->word)));
+        request.external_model, said->key, Printable(said->word)));
   if (wanted && wanted->name != kFisheye) {
     TrimCoefficients(wanted->parameters.size() - 4, &d);
     if (d.size() + 4 != wanted->parameters.size())
       throw InputError(
           fmt::format("--model {}: the file has {} distortion coefficients; "
                       "omit the option",
-                      request.form, d.size()));
+                      request.external_model, d.size()));
   }
   is_fisheye = is_fisheye || (wanted && wanted->name == kFisheye);
   if (coefficients->has_fisheye_names && !is_fisheye && (said || wanted))
     throw InputError(fmt::format(
         "k1 to k4 without p1 and p2 are interpreted as cv::fisheye, but {} "
         "indicates a pinhole camera; if it is one, add p1 and p2",
-        said ? "'" + said->key + "'" : "--model " + request.form));
+        said ? "'" + said->key + "'" : "--model " + request.external_model));
   if (!said && !wanted && d.size() == 4) {
     const bool is_named = coefficients->has_fisheye_names;
     is_fisheye = is_named || coefficients->is_fisheye_column || skew_px != 0;
@@ -158,14 +161,14 @@ const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
   if (is_fisheye) {
     TrimCoefficients(4, &d);
     if (d.empty()) d.assign(4, 0);
-    return FormNamed(kFisheye);
+    return FindOpenCvModel(kFisheye);
   }
   // OpenCV's 12 or 14 coefficients that are those of 8.
   if (d.size() > 8) TrimCoefficients(8, &d);
   if (d.size() > 5 && d.size() < 8) TrimCoefficients(5, &d);
-  const LensForm& form = FormOfCount(d.size());
+  const ExternalModel& external_model = FindModelByCount(d.size());
   if (d.empty()) d.assign(4, 0);
-  return form;
+  return external_model;
 }
 
 }  // namespace opencv_file

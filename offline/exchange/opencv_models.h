@@ -15,15 +15,16 @@ constexpr char kFisheye[] = "fisheye", kOmnidir[] = "omnidir";
 
 /// Pinholes with 4, 5, 8, 12 and 14 coefficients, the fisheye, and omnidir,
 /// whose xi has a separate key.
-const std::vector<LensForm>& OpenCvForms();
+const std::vector<ExternalModel>& GetOpenCvModels();
 
 /// Determines the form from the file, otherwise from the user's option, or else
 /// from the number of coefficients. Removes trailing zeros that the form does
 /// not have. Throws InputError.
-const LensForm& DetermineForm(const CameraKeys& keys, const Affixes& affixes,
-                              const ReadRequest& request, double skew_px,
-                              DistortionCoefficients* coefficients,
-                              std::vector<std::string>* warnings);
+const ExternalModel& DetermineModel(const CameraKeys& keys,
+                                    const Affixes& affixes,
+                                    const ReadRequest& request, double skew_px,
+                                    DistortionCoefficients* coefficients,
+                                    std::vector<std::string>* warnings);
 
 }  // namespace opencv_file
 }  // namespace raygrid

@@ -11,7 +11,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/count_text.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -32,10 +32,10 @@ constexpr char kSpacing[] = "calobjectSpacing";
 constexpr int kFloat64 = 6;  // OpenCV's CV_64F
 constexpr int kFarthestCorner = 1000;
 
-const std::vector<LensForm>& PhotonVisionForms() {
-  static const std::vector<LensForm> forms = {OpenCvForm("opencv5", 5),
-                                              OpenCvForm("opencv8", 8)};
-  return forms;
+const std::vector<ExternalModel>& GetPhotonVisionModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel("opencv5", 5), MakeOpenCvModel("opencv8", 8)};
+  return external_models;
 }
 
 // ---- JSON ------------------------------------------------------------------
@@ -109,9 +109,9 @@ void RequireOpenCvLens(const Json& root) {
                   kOpenCvLens));
 }
 
-ConvertedLens ReadPhotonLens(const Json& root) {
+ConvertedCamera ReadPhotonLens(const Json& root) {
   RequireOpenCvLens(root);
-  ConvertedLens lens;
+  ConvertedCamera lens;
   lens.size = {PhotonSidePx(root, "width"), PhotonSidePx(root, "height")};
   ReadCameraMatrix(PhotonNumbers(root, kPhotonMatrix), kPhotonMatrix, &lens);
   std::vector<double> coefficients = PhotonCoefficients(root);
@@ -119,14 +119,14 @@ ConvertedLens ReadPhotonLens(const Json& root) {
   if (coefficients.size() != 5 && coefficients.size() != 8)
     throw InputError(fmt::format("{} distortion coefficients, expected 5 or 8",
                                  coefficients.size()));
-  lens.form = &PhotonVisionForms()[coefficients.size() == 8];
+  lens.external_model = &GetPhotonVisionModels()[coefficients.size() == 8];
   lens.values.insert(lens.values.end(), coefficients.begin(),
                      coefficients.end());
   return lens;
 }
 
 // All keys are known except keys of newer programs.
-void FinishPhotonKeys(Json root, const LensForm& form,
+void FinishPhotonKeys(Json root, const ExternalModel& external_model,
                       std::vector<std::string>* warnings) {
   root.erase(kObservations);
   const CameraKeys keys(YAML::Load(root.dump()));
@@ -134,7 +134,7 @@ void FinishPhotonKeys(Json root, const LensForm& form,
              kPhotonDistortion[1], kLensModel, kSpacing, kRaygridKey,
              "calobjectWarp", "calobjectSize", "perViewErrors",
              "standardDeviation"});
-  keys.Finish(form, warnings);
+  keys.Finish(external_model, warnings);
 }
 
 // ---- Corners ---------------------------------------------------------------
@@ -189,7 +189,7 @@ std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
 }
 
 // Corners that were not found stand there, too, but for those of ChArUco.
-Eigen::Vector2d LowestPlace(const Json& view) {
+Eigen::Vector2d FindLowestPosition(const Json& view) {
   Eigen::Vector2d lowest(INFINITY, INFINITY);
   for (const Json& point : ListAt(view, kObjectPoints)) {
     const Eigen::Vector2d place = PlanePoint(point, kObjectPoints);
@@ -222,7 +222,7 @@ PhotonView ReadPhotonView(const Json& view, size_t index,
   return {image.empty() ? fmt::format("view{:04}", index) : image,
           CornersOf(view, counts),
           PhotonPose(ValueAt(view, "optimisedCameraToObject")),
-          LowestPlace(view)};
+          FindLowestPosition(view)};
 }
 
 std::vector<PhotonView> ReadPhotonViews(const Json& root,
@@ -247,9 +247,10 @@ std::vector<PhotonView> ReadPhotonViews(const Json& root,
 
 // Between corners in metres. Older files do not say it: the least distance from
 // the first corner of a view, along one axis.
-double SpacingOf(const Json& root, const std::vector<PhotonView>& views) {
-  const Json& told = ValueAt(root, kSpacing);
-  double spacing = told.is_null() ? 0 : FiniteJson(told, kSpacing);
+double EstimateSpacing(const Json& root, const std::vector<PhotonView>& views) {
+  const Json& configuration = ValueAt(root, kSpacing);
+  double spacing =
+      configuration.is_null() ? 0 : FiniteJson(configuration, kSpacing);
   if (spacing != 0) return std::abs(spacing);
   spacing = INFINITY;
   for (const PhotonView& view : views)
@@ -275,8 +276,8 @@ Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
 
 // The place of the first corner: that of a ChArUco board lies a square from the
 // board's origin.
-Eigen::Vector2i FirstPlace(const std::vector<PhotonView>& views,
-                           double spacing) {
+Eigen::Vector2i FindFirstPosition(const std::vector<PhotonView>& views,
+                                  double spacing) {
   Eigen::Vector2d lowest(INFINITY, INFINITY);
   for (const PhotonView& view : views) lowest = lowest.cwiseMin(view.lowest_m);
   const bool is_charuco =
@@ -298,8 +299,8 @@ void RequireDistinct(const std::vector<Feature>& features,
 void AddPhotonViews(const Json& root, ExchangeContents* contents) {
   PhotonCounts counts;
   const std::vector<PhotonView> views = ReadPhotonViews(root, &counts);
-  const double spacing = SpacingOf(root, views);
-  const Eigen::Vector2i first = FirstPlace(views, spacing);
+  const double spacing = EstimateSpacing(root, views);
+  const Eigen::Vector2i first = FindFirstPosition(views, spacing);
   ReadLens& camera = contents->cameras.back();
   for (const PhotonView& view : views) {
     ImageFeatures image = {view.image, {}};
@@ -330,7 +331,7 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
 void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
   ReadLens& camera = contents->cameras.emplace_back();
   camera.lens = ReadPhotonLens(root);
-  FinishPhotonKeys(root, *camera.lens.form, &contents->warnings);
+  FinishPhotonKeys(root, *camera.lens.external_model, &contents->warnings);
   ParseRaygridJson(YAML::Load(ValueAt(root, kRaygridKey).dump()), &camera);
   AddPhotonViews(root, contents);
 }
@@ -365,7 +366,7 @@ Json PhotonMatrix(int rows, const std::vector<double>& data) {
 
 std::string WritePhotonVision(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   const Json root = {
       {kPhotonSize,
        {{"width", double(lens.size.width)},
@@ -392,13 +393,13 @@ bool IsPhotonVision(const std::string& text) {
   return text.find_first_not_of(" \t\r\n") == text.find('{');
 }
 
-Format PhotonVisionFormat() {
+Format MakePhotonVisionFormat() {
   Format format;
   format.name = "photonvision";
   format.holds =
       "calibration .json: pinhole with 5 or 8 OpenCV coefficients; one file "
       "per camera of a rig; corners and poses of boards are imported";
-  format.forms = PhotonVisionForms();
+  format.external_models = GetPhotonVisionModels();
   format.ending = ".json";
   format.discards_rig_poses = true;
   format.recognizes = IsPhotonVision;

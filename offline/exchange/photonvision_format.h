@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// PhotonVision's JSON calibration: a camera, its corners and board poses.
-Format PhotonVisionFormat();
+Format MakePhotonVisionFormat();
 
 /// Returns whether a text may be such a file: mrcal has the same model key.
 bool IsPhotonVision(const std::string& text);

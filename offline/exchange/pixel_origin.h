@@ -14,7 +14,7 @@ enum class PixelOrigin {
   /// Outer corner of the first pixel: COLMAP, nerfstudio, puzzlepaint.
   kImageCorner,
   /// Image centre: principal points of Metashape.
-  kImageMiddle
+  kImageCenter
 };
 
 /// Returns the origin in raygrid's pixel coordinates.

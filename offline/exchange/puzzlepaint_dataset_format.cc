@@ -17,14 +17,14 @@ namespace {
 // ---- Reading ---------------------------------------------------------------
 
 // A feature's board, column and row.
-struct LatticePlace {
+struct LatticePosition {
   int board = 0;
   Eigen::Vector2i place;
 };
 
-std::map<int32_t, LatticePlace> PlacesOfFeatures(
+std::map<int32_t, LatticePosition> PlacesOfFeatures(
     const PuzzlepaintDataset& dataset) {
-  std::map<int32_t, LatticePlace> places;
+  std::map<int32_t, LatticePosition> places;
   for (size_t k = 0; k < dataset.geometries.size(); ++k)
     for (const auto& [id, place] : dataset.geometries[k].places)
       places[id] = {static_cast<int>(k), place};
@@ -174,13 +174,13 @@ TableOutput WritePuzzlepaintDataset(const FeatureTable& table) {
 std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
                                              size_t camera) {
   const std::vector<std::string> names = GetImageNames(dataset);
-  const std::map<int32_t, LatticePlace> places = PlacesOfFeatures(dataset);
+  const std::map<int32_t, LatticePosition> places = PlacesOfFeatures(dataset);
   std::vector<ImageFeatures> images;
   for (size_t i = 0; i < names.size(); ++i) {
     ImageFeatures image = {names[i], {}};
     for (const PuzzlepaintFeature& feature :
          dataset.imagesets[i].cameras[camera]) {
-      const LatticePlace& at = places.at(feature.id);
+      const LatticePosition& at = places.at(feature.id);
       image.features.push_back(
           {at.board, at.place.x(), at.place.y(),
            FromProgram(kPuzzlepaintOrigin, dataset.image_sizes[camera],
@@ -191,7 +191,7 @@ std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
   return images;
 }
 
-TableFormat PuzzlepaintDatasetFormat() {
+TableFormat MakePuzzlepaintDatasetFormat() {
   TableFormat format;
   format.name = "puzzlepaint-dataset";
   format.holds =

@@ -8,7 +8,7 @@ namespace raygrid {
 
 /// dataset.bin of puzzlepaint's camera_calibration, the program of the paper's
 /// authors: features and boards.
-TableFormat PuzzlepaintDatasetFormat();
+TableFormat MakePuzzlepaintDatasetFormat();
 
 /// Returns the features of all images of a camera.
 std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,

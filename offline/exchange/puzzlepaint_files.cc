@@ -128,7 +128,7 @@ void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
   }
 }
 
-std::string PlaceOfFeature(size_t imageset, size_t camera, int32_t id) {
+std::string GetFeaturePosition(size_t imageset, size_t camera, int32_t id) {
   return fmt::format("imageset {}, camera {}: feature {}", imageset, camera,
                      id);
 }
@@ -144,10 +144,10 @@ void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
       std::set<int32_t> seen;
       for (const PuzzlepaintFeature& feature : cameras[c]) {
         if (known.count(feature.id) == 0)
-          throw InputError(PlaceOfFeature(i, c, feature.id) +
+          throw InputError(GetFeaturePosition(i, c, feature.id) +
                            " is not listed in known_geometries");
         if (!seen.insert(feature.id).second)
-          throw InputError(PlaceOfFeature(i, c, feature.id) +
+          throw InputError(GetFeaturePosition(i, c, feature.id) +
                            " is a duplicate");
       }
     }
@@ -322,7 +322,7 @@ std::string FormatPuzzlepaintPoses(const PuzzlepaintPoses& poses,
                                       {"qy", q.y()},
                                       {"qz", q.z()},
                                       {"qw", q.w()}})
-      text += fmt::format("    {}: {}\n", key, RealText(number + 0.0));
+      text += fmt::format("    {}: {}\n", key, FormatReal(number + 0.0));
   }
   return text;
 }

@@ -23,16 +23,16 @@ constexpr char kCentral[] = "CentralGenericModel";
 constexpr char kLines[] = "NoncentralGenericModel";
 constexpr char kFirstX[] = "calibration_min_x";
 
-const std::vector<LensForm>& PuzzlepaintForms() {
-  static const std::vector<LensForm> forms = {
+const std::vector<ExternalModel>& GetPuzzlepaintModels() {
+  static const std::vector<ExternalModel> external_models = {
       {kCentral, models::kCentralGeneric, {}},
       {kLines, models::kNonCentralGeneric, {}}};
-  return forms;
+  return external_models;
 }
 
 // ---- Reading ---------------------------------------------------------------
 
-const LensForm& FormOfType(const YAML::Node& root) {
+const ExternalModel& FindPuzzlepaintModel(const YAML::Node& root) {
   if (!root["type"] || !root["type"].IsScalar())
     throw InputError("'type' is missing");
   const std::string type = root["type"].as<std::string>();
@@ -40,8 +40,8 @@ const LensForm& FormOfType(const YAML::Node& root) {
   std::string name = type;
   if (const size_t at = name.find("BSplineModel"); at != std::string::npos)
     name.replace(at, std::string::npos, "Model");
-  for (const LensForm& form : PuzzlepaintForms())
-    if (form.name == name) return form;
+  for (const ExternalModel& external_model : GetPuzzlepaintModels())
+    if (external_model.name == name) return external_model;
   throw InputError(fmt::format("unsupported type '{}'; supported are {} and {}",
                                Printable(type), kCentral, kLines));
 }
@@ -96,12 +96,12 @@ std::vector<Eigen::Vector3d> ComputeDirections(const YAML::Node& root,
   return directions;
 }
 
-UnitGrid GridOf(const YAML::Node& root, const LensForm& form) {
+UnitGrid GridOf(const YAML::Node& root, const ExternalModel& external_model) {
   const ImageSize size = {SidePx(root["width"], "width"),
                           SidePx(root["height"], "height")};
   const int columns = GridSide(root, "grid_width"),
             rows = GridSide(root, "grid_height");
-  const bool has_points = form.name == kLines;
+  const bool has_points = external_model.name == kLines;
   return {size,
           BoundsInFile(root, size),
           columns,
@@ -121,19 +121,20 @@ std::shared_ptr<const CameraModel> NearestToUnitGrid(const UnitGrid& grid) {
       FitNonCentralGeneric(grid, grid.area(), columns, rows));
 }
 
-ConvertedLens ReadPuzzlepaintLens(const YAML::Node& root,
-                                  std::vector<std::string>* warnings) {
-  ConvertedLens lens;
-  lens.form = &FormOfType(root);
-  const UnitGrid grid = GridOf(root, *lens.form);
+ConvertedCamera ReadPuzzlepaintLens(const YAML::Node& root,
+                                    std::vector<std::string>* warnings) {
+  ConvertedCamera lens;
+  lens.external_model = &FindPuzzlepaintModel(root);
+  const UnitGrid grid = GridOf(root, *lens.external_model);
   lens.size = grid.image_size();
   const CameraKeys keys(root);
   keys.Skip({"type", "width", "height", "calibration_*", "grid_width",
              "grid_height", "grid", "point_grid", "direction_grid"});
-  keys.Finish(*lens.form, warnings);
+  keys.Finish(*lens.external_model, warnings);
   lens.grid = NearestToUnitGrid(grid);
-  const LensFit fit = MeasureLensFit(grid, nullptr, *lens.grid, *lens.form,
-                                     Eigen::Quaterniond::Identity());
+  const LensFit fit =
+      MeasureLensFit(grid, nullptr, *lens.grid, *lens.external_model,
+                     Eigen::Quaterniond::Identity());
   warnings->push_back(
       "converted from a grid of unit vectors to stereographic coordinates with "
       "fit error " +
@@ -152,8 +153,8 @@ ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
 
 // ---- Writing ---------------------------------------------------------------
 
-std::string VectorsText(const std::string& name,
-                        const std::vector<Eigen::Vector3d>& vectors) {
+std::string FormatVectors(const std::string& name,
+                          const std::vector<Eigen::Vector3d>& vectors) {
   std::string text;
   for (const Eigen::Vector3d& vector : vectors)
     text += fmt::format("{}{}, {}, {}", text.empty() ? "" : ", ", vector.x(),
@@ -171,19 +172,19 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
     if (!words.empty())
       text += fmt::format("# raygrid's {} {}\n", what, Printable(words));
   if (camera.fit)
-    text += fmt::format("# Fitted {}: {}\n", camera.lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n", camera.lens.external_model->name,
                         FormatLensFit(*camera.fit));
   text += fmt::format(
       "type : {}\nwidth : {}\nheight : {}\n{} : {}\ncalibration_min_y : {}\n"
       "calibration_max_x : {}\ncalibration_max_y : {}\ngrid_width : {}\n"
       "grid_height : {}\n# Rows from top to bottom, each from left to right, "
       "of x, y, z.\n",
-      camera.lens.form->name, grid.image_size().width, grid.image_size().height,
-      kFirstX, bounds.min_x, bounds.min_y, bounds.max_x, bounds.max_y,
-      grid.columns(), grid.rows());
-  if (grid.IsCentral()) return text + VectorsText("grid", grid.directions());
-  return text + VectorsText("point_grid", grid.points()) +
-         VectorsText("direction_grid", grid.directions());
+      camera.lens.external_model->name, grid.image_size().width,
+      grid.image_size().height, kFirstX, bounds.min_x, bounds.min_y,
+      bounds.max_x, bounds.max_y, grid.columns(), grid.rows());
+  if (grid.IsCentral()) return text + FormatVectors("grid", grid.directions());
+  return text + FormatVectors("point_grid", grid.points()) +
+         FormatVectors("direction_grid", grid.directions());
 }
 
 // ---- Writing a state -------------------------------------------------------
@@ -224,14 +225,14 @@ std::vector<CompanionFile> WriteStateOfRig(const WriteRequest& request) {
 
 }  // namespace
 
-Format PuzzlepaintFormat() {
+Format MakePuzzlepaintFormat() {
   Format format;
   format.name = "puzzlepaint";
   format.holds =
       "intrinsics0.yaml of puzzlepaint's camera_calibration: central and "
       "noncentral generic models; a rig as a state folder with "
       "camera_tr_rig.yaml; poses of a board as rig_tr_global.yaml";
-  format.forms = PuzzlepaintForms();
+  format.external_models = GetPuzzlepaintModels();
   format.supports_poses = true;
   format.recognizes = [](const std::string& text) {
     return text.find(kFirstX) != std::string::npos;

@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// intrinsics.yaml of puzzlepaint's camera_calibration, the program of the
 /// paper's authors.
-Format PuzzlepaintFormat();
+Format MakePuzzlepaintFormat();
 
 }  // namespace raygrid
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr char kStarSegments[] = "num_star_segments";
 
-int CountIn(const YAML::Node& node, const std::string& name, int least,
-            int most) {
+int ReadCountInRange(const YAML::Node& node, const std::string& name, int least,
+                     int most) {
   const double count = FiniteNumber(node, name);
   if (!(count >= least && count <= most) || count != std::floor(count))
     throw InputError(fmt::format("{}: must be {} to {}", name, least, most));
@@ -28,7 +28,8 @@ BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
   constexpr int kMostSquares = 1001, kMostId = 586;
   if (!node.IsMap()) throw InputError(name + ": expected a mapping");
   const auto number = [&](const char* key, int most) {
-    return CountIn(node[key], fmt::format("{}: {}", name, key), 0, most);
+    return ReadCountInRange(node[key], fmt::format("{}: {}", name, key), 0,
+                            most);
   };
   BoardTag tag;
   tag.id = number("index", kMostId);
@@ -48,11 +49,11 @@ ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
   Board board;
   board.kind = "star";
   const auto features = [&](const char* key) {
-    return CountIn(root[key], key, kLeastSquares, kMostSquares) - 1;
+    return ReadCountInRange(root[key], key, kLeastSquares, kMostSquares) - 1;
   };
   board.columns = features("squares_x");
   board.rows = features("squares_y");
-  board.segments = CountIn(root[kStarSegments], kStarSegments, 4, 64);
+  board.segments = ReadCountInRange(root[kStarSegments], kStarSegments, 4, 64);
   board.square_m =
       FiniteNumber(root["square_length_in_meters"], "square_length_in_meters");
   const YAML::Node tags = root["apriltags"];
@@ -68,7 +69,7 @@ ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
 
 }  // namespace
 
-Format PuzzlepaintPatternFormat() {
+Format MakePuzzlepaintPatternFormat() {
   Format format;
   format.name = "puzzlepaint-pattern";
   format.holds =

@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// Pattern file of the generic model's authors: a star board without a camera.
-Format PuzzlepaintPatternFormat();
+Format MakePuzzlepaintPatternFormat();
 
 }  // namespace raygrid
 

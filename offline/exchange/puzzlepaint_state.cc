@@ -194,9 +194,9 @@ NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
   return images;
 }
 
-std::string RigPosesText(const std::vector<WrittenLens>& cameras,
-                         const std::string& dataset_path,
-                         const PuzzlepaintDataset* dataset) {
+std::string FormatRigPoses(const std::vector<WrittenLens>& cameras,
+                           const std::string& dataset_path,
+                           const PuzzlepaintDataset* dataset) {
   const NumberedImages images = NumberImages(cameras, dataset);
   PuzzlepaintPoses poses;
   std::map<int, std::string> names;
@@ -217,7 +217,7 @@ std::string RigPosesText(const std::vector<WrittenLens>& cameras,
   return FormatPuzzlepaintPoses(poses, names);
 }
 
-std::string CameraPosesText(const std::vector<WrittenLens>& cameras) {
+std::string FormatCameraPoses(const std::vector<WrittenLens>& cameras) {
   PuzzlepaintPoses poses;
   std::map<int, std::string> names;
   for (const WrittenLens& camera : cameras) {
@@ -307,7 +307,7 @@ std::vector<CompanionFile> WriteState(const std::string& path,
                                       const std::vector<std::string>& beside) {
   RequireOneBoard("puzzlepaint", cameras);
   const std::vector<std::string> paths = ListStateFiles(path);
-  std::vector<CompanionFile> files = {{paths[0], CameraPosesText(cameras)}};
+  std::vector<CompanionFile> files = {{paths[0], FormatCameraPoses(cameras)}};
   const bool has_poses =
       std::any_of(cameras.begin(), cameras.end(),
                   [](const WrittenLens& lens) { return !lens.poses.empty(); });
@@ -316,8 +316,8 @@ std::vector<CompanionFile> WriteState(const std::string& path,
   if (beside.size() > 2 && !beside[2].empty())
     dataset = ReadNamingFile(
         paths[2], [&] { return DecodePuzzlepaintDataset(beside[2]); });
-  files.push_back({paths[1], RigPosesText(cameras, paths[2],
-                                          dataset ? &*dataset : nullptr)});
+  files.push_back({paths[1], FormatRigPoses(cameras, paths[2],
+                                            dataset ? &*dataset : nullptr)});
   if (dataset) AddPoints(paths[3], *dataset, &files);
   return files;
 }

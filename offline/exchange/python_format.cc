@@ -115,18 +115,18 @@ bool IsCameraNpz(const std::string& bytes) {
   return IsNpz(bytes) && has_any(kMatrixKeys) && has_any(kDistortionKeys);
 }
 
-Format PythonFormat() {
+Format MakePythonFormat() {
   Format format;
   format.name = "python";
   format.holds =
       "Python dictionary as .json, .yaml, .toml or .npz: K, mtx or "
       "camera_matrix, and D, dist or dist_coeffs of OpenCV models, for one "
       "camera or by camera name";
-  format.forms = opencv_file::OpenCvForms();
+  format.external_models = opencv_file::GetOpenCvModels();
   format.accepts_model = true;
   format.recognizes = [](const std::string& text) {
     if (IsNpz(text)) return IsCameraNpz(text);
-    for (const Format& other : Formats())  // whose words say more
+    for (const Format& other : GetFormats())  // whose words say more
       if (other.name != "python" && other.recognizes(text)) return false;
     return HasAnyKey(text, ':') || HasAnyKey(text, '=');
   };

@@ -9,7 +9,7 @@ namespace raygrid {
 
 /// Cameras with OpenCV's keys and models written by Python without FileStorage:
 /// JSON and YAML lists, and archives of numpy.savez().
-Format PythonFormat();
+Format MakePythonFormat();
 
 /// Returns whether an archive contains a camera matrix and coefficients.
 bool IsCameraNpz(const std::string& bytes);

@@ -16,7 +16,7 @@ namespace {
 
 // Angle from the axis for an ideal radius; nullopt beyond the projection's
 // limit.
-std::optional<double> AngleOf(RadialProjection projection, double radius) {
+std::optional<double> ComputeAngle(RadialProjection projection, double radius) {
   const auto arc_sine = [](double sine, double factor) {
     return sine < 1 ? std::optional(factor * std::asin(sine)) : std::nullopt;
   };
@@ -40,7 +40,8 @@ std::optional<double> AngleOf(RadialProjection projection, double radius) {
 // The ideal radius that is seen at another one: the root that a lens which does
 // not fold has. Newton's steps begin at the centre, where the radius is its
 // own.
-std::optional<double> IdealRadius(const std::array<double, 4>& c, double seen) {
+std::optional<double> ComputeIdealRadius(const std::array<double, 4>& c,
+                                         double seen) {
   constexpr int kMostSteps = 100;
   double r = 0;
   for (int k = 0; k < kMostSteps; ++k) {
@@ -58,19 +59,22 @@ std::optional<double> IdealRadius(const std::array<double, 4>& c, double seen) {
 }
 
 // The named lens that such a lens is. Its form lives as long as the program.
-ConvertedLens NamedLens(const std::string& name, const ImageSize& size,
-                        const RadialLens& lens) {
+ConvertedCamera NamedLens(const std::string& name, const ImageSize& size,
+                          const RadialLens& lens) {
   static std::mutex mutex;
-  static std::map<std::pair<std::string, std::string>, LensForm> forms;
+  static std::map<std::pair<std::string, std::string>, ExternalModel>
+      external_models;
   const bool is_pinhole = lens.projection == RadialProjection::kRectilinear;
   const std::string model =
       is_pinhole ? models::kOpenCv : models::kThinPrismFisheye;
   const std::lock_guard<std::mutex> lock(mutex);
-  LensForm& form =
-      forms.try_emplace({name, model}, MakeForm(name, model, {"k1", "k2"}))
+  ExternalModel& external_model =
+      external_models
+          .try_emplace({name, model},
+                       MakeExternalModel(name, model, {"k1", "k2"}))
           .first->second;
-  form.reach_rad = is_pinhole ? M_PI / 2 : M_PI;
-  return {&form,
+  external_model.reach_rad = is_pinhole ? M_PI / 2 : M_PI;
+  return {&external_model,
           size,
           {lens.focal_px.x(), lens.focal_px.y(), lens.center_px.x(),
            lens.center_px.y(), lens.coefficients[1], lens.coefficients[3]}};
@@ -78,13 +82,13 @@ ConvertedLens NamedLens(const std::string& name, const ImageSize& size,
 
 }  // namespace
 
-LensForm RadialLensForm(const std::string& name) {
+ExternalModel MakeRadialLensModel(const std::string& name) {
   return {name, models::kCentralGeneric, {}};
 }
 
-ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
-                             const RadialLens& lens,
-                             std::vector<std::string>* warnings) {
+ConvertedCamera MakeRadialLens(const std::string& name, const ImageSize& size,
+                               const RadialLens& lens,
+                               std::vector<std::string>* warnings) {
   if (size == ImageSize{})
     throw InputError("missing image size; specify --image-size WxH");
   if (!(lens.focal_px.minCoeff() > 0))
@@ -100,9 +104,9 @@ ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
             (pixel - lens.center_px).cwiseQuotient(lens.focal_px);
         const double radius = seen.norm();
         if (radius == 0) return Eigen::Vector3d::UnitZ();
-        const auto ideal = IdealRadius(c, radius);
+        const auto ideal = ComputeIdealRadius(c, radius);
         const auto angle =
-            ideal ? AngleOf(lens.projection, *ideal) : std::nullopt;
+            ideal ? ComputeAngle(lens.projection, *ideal) : std::nullopt;
         if (!angle) return std::nullopt;
         const Eigen::Vector2d side = seen * (std::sin(*angle) / radius);
         return Eigen::Vector3d(side.x(), side.y(), std::cos(*angle));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "exchange/lens_form.h"
+#include "exchange/external_model.h"
 
 namespace raygrid {
 
@@ -32,15 +32,15 @@ struct RadialLens {
 };
 
 /// The form of such a model in tables, approximated by a grid.
-LensForm RadialLensForm(const std::string& name);
+ExternalModel MakeRadialLensModel(const std::string& name);
 
 /// Converts to raygrid's model if exact: rectilinear or equidistant, c1 = c3 =
 /// 0. Otherwise fits a grid, and adds a warning with the error. name: of the
 /// form, also used in the warning. Throws InputError for invalid parameters,
 /// and if the size is missing.
-ConvertedLens MakeRadialLens(const std::string& name, const ImageSize& size,
-                             const RadialLens& lens,
-                             std::vector<std::string>* warnings);
+ConvertedCamera MakeRadialLens(const std::string& name, const ImageSize& size,
+                               const RadialLens& lens,
+                               std::vector<std::string>* warnings);
 
 }  // namespace raygrid
 

@@ -154,7 +154,7 @@ void MeasureGrid(const std::vector<RaySample>& samples, int num_threads,
   grid->num_pixels = errors.size();
 }
 
-Area AreaOf(const std::vector<RaySample>& samples) {
+Area ComputeArea(const std::vector<RaySample>& samples) {
   const Eigen::Vector2d& first = samples.front().pixel;
   Area area = {first.x(), first.y(), first.x(), first.y()};
   for (const RaySample& sample : samples) area.Extend(sample.pixel);
@@ -191,8 +191,8 @@ int PointsAlong(double extent, double longest, int along) {
 
 // The part of the image's cells that hold no pixel of a table whose rows and
 // columns are not the camera's.
-double PartOfEmptyCells(const ImageSize& size,
-                        const std::vector<RaySample>& samples) {
+double ComputeEmptyCellFraction(const ImageSize& size,
+                                const std::vector<RaySample>& samples) {
   constexpr int kMostAlong = 64, kSamplesAlong = 4;
   const int along =
       std::clamp(static_cast<int>(std::sqrt(samples.size())) / kSamplesAlong, 1,
@@ -212,7 +212,8 @@ double PartOfEmptyCells(const ImageSize& size,
 
 double ComputeUndefinedFraction(const RayTable& rays,
                                 const std::vector<RaySample>& samples) {
-  if (!rays.pixels.empty()) return PartOfEmptyCells(rays.image_size, samples);
+  if (!rays.pixels.empty())
+    return ComputeEmptyCellFraction(rays.image_size, samples);
   const auto count = std::count_if(
       rays.directions.begin(), rays.directions.end(),
       [](const Eigen::Vector3d& ray) { return !ray.allFinite(); });
@@ -229,7 +230,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   const std::vector<RaySample> samples = SamplesOf(rays);
   RequireCameraAxes(rays, samples);
   const bool is_central = ModelOfTable(model, samples) == kCentralGeneric;
-  const Area area = AreaOf(samples);
+  const Area area = ComputeArea(samples);
   const double longest = std::max(area.width(), area.height());
   const int most = std::clamp(MostPointsAlong(area, samples), kFewest, kMost);
   std::vector<RayGrid> grids;

@@ -163,7 +163,7 @@ RayTable ReadRays(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-TableFormat RaysFormat() {
+TableFormat MakeRaysFormat() {
   TableFormat format;
   format.name = "rays";
   format.holds =

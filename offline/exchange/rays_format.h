@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The ray of each pixel, as numpy arrays.
-TableFormat RaysFormat();
+TableFormat MakeRaysFormat();
 
 }  // namespace raygrid
 

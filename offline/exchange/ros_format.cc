@@ -7,7 +7,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/file_storage.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
@@ -16,22 +16,22 @@ namespace {
 constexpr char kPlumbBob[] = "plumb_bob", kRational[] = "rational_polynomial",
                kEquidistant[] = "equidistant";
 
-const std::vector<LensForm>& RosForms() {
-  static const std::vector<LensForm> forms = {OpenCvForm(kPlumbBob, 5),
-                                              OpenCvForm(kRational, 8),
-                                              OpenCvFisheyeForm(kEquidistant)};
-  return forms;
+const std::vector<ExternalModel>& GetRosModels() {
+  static const std::vector<ExternalModel> external_models = {
+      MakeOpenCvModel(kPlumbBob, 5), MakeOpenCvModel(kRational, 8),
+      MakeOpenCvFisheyeModel(kEquidistant)};
+  return external_models;
 }
 
 // OpenCV's models of more coefficients, which drivers call rational_polynomial,
 // and of fewer. Zeros that the model has no place for are taken off.
-const LensForm& FormOfDistortion(const std::string& model,
-                                 std::vector<double>* d) {
-  static const LensForm twelve = OpenCvForm(kRational, 12),
-                        fourteen = OpenCvForm(kRational, 14),
-                        four = OpenCvForm(kPlumbBob, 4),
-                        none = OpenCvForm(kPlumbBob, 0);
-  const std::vector<LensForm>& forms = RosForms();
+const ExternalModel& FindRosModel(const std::string& model,
+                                  std::vector<double>* d) {
+  static const ExternalModel twelve = MakeOpenCvModel(kRational, 12),
+                             fourteen = MakeOpenCvModel(kRational, 14),
+                             four = MakeOpenCvModel(kPlumbBob, 4),
+                             none = MakeOpenCvModel(kPlumbBob, 0);
+  const std::vector<ExternalModel>& external_models = GetRosModels();
   const std::string word = Lowercase(model);
   if (word.empty() || word == "none" || word == "pinhole") {
     TrimCoefficients(0, d);
@@ -44,15 +44,17 @@ const LensForm& FormOfDistortion(const std::string& model,
   }
   if (word == kPlumbBob) {
     TrimCoefficients(5, d);
-    return d->empty() ? none : d->size() == 4 ? four : forms[0];
+    return d->empty() ? none : d->size() == 4 ? four : external_models[0];
   }
   if (word == kRational) {
     TrimCoefficients(8, d);
-    return d->size() == 12 ? twelve : d->size() == 14 ? fourteen : forms[1];
+    return d->size() == 12   ? twelve
+           : d->size() == 14 ? fourteen
+                             : external_models[1];
   }
   if (word == kEquidistant || word == "fisheye") {
     TrimCoefficients(4, d);
-    return forms[2];
+    return external_models[2];
   }
   throw InputError(
       fmt::format("unknown distortion model '{}'; use plumb_bob, "
@@ -114,8 +116,8 @@ ImageSize SizeIn(const CameraKeys& keys) {
 
 // Single cameras may lack both; what is missing of one is that of a camera
 // alone. A focal length of 0 in P means that both are unknown.
-std::optional<RectifiedProjection> RectifiedIn(const CameraKeys& keys,
-                                               const ConvertedLens& lens) {
+std::optional<RectifiedProjection> ReadRectifiedProjection(
+    const CameraKeys& keys, const ConvertedCamera& lens) {
   const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
              in_p = MatrixIn(keys, "projection_matrix", "P", 12);
   if (!in_r && !in_p) return std::nullopt;
@@ -179,20 +181,20 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
                    &camera.lens);
   std::vector<double> d = MatrixOf(keys, "distortion_coefficients", "D", -1);
   const auto in_file = ModelInFile(keys);
-  const std::string model =
-      in_file.value_or(request.form.empty() ? kPlumbBob : request.form);
-  camera.lens.form = &FormOfDistortion(model, &d);
-  if (in_file) RequireModelOfFile(request, *camera.lens.form);
-  camera.rectified = RectifiedIn(keys, camera.lens);
+  const std::string model = in_file.value_or(
+      request.external_model.empty() ? kPlumbBob : request.external_model);
+  camera.lens.external_model = &FindRosModel(model, &d);
+  if (in_file) RequireModelOfFile(request, *camera.lens.external_model);
+  camera.rectified = ReadRectifiedProjection(keys, camera.lens);
   camera.lens.values.insert(camera.lens.values.end(), d.begin(), d.end());
   AddWarnings(keys, &contents);
-  keys.Finish(*camera.lens.form, &contents.warnings);
+  keys.Finish(*camera.lens.external_model, &contents.warnings);
   contents.cameras.push_back(std::move(camera));
   return contents;
 }
 
 RosMatrices MakeRosMatrices(const WrittenLens& camera) {
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   const double fx = lens.Value("fx"), fy = lens.Value("fy"),
                cx = lens.Value("cx"), cy = lens.Value("cy");
   RosMatrices matrices = {{fx, 0, cx, 0, fy, cy, 0, 0, 1},
@@ -224,41 +226,41 @@ bool IsRos(const std::string& text) {
            (has("\nP:") || has("\np:"))));
 }
 
-std::string MatrixText(const char* name, int rows, int columns,
-                       const std::vector<double>& data) {
+std::string FormatMatrix(const char* name, int rows, int columns,
+                         const std::vector<double>& data) {
   return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: [{}]\n", name, rows,
                      columns, RealTexts(data));
 }
 
 std::string WriteRos(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
-  const ConvertedLens& lens = camera.lens;
+  const ConvertedCamera& lens = camera.lens;
   const RosMatrices matrices = MakeRosMatrices(camera);
   std::string text;
   if (camera.fit)
-    text += fmt::format("# Fitted {}: {}\n", lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n", lens.external_model->name,
                         FormatLensFit(*camera.fit));
   text += fmt::format("image_width: {}\nimage_height: {}\n", lens.size.width,
                       lens.size.height);
   if (!camera.name.empty())
     text += fmt::format("camera_name: {}\n", QuotedYaml(camera.name));
-  return text + MatrixText("camera_matrix", 3, 3, matrices.k) +
-         fmt::format("distortion_model: {}\n", lens.form->name) +
-         MatrixText("distortion_coefficients", 1,
-                    static_cast<int>(matrices.d.size()), matrices.d) +
-         MatrixText("rectification_matrix", 3, 3, matrices.r) +
-         MatrixText("projection_matrix", 3, 4, matrices.p);
+  return text + FormatMatrix("camera_matrix", 3, 3, matrices.k) +
+         fmt::format("distortion_model: {}\n", lens.external_model->name) +
+         FormatMatrix("distortion_coefficients", 1,
+                      static_cast<int>(matrices.d.size()), matrices.d) +
+         FormatMatrix("rectification_matrix", 3, 3, matrices.r) +
+         FormatMatrix("projection_matrix", 3, 4, matrices.p);
 }
 
 }  // namespace
 
-Format RosFormat() {
+Format MakeRosFormat() {
   Format format;
   format.name = "ros";
   format.holds =
       "camera_info .yaml: plumb_bob, rational_polynomial or equidistant; one "
       "file per camera of a rig, with R and P for a rectified pair";
-  format.forms = RosForms();
+  format.external_models = GetRosModels();
   format.supports_pairs = true;
   format.accepts_model = true;
   format.recognizes = IsRos;

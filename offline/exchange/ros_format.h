@@ -9,7 +9,7 @@ namespace raygrid {
 
 /// ROS's camera_info as YAML of camera_calibration_parsers; also reads the
 /// output of 'rostopic echo' and 'ros2 topic echo'.
-Format RosFormat();
+Format MakeRosFormat();
 
 /// Reads the camera from the keys of such a file.
 ExchangeContents ReadRosCamera(const YAML::Node& root,

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "dataset/text_encoding.h"
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "exchange/plain_trees.h"
 #include "exchange/ros_format.h"
 #include "exchange/yaml_numbers.h"
@@ -65,7 +65,7 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
     ExchangeContents one = ReadRosCamera(
         TreeOfRosIni(std::string(lines, '\n') + text.substr(at, end - at)),
         request);
-    if (one.cameras.front().lens.form->name == kFourCoefficients)
+    if (one.cameras.front().lens.external_model->name == kFourCoefficients)
       one.warnings.push_back(
           "assuming the fisheye model equidistant, of which ROS writes four "
           "coefficients");
@@ -85,7 +85,7 @@ std::string IniRows(const std::string& key, const std::vector<double>& numbers,
                     size_t columns) {
   std::string text = key;
   for (size_t k = 0; k < numbers.size(); ++k)
-    text += (k % columns == 0 ? "\n" : " ") + RealText(numbers[k]);
+    text += (k % columns == 0 ? "\n" : " ") + FormatReal(numbers[k]);
   return text + "\n\n";
 }
 
@@ -97,7 +97,7 @@ std::string WriteRosIni(const WriteRequest& request) {
     if (c != '[' && c != ']') name += c;
   std::string text = "# Camera intrinsics\n\n";
   if (camera.fit)
-    text += fmt::format("# Fitted {}: {}\n\n", camera.lens.form->name,
+    text += fmt::format("# Fitted {}: {}\n\n", camera.lens.external_model->name,
                         FormatLensFit(*camera.fit));
   return text +
          fmt::format("[image]\n\nwidth\n{}\n\nheight\n{}\n\n[{}]\n\n",
@@ -111,14 +111,14 @@ std::string WriteRosIni(const WriteRequest& request) {
 
 }  // namespace
 
-Format RosIniFormat() {
+Format MakeRosIniFormat() {
   Format format;
   format.name = "ros-ini";
   format.holds =
       ".ini of ROS camera_calibration: plumb_bob or rational_polynomial; one "
       "file per camera of a rig, with R and P for a rectified pair";
-  format.forms = {OpenCvForm("plumb_bob", 5),
-                  OpenCvForm("rational_polynomial", 8)};
+  format.external_models = {MakeOpenCvModel("plumb_bob", 5),
+                            MakeOpenCvModel("rational_polynomial", 8)};
   format.ending = ".ini";
   format.supports_pairs = true;
   format.recognizes = IsRosIni;

@@ -7,7 +7,7 @@ namespace raygrid {
 
 /// The .ini of ROS's camera_calibration: plumb_bob with 5 coefficients, or
 /// rational_polynomial with 8.
-Format RosIniFormat();
+Format MakeRosIniFormat();
 
 }  // namespace raygrid
 

@@ -121,7 +121,7 @@ std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
 
 // Whether a pixel has a source: edges of alpha are mixed with others, and
 // programs fill undefined pixels with -1 or black.
-bool TellsPlace(const StPixel& pixel, bool has_alpha) {
+bool HasPosition(const StPixel& pixel, bool has_alpha) {
   constexpr float kWhole = 0.999F;
   const auto [s, t, unused, alpha] = pixel;
   return std::isfinite(s) && std::isfinite(t) &&
@@ -159,7 +159,7 @@ ViewTable ViewOfExr(const std::string& path, const std::string& bytes,
   for (int y = stored.min.y; y <= stored.max.y; ++y)
     for (int x = stored.min.x; x <= stored.max.x; ++x, ++k)
       if (shown.intersects(Imath::V2i(x, y)) &&
-          TellsPlace(pixels[k], has_alpha))
+          HasPosition(pixels[k], has_alpha))
         view.sources[static_cast<size_t>(y - shown.min.y) * view.size.width +
                      (x - shown.min.x)] = PlaceOf(pixels[k], view.source_size);
   return view;
@@ -179,7 +179,7 @@ ViewTable ReadStMap(const std::string& path, const std::string& bytes,
 
 }  // namespace
 
-TableFormat StMapFormat() {
+TableFormat MakeStMapFormat() {
   TableFormat format;
   format.name = "stmap";
   format.holds = "compositing: STMap as .exr (--inverse: inverse remap)";

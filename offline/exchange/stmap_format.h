@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// A view's source positions as fractions of the image, for compositing.
-TableFormat StMapFormat();
+TableFormat MakeStMapFormat();
 
 }  // namespace raygrid
 

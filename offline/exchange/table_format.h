@@ -64,10 +64,11 @@ struct RayTable {
 /// A camera, for formats that sample it themselves.
 struct CameraTable {
   std::string path;
-  std::string model;                      ///< one of the format's models
-  const CameraModel* camera = nullptr;    ///< central camera
-  const ValidityMask* trusted = nullptr;  ///< valid region; null: everything
-  std::optional<double> max_error_px;     ///< maximum accepted error
+  std::string model;                    ///< one of the format's models
+  const CameraModel* camera = nullptr;  ///< central camera
+  const ValidityMask* valid_region =
+      nullptr;                         ///< valid region; null: everything
+  std::optional<double> max_error_px;  ///< maximum accepted error
   int num_threads = 0;
 };
 
@@ -89,7 +90,7 @@ struct FeatureTable {
 /// Output files (path, contents), and a line for the user.
 struct TableOutput {
   std::vector<std::pair<std::string, std::string>> files;
-  std::string told;
+  std::string configuration;
   std::vector<std::pair<std::string, double>> metrics = {};  ///< for --json
 };
 

@@ -32,14 +32,14 @@ std::string Listed(const std::vector<std::string>& words) {
 
 const std::vector<TableFormat>& TableFormats() {
   static const std::vector<TableFormat> formats = {
-      CArrayFormat(),      IntelHexFormat(),
-      MapsFormat(),        StMapFormat(),
-      FfmpegFormat(),      RaysFormat(),
-      IsaacFormat(),       Dw100Format(),
-      TiLdcFormat(),       VpiFormat(),
-      RockchipFecFormat(), RockchipLdchFormat(),
-      HailoFormat(),       DepthAiMeshFormat(),
-      TumFormat(),         PuzzlepaintDatasetFormat()};
+      MakeCArrayFormat(),      MakeIntelHexFormat(),
+      MakeMapsFormat(),        MakeStMapFormat(),
+      MakeFfmpegFormat(),      MakeRaysFormat(),
+      MakeIsaacFormat(),       MakeDw100Format(),
+      MakeTiLdcFormat(),       MakeVpiFormat(),
+      MakeRockchipFecFormat(), MakeRockchipLdchFormat(),
+      MakeHailoFormat(),       MakeDepthAiMeshFormat(),
+      MakeTumFormat(),         MakePuzzlepaintDatasetFormat()};
   return formats;
 }
 
@@ -94,7 +94,7 @@ std::optional<Eigen::Vector2d> ViewTable::At(int x, int y) const {
 
 std::string WrittenFormatNames() {
   std::vector<std::string> all;
-  for (const Format& format : Formats())
+  for (const Format& format : GetFormats())
     if (format.write) all.push_back(format.name);
   for (const TableFormat& format : TableFormats()) all.push_back(format.name);
   return Listed(all);

@@ -161,7 +161,7 @@ std::vector<BoardPose> ReadTum(const std::string& path,
 
 }  // namespace
 
-TableFormat TumFormat() {
+TableFormat MakeTumFormat() {
   TableFormat format;
   format.name = "tum";
   format.holds =

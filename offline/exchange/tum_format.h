@@ -6,7 +6,7 @@
 namespace raygrid {
 
 /// The trajectory of a camera, for trajectory evaluation tools.
-TableFormat TumFormat();
+TableFormat MakeTumFormat();
 
 }  // namespace raygrid
 

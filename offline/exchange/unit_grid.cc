@@ -97,7 +97,7 @@ Vectors FitDirections(const BSplineSurface& lattice,
 }
 
 // The pixels whose centres lie in the camera's area.
-UnitGrid::Bounds BoundsOf(const CameraModel& camera) {
+UnitGrid::Bounds ComputeBounds(const CameraModel& camera) {
   constexpr double kRounding = 1e-9;
   const auto first = [](double x) {
     return static_cast<int>(std::ceil(x - kRounding));
@@ -110,7 +110,7 @@ UnitGrid::Bounds BoundsOf(const CameraModel& camera) {
 }
 
 // Numbers of control points: those of a grid, else for cells of this size.
-std::pair<int, int> GridSizeOf(const CameraModel& camera) {
+std::pair<int, int> GetGridSize(const CameraModel& camera) {
   constexpr double kCellPx = 20, kMostCells = 100;
   if (const BSplineSurface* grid = camera.DirectionGrid())
     return {grid->columns(), grid->rows()};
@@ -195,8 +195,8 @@ void UnitGrid::SetParameters(const Eigen::VectorXd& parameters) {
 }
 
 UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points) {
-  const UnitGrid::Bounds bounds = BoundsOf(camera);
-  const auto [columns, rows] = GridSizeOf(camera);
+  const UnitGrid::Bounds bounds = ComputeBounds(camera);
+  const auto [columns, rows] = GetGridSize(camera);
   const BSplineSurface lattice(LatticeArea(bounds), columns, rows);
   std::vector<Eigen::Vector2d> pixels;
   Vectors rays, origins;

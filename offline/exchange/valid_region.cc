@@ -24,42 +24,42 @@ constexpr Place kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 bool Holds(const ValidityMask& mask, const Place& cell) {
   return cell.column >= 0 && cell.column < mask.columns && cell.row >= 0 &&
          cell.row < mask.rows &&
-         mask.is_trusted[cell.row * mask.columns + cell.column];
+         mask.is_valid[cell.row * mask.columns + cell.column];
 }
 
 // Takes a part of the cells out of a mask: those that are joined to a cell.
 ValidityMask TakePart(int first, ValidityMask* rest) {
   ValidityMask part = *rest;
-  part.is_trusted.assign(part.is_trusted.size(), false);
+  part.is_valid.assign(part.is_valid.size(), false);
   std::vector<int> next = {first};
-  rest->is_trusted[first] = false;
+  rest->is_valid[first] = false;
   while (!next.empty()) {
     const int cell = next.back();
     next.pop_back();
-    part.is_trusted[cell] = true;
+    part.is_valid[cell] = true;
     for (const Place& step : kSteps) {
       const Place beside =
           Place{cell % part.columns, cell / part.columns} + step;
       if (!Holds(*rest, beside)) continue;
       next.push_back(beside.row * part.columns + beside.column);
-      rest->is_trusted[next.back()] = false;
+      rest->is_valid[next.back()] = false;
     }
   }
   return part;
 }
 
-int64_t NumTrustedCells(const ValidityMask& mask) {
-  return std::count(mask.is_trusted.begin(), mask.is_trusted.end(), true);
+int64_t CountValidCells(const ValidityMask& mask) {
+  return std::count(mask.is_valid.begin(), mask.is_valid.end(), true);
 }
 
 // Returns the largest part, the first one if equal. Empty if nothing is valid.
-ValidityMask LargestPart(ValidityMask rest) {
+ValidityMask FindLargestComponent(ValidityMask rest) {
   ValidityMask largest = rest;
-  largest.is_trusted.assign(rest.is_trusted.size(), false);
-  for (size_t cell = 0; cell < rest.is_trusted.size(); ++cell) {
-    if (!rest.is_trusted[cell]) continue;
+  largest.is_valid.assign(rest.is_valid.size(), false);
+  for (size_t cell = 0; cell < rest.is_valid.size(); ++cell) {
+    if (!rest.is_valid[cell]) continue;
     ValidityMask part = TakePart(static_cast<int>(cell), &rest);
-    if (NumTrustedCells(part) > NumTrustedCells(largest))
+    if (CountValidCells(part) > CountValidCells(largest))
       largest = std::move(part);
   }
   return largest;
@@ -79,8 +79,8 @@ Eigen::Vector2d PixelOfCorner(const Place& corner, const ValidityMask& mask,
 }
 
 // Returns the centre of a cell, clipped to the image.
-Eigen::Vector2d MiddleOf(const Place& cell, const ValidityMask& mask,
-                         const ImageSize& size) {
+Eigen::Vector2d GetCellCenter(const Place& cell, const ValidityMask& mask,
+                              const ImageSize& size) {
   return (PixelOfCorner(cell, mask, size) +
           PixelOfCorner(cell + Place{1, 1}, mask, size)) /
          2;
@@ -102,11 +102,11 @@ bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
 // A mask's cells whose middle is in a region.
 ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
                          const ImageSize& size) {
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+  for (size_t k = 0; k < mask.is_valid.size(); ++k) {
     const int cell = static_cast<int>(k);
-    mask.is_trusted[k] = IsInside(
+    mask.is_valid[k] = IsInside(
         region,
-        MiddleOf({cell % mask.columns, cell / mask.columns}, mask, size));
+        GetCellCenter({cell % mask.columns, cell / mask.columns}, mask, size));
   }
   return mask;
 }
@@ -117,11 +117,11 @@ ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
 // ever after.
 ValidRegion ComputeValidRegion(const ValidityMask& mask,
                                const ImageSize& size) {
-  const ValidityMask part = LargestPart(mask);
+  const ValidityMask part = FindLargestComponent(mask);
   const auto first =
-      std::find(part.is_trusted.begin(), part.is_trusted.end(), true);
-  if (first == part.is_trusted.end()) return {};
-  const int cell = static_cast<int>(first - part.is_trusted.begin());
+      std::find(part.is_valid.begin(), part.is_valid.end(), true);
+  if (first == part.is_valid.end()) return {};
+  const int cell = static_cast<int>(first - part.is_valid.begin());
   const Place start = {cell % part.columns, cell / part.columns};
   ValidRegion region = {PixelOfCorner(start, part, size)};
   int step = 0;
@@ -147,9 +147,9 @@ RegionLoss ComputeRegionLoss(const ValidityMask& mask, const ImageSize& size) {
   const ValidityMask held =
       CellsInside(ComputeValidRegion(mask, size), mask, size);
   RegionLoss loss;
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
-    loss.num_left_out += mask.is_trusted[k] && !held.is_trusted[k];
-    loss.num_held += !mask.is_trusted[k] && held.is_trusted[k];
+  for (size_t k = 0; k < mask.is_valid.size(); ++k) {
+    loss.num_left_out += mask.is_valid[k] && !held.is_valid[k];
+    loss.num_held += !mask.is_valid[k] && held.is_valid[k];
   }
   return loss;
 }

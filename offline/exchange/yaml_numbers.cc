@@ -69,7 +69,7 @@ ImageSize GetListSize(const YAML::Node& node, const std::string& name) {
   return {SidePx(sides[0], name), SidePx(sides[1], name)};
 }
 
-std::string RealText(double number) {
+std::string FormatReal(double number) {
   std::string text = fmt::format("{}", number);
   if (text.find('.') == std::string::npos)
     text.insert(std::min(text.find('e'), text.size()), ".0");
@@ -108,7 +108,7 @@ Pose PoseFromQuaternion(const std::array<double, 7>& numbers) {
 std::string RealTexts(const std::vector<double>& numbers) {
   std::string texts;
   for (const double number : numbers)
-    texts += (texts.empty() ? "" : ", ") + RealText(number);
+    texts += (texts.empty() ? "" : ", ") + FormatReal(number);
   return texts;
 }
 

@@ -36,7 +36,7 @@ ImageSize GetListSize(const YAML::Node& node, const std::string& name);
 
 /// Formats the shortest round-trip decimal that YAML and Python parse as a
 /// float (500.0, not 500; never 1e-05).
-std::string RealText(double number);
+std::string FormatReal(double number);
 
 /// Converts a matrix [R t] or [R t; 0 0 0 1], row by row. Throws InputError
 /// with the name if R is not a rotation.
@@ -46,7 +46,7 @@ Pose PoseFromMatrix(const std::vector<double>& rows, const std::string& name);
 /// Throws InputError unless its norm is between 0.5 and 2.
 Pose PoseFromQuaternion(const std::array<double, 7>& numbers);
 
-/// Formats numbers by RealText(), separated by commas and spaces.
+/// Formats numbers by FormatReal(), separated by commas and spaces.
 std::string RealTexts(const std::vector<double>& numbers);
 
 /// Formats a name as a quoted string without control characters.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kHoldOutEvery = 5;
 
-std::vector<std::string> EveryFifth(const Dataset& dataset) {
+std::vector<std::string> SelectEveryFifth(const Dataset& dataset) {
   std::vector<std::string> images;
   for (size_t i = kHoldOutEvery - 1; i < dataset.images.size();
        i += kHoldOutEvery)
@@ -87,7 +87,7 @@ ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
     features.pattern = options.data.pattern;
     features.hold_out = options.data.hold_out;
     if (features.hold_out.empty())
-      features.hold_out = EveryFifth(features.dataset);
+      features.hold_out = SelectEveryFifth(features.dataset);
     features.conditions = ReadOperatingPoints(features, "(own data)");
     return features;
   }
@@ -99,7 +99,7 @@ ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
   features.dataset =
       SimulateObservations(*features.truth, features.pattern, simulation)
           .dataset;
-  features.hold_out = EveryFifth(features.dataset);
+  features.hold_out = SelectEveryFifth(features.dataset);
   features.conditions = ReadOperatingPoints(features, "simulated");
   features.conditions.push_back({"lens", lens});
   features.conditions.push_back(
@@ -135,8 +135,8 @@ std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file) {
   if (lattice.deviation_px.empty()) return file.uncertainty->mask;
   const double limit_px = std::max(kKnownPx, lattice.MedianPx());
   ValidityMask known = ValidityMask::Over(file.camera->image_size());
-  for (size_t k = 0; k < known.is_trusted.size(); ++k)
-    known.is_trusted[k] =
+  for (size_t k = 0; k < known.is_valid.size(); ++k)
+    known.is_valid[k] =
         lattice.At(file.camera->area(),
                    known.CellCenter(static_cast<int>(k))) <= limit_px;
   return known;
@@ -147,7 +147,7 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   FitOptions fit;
   fit.free_rotation = true;
   if (camera.known && camera.known->HasValidCells())
-    fit.trusted = &*camera.known;
+    fit.valid_region = &*camera.known;
   for (const std::string& name : LensNames(ModelUse::kCompare)) {
     FittedModel fitted =
         FitParametricModel(name, *camera.model, camera.model->area(), fit);
@@ -161,8 +161,8 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   return fits;
 }
 
-ComparedCameras CamerasToCompare(const ExperimentOptions& options,
-                                 const std::vector<std::string>& models) {
+ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
+                                      const std::vector<std::string>& models) {
   if (!options.data.cameras.empty()) return UsersCameras(options.data.cameras);
   const ExperimentFeatures features = SelectFeatures(options);
   ComparedCameras compared;
@@ -198,7 +198,7 @@ bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
                      });
 }
 
-Area CommonArea(const std::vector<NamedCamera>& cameras) {
+Area ComputeCommonArea(const std::vector<NamedCamera>& cameras) {
   Area area = cameras.front().model->area();
   for (const NamedCamera& camera : cameras) {
     const Area& own = camera.model->area();

@@ -65,8 +65,8 @@ struct ComparedCameras {
 /// user's cameras, the last is the reference; if it is the only one, parametric
 /// models are fitted to it in its valid region. Throws Error: kInitialization
 /// if no model can be calibrated.
-ComparedCameras CamerasToCompare(const ExperimentOptions& options,
-                                 const std::vector<std::string>& models);
+ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
+                                      const std::vector<std::string>& models);
 
 /// A parametric model fitted to another camera in its valid region, with any
 /// rotation.
@@ -77,7 +77,7 @@ struct FittedCamera {
 std::vector<FittedCamera> FitModels(const NamedCamera& camera);
 
 /// Returns the area in which all cameras are calibrated.
-Area CommonArea(const std::vector<NamedCamera>& cameras);
+Area ComputeCommonArea(const std::vector<NamedCamera>& cameras);
 
 /// Returns whether all cameras have a line for the pixel, and it is in the
 /// valid region of an assumed reference.

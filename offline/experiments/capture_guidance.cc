@@ -76,8 +76,8 @@ constexpr int kNumBars = 4;
 using Bars = Eigen::Array<double, kNumBars, 1>;
 
 // Position, size and skew of a whole board, as in ROS's camera_calibration.
-Bars BarsOf(const std::vector<Feature>& features, const Board& board,
-            const ImageSize& size) {
+Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
+                 const ImageSize& size) {
   Eigen::Vector2d corner[4], mean = Eigen::Vector2d::Zero();
   for (const Feature& feature : features) {
     mean += feature.pixel / static_cast<double>(features.size());
@@ -134,10 +134,10 @@ struct Operator {
     for (int k = 0; k < 6; ++k)
       off[k] = random.Normal() * (k < 3 ? kHandRad : kHandM);
     // The hand rotates the board about its centre.
-    const Eigen::Vector3d middle = MiddleOf(board());
+    const Eigen::Vector3d center = ComputeBoardCenter(board());
     Pose held = asked;
     held.rotation = RotationFromVector(off.head<3>()) * asked.rotation;
-    held.translation = asked * middle - held.rotation * middle + off.tail<3>();
+    held.translation = asked * center - held.rotation * center + off.tail<3>();
     return held;
   }
 
@@ -179,7 +179,7 @@ struct Operator {
       std::vector<Feature> seen = AtRandom();
       if (!IsWhole(seen)) continue;
       ++k;
-      const Bars bars = BarsOf(seen, board(), truth.image_size());
+      const Bars bars = ComputeBars(seen, board(), truth.image_size());
       double nearest = INFINITY;
       for (const Bars& frame : frames)
         nearest = std::min(nearest, (frame - bars).abs().sum());

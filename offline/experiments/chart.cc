@@ -167,11 +167,11 @@ std::string Frame(const Chart& chart, const Axes& axes) {
   svg += Line(kLeft, kTop, kLeft, kBottom, "black");
   svg += Text((kLeft + kRight) / 2, kBottom + 54, " text-anchor=\"middle\"",
               chart.x_label);
-  const double middle = (kTop + kBottom) / 2;
-  svg += Text(20, middle,
+  const double center = (kTop + kBottom) / 2;
+  svg += Text(20, center,
               fmt::format(" text-anchor=\"middle\" transform=\"rotate(-90 20 "
                           "{:.1f})\"",
-                          middle),
+                          center),
               chart.y_label);
   return svg;
 }
@@ -214,7 +214,7 @@ std::string Series(const ChartSeries& series, int style, const Axes& axes) {
 
 }  // namespace
 
-std::string ChartSvg(const Chart& chart) {
+std::string MakeChartSvg(const Chart& chart) {
   const Axes axes(chart);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" "

@@ -33,7 +33,7 @@ struct Chart {
 
 /// Draws the chart as SVG, dark text on white. Series differ in colours that
 /// are distinguishable with colour blindness (Okabe and Ito), and in markers.
-std::string ChartSvg(const Chart& chart);
+std::string MakeChartSvg(const Chart& chart);
 
 }  // namespace raygrid
 

@@ -47,7 +47,7 @@ struct ExperimentData {
   std::vector<std::string> hold_out;  ///< held-out images
   std::vector<NamedCamera> cameras;
   std::optional<CalibrationResult> result;  ///< with budget facts, if available
-  std::optional<ColmapModel> walk;
+  std::optional<ColmapModel> trajectory;
   std::vector<NamedStereo> rigs;
   std::vector<std::string> images;  ///< paths
   double nearest_m = 0;             ///< scene distance; 0: not specified
@@ -57,10 +57,10 @@ struct ExperimentData {
 struct ExperimentOptions {
   int num_images = 24;
   ImageSize size = {640, 480};
-  double blur_px = 0.7;   ///< lens blur, standard deviation
-  double read_noise = 2;  ///< standard deviation, grey levels
-  int num_walks = 3;      ///< trajectories of trajectory-drift
-  bool fine = false;      ///< model-validation in the paper's regime
+  double blur_px = 0.7;      ///< lens blur, standard deviation
+  double read_noise = 2;     ///< standard deviation, grey levels
+  int num_trajectories = 3;  ///< trajectories of trajectory-drift
+  bool fine = false;         ///< model-validation in the paper's regime
   std::vector<double> bump_widths_px = {20, 40,
                                         60};  ///< with fine: one lens each
   uint64_t seed = 0;

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-std::string CellText(const Cell& cell) {
+std::string FormatCell(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) return *text;
   if (const auto* count = std::get_if<int>(&cell))
     return std::to_string(*count);
@@ -24,7 +24,7 @@ Lines TextTable(const ExperimentResult& result) {
   Lines lines = {result.columns};
   for (const auto& row : result.rows) {
     lines.emplace_back();
-    for (const Cell& cell : row) lines.back().push_back(CellText(cell));
+    for (const Cell& cell : row) lines.back().push_back(FormatCell(cell));
   }
   return lines;
 }

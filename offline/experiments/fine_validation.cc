@@ -137,8 +137,8 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
 }
 
 // The minimum number of residuals in a cell of the bias's grid.
-int FewestInACell(const std::vector<FeatureResidual>& residuals,
-                  const Area& area) {
+int ComputeMinCellCount(const std::vector<FeatureResidual>& residuals,
+                        const Area& area) {
   std::vector<int> counts(kBiasCells * kBiasCells);
   const auto cell_of = [](double position, double start, double extent) {
     return std::clamp(
@@ -192,13 +192,13 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
        static_cast<int>(model.knot_spacing_px), camera.NumParameters(),
        ComputeErrorMetrics(metrics.training).median_px, metrics.test_px,
        or_dash(metrics.bias), or_dash(noise_bias),
-       FewestInACell(metrics.training, camera.area()), difference.median_px,
-       difference.rms_px});
+       ComputeMinCellCount(metrics.training, camera.area()),
+       difference.median_px, difference.rms_px});
   return metrics;
 }
 
 // Short enough for a picture's caption.
-std::string CaptionOf(const FineModel& model, const FineFigures& metrics) {
+std::string FormatCaption(const FineModel& model, const FineFigures& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");
   if (generic != std::string::npos) label.erase(generic, 8);
@@ -259,7 +259,7 @@ ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
 ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
   ExperimentResult table = EmptyFineTable(options);
   const Pattern pattern = FineBoard();
-  const Image wheel = DirectionLegend(96);
+  const Image wheel = DrawDirectionLegend(96);
   const std::vector<FineModel> models = FineModels();
   int num_done = 0;
   for (const double width_px : options.bump_widths_px) {
@@ -284,9 +284,9 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
         const FineFigures metrics = AddFineRow(
             model, truth, images, pattern, start, width_px, options, &table);
         series.points.push_back({double(i), metrics.test_px});
-        pictures.push_back({CaptionOf(model, metrics),
-                            DirectionPicture(metrics.training, options.size,
-                                             WholeImage(options.size))});
+        pictures.push_back({FormatCaption(model, metrics),
+                            DrawDirectionPicture(metrics.training, options.size,
+                                                 WholeImage(options.size))});
       } catch (const Error& error) {
         table.conditions.push_back({fmt::format("{}, local distortion {:g} px",
                                                 model.Label(), width_px),

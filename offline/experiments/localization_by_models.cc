@@ -100,7 +100,7 @@ struct PlaceErrors {
 PlaceErrors MeasurePlaces(const CameraModel& camera,
                           const ComparedCameras& compared,
                           const ExperimentOptions& options) {
-  const Area area = CommonArea(compared.cameras);
+  const Area area = ComputeCommonArea(compared.cameras);
   std::vector<Errors> scenes(kScenes);
   ParallelFor(kScenes, NumThreads(options.num_threads), [&](int i) {
     Random random(options.seed * 1000003 + i + 1);
@@ -122,7 +122,7 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
 
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   // The last is the paper's truth, of a user's features.
-  const ComparedCameras compared = CamerasToCompare(
+  const ComparedCameras compared = SelectComparedCameras(
       options, LensNames(ModelUse::kCompare, {models::kNonCentralGeneric,
                                               models::kCentralGeneric}));
   ExperimentResult table;

@@ -84,15 +84,15 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
     const ModelDifference& d = differences[i];
     const auto places = Places(d);
     magnitudes.push_back({fmt::format("{}: RMS {:.3f} px", names[i], d.rms_px),
-                          MagnitudePicture(places, camera->image_size(),
-                                           camera->area(), full_scale_px)});
+                          DrawMagnitudePicture(places, camera->image_size(),
+                                               camera->area(), full_scale_px)});
     directions.push_back(
         {names[i],
-         DirectionPicture(places, camera->image_size(), camera->area())});
+         DrawDirectionPicture(places, camera->image_size(), camera->area())});
   }
-  const Image wheel = DirectionLegend(96),
-              bar = ColorLegend(ColorScale::kMagnitude, "0",
-                                fmt::format("{:.3g} px +", full_scale_px));
+  const Image wheel = DrawDirectionLegend(96),
+              bar = DrawColorLegend(ColorScale::kMagnitude, "0",
+                                    fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
       {"magnitude",
        PictureSheet(magnitudes,

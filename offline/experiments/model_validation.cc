@@ -66,11 +66,11 @@ void AddValidationRow(const ExperimentFeatures& features,
 SheetPicture Directions(const ModelChoice& choice,
                         const CalibrationResult& result) {
   const CameraModel& camera = *result.camera.camera;
-  return {
-      fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
-                  result.camera.held_out->median_px,
-                  result.bias_kl.value_or(0)),
-      DirectionPicture(result.training, camera.image_size(), camera.area())};
+  return {fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
+                      result.camera.held_out->median_px,
+                      result.bias_kl.value_or(0)),
+          DrawDirectionPicture(result.training, camera.image_size(),
+                               camera.area())};
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   if (pictures.empty())
     throw Error(ExitCode::kInitialization, "no model could be calibrated");
   table.chart.series = {series.training, series.test};
-  const Image wheel = DirectionLegend(96);
+  const Image wheel = DrawDirectionLegend(96);
   table.pictures.push_back(
       {"directions",
        PictureSheet(pictures,

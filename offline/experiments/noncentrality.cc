@@ -144,8 +144,9 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   constexpr int kColumns = 80, kRows = 60, kCellPx = 5;
   const std::vector<double> offsets =
       OffsetsMm(*camera.model, spread.nearest_point, kColumns, kRows);
-  const Image bar = ColorLegend(ColorScale::kMagnitude, "0",
-                                fmt::format("{:.3g} mm", 1000 * spread.max_m));
+  const Image bar =
+      DrawColorLegend(ColorScale::kMagnitude, "0",
+                      fmt::format("{:.3g} mm", 1000 * spread.max_m));
   table.pictures.push_back(
       {"offsets",
        PictureSheet({{"Distance of each observation line from the common point",

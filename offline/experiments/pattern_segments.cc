@@ -30,7 +30,7 @@ std::string Name(const Board& board) {
   return board.segments == kDeltilleSegments ? kDeltille : board.kind;
 }
 
-Chart EmptySegmentChart(const ExperimentOptions& options) {
+Chart MakeEmptySegmentChart(const ExperimentOptions& options) {
   Chart chart;
   chart.title = "Feature localization error by number of star segments";
   chart.note = LocalizationNote(options);
@@ -71,7 +71,7 @@ ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
   result.conditions.push_back(
       {kDeltille, "the corners of a triangular lattice, at other positions"});
   result.columns = LocalizationColumns({"pattern", "segments"});
-  result.chart = EmptySegmentChart(options);
+  result.chart = MakeEmptySegmentChart(options);
   for (size_t i = 0; i < boards.size(); ++i) {
     const Board& board = boards[i].board;
     result.rows.push_back(

@@ -67,8 +67,8 @@ Image PictureSheet(const std::vector<SheetPicture>& pictures,
   return ToImage(sheet);
 }
 
-Image ColorLegend(ColorScale scale, const std::string& low,
-                  const std::string& high) {
+Image DrawColorLegend(ColorScale scale, const std::string& low,
+                      const std::string& high) {
   constexpr int kBarWidth = 240, kBarHeight = 18;
   cv::Mat legend(kBarHeight + 24, kBarWidth + 60, CV_8UC3,
                  cv::Scalar(255, 255, 255));

@@ -20,8 +20,8 @@ Image PictureSheet(const std::vector<SheetPicture>& pictures,
                    const std::vector<std::string>& note, const Image* legend);
 
 /// Draws a colour bar with labels at its ends.
-Image ColorLegend(ColorScale scale, const std::string& low,
-                  const std::string& high);
+Image DrawColorLegend(ColorScale scale, const std::string& low,
+                      const std::string& high);
 
 }  // namespace raygrid
 

@@ -18,7 +18,7 @@ constexpr NamedRefinement kRefinements[] = {
 
 constexpr int kSegments = 16;
 
-std::vector<DetectedBoard> BoardsToRefine() {
+std::vector<DetectedBoard> SelectBoardsToRefine() {
   std::vector<DetectionOptions> ways;
   for (const NamedRefinement& refinement : kRefinements) {
     ways.emplace_back();
@@ -28,7 +28,7 @@ std::vector<DetectedBoard> BoardsToRefine() {
           {ExperimentChessboard(), ways}};
 }
 
-Chart EmptyChart(const ExperimentOptions& options) {
+Chart MakeEmptyChart(const ExperimentOptions& options) {
   Chart chart;
   chart.title = "Feature localization error by refinement";
   chart.note = LocalizationNote(options);
@@ -61,7 +61,7 @@ void AddBoard(const std::string& kind, const LocalizationError* errors,
 }  // namespace
 
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
-  const std::vector<DetectedBoard> boards = BoardsToRefine();
+  const std::vector<DetectedBoard> boards = SelectBoardsToRefine();
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
   ExperimentResult result;
@@ -69,7 +69,7 @@ ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
   result.conditions.push_back(
       {"stars", std::to_string(kSegments) + " segments"});
   result.columns = LocalizationColumns({"pattern", "refinement"});
-  result.chart = EmptyChart(options);
+  result.chart = MakeEmptyChart(options);
   const LocalizationError* of_board = errors.data();
   for (const DetectedBoard& board : boards) {
     AddBoard(board.board.kind, of_board, &result);

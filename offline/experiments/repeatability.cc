@@ -75,7 +75,7 @@ struct Place {
   Eigen::Matrix<double, 2, 3> J_rotation;
   double stated_px = 0;   // predicted uncertainty of both, as reported
   double scatter_px = 0;  // noise of both, RMS of both axes
-  bool is_trusted = false;
+  bool is_valid = false;
 };
 
 // Whether features are on all sides of a pixel, within a limit to the left or
@@ -126,7 +126,7 @@ std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
       place.stated_px = std::hypot(stated_px[0], stated_px[1]);
       place.scatter_px = std::hypot(ua.scatter.At(area, place.pixel),
                                     ub.scatter.At(b.area(), place.pixel));
-      place.is_trusted =
+      place.is_valid =
           ua.mask.IsValidAt(place.pixel) && ub.mask.IsValidAt(place.pixel);
       places.push_back(place);
     }
@@ -200,7 +200,7 @@ double TypicalRoot(const std::vector<double>& squares) {
 }
 
 struct Repetition {
-  Spread trusted, known;
+  Spread valid_region, known;
   // Each pixel's difference relative to its noise.
   std::map<int, Eigen::Vector2d> by_scatter;
 };
@@ -220,7 +220,7 @@ std::array<double, 2> ChanceRange(double numbers) {
 
 // The effective number of independent differences in all pairs. Independent
 // random fields of n numbers have a mean squared cosine of 1 / n.
-std::optional<double> IndependentNumbers(
+std::optional<double> ComputeIndependentParameters(
     const std::vector<std::optional<Repetition>>& repetitions) {
   std::map<int, size_t> times;
   size_t num_pairs = 0;
@@ -269,7 +269,7 @@ std::optional<Repetition> Repeat(const ImageSet& set,
   for (const Place& place : places) {
     repetition.known.Add(place);
     repetition.by_scatter[place.index] = place.difference_px / place.scatter_px;
-    if (place.is_trusted) repetition.trusted.Add(place);
+    if (place.is_valid) repetition.valid_region.Add(place);
   }
   return repetition;
 }
@@ -298,18 +298,19 @@ std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
     if (!numbers) return std::string("none");
     return ChanceRange(*numbers)[end];
   };
-  const Spread &trusted = repetition.trusted, &known = repetition.known;
+  const Spread &valid_region = repetition.valid_region,
+               &known = repetition.known;
   const auto root = [&](double sum, double count) -> Cell {
-    if (trusted.count() == 0) return std::string("none");
+    if (valid_region.count() == 0) return std::string("none");
     return std::sqrt(sum / count);
   };
   return {set,
           pair,
-          trusted.count(),
-          root(trusted.difference2, trusted.count()),
-          root(trusted.stated2, trusted.count()),
-          root(trusted.difference2, trusted.stated2),
-          root(trusted.difference2, trusted.scatter2),
+          valid_region.count(),
+          root(valid_region.difference2, valid_region.count()),
+          root(valid_region.stated2, valid_region.count()),
+          root(valid_region.difference2, valid_region.stated2),
+          root(valid_region.difference2, valid_region.scatter2),
           known.count(),
           RootMean(known.by_stated2),
           TypicalRoot(known.by_stated2),
@@ -355,15 +356,15 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       const Repetition& own = *repetitions[k];
       table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own, {}));
       ratios.points.push_back({k + 1.0, RootMean(own.known.by_scatter2)});
-      all.trusted.Add(own.trusted);
+      all.valid_region.Add(own.valid_region);
       all.known.Add(own.known);
     }
     if (all.known.count() == 0)
       throw Error(
           ExitCode::kTooFew,
           "no two halves give overlapping valid regions; use more images");
-    table.rows.push_back(
-        RowOf(sets[i].name, "all", all, IndependentNumbers(repetitions)));
+    table.rows.push_back(RowOf(sets[i].name, "all", all,
+                               ComputeIndependentParameters(repetitions)));
     table.chart.series.push_back(ratios);
     if (options.progress)
       options.progress(static_cast<double>(i + 1) /

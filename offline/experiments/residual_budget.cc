@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-double InPercent(double part) { return std::round(1e4 * part) / 100; }
+double ToPercent(double part) { return std::round(1e4 * part) / 100; }
 
 void AddVerdict(const ResidualBudget& budget, const std::string& prefix,
                 ExperimentResult* table) {
@@ -27,7 +27,7 @@ void AddVerdict(const ResidualBudget& budget, const std::string& prefix,
 // ---- A user's calibration ---------------------------------------------------
 
 void AddPart(const std::string& name, double part, ExperimentResult* table) {
-  table->rows.push_back({name, InPercent(part), std::string("-"),
+  table->rows.push_back({name, ToPercent(part), std::string("-"),
                          std::string("-"), std::string("")});
 }
 
@@ -40,7 +40,7 @@ void AddCauseRow(ErrorCause cause, const CauseShare& share,
     return;
   }
   table->rows.push_back(
-      {std::string(ToString(cause)), InPercent(share.in_turn),
+      {std::string(ToString(cause)), ToPercent(share.in_turn),
        fmt::format("{:.2f}", 100 * share.alone),
        fmt::format("{:.2f}", 100 * share.chance_high),
        std::string(share.is_indistinguishable
@@ -170,15 +170,15 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
         MakeBudgetInput(*camera, seen, pattern, options.num_threads));
     std::vector<Cell> row = {std::string(ToString(fault)),
                              AssessBudget(budget).limit, budget.rms_px,
-                             budget.noise_px.mean(), InPercent(budget.noise)};
+                             budget.noise_px.mean(), ToPercent(budget.noise)};
     table.chart.ticks.push_back({double(f), ToString(fault)});
     for (int k = 0; k < kNumErrorCauses; ++k) {
       const double part = budget.Of(static_cast<ErrorCause>(k)).in_turn;
-      row.push_back(InPercent(part));
+      row.push_back(ToPercent(part));
       table.chart.series[k].points.push_back({double(f), 100 * part});
     }
-    row.push_back(InPercent(budget.large));
-    row.push_back(InPercent(budget.rest));
+    row.push_back(ToPercent(budget.large));
+    row.push_back(ToPercent(budget.rest));
     table.rows.push_back(std::move(row));
     if (options.progress) options.progress((f + 1.0) / kNumFaults);
   }

@@ -196,19 +196,19 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
   return compared;
 }
 
-Image DepthLegend(double limit_mm) {
-  return ColorLegend(ColorScale::kEven, fmt::format("{:.3g}", -limit_mm),
-                     fmt::format("{:.3g} mm", limit_mm));
+Image DrawDepthLegend(double limit_mm) {
+  return DrawColorLegend(ColorScale::kEven, fmt::format("{:.3g}", -limit_mm),
+                         fmt::format("{:.3g} mm", limit_mm));
 }
 
 // ---- A user's pair ---------------------------------------------------------
 
 // The focal length with the resolution of the left image's centre.
-double MiddleFocalPx(const CameraModel& camera) {
+double CenterFocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 4;
-  const Eigen::Vector2d middle = camera.area().center(), step(kStepPx, 0);
-  const auto left = camera.Unproject(middle - step);
-  const auto right = camera.Unproject(middle + step);
+  const Eigen::Vector2d center = camera.area().center(), step(kStepPx, 0);
+  const auto left = camera.Unproject(center - step);
+  const auto right = camera.Unproject(center + step);
   if (!left || !right)
     throw InputError("--rig: the left camera model is undefined at its centre");
   return 2 * kStepPx / left->cross(*right).norm();
@@ -234,7 +234,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   const double nearest_m =
       data.nearest_m > 0 ? data.nearest_m : 10 * BaselineM(reference);
   Matching matching;
-  matching.focal_px = MiddleFocalPx(*reference.left);
+  matching.focal_px = CenterFocalPx(*reference.left);
   matching.min_disparity = 1;
   matching.max_disparity = static_cast<int>(
       std::ceil(BaselineM(reference) * matching.focal_px / nearest_m));
@@ -299,7 +299,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
          HeatMap(map.error_mm, map.columns, -limit_mm, limit_mm, 3)});
   }
   table.chart.series = {median, blocks};
-  const Image bar = DepthLegend(limit_mm);
+  const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,
@@ -316,7 +316,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 Matching MatchingOnWall(const NamedStereo& pair) {
   constexpr double kFarPart = 0.48, kNearPart = 1.9;
   Matching matching;
-  matching.focal_px = MiddleFocalPx(*pair.left);
+  matching.focal_px = CenterFocalPx(*pair.left);
   const double disparity_px = matching.focal_px / kBaselinesToWall;
   matching.min_disparity =
       std::max(1, static_cast<int>(std::floor(kFarPart * disparity_px)));
@@ -407,7 +407,7 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
       options.progress(0.6 + 0.4 * (place + 1) / double(compared.pairs.size()));
   }
   table.chart.series = {one, mean, blocks};
-  const Image bar = DepthLegend(limit_mm);
+  const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
       {"bias",
        PictureSheet(maps,

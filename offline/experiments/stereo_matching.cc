@@ -27,9 +27,9 @@ Eigen::Vector3d RightCenter(const NamedStereo& cameras) {
 Eigen::Matrix3d RectifiedFromLeft(const NamedStereo& cameras) {
   const CameraModel& left = *cameras.left;
   const Eigen::Vector3d x = RightCenter(cameras).normalized();
-  const Eigen::Vector3d middle =
+  const Eigen::Vector3d center =
       left.Unproject(left.area().center()).value_or(Eigen::Vector3d::UnitZ());
-  const Eigen::Vector3d y = middle.cross(x).normalized();
+  const Eigen::Vector3d y = center.cross(x).normalized();
   Eigen::Matrix3d rows;
   rows << x.transpose(), y.transpose(), x.cross(y).transpose();
   return rows;
@@ -112,7 +112,7 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
 // ---- Depth -----------------------------------------------------------------
 
 // The depth of the mean of the disparity range.
-double MiddleDepthM(const NamedStereo& cameras, const Matching& matching) {
+double CenterDepthM(const NamedStereo& cameras, const Matching& matching) {
   return RightCenter(cameras).norm() * matching.focal_px * 2 /
          (matching.min_disparity + matching.max_disparity);
 }
@@ -158,7 +158,7 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
       RectifiedFromLeft(cameras).transpose();
   const Eigen::Matrix3d right_from_rectified =
       cameras.right_from_left.rotation.toRotationMatrix() * left_from_rectified;
-  const double depth_m = MiddleDepthM(cameras, matching);
+  const double depth_m = CenterDepthM(cameras, matching);
   const cv::Mat a = Rectified(left, *cameras.left, left_from_rectified, depth_m,
                               matching, num_threads);
   const cv::Mat b = Rectified(right, *cameras.right, right_from_rectified,
@@ -192,7 +192,7 @@ Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
   constexpr double kSmooth = 0.03;  // of inverse depth, between nodes
   const ImageSize size = cameras.left->image_size();
   const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);
-  const double depth_m = MiddleDepthM(cameras, matching);
+  const double depth_m = CenterDepthM(cameras, matching);
   const int rows = static_cast<int>(cloud.points.size()) / cloud.columns;
   return [=, &cloud](
              const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {

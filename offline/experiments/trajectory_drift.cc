@@ -16,7 +16,7 @@ namespace raygrid {
 namespace {
 
 // A walk along a winding corridor.
-constexpr int kWalkFrames = 120, kPoints = 1500;
+constexpr int kTrajectoryFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // of features of natural scenes
 constexpr int kFirstFrames = 12;  // for alignment of the paths
@@ -34,7 +34,7 @@ std::vector<std::string> DriftModels() {
                    {models::kCentralGeneric, models::kNonCentralGeneric});
 }
 
-struct Walk {
+struct Trajectory {
   std::vector<Pose> camera_from_world;
   std::vector<Eigen::Vector3d> points;
   std::vector<View> views;
@@ -42,14 +42,14 @@ struct Walk {
   double Length() const;
 };
 
-std::vector<Eigen::Vector3d> CentersOf(const std::vector<Pose>& path) {
+std::vector<Eigen::Vector3d> GetCenters(const std::vector<Pose>& path) {
   std::vector<Eigen::Vector3d> centers;
   for (const Pose& pose : path) centers.push_back(pose.Inverse().translation);
   return centers;
 }
 
-double Walk::Length() const {
-  const std::vector<Eigen::Vector3d> centers = CentersOf(camera_from_world);
+double Trajectory::Length() const {
+  const std::vector<Eigen::Vector3d> centers = GetCenters(camera_from_world);
   double length = 0;
   for (size_t i = 1; i < centers.size(); ++i)
     length += (centers[i] - centers[i - 1]).norm();
@@ -59,7 +59,7 @@ double Walk::Length() const {
 std::vector<Pose> MakePath() {
   std::vector<Pose> path;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (int i = 0; i < kWalkFrames; ++i) {
+  for (int i = 0; i < kTrajectoryFrames; ++i) {
     const double yaw = 0.4 * std::sin(2 * M_PI * i / 60);
     const Eigen::Quaterniond world_from_camera(
         Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
@@ -88,18 +88,19 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
 
 constexpr size_t kMinSeen = 8;  // points per image
 
-Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
+Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
   const CameraModel& truth = compared.truth();
-  const Area area = CommonArea(compared.cameras);
+  const Area area = ComputeCommonArea(compared.cameras);
   Random random(seed);
-  Walk walk;
-  walk.camera_from_world = MakePath();
-  walk.points = MakePoints(walk.camera_from_world, &random);
-  for (int i = 0; i < kWalkFrames; ++i) {
+  Trajectory trajectory;
+  trajectory.camera_from_world = MakePath();
+  trajectory.points = MakePoints(trajectory.camera_from_world, &random);
+  for (int i = 0; i < kTrajectoryFrames; ++i) {
     View view;
     view.pose = i;
     for (int k = 0; k < kPoints; ++k) {
-      const Eigen::Vector3d point = walk.camera_from_world[i] * walk.points[k];
+      const Eigen::Vector3d point =
+          trajectory.camera_from_world[i] * trajectory.points[k];
       if (point.z() < kMinDepthM || point.z() > kReachM) continue;
       const auto pixel = truth.Project(point);
       if (!pixel) continue;
@@ -112,15 +113,15 @@ Walk MakeWalk(const ComparedCameras& compared, uint64_t seed) {
       throw Error(ExitCode::kTooFew,
                   "trajectory-drift: the common valid region of the cameras is "
                   "too small; calibrate from more images");
-    walk.views.push_back(std::move(view));
+    trajectory.views.push_back(std::move(view));
   }
-  return walk;
+  return trajectory;
 }
 
 // A user's walk, without pixels outside some camera's area.
-Walk WalkOf(const ColmapModel& model, const Area& area) {
-  Walk walk;
-  walk.points = model.points;
+Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
+  Trajectory trajectory;
+  trajectory.points = model.points;
   std::vector<int> num_seen(model.points.size(), 0);
   for (const ColmapModel::Image& image : model.images)
     for (const auto& observation : image.observations)
@@ -131,17 +132,17 @@ Walk WalkOf(const ColmapModel& model, const Area& area) {
       if (area.Contains(observation.pixel) && num_seen[observation.point] > 1)
         view.observations.push_back({observation.point, observation.pixel});
     if (view.observations.size() < kMinSeen) continue;
-    view.pose = static_cast<int>(walk.camera_from_world.size());
-    walk.camera_from_world.push_back(image.camera_from_world);
-    walk.views.push_back(std::move(view));
+    view.pose = static_cast<int>(trajectory.camera_from_world.size());
+    trajectory.camera_from_world.push_back(image.camera_from_world);
+    trajectory.views.push_back(std::move(view));
   }
-  if (static_cast<int>(walk.views.size()) < 2 * kFirstFrames)
+  if (static_cast<int>(trajectory.views.size()) < 2 * kFirstFrames)
     throw Error(
         ExitCode::kTooFew,
         fmt::format("--colmap-model: only {} images have at least {} points in "
                     "the calibrated area; at least {} are required",
-                    walk.views.size(), kMinSeen, 2 * kFirstFrames));
-  return walk;
+                    trajectory.views.size(), kMinSeen, 2 * kFirstFrames));
+  return trajectory;
 }
 
 // ---- Initialization --------------------------------------------------------
@@ -164,16 +165,16 @@ Eigen::Vector3d RandomVector(Random* random) {
 
 // The walk with accumulated errors. Points move with the first image that
 // observes them.
-Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
+Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
   Random random(seed);
   const double turn_rad = kTurnDeg * M_PI / 180;
-  Reconstruction start = {{walk.camera_from_world[0]}, walk.points};
-  std::vector<bool> is_placed(walk.points.size(), false);
+  Reconstruction start = {{trajectory.camera_from_world[0]}, trajectory.points};
+  std::vector<bool> is_placed(trajectory.points.size(), false);
   double scale = 1;
-  for (size_t i = 0; i < walk.views.size(); ++i) {
-    const Pose& pose = walk.camera_from_world[i];
+  for (size_t i = 0; i < trajectory.views.size(); ++i) {
+    const Pose& pose = trajectory.camera_from_world[i];
     if (i > 0) {
-      Pose step = pose * walk.camera_from_world[i - 1].Inverse();
+      Pose step = pose * trajectory.camera_from_world[i - 1].Inverse();
       step.rotation =
           RotationFromVector(turn_rad * RandomVector(&random)) * step.rotation;
       scale *= std::exp(kScalePart * random.Normal());
@@ -183,12 +184,13 @@ Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
       start.camera_from_world.push_back(step * start.camera_from_world.back());
     }
     const Pose world_from_camera = start.camera_from_world.back().Inverse();
-    for (const Observation& observation : walk.views[i].observations) {
+    for (const Observation& observation : trajectory.views[i].observations) {
       if (is_placed[observation.point]) continue;
       is_placed[observation.point] = true;
       const double depth = scale * std::exp(kDepthPart * random.Normal());
       start.points[observation.point] =
-          world_from_camera * (depth * (pose * walk.points[observation.point]));
+          world_from_camera *
+          (depth * (pose * trajectory.points[observation.point]));
     }
   }
   return start;
@@ -197,9 +199,10 @@ Reconstruction PerturbedStart(const Walk& walk, uint64_t seed) {
 // ---- Optimization ----------------------------------------------------------
 
 // The gauge and the scale are fixed only by the prior of the points.
-AdjustmentResult AdjustWalk(const CameraModel& camera, const Walk& walk,
-                            const Reconstruction& start,
-                            const ExperimentOptions& options) {
+AdjustmentResult OptimizeTrajectory(const CameraModel& camera,
+                                    const Trajectory& trajectory,
+                                    const Reconstruction& start,
+                                    const ExperimentOptions& options) {
   constexpr double kWeakPx = 0.01;  // relative to the path's length
   AdjustmentState state;
   state.SetCamera(camera);
@@ -207,12 +210,12 @@ AdjustmentResult AdjustWalk(const CameraModel& camera, const Walk& walk,
   state.points = start.points;
   GaussianPrior prior;
   prior.points_mean = start.points;
-  prior.points_precision = std::pow(kWeakPx / walk.Length(), 2);
+  prior.points_precision = std::pow(kWeakPx / trajectory.Length(), 2);
   AdjustmentOptions adjustment;
   adjustment.fix_cameras = true;
   adjustment.num_threads = options.num_threads;
   const AdjustmentSummary summary =
-      RunBundleAdjustment(walk.views, prior, adjustment, &state);
+      RunBundleAdjustment(trajectory.views, prior, adjustment, &state);
   std::vector<double> norms;
   for (const Residual& residual : summary.residuals)
     if (residual.valid) norms.push_back(residual.error_px.norm());
@@ -225,7 +228,8 @@ AdjustmentResult AdjustWalk(const CameraModel& camera, const Walk& walk,
 
 // The distance between two end points of a walk, relative to its length, after
 // alignment of corresponding points by a similarity (Umeyama, 1991).
-double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
+double EndErrorPercent(const Trajectory& trajectory,
+                       const std::vector<Pose>& path,
                        const std::vector<Pose>& reference,
                        const std::vector<Eigen::Vector3d>& from,
                        const std::vector<Eigen::Vector3d>& to) {
@@ -236,14 +240,15 @@ double EndErrorPercent(const Walk& walk, const std::vector<Pose>& path,
   }
   const Eigen::Matrix4d similarity = Eigen::umeyama(a, b, true);
   const Eigen::Vector3d end =
-      (similarity * CentersOf(path).back().homogeneous()).head<3>();
-  return 100 * (end - CentersOf(reference).back()).norm() / walk.Length();
+      (similarity * GetCenters(path).back().homogeneous()).head<3>();
+  return 100 * (end - GetCenters(reference).back()).norm() /
+         trajectory.Length();
 }
 
 // The end-point error relative to the truth, after aligning the first poses.
-double EndErrorPercent(const Reconstruction& found, const Walk& truth) {
-  std::vector<Eigen::Vector3d> from = CentersOf(found.camera_from_world),
-                               to = CentersOf(truth.camera_from_world);
+double EndErrorPercent(const Reconstruction& found, const Trajectory& truth) {
+  std::vector<Eigen::Vector3d> from = GetCenters(found.camera_from_world),
+                               to = GetCenters(truth.camera_from_world);
   from.resize(kFirstFrames);
   to.resize(kFirstFrames);
   return EndErrorPercent(truth, found.camera_from_world,
@@ -254,17 +259,18 @@ double EndErrorPercent(const Reconstruction& found, const Walk& truth) {
 // observations, with the same noise: aligned by points in the first images,
 // which constrain it better than positions that may be collinear.
 double EndDifferencePercent(const Reconstruction& found,
-                            const Reconstruction& reference, const Walk& walk) {
+                            const Reconstruction& reference,
+                            const Trajectory& trajectory) {
   std::set<int> seen;
   for (int i = 0; i < kFirstFrames; ++i)
-    for (const Observation& observation : walk.views[i].observations)
+    for (const Observation& observation : trajectory.views[i].observations)
       seen.insert(observation.point);
   std::vector<Eigen::Vector3d> from, to;
   for (const int point : seen) {
     from.push_back(found.points[point]);
     to.push_back(reference.points[point]);
   }
-  return EndErrorPercent(walk, found.camera_from_world,
+  return EndErrorPercent(trajectory, found.camera_from_world,
                          reference.camera_from_world, from, to);
 }
 
@@ -280,22 +286,24 @@ struct DriftOfCamera {
   }
 };
 
-std::vector<Reconstruction> StartsOf(const Walk& walk,
-                                     const ExperimentOptions& options,
-                                     int index) {
+std::vector<Reconstruction> MakeStarts(const Trajectory& trajectory,
+                                       const ExperimentOptions& options,
+                                       int index) {
   std::vector<Reconstruction> starts;
   for (int k = 0; k < kNumStarts; ++k)
-    starts.push_back(
-        PerturbedStart(walk, options.seed * 6007 + kNumStarts * index + k + 1));
+    starts.push_back(PerturbedStart(
+        trajectory, options.seed * 6007 + kNumStarts * index + k + 1));
   return starts;
 }
 
-DriftOfCamera AdjustFromStarts(const CameraModel& camera, const Walk& walk,
+DriftOfCamera AdjustFromStarts(const CameraModel& camera,
+                               const Trajectory& trajectory,
                                const std::vector<Reconstruction>& starts,
                                const ExperimentOptions& options) {
   DriftOfCamera drift;
   for (const Reconstruction& start : starts)
-    drift.by_start.push_back(AdjustWalk(camera, walk, start, options));
+    drift.by_start.push_back(
+        OptimizeTrajectory(camera, trajectory, start, options));
   return drift;
 }
 
@@ -335,20 +343,23 @@ struct EndErrors {
   std::array<double, kNumStarts> after = {};
 };
 
-void AddDriftRow(const NamedCamera& camera, size_t index, int walk,
+void AddDriftRow(const NamedCamera& camera, size_t index, int trajectory,
                  const DriftOfCamera& drift, const EndErrors& errors,
                  ExperimentResult* table) {
-  table->rows.push_back({camera.name, walk, drift.by_start[0].median_px,
+  table->rows.push_back({camera.name, trajectory, drift.by_start[0].median_px,
                          errors.before, errors.after[0], errors.after[1]});
-  table->chart.series[index].points.push_back({walk - 1.0, errors.after[0]});
+  table->chart.series[index].points.push_back(
+      {trajectory - 1.0, errors.after[0]});
   if (!drift.Converged())
     table->conditions.push_back(
         {"warning", fmt::format("{}, trajectory {}: did not converge",
-                                camera.name, walk)});
+                                camera.name, trajectory)});
 }
 
-ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
-  const ComparedCameras compared = CamerasToCompare(options, DriftModels());
+ExperimentResult OptimizeSimulatedTrajectories(
+    const ExperimentOptions& options) {
+  const ComparedCameras compared =
+      SelectComparedCameras(options, DriftModels());
   const std::vector<NamedCamera>& cameras = compared.cameras;
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
@@ -356,7 +367,7 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
       {"trajectory",
        fmt::format("{} images, {:g} m apart, {} points, {:g} px noise "
                    "per axis; bundle adjustment with fixed intrinsics",
-                   kWalkFrames, kStepM, kPoints, kNoisePx)});
+                   kTrajectoryFrames, kStepM, kPoints, kNoisePx)});
   AddStartConditions(&table);
   table.conditions.push_back(
       {"error",
@@ -365,21 +376,23 @@ ExperimentResult AdjustSimulatedWalks(const ExperimentOptions& options) {
                    kFirstFrames)});
   table.chart.x_label = "trajectory (with its own noise and points)";
   table.chart.y_label = "final position error, % of the path length";
-  for (int k = 0; k < options.num_walks; ++k) {
+  for (int k = 0; k < options.num_trajectories; ++k) {
     table.chart.ticks.push_back({double(k), std::to_string(k + 1)});
-    const Walk walk = MakeWalk(compared, options.seed * 31 + k + 1);
-    const std::vector<Reconstruction> starts = StartsOf(walk, options, k);
+    const Trajectory trajectory =
+        SimulateTrajectory(compared, options.seed * 31 + k + 1);
+    const std::vector<Reconstruction> starts =
+        MakeStarts(trajectory, options, k);
     for (size_t c = 0; c < cameras.size(); ++c) {
       const DriftOfCamera drift =
-          AdjustFromStarts(*cameras[c].model, walk, starts, options);
+          AdjustFromStarts(*cameras[c].model, trajectory, starts, options);
       AddDriftRow(cameras[c], c, k + 1, drift,
-                  {EndErrorPercent(starts[0], walk),
-                   {EndErrorPercent(drift.by_start[0], walk),
-                    EndErrorPercent(drift.by_start[1], walk)}},
+                  {EndErrorPercent(starts[0], trajectory),
+                   {EndErrorPercent(drift.by_start[0], trajectory),
+                    EndErrorPercent(drift.by_start[1], trajectory)}},
                   &table);
       if (options.progress)
         options.progress(0.5 + 0.5 * (k + double(c + 1) / cameras.size()) /
-                                   options.num_walks);
+                                   options.num_trajectories);
     }
   }
   return table;
@@ -399,8 +412,9 @@ void RequireSize(const ColmapModel& model,
 }
 
 // The user's cameras, or calibrated from the user's features.
-ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
-  if (options.data.features) return CamerasToCompare(options, DriftModels());
+ComparedCameras SelectTrajectoryCameras(const ExperimentOptions& options) {
+  if (options.data.features)
+    return SelectComparedCameras(options, DriftModels());
   ComparedCameras given;
   given.cameras = options.data.cameras;
   if (given.cameras.size() < 2 || given.cameras.size() > 6)
@@ -410,16 +424,18 @@ ComparedCameras CamerasForWalk(const ExperimentOptions& options) {
   return given;
 }
 
-ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
-  const ComparedCameras compared = CamerasForWalk(options);
+ExperimentResult OptimizeUserTrajectory(const ExperimentOptions& options) {
+  const ComparedCameras compared = SelectTrajectoryCameras(options);
   const std::vector<NamedCamera>& cameras = compared.cameras;
-  const ColmapModel& model = *options.data.walk;
+  const ColmapModel& model = *options.data.trajectory;
   RequireSize(model, cameras);
-  const Walk walk = WalkOf(model, CommonArea(cameras));
-  const std::vector<Reconstruction> starts = StartsOf(walk, options, 0);
+  const Trajectory trajectory =
+      MakeTrajectory(model, ComputeCommonArea(cameras));
+  const std::vector<Reconstruction> starts = MakeStarts(trajectory, options, 0);
   std::vector<DriftOfCamera> drifts;
   for (const NamedCamera& camera : cameras) {
-    drifts.push_back(AdjustFromStarts(*camera.model, walk, starts, options));
+    drifts.push_back(
+        AdjustFromStarts(*camera.model, trajectory, starts, options));
     if (options.progress)
       options.progress(double(drifts.size()) / double(cameras.size()));
   }
@@ -431,7 +447,7 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
       {"trajectory",
        fmt::format("user-provided, {} of {} images, {} points; bundle "
                    "adjustment with fixed intrinsics",
-                   walk.views.size(), model.images.size(),
+                   trajectory.views.size(), model.images.size(),
                    model.points.size())});
   AddStartConditions(&table);
   table.conditions.push_back(
@@ -447,9 +463,9 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
   for (size_t c = 0; c < cameras.size(); ++c)
     AddDriftRow(
         cameras[c], c, 1, drifts[c],
-        {EndDifferencePercent(starts[0], reference, walk),
-         {EndDifferencePercent(drifts[c].by_start[0], reference, walk),
-          EndDifferencePercent(drifts[c].by_start[1], reference, walk)}},
+        {EndDifferencePercent(starts[0], reference, trajectory),
+         {EndDifferencePercent(drifts[c].by_start[0], reference, trajectory),
+          EndDifferencePercent(drifts[c].by_start[1], reference, trajectory)}},
         &table);
   return table;
 }
@@ -457,8 +473,8 @@ ExperimentResult AdjustUsersWalk(const ExperimentOptions& options) {
 }  // namespace
 
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options) {
-  return options.data.walk ? AdjustUsersWalk(options)
-                           : AdjustSimulatedWalks(options);
+  return options.data.trajectory ? OptimizeUserTrajectory(options)
+                                 : OptimizeSimulatedTrajectories(options);
 }
 
 }  // namespace raygrid

@@ -41,7 +41,7 @@ std::optional<Guess> GuessFrom(const GreyImage& image, const Board& asked) {
 }
 
 // The board as it is guessed.
-Board BoardOf(const Guess& guess) {
+Board MakeGuessedBoard(const Guess& guess) {
   Board board;
   board.kind = guess.kind;
   board.columns = guess.columns;
@@ -121,8 +121,8 @@ int CountNegatives(const FolderDetection& found, const Pattern& pattern,
 // Some of the images that do not show the whole board, evenly spread; none
 // where enough do, or where most show a part of a chessboard that is told from
 // all others: with another size few would.
-std::vector<int> ImagesToLookAt(const FolderDetection& found,
-                                const Board& board) {
+std::vector<int> SelectExampleImages(const FolderDetection& found,
+                                     const Board& board) {
   constexpr int kMaxImages = 5;
   std::vector<int> doubtful;
   const int count = static_cast<int>(found.images.size());
@@ -134,10 +134,10 @@ std::vector<int> ImagesToLookAt(const FolderDetection& found,
   const bool is_chessboard = !board.HasMarkers();
   const double enough = is_chessboard ? 0.25 : 0.9;
   if (count - num_doubtful > enough * count) return {};
-  const auto num_told =
+  const auto num_reported =
       std::count_if(found.images.begin(), found.images.end(),
                     [](const auto& image) { return !image.features.empty(); });
-  if (is_chessboard && 2 * num_told > count) return {};
+  if (is_chessboard && 2 * num_reported > count) return {};
   const int num_looked_at = std::min(kMaxImages, num_doubtful);
   std::vector<int> chosen;
   for (int k = 0; k < num_looked_at; ++k)
@@ -206,7 +206,7 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                                            const std::string& pattern_name,
                                            int num_threads) {
   const Board& asked = pattern.boards.front();
-  const std::vector<int> chosen = ImagesToLookAt(found, asked);
+  const std::vector<int> chosen = SelectExampleImages(found, asked);
   const auto negative = [&] {
     return WarnAboutNegatives(found, pattern, pattern_name, chosen,
                               num_threads);
@@ -231,7 +231,7 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
       guess->is_mirrored   ? "a mirrored board of "
       : guess->is_negative ? "an inverted (white on black) board of "
                            : "",
-      KindOf(guess->kind).DescribeLayout(BoardOf(*guess)), num_votes,
+      KindOf(guess->kind).DescribeLayout(MakeGuessedBoard(*guess)), num_votes,
       chosen.size(), KindOf(asked).DescribeLayout(asked),
       Remedy(*guess, asked, pattern_name));
 }

@@ -40,17 +40,17 @@ struct Levels {
 // The levels between dark, which one cell in 200 is darker than, and the
 // median of cells in the middle half of rows and columns.
 std::optional<Levels> FindLevels(const BrightestCells& cells) {
-  std::vector<float> middle, all = cells.levels;
+  std::vector<float> midpoint, all = cells.levels;
   for (int row = cells.rows / 4; row < cells.rows * 3 / 4; ++row)
     for (int column = cells.columns / 4; column < cells.columns * 3 / 4;
          ++column)
-      middle.push_back(cells.levels[row * cells.columns + column]);
-  if (middle.empty()) return std::nullopt;
+      midpoint.push_back(cells.levels[row * cells.columns + column]);
+  if (midpoint.empty()) return std::nullopt;
   const auto nth = [](std::vector<float>* values, size_t n) {
     std::nth_element(values->begin(), values->begin() + n, values->end());
     return static_cast<double>((*values)[n]);
   };
-  const double bright = nth(&middle, middle.size() / 2);
+  const double bright = nth(&midpoint, midpoint.size() / 2);
   const double dark = nth(&all, all.size() / 200);
   if (!(dark < kLitPart * bright)) return std::nullopt;
   return Levels{dark + kLitPart * (bright - dark),
@@ -62,7 +62,7 @@ std::optional<Levels> FindLevels(const BrightestCells& cells) {
 std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
                                         double lit) {
   const double step = cells.knot_spacing_px / 4.0;
-  const Eigen::Vector2d middle =
+  const Eigen::Vector2d midpoint =
       Eigen::Vector2d(cells.columns, cells.rows) * cells.knot_spacing_px / 2 -
       Eigen::Vector2d::Constant(0.5);
   std::vector<Eigen::Vector2d> edge;
@@ -70,8 +70,8 @@ std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
     const double angle = 2 * M_PI * k / kDirections;
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     double level = 0, lit_at = -1, lit_level = 0, level_beyond = -1;
-    for (double at = 0; cells.IsInside(middle + at * direction); at += step) {
-      level = cells.At(middle + at * direction);
+    for (double at = 0; cells.IsInside(midpoint + at * direction); at += step) {
+      level = cells.At(midpoint + at * direction);
       if (level > lit) {
         lit_at = at;
         lit_level = level;
@@ -82,7 +82,7 @@ std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
     }
     if (lit_at < 0 || level_beyond < 0) continue;
     const double part = (lit_level - lit) / (lit_level - level_beyond);
-    edge.push_back(middle + (lit_at + part * step) * direction);
+    edge.push_back(midpoint + (lit_at + part * step) * direction);
   }
   return edge;
 }

@@ -129,14 +129,14 @@ DictionaryView ViewOf(const cv::Mat& readable, const Dictionary& dictionary,
 }
 
 // The number asked for comes first: others must be better.
-std::vector<int> AcrossToTry(int asked_across) {
+std::vector<int> ListSizesToTry(int asked_across) {
   std::vector<int> tries = {asked_across};
   for (int across = 2; across <= kMaxAcross; ++across)
     if (across != asked_across) tries.push_back(across);
   return tries;
 }
 
-std::vector<Dictionary> DictionariesToTry(const std::string& asked) {
+std::vector<Dictionary> ListDictionariesToTry(const std::string& asked) {
   std::vector<Dictionary> tries(std::begin(kDictionaries),
                                 std::end(kDictionaries));
   std::stable_partition(tries.begin(), tries.end(), [&](const Dictionary& d) {
@@ -164,7 +164,7 @@ constexpr GridTags kGridTags[] = {{"tag36h11", 2, TagFamily::k36h11WideBorder},
                                   {"tag16h5", 1, TagFamily::k16h5}};
 
 // The family asked for comes first; for other kinds of boards, the usual one.
-std::vector<GridTags> GridTagsToTry(const Board& asked) {
+std::vector<GridTags> ListGridTagsToTry(const Board& asked) {
   std::vector<GridTags> tries(std::begin(kGridTags), std::end(kGridTags));
   std::stable_partition(tries.begin(), tries.end(), [&](const GridTags& t) {
     return asked.tag_family == t.name && asked.border_cells == t.border_cells;
@@ -207,7 +207,8 @@ void CompareGrids(const std::vector<DetectedMarker>& seen, Guess kind,
   for (int turns = 0; turns < 4; ++turns) {
     const std::vector<DetectedMarker> turned = QuarterTurned(seen, turns);
     for (const bool from_top : {is_usual_first, !is_usual_first}) {
-      for (const int across : AcrossToTry(is_asked ? asked.columns / 2 : 2)) {
+      for (const int across :
+           ListSizesToTry(is_asked ? asked.columns / 2 : 2)) {
         const int before = best->agreement;
         Compare(TagLayout(across, from_top, tag_part), turned, best);
         if (best->agreement == before) continue;
@@ -255,7 +256,7 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
   const bool is_asked = !asked.dictionary.empty();
   const double marker_part = is_asked ? asked.marker_m / asked.square_m : 0.75;
   std::vector<MarkerLayout> layouts;
-  for (const int across : AcrossToTry(is_asked ? asked.columns + 1 : 3))
+  for (const int across : ListSizesToTry(is_asked ? asked.columns + 1 : 3))
     for (const int parity : {0, 1})
       layouts.push_back(CharucoLayout(across, parity, marker_part));
   BestLayout best;
@@ -268,7 +269,8 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
                               : shown == Shown::kMirrored ? MirrorImage(image)
                                                           : Negative(image);
     const cv::Mat readable = ReadableImage(changed);
-    for (const Dictionary& dictionary : DictionariesToTry(asked.dictionary)) {
+    for (const Dictionary& dictionary :
+         ListDictionariesToTry(asked.dictionary)) {
       const auto [seen, num_squares] =
           ViewOf(readable, dictionary, asked.first_marker);
       if (num_squares < kMinMarkers) break;  // of any dictionary
@@ -295,7 +297,7 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
 
 std::optional<Guess> GuessAprilGrid(const GreyImage& image,
                                     const Board& asked) {
-  const std::vector<GridTags> kinds = GridTagsToTry(asked);
+  const std::vector<GridTags> kinds = ListGridTagsToTry(asked);
   BestLayout best;
   Guess guess;
   // libapriltag reads many tags with another border than theirs: both are
@@ -325,7 +327,7 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
   compare(image, false, TagSearch::kQuick, false);
   if (best.agreement > 0) return guess;
   const cv::Mat readable = ReadableImage(image);
-  for (const Dictionary& dictionary : DictionariesToTry(asked.tag_family)) {
+  for (const Dictionary& dictionary : ListDictionariesToTry(asked.tag_family)) {
     if (dictionary.is_april_tag) continue;
     const auto [seen, num_squares] =
         ViewOf(readable, dictionary, asked.first_marker);

@@ -217,8 +217,8 @@ void RequireDistinctNames(const std::vector<std::string>& paths) {
 }
 
 // The size that more images have than any other. Throws if there is none.
-ImageSize CommonSize(const std::vector<std::string>& paths,
-                     const std::vector<Outcome>& outcomes) {
+ImageSize ComputeCommonSize(const std::vector<std::string>& paths,
+                            const std::vector<Outcome>& outcomes) {
   std::map<std::pair<int, int>, int> count;
   int first = -1;
   for (size_t i = 0; i < paths.size(); ++i) {
@@ -262,7 +262,7 @@ FolderDetection Collect(const std::vector<std::string>& paths,
                         std::vector<Outcome> outcomes) {
   FolderDetection folder;
   if (paths.empty()) return folder;
-  const ImageSize size = CommonSize(paths, outcomes);
+  const ImageSize size = ComputeCommonSize(paths, outcomes);
   folder.dataset.image_size = size;
   for (size_t i = 0; i < paths.size(); ++i) {
     std::optional<DetectedImage>& seen = outcomes[i].seen;

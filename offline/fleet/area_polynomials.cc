@@ -6,11 +6,11 @@ namespace raygrid {
 
 Eigen::VectorXd EvaluatePolynomials(const Area& area,
                                     const Eigen::Vector2d& pixel, int degree) {
-  const Eigen::Array2d place = 2 * (pixel - area.center()).array() /
-                               Eigen::Array2d(area.width(), area.height());
-  std::vector<Eigen::Array2d> values = {Eigen::Array2d::Ones(), place};
+  const Eigen::Array2d position = 2 * (pixel - area.center()).array() /
+                                  Eigen::Array2d(area.width(), area.height());
+  std::vector<Eigen::Array2d> values = {Eigen::Array2d::Ones(), position};
   for (int n = 1; n < degree; ++n)
-    values.push_back(((2 * n + 1) * place * values[n] - n * values[n - 1]) /
+    values.push_back(((2 * n + 1) * position * values[n] - n * values[n - 1]) /
                      (n + 1));
   Eigen::VectorXd products(NumPolynomials(degree));
   int k = 0;

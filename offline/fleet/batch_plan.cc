@@ -103,7 +103,7 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
 }
 
 // One of the conditions, or a list of several, as --vary-with takes them.
-std::string ConditionText(const YAML::Node& value) {
+std::string FormatCondition(const YAML::Node& value) {
   const std::vector<YAML::Node> several =
       value.IsSequence() ? std::vector<YAML::Node>(value.begin(), value.end())
                          : std::vector<YAML::Node>{value};
@@ -121,12 +121,12 @@ std::string ConditionText(const YAML::Node& value) {
 }
 
 // A number, a word, or [width, height].
-std::string OptionText(const YAML::Node& value, const std::string& key) {
+std::string FormatOption(const YAML::Node& value, const std::string& key) {
   if (value.IsSequence() && key == "image_size") {
     RequireYamlList(value, "image_size", 2);
     return fmt::format("{}x{}", value[0].as<int>(), value[1].as<int>());
   }
-  if (key == kVaryWith) return ConditionText(value);
+  if (key == kVaryWith) return FormatCondition(value);
   if (!value.IsScalar())
     throw InputError(fmt::format("key '{}': expected a single value", key));
   return value.as<std::string>();
@@ -151,7 +151,7 @@ std::vector<std::string> ReadOptions(const YAML::Node& unit,
   std::vector<std::string> options;
   for (const auto& [key, option] : kValueOptions)
     if (const YAML::Node value = Find(unit, plan, key))
-      options.push_back(option + "=" + OptionText(value, key));
+      options.push_back(option + "=" + FormatOption(value, key));
   for (const auto& [key, option] : kFlagOptions)
     if (const YAML::Node value = Find(unit, plan, key);
         value && IsTrue(value, key))
@@ -205,7 +205,8 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
       throw InputError(fmt::format("unit {}: images_at: '{}' is not a number",
                                    unit.serial, Printable(value)));
   if (!unit.cameras_at.empty() &&
-      ConditionText(Find(node, plan, kVaryWith)).find(',') != std::string::npos)
+      FormatCondition(Find(node, plan, kVaryWith)).find(',') !=
+          std::string::npos)
     throw InputError(
         fmt::format("unit {}: images_at takes values of one quantity; for both "
                     "specify operating_points: FILE.csv",
@@ -239,7 +240,7 @@ void RequireSerial(const std::string& serial) {
 
 // The single value of a key; empty if the key is missing.
 std::string ReadText(const YAML::Node& map, const std::string& key) {
-  return map[key] ? OptionText(map[key], key) : std::string();
+  return map[key] ? FormatOption(map[key], key) : std::string();
 }
 
 BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
@@ -270,7 +271,7 @@ BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
   unit.options = ReadOptions(node, plan);
   for (const std::string& key : kFileOptions)
     if (const YAML::Node value = Find(node, plan, key))
-      unit.option_files[key] = OptionText(value, key);
+      unit.option_files[key] = FormatOption(value, key);
   RequireOptionsFit(unit, node, plan);
   unit.lens_batch = ReadText(node, "lens_batch");
   unit.repeats = ReadText(node, "repeats");

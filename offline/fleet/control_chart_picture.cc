@@ -28,7 +28,7 @@ struct VerticalAxis {
   double At(double ordinate) const {
     return kBottom - (ordinate - low) / (high - low) * (kBottom - kTop);
   }
-  double FigureOf(double ordinate) const {
+  double ToMetric(double ordinate) const {
     return is_logarithmic ? std::exp(ordinate) : ordinate;
   }
 };
@@ -39,7 +39,7 @@ double AcrossOf(double unit, size_t count) {
 
 // A chart by its ordinates.
 struct DrawnChart {
-  std::vector<double> values, middle;
+  std::vector<double> values, center_line;
   double lower = 0, upper = 0;  // from the middle
   bool has_middle = true;
   VerticalAxis axis = {};
@@ -53,9 +53,9 @@ void SpanAxis(DrawnChart* chart) {
     high = std::max(high, ordinate);
   };
   for (const double value : chart->values) include(value);
-  for (const double middle : chart->middle) {
-    include(middle + chart->lower);
-    include(middle + chart->upper);
+  for (const double center_line : chart->center_line) {
+    include(center_line + chart->lower);
+    include(center_line + chart->upper);
   }
   const double margin =
       std::max({0.06 * (high - low), 1e-4 * std::abs(high), 1e-9});
@@ -65,8 +65,8 @@ void SpanAxis(DrawnChart* chart) {
 
 // Charts of squares, with an upper limit only, are drawn as logarithms, from a
 // thousandth of the limit on.
-DrawnChart DrawnOf(const ControlChart& chart) {
-  DrawnChart drawn{chart.values, chart.middle, chart.lower, chart.upper};
+DrawnChart MakeDrawnChart(const ControlChart& chart) {
+  DrawnChart drawn{chart.values, chart.center_line, chart.lower, chart.upper};
   drawn.axis.is_logarithmic = chart.is_logarithm;
   if (!std::isfinite(chart.lower) && std::isfinite(chart.upper)) {
     drawn.axis.is_logarithmic = true;
@@ -74,7 +74,7 @@ DrawnChart DrawnOf(const ControlChart& chart) {
     for (double& value : drawn.values)
       value = std::log(std::max(value, 1e-3 * chart.upper));
     drawn.upper = std::log(chart.upper);
-    drawn.middle.assign(drawn.values.size(), 0);
+    drawn.center_line.assign(drawn.values.size(), 0);
   }
   SpanAxis(&drawn);
   return drawn;
@@ -83,8 +83,8 @@ DrawnChart DrawnOf(const ControlChart& chart) {
 // ---- Axes ------------------------------------------------------------------
 
 // Ordinates of round numbers.
-std::vector<double> TicksOf(const VerticalAxis& axis) {
-  const double low = axis.FigureOf(axis.low), high = axis.FigureOf(axis.high);
+std::vector<double> ComputeTicks(const VerticalAxis& axis) {
+  const double low = axis.ToMetric(axis.low), high = axis.ToMetric(axis.high);
   if (!axis.is_logarithmic) return MakeTicks(low, high);
   std::vector<double> ticks;
   if (high / low < 5) {
@@ -101,22 +101,22 @@ std::vector<double> TicksOf(const VerticalAxis& axis) {
   return ticks;
 }
 
-std::string SvgText(double x, double y, const char* anchor,
-                    const std::string& text) {
+std::string FormatSvg(double x, double y, const char* anchor,
+                      const std::string& text) {
   return fmt::format(
       "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y,
       anchor, EscapeHtml(text));
 }
 
-std::string AxesSvg(const VerticalAxis& axis,
-                    const std::vector<std::string>& serials) {
+std::string MakeAxesSvg(const VerticalAxis& axis,
+                        const std::vector<std::string>& serials) {
   std::string svg = fmt::format("<path class=\"axis\" d=\"M{0} {1}V{2}H{3}\"/>",
                                 kLeft, kTop, kBottom, kRight);
-  for (const double tick : TicksOf(axis)) {
+  for (const double tick : ComputeTicks(axis)) {
     svg += fmt::format("<path class=\"tick\" d=\"M{} {:.1f}H{}\"/>", kLeft,
                        axis.At(tick), kRight);
-    svg += SvgText(kLeft - 6, axis.At(tick) + 4, "end",
-                   FormatChartValue(axis.FigureOf(tick)));
+    svg += FormatSvg(kLeft - 6, axis.At(tick) + 4, "end",
+                     FormatChartValue(axis.ToMetric(tick)));
   }
   size_t longest = 4;
   for (const std::string& serial : serials)
@@ -125,32 +125,33 @@ std::string AxesSvg(const VerticalAxis& axis,
       (kRight - kLeft) / (7.0 * static_cast<double>(longest) + 24));
   const size_t step = (serials.size() + most - 1) / std::max<size_t>(most, 1);
   for (size_t u = 0; u < serials.size(); u += std::max<size_t>(step, 1))
-    svg += SvgText(AcrossOf(static_cast<double>(u), serials.size()),
-                   kBottom + 30, "middle", serials[u]);
+    svg += FormatSvg(AcrossOf(static_cast<double>(u), serials.size()),
+                     kBottom + 30, "middle", serials[u]);
   return svg;
 }
 
 // ---- Lines -----------------------------------------------------------------
 
 // The centre line plus an offset: straight between jumps.
-std::string LineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
-                    double offset, const char* kind) {
+std::string MakeLineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
+                        double offset, const char* kind) {
   const size_t count = chart.values.size();
   std::string path;
   int begin = 0;
   for (size_t k = 0; k <= jumps.size(); ++k) {
     const int end = k < jumps.size() ? jumps[k] : static_cast<int>(count);
-    path += fmt::format(
-        "M{:.1f} {:.1f}L{:.1f} {:.1f}", AcrossOf(begin - 0.5, count),
-        chart.axis.At(chart.middle[begin] + offset), AcrossOf(end - 0.5, count),
-        chart.axis.At(chart.middle[end - 1] + offset));
+    path += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}",
+                        AcrossOf(begin - 0.5, count),
+                        chart.axis.At(chart.center_line[begin] + offset),
+                        AcrossOf(end - 0.5, count),
+                        chart.axis.At(chart.center_line[end - 1] + offset));
     begin = end;
   }
   return fmt::format("<path class=\"{}\" d=\"{}\"/>", kind, path);
 }
 
 // Labels at the right ends of lines, without overlap.
-std::string LineFiguresSvg(const DrawnChart& chart) {
+std::string MakeLineFiguresSvg(const DrawnChart& chart) {
   std::vector<double> offsets;
   if (std::isfinite(chart.upper)) offsets.push_back(chart.upper);
   if (chart.has_middle) offsets.push_back(0);
@@ -158,10 +159,10 @@ std::string LineFiguresSvg(const DrawnChart& chart) {
   std::string svg;
   double above = -100;
   for (const double offset : offsets) {
-    const double ordinate = chart.middle.back() + offset;
+    const double ordinate = chart.center_line.back() + offset;
     const double y = std::max(chart.axis.At(ordinate) + 4, above + 12);
-    svg += SvgText(kRight + 6, y, "start",
-                   FormatChartValue(chart.axis.FigureOf(ordinate)));
+    svg += FormatSvg(kRight + 6, y, "start",
+                     FormatChartValue(chart.axis.ToMetric(ordinate)));
     above = y;
   }
   return svg;
@@ -170,8 +171,8 @@ std::string LineFiguresSvg(const DrawnChart& chart) {
 // ---- Units -----------------------------------------------------------------
 
 // A single path of bounded size: coincident points are omitted.
-std::string PointsSvg(const DrawnChart& chart,
-                      const std::vector<bool>& is_beyond) {
+std::string MakePointsSvg(const DrawnChart& chart,
+                          const std::vector<bool>& is_beyond) {
   std::set<std::pair<int, int>> places;
   for (size_t u = 0; u < chart.values.size(); ++u)
     if (!is_beyond[u] && std::isfinite(chart.values[u]))
@@ -184,9 +185,9 @@ std::string PointsSvg(const DrawnChart& chart,
   return "<path class=\"units\" d=\"" + path + "\"/>";
 }
 
-std::string BeyondSvg(const DrawnChart& chart,
-                      const std::vector<bool>& is_beyond,
-                      const std::vector<std::string>& serials) {
+std::string MakeBeyondSvg(const DrawnChart& chart,
+                          const std::vector<bool>& is_beyond,
+                          const std::vector<std::string>& serials) {
   std::string svg;
   double free_from = -1;
   for (size_t u = 0; u < is_beyond.size(); ++u) {
@@ -197,18 +198,18 @@ std::string BeyondSvg(const DrawnChart& chart,
         "<path class=\"beyond\" d=\"M{:.1f} {:.1f}l5 9h-10z\"><title>{}: "
         "{}</title></path>",
         x, y - 6, serials[u],
-        FormatChartValue(chart.axis.FigureOf(chart.values[u])));
+        FormatChartValue(chart.axis.ToMetric(chart.values[u])));
     const double half = 3.6 * static_cast<double>(serials[u].size());
     if (x - half < free_from) continue;
     const bool is_left = x + 10 + 2 * half < kRight;
-    svg += SvgText(is_left ? x + 8 : x - 8, y + 4, is_left ? "start" : "end",
-                   serials[u]);
+    svg += FormatSvg(is_left ? x + 8 : x - 8, y + 4, is_left ? "start" : "end",
+                     serials[u]);
     free_from = x + 3 * half;
   }
   return svg;
 }
 
-std::string JumpsSvg(const std::vector<int>& jumps, size_t count) {
+std::string MakeJumpsSvg(const std::vector<int>& jumps, size_t count) {
   std::string path;
   for (const int jump : jumps)
     path += fmt::format("M{:.1f} {}V{}", AcrossOf(jump - 0.5, count), kTop,
@@ -216,7 +217,7 @@ std::string JumpsSvg(const std::vector<int>& jumps, size_t count) {
   return path.empty() ? "" : "<path class=\"jump\" d=\"" + path + "\"/>";
 }
 
-std::string BatchesSvg(const ChartSurroundings& surroundings) {
+std::string MakeBatchesSvg(const ChartSurroundings& surroundings) {
   const std::vector<int>& batches = surroundings.batches;
   std::string svg;
   for (size_t begin = 0; begin < batches.size();) {
@@ -238,28 +239,29 @@ std::string BatchesSvg(const ChartSurroundings& surroundings) {
 
 }  // namespace
 
-std::string ControlChartSvg(const ControlChart& chart,
-                            const ChartSurroundings& surroundings) {
-  const DrawnChart drawn = DrawnOf(chart);
+std::string MakeControlChartSvg(const ControlChart& chart,
+                                const ChartSurroundings& surroundings) {
+  const DrawnChart drawn = MakeDrawnChart(chart);
   std::vector<bool> is_beyond;
   for (size_t u = 0; u < chart.values.size(); ++u) {
-    const double offset = chart.values[u] - chart.middle[u];
+    const double offset = chart.values[u] - chart.center_line[u];
     is_beyond.push_back(offset < chart.lower || offset > chart.upper);
   }
   std::string svg = fmt::format(
       "<svg class=\"control\" viewBox=\"0 0 {} {}\" role=\"img\" "
       "aria-label=\"control chart of {}\">",
       kWidth, kHeight, chart.name);
-  svg += AxesSvg(drawn.axis, surroundings.serials);
-  svg += JumpsSvg(surroundings.jumps, drawn.values.size());
-  if (drawn.has_middle) svg += LineSvg(drawn, surroundings.jumps, 0, "middle");
+  svg += MakeAxesSvg(drawn.axis, surroundings.serials);
+  svg += MakeJumpsSvg(surroundings.jumps, drawn.values.size());
+  if (drawn.has_middle)
+    svg += MakeLineSvg(drawn, surroundings.jumps, 0, "middle");
   for (const double limit : {drawn.lower, drawn.upper})
     if (std::isfinite(limit))
-      svg += LineSvg(drawn, surroundings.jumps, limit, "limit");
-  svg += PointsSvg(drawn, is_beyond);
-  svg += BeyondSvg(drawn, is_beyond, surroundings.serials);
-  svg += LineFiguresSvg(drawn);
-  return svg + BatchesSvg(surroundings) + "</svg>\n";
+      svg += MakeLineSvg(drawn, surroundings.jumps, limit, "limit");
+  svg += MakePointsSvg(drawn, is_beyond);
+  svg += MakeBeyondSvg(drawn, is_beyond, surroundings.serials);
+  svg += MakeLineFiguresSvg(drawn);
+  return svg + MakeBatchesSvg(surroundings) + "</svg>\n";
 }
 
 const char* GetBatchColor(int batch) {

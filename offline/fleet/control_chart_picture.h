@@ -21,8 +21,8 @@ struct ChartSurroundings {
 /// with serials for outliers, the centre line, dashed limits with their values,
 /// dotted lines at jumps, and a strip of batches below. A chart without a lower
 /// limit has a logarithmic axis, like a chart of logarithms.
-std::string ControlChartSvg(const ControlChart& chart,
-                            const ChartSurroundings& surroundings);
+std::string MakeControlChartSvg(const ControlChart& chart,
+                                const ChartSurroundings& surroundings);
 
 /// Returns the colour of a batch; colours repeat cyclically.
 const char* GetBatchColor(int batch);

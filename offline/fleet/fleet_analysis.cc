@@ -40,12 +40,12 @@ FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
   const ComparedUnits units = CompareUnits(rows, folders, candidates);
   fleet.compared = units.rows;
   fleet.statistics = FindOutliers(units.input);
-  for (const OutlierUnit& unusual : fleet.statistics.unusual)
-    fleet.rows[units.rows[unusual.unit]].unusual = unusual.charts;
+  for (const OutlierUnit& outliers : fleet.statistics.outliers)
+    fleet.rows[units.rows[outliers.unit]].outliers = outliers.charts;
   std::vector<std::string> batches;
   for (const size_t row : units.rows) batches.push_back(rows[row].lens_batch);
   fleet.batches =
-      CompareLensBatches(units.input, batches, fleet.statistics.unusual);
+      CompareLensBatches(units.input, batches, fleet.statistics.outliers);
   fleet.gauge = StudyRepeats(rows, folders, units.input, limits);
   return fleet;
 }

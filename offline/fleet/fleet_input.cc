@@ -12,7 +12,7 @@ namespace raygrid {
 namespace {
 
 // The directions of a lattice of pixels.
-std::vector<Eigen::Vector3d> DirectionsOfLattice(const CameraModel& camera) {
+std::vector<Eigen::Vector3d> SampleDirections(const CameraModel& camera) {
   constexpr int kColumns = 9, kRows = 7;
   const ImageSize size = camera.image_size();
   std::vector<Eigen::Vector3d> directions;
@@ -63,7 +63,7 @@ ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
     const CameraFile file = ReadCameraFile(path);
     if (!size) {
       size = file.camera->image_size();
-      directions = DirectionsOfLattice(*file.camera);
+      directions = SampleDirections(*file.camera);
     }
     if (file.camera->image_size() != *size) continue;
     units.rows.push_back(k);

@@ -23,7 +23,7 @@ std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
                                      const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
   for (const size_t row : fleet.compared)
-    if (fleet.rows[row].unusual.empty()) usual.push_back(row);
+    if (fleet.rows[row].outliers.empty()) usual.push_back(row);
   constexpr size_t kMost = 200;
   const size_t count = std::min(usual.size(), kMost);
   std::vector<CameraFile> cameras;
@@ -36,7 +36,7 @@ std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
 }
 
 // The union of their areas.
-Area JoinedArea(const std::vector<CameraFile>& cameras) {
+Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
   Area area = cameras[0].camera->area();
   for (const CameraFile& file : cameras) {
     const Area& own = file.camera->area();
@@ -72,8 +72,8 @@ std::optional<BSplineSurface> MedianSurface(
 }
 
 // The directions of a camera's pixels, in the chart.
-PixelField ChartOf(const CameraModel& camera,
-                   const std::vector<Eigen::Vector2d>& pixels) {
+PixelField ComputeChart(const CameraModel& camera,
+                        const std::vector<Eigen::Vector2d>& pixels) {
   PixelField values;
   for (const Eigen::Vector2d& pixel : pixels) {
     const auto ray = camera.Unproject(pixel);
@@ -118,8 +118,8 @@ SmoothFit FitSmooth(const PixelField& displacements,
 }
 
 // The units without large deviations anywhere.
-std::vector<bool> UsualOf(const std::vector<SmoothFit>& fits,
-                          const std::vector<Polynomials>& polynomials) {
+std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
+                                const std::vector<Polynomials>& polynomials) {
   constexpr double kTimesMost = 5;
   constexpr double kLeastPx = 0.5;
   constexpr size_t kEachPixel = 17;  // not all need be looked at
@@ -131,9 +131,9 @@ std::vector<bool> UsualOf(const std::vector<SmoothFit>& fits,
       x.push_back(moved.x());
       y.push_back(moved.y());
     }
-    const Eigen::Vector2d middle(Median(x), Median(y));
+    const Eigen::Vector2d center(Median(x), Median(y));
     for (size_t u = 0; u < fits.size(); ++u)
-      distances.push_back((Eigen::Vector2d(x[u], y[u]) - middle).norm());
+      distances.push_back((Eigen::Vector2d(x[u], y[u]) - center).norm());
     std::vector<double> sorted = distances;
     std::sort(sorted.begin(), sorted.end());
     const double limit_px =
@@ -160,10 +160,10 @@ SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
 // lenses exceed their errors: they are averaged, since a median would switch
 // between units from pixel to pixel. For the remainder, the median is used.
 // Returns which units were averaged.
-BSplineSurface MovedToMiddle(const CentralGeneric& reference,
-                             const std::vector<CameraFile>& cameras,
-                             const std::vector<Eigen::Vector2d>& pixels,
-                             std::vector<bool>* is_usual) {
+BSplineSurface MoveToMean(const CentralGeneric& reference,
+                          const std::vector<CameraFile>& cameras,
+                          const std::vector<Eigen::Vector2d>& pixels,
+                          std::vector<bool>* is_usual) {
   std::vector<Polynomials> polynomials;
   for (const Eigen::Vector2d& pixel : pixels)
     polynomials.push_back(
@@ -178,7 +178,7 @@ BSplineSurface MovedToMiddle(const CentralGeneric& reference,
       if (rest[i]) *rest[i] -= fit.transpose() * polynomials[i];
     fits.push_back(fit);
   }
-  *is_usual = UsualOf(fits, polynomials);
+  *is_usual = SelectInliers(fits, polynomials);
   const SmoothFit mean = MeanOfUsual(fits, *is_usual);
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < pixels.size(); ++i)
@@ -205,7 +205,7 @@ std::optional<CameraFile> ComputeMeanCamera(
   if (cameras.empty()) return std::nullopt;
   // Cells of a thirty-second of the image's width.
   constexpr int kColumns = 35, kSamplesPerCell = 3;
-  const Area area = JoinedArea(cameras);
+  const Area area = ComputeJoinedArea(cameras);
   const int rows =
       std::max(7, static_cast<int>(kColumns * area.height() / area.width()));
   const BSplineSurface grid(area, kColumns, rows);
@@ -213,7 +213,7 @@ std::optional<CameraFile> ComputeMeanCamera(
       grid.SamplePixels(kSamplesPerCell);
   std::vector<PixelField> charts;
   for (const CameraFile& file : cameras)
-    charts.push_back(ChartOf(*file.camera, pixels));
+    charts.push_back(ComputeChart(*file.camera, pixels));
   const auto first = MedianSurface(grid, pixels, charts);
   if (!first) return std::nullopt;
   const ImageSize size = cameras[0].camera->image_size();
@@ -221,7 +221,7 @@ std::optional<CameraFile> ComputeMeanCamera(
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(
       size,
-      MovedToMiddle(CentralGeneric(size, *first), cameras, pixels, &is_usual));
+      MoveToMean(CentralGeneric(size, *first), cameras, pixels, &is_usual));
   std::vector<CameraFile> usual;
   for (size_t u = 0; u < cameras.size(); ++u)
     if (is_usual[u]) usual.push_back(cameras[u]);

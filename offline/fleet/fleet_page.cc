@@ -18,7 +18,7 @@ std::string Upper(std::string text) {
   return text;
 }
 
-std::string HtmlList(const std::vector<std::string>& sentences) {
+std::string MakeHtmlList(const std::vector<std::string>& sentences) {
   std::string html = "<ul>\n";
   for (const std::string& sentence : sentences)
     html += "<li>" + EscapeHtml(Upper(sentence)) + ".</li>\n";
@@ -49,12 +49,12 @@ std::string DescribeCounts(const std::vector<UnitRow>& rows) {
   return text;
 }
 
-std::string SummarySection(const FleetAnalysis& fleet) {
+std::string MakeSummarySection(const FleetAnalysis& fleet) {
   bool has_failed = false;
   for (const UnitRow& row : fleet.rows)
     has_failed |= row.status == "fail" || !HasReport(row);
   const FleetStatistics& statistics = fleet.statistics;
-  const bool is_unusual = !statistics.unusual.empty() ||
+  const bool is_unusual = !statistics.outliers.empty() ||
                           !statistics.jumps.empty() ||
                           !statistics.drifts.empty();
   std::vector<std::string> sentences = {DescribeCounts(fleet.rows)};
@@ -66,7 +66,7 @@ std::string SummarySection(const FleetAnalysis& fleet) {
   else
     sentences.push_back(
         fmt::format("{} of {} units are outliers, the mean changes {} times",
-                    statistics.unusual.size(), fleet.compared.size(),
+                    statistics.outliers.size(), fleet.compared.size(),
                     statistics.jumps.size() + statistics.drifts.size()));
   if (const std::string seconds = DescribeDuration(fleet.rows);
       !seconds.empty())
@@ -75,30 +75,30 @@ std::string SummarySection(const FleetAnalysis& fleet) {
                      has_failed   ? "fail"
                      : is_unusual ? "warn"
                                   : "pass",
-                     HtmlList(sentences));
+                     MakeHtmlList(sentences));
 }
 
 // ---- What is unusual -------------------------------------------------------
 
-std::string UnusualSection(const FleetAnalysis& fleet) {
-  if (fleet.statistics.unusual.empty()) return "";
+std::string MakeUnusualSection(const FleetAnalysis& fleet) {
+  if (fleet.statistics.outliers.empty()) return "";
   std::vector<HtmlRow> rows;
-  for (const OutlierUnit& unusual : fleet.statistics.unusual) {
+  for (const OutlierUnit& outliers : fleet.statistics.outliers) {
     std::string what;
     for (const std::string& piece :
-         DescribeOutliers(fleet.statistics, unusual.unit))
+         DescribeOutliers(fleet.statistics, outliers.unit))
       what += (what.empty() ? "" : "<br>") + EscapeHtml(Upper(piece));
-    const UnitRow& row = fleet.rows[fleet.compared[unusual.unit]];
+    const UnitRow& row = fleet.rows[fleet.compared[outliers.unit]];
     rows.push_back({UnitLink(row), what});
   }
   return "<h2>Outliers</h2>\n<div class=\"told\">" +
-         HtmlTable({"unit", "outlying quantities"}, rows) + "</div>\n";
+         MakeHtmlTable({"unit", "outlying quantities"}, rows) + "</div>\n";
 }
 
-std::string ChangesSection(const FleetAnalysis& fleet) {
+std::string MakeChangesSection(const FleetAnalysis& fleet) {
   const std::vector<std::string> sentences = DescribeChanges(fleet);
   if (sentences.empty()) return "";
-  return "<h2>Changes over time</h2>\n" + HtmlList(sentences);
+  return "<h2>Changes over time</h2>\n" + MakeHtmlList(sentences);
 }
 
 // ---- Charts ----------------------------------------------------------------
@@ -110,8 +110,9 @@ std::string DescribeLimits(const ControlChart& chart,
     const auto metric = [&](double value) {
       return FormatChartValue(chart.is_logarithm ? std::exp(value) : value);
     };
-    return fmt::format("{} to {}{}", metric(chart.middle[unit] + chart.lower),
-                       metric(chart.middle[unit] + chart.upper),
+    return fmt::format("{} to {}{}",
+                       metric(chart.center_line[unit] + chart.lower),
+                       metric(chart.center_line[unit] + chart.upper),
                        GetMetricUnit(chart.name));
   };
   if (!std::isfinite(chart.upper))
@@ -143,7 +144,7 @@ std::string MeaningOfChart(const std::string& name, int num_directions) {
   return fmt::format(" ({}).", name);
 }
 
-ChartSurroundings SurroundingsOf(const FleetAnalysis& fleet) {
+ChartSurroundings MakeChartSurroundings(const FleetAnalysis& fleet) {
   ChartSurroundings surroundings;
   surroundings.batch_names = fleet.batches.batches;
   for (const size_t row : fleet.compared) {
@@ -158,7 +159,7 @@ ChartSurroundings SurroundingsOf(const FleetAnalysis& fleet) {
   return surroundings;
 }
 
-std::string ChartSection(const FleetAnalysis& fleet) {
+std::string MakeChartSection(const FleetAnalysis& fleet) {
   if (fleet.statistics.charts.empty()) return "";
   std::string html = fmt::format(
       "<h2>Control charts</h2>\n<p>Each point is a unit, in the order of "
@@ -171,7 +172,7 @@ std::string ChartSection(const FleetAnalysis& fleet) {
           ? ""
           : "; the strip below shows the lens batches by colour",
       100 * kFleetChance);
-  ChartSurroundings surroundings = SurroundingsOf(fleet);
+  ChartSurroundings surroundings = MakeChartSurroundings(fleet);
   for (const ControlChart& chart : fleet.statistics.charts) {
     surroundings.jumps.clear();
     for (const MeanJump& jump : fleet.statistics.jumps)
@@ -185,14 +186,14 @@ std::string ChartSection(const FleetAnalysis& fleet) {
         EscapeHtml(Upper(GetMetricTitle(chart.name))),
         MeaningOfChart(chart.name, fleet.statistics.num_directions),
         DescribeLimits(chart, fleet, surroundings.jumps, has_drift),
-        ControlChartSvg(chart, surroundings));
+        MakeControlChartSvg(chart, surroundings));
   }
   return html;
 }
 
 // ---- Batches and gauge -----------------------------------------------------
 
-std::string BatchesSection(const BatchComparison& batches) {
+std::string MakeBatchesSection(const BatchComparison& batches) {
   if (batches.batches.empty()) return "";
   HtmlRow head = {"mean of"};
   for (size_t b = 0; b < batches.batches.size(); ++b)
@@ -218,8 +219,8 @@ std::string BatchesSection(const BatchComparison& batches) {
   return "<h2>Lens batches</h2>\n" +
          (DescribeBatches(batches).empty()
               ? "<p>No significant difference between batches.</p>\n"
-              : HtmlList(DescribeBatches(batches))) +
-         HtmlTable(head, rows) +
+              : MakeHtmlList(DescribeBatches(batches))) +
+         MakeHtmlTable(head, rows) +
          fmt::format(
              "<p>Analysis of variance; for the intrinsics, Pillai's trace "
              "along the principal components. The probability of any false "
@@ -240,7 +241,7 @@ std::string PercentOrNone(const std::optional<double>& part) {
   return part ? fmt::format("{:.1f} %", 100 * *part) : "&ndash;";
 }
 
-HtmlRow GaugeRow(const GaugeMetric& metric) {
+HtmlRow MakeGaugeRow(const GaugeMetric& metric) {
   HtmlRow row = {EscapeHtml(GetMetricTitle(metric.name)),
                  DeviationCell(metric, metric.repeatability)};
   for (const GaugeFactor& factor : metric.factors)
@@ -257,7 +258,7 @@ HtmlRow GaugeRow(const GaugeMetric& metric) {
   return row;
 }
 
-std::string GaugeSection(const GaugeStudy& gauge) {
+std::string MakeGaugeSection(const GaugeStudy& gauge) {
   if (gauge.num_repeats == 0) return "";
   std::string html = fmt::format(
       "<h2>Gauge repeatability and reproducibility</h2>\n<p>{} repeated "
@@ -273,11 +274,11 @@ std::string GaugeSection(const GaugeStudy& gauge) {
       head.emplace_back(column);
     std::vector<HtmlRow> rows;
     for (const GaugeMetric& metric : gauge.metrics)
-      rows.push_back(GaugeRow(metric));
-    html += HtmlTable(head, rows);
+      rows.push_back(MakeGaugeRow(metric));
+    html += MakeHtmlTable(head, rows);
   }
   if (!gauge.unobservable_reason.empty())
-    html += HtmlList(gauge.unobservable_reason);
+    html += MakeHtmlList(gauge.unobservable_reason);
   return html +
          "<p>Standard deviations (1 sigma) by analysis of variance. Pixels are "
          "RMS over the image; errors are relative. According to AIAG, "
@@ -294,7 +295,7 @@ std::string FigureCell(const UnitRow& row, const char* name) {
   return metric == row.metrics.end() ? "" : FormatChartValue(metric->second);
 }
 
-std::string UnitsSection(const std::vector<UnitRow>& units) {
+std::string MakeUnitsSection(const std::vector<UnitRow>& units) {
   std::vector<HtmlRow> rows;
   for (const UnitRow& unit : units) {
     const std::string warning =
@@ -305,15 +306,15 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
          FigureCell(unit, "held_out_median_px"),
          FigureCell(unit, "max_uncertainty_px"), EscapeHtml(unit.lens_batch),
          unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
-         fmt::format("{}", fmt::join(unit.unusual, ", ")) +
-             (unit.unusual.empty() || warning.empty() ? "" : "; ") +
+         fmt::format("{}", fmt::join(unit.outliers, ", ")) +
+             (unit.outliers.empty() || warning.empty() ? "" : "; ") +
              EscapeHtml(warning)});
   }
   return "<h2>All units</h2>\n<div class=\"told\">" +
-         HtmlTable({"unit", "status", "focal px", "centre x", "centre y",
-                    "held-out median px", "max uncertainty px", "batch", "s",
-                    "outlying quantities or remark"},
-                   rows) +
+         MakeHtmlTable({"unit", "status", "focal px", "centre x", "centre y",
+                        "held-out median px", "max uncertainty px", "batch",
+                        "s", "outlying quantities or remark"},
+                       rows) +
          "</div>\n";
 }
 
@@ -322,10 +323,10 @@ std::string UnitsSection(const std::vector<UnitRow>& units) {
 std::string FormatFleetPage(const FleetAnalysis& fleet) {
   return PageStart(fmt::format("raygrid fleet: {} units", fleet.rows.size()),
                    "raygrid fleet") +
-         SummarySection(fleet) + UnusualSection(fleet) + ChangesSection(fleet) +
-         ChartSection(fleet) + BatchesSection(fleet.batches) +
-         GaugeSection(fleet.gauge) + UnitsSection(fleet.rows) +
-         "</body></html>\n";
+         MakeSummarySection(fleet) + MakeUnusualSection(fleet) +
+         MakeChangesSection(fleet) + MakeChartSection(fleet) +
+         MakeBatchesSection(fleet.batches) + MakeGaugeSection(fleet.gauge) +
+         MakeUnitsSection(fleet.rows) + "</body></html>\n";
 }
 
 }  // namespace raygrid

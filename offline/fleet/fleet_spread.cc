@@ -34,12 +34,12 @@ class SmoothFactors {
     constexpr int kColumns = 32, kRows = 24;
     for (int j = 0; j < kRows; ++j)
       for (int i = 0; i < kColumns; ++i) {
-        places_.emplace_back(area.x0 + area.width() * (i + 0.5) / kColumns,
-                             area.y0 + area.height() * (j + 0.5) / kRows);
-        shapes_.push_back(ShapesAt(area, places_.back()));
+        positions_.emplace_back(area.x0 + area.width() * (i + 0.5) / kColumns,
+                                area.y0 + area.height() * (j + 0.5) / kRows);
+        shapes_.push_back(ShapesAt(area, positions_.back()));
       }
   }
-  const std::vector<Eigen::Vector2d>& places() const { return places_; }
+  const std::vector<Eigen::Vector2d>& positions() const { return positions_; }
 
   // Pixels without a value are ignored.
   Eigen::VectorXd Of(const PixelField& displacements) const {
@@ -47,7 +47,7 @@ class SmoothFactors {
     Eigen::MatrixXd square =
         kHold * Eigen::MatrixXd::Identity(kNumShapes, kNumShapes);
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(kNumShapes, 2);
-    for (size_t i = 0; i < places_.size(); ++i) {
+    for (size_t i = 0; i < positions_.size(); ++i) {
       if (!displacements[i]) continue;
       square.noalias() += shapes_[i] * shapes_[i].transpose();
       right += shapes_[i] * displacements[i]->transpose();
@@ -69,7 +69,7 @@ class SmoothFactors {
     errors.diagonal().array() += modes.rest_px * modes.rest_px / kPartsOfRest;
     for (size_t m = 0; m < modes.displacements_px.size(); ++m) {
       PixelField field;
-      for (const Eigen::Vector2d& place : places_)
+      for (const Eigen::Vector2d& place : positions_)
         field.emplace_back(modes.At(m, unit.camera->area(), place));
       const Eigen::VectorXd factors = Of(field);
       errors.noalias() += factors * factors.transpose();
@@ -79,7 +79,7 @@ class SmoothFactors {
 
  private:
   Area area_;
-  std::vector<Eigen::Vector2d> places_;
+  std::vector<Eigen::Vector2d> positions_;
   std::vector<Eigen::VectorXd> shapes_;
 };
 
@@ -128,26 +128,26 @@ std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
 
 }  // namespace
 
-std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
+std::optional<LensSpread> EstimateSpread(const CameraModel& mean,
                                          const std::vector<CameraFile>& units) {
   constexpr size_t kFewest = 8;
   if (units.size() < kFewest) return std::nullopt;
-  const Area& area = middle.area();
+  const Area& area = mean.area();
   const SmoothFactors factors(area);
   std::vector<Eigen::VectorXd> differences;
   std::vector<Eigen::MatrixXd> errors;
   const double count = static_cast<double>(units.size());
-  Eigen::MatrixXd of_middle = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
+  Eigen::MatrixXd of_mean = Eigen::MatrixXd::Zero(kNumFactors, kNumFactors);
   for (const CameraFile& unit : units) {
     differences.push_back(factors.Of(
-        ComputeDisplacements(middle, *unit.camera, factors.places())));
+        ComputeDisplacements(mean, *unit.camera, factors.positions())));
     errors.push_back(factors.ErrorsOf(unit));
-    of_middle += errors.back() / (count * count);
+    of_mean += errors.back() / (count * count);
   }
   // Units are closer to their own mean than another unit is.
   const Eigen::MatrixXd covariance =
       (count + 1) / (count - 1) * LikeliestCovariance(differences, errors) +
-      of_middle;
+      of_mean;
   constexpr int kColumns = 17;
   constexpr int kFewestRows = 5;
   LensSpread spread;
@@ -156,10 +156,10 @@ std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
                                (kColumns - 1) * area.height() / area.width())) +
                                1,
                            kFewestRows, 2 * kColumns);
-  const std::vector<Eigen::Vector2d> places = spread.Places(area);
+  const std::vector<Eigen::Vector2d> positions = spread.Places(area);
   for (const Eigen::VectorXd& direction : Directions(covariance)) {
     auto& field = spread.displacements_px.emplace_back();
-    for (const Eigen::Vector2d& place : places) {
+    for (const Eigen::Vector2d& place : positions) {
       const Eigen::VectorXd shapes = ShapesAt(area, place);
       field.emplace_back(shapes.dot(direction.head(kNumShapes)),
                          shapes.dot(direction.tail(kNumShapes)));

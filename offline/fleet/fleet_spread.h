@@ -14,7 +14,7 @@ namespace raygrid {
 /// files, plus the uncertainty of the mean. The strongest directions come
 /// first, with reproducible signs. Returns nullopt for fewer than 8 units, or
 /// for units that do not differ.
-std::optional<LensSpread> EstimateSpread(const CameraModel& middle,
+std::optional<LensSpread> EstimateSpread(const CameraModel& mean,
                                          const std::vector<CameraFile>& units);
 
 }  // namespace raygrid

@@ -24,7 +24,7 @@ double DeviationsAt(double chance, double count) {
 }
 
 // The limit of T^2 for a new unit, from count inliers.
-double HotellingLimit(double chance, double count, double size) {
+double ComputeHotellingLimit(double chance, double count, double size) {
   const boost::math::fisher_f f(size, count - size);
   return size * (count * count - 1) / (count * (count - size)) *
          boost::math::quantile(boost::math::complement(f, chance));
@@ -48,7 +48,8 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
 // (Tracy, Young, Mason, "Multivariate control charts for individual
 // observations", 1992): its T^2 cannot exceed (n - 1)^2 / n, unlike that of a
 // new unit.
-double OwnHotellingLimit(double chance, double count, double num_directions) {
+double ComputeOwnHotellingLimit(double chance, double count,
+                                double num_directions) {
   const double rest = count - num_directions - 1;
   if (rest < 1) return INFINITY;
   const boost::math::beta_distribution<> distribution(num_directions / 2,
@@ -83,8 +84,8 @@ struct CenteredLenses {
 
 // Relative to the mean of inliers, which is a possible lens. Medians of pixels
 // are not: the difference would appear in the shape of all units of a segment.
-Eigen::MatrixXd AboutUsual(const CenteredLenses& lenses,
-                           const std::vector<bool>& is_usual) {
+Eigen::MatrixXd CenterAboutInliers(const CenteredLenses& lenses,
+                                   const std::vector<bool>& is_usual) {
   Eigen::MatrixXd rows = lenses.rows, means = lenses.means;
   for (size_t i = 0; i < is_usual.size(); ++i)
     if (!is_usual[i]) {
@@ -136,7 +137,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   LensCharts charts;
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::MatrixXd rows = AboutUsual(lenses, is_usual);
+    const Eigen::MatrixXd rows = CenterAboutInliers(lenses, is_usual);
     charts.directions = ComputeDirections(rows, is_usual);
     const Eigen::MatrixXd scores = rows * charts.directions.axes;
     const Eigen::VectorXd rest =
@@ -157,11 +158,11 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
     for (size_t i = 0; i < count; ++i)
       if (is_usual[i] && charts.shape[i] <= far_off)
         usual_rest.push_back(charts.shape[i]);
-    charts.lens_limit =
-        HotellingLimit(chance, static_cast<double>(usual_rest.size()),
-                       static_cast<double>(charts.directions.variances.size()));
+    charts.lens_limit = ComputeHotellingLimit(
+        chance, static_cast<double>(usual_rest.size()),
+        static_cast<double>(charts.directions.variances.size()));
     charts.shape_limit = SquaresLimit(chance, usual_rest);
-    const double own_limit = OwnHotellingLimit(
+    const double own_limit = ComputeOwnHotellingLimit(
         chance, static_cast<double>(usual_rest.size()),
         static_cast<double>(charts.directions.variances.size()));
     std::vector<bool> next;
@@ -203,8 +204,8 @@ void AddNamed(const std::string& name, const MeanChanges& changes,
 }
 
 // Removes the changes of the mean along the principal directions.
-CenteredLenses AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
-                              FleetStatistics* statistics) {
+CenteredLenses CenterAboutMean(const Eigen::MatrixXd& pixels, double chance,
+                               FleetStatistics* statistics) {
   const Eigen::Index count = pixels.rows();
   const Eigen::MatrixXd scores = pixels * NeighbourDirections(pixels).axes;
   std::vector<std::vector<double>> series;
@@ -214,9 +215,9 @@ CenteredLenses AboutTheirMean(const Eigen::MatrixXd& pixels, double chance,
   AddNamed("lens", changes, statistics);
   Eigen::MatrixXd rows = pixels;
   for (Eigen::Index k = 0; k < rows.cols(); ++k) {
-    const std::vector<double> middle =
-        MiddleOf({rows.col(k).data(), rows.col(k).data() + count}, changes);
-    rows.col(k) -= Eigen::Map<const Eigen::VectorXd>(middle.data(), count);
+    const std::vector<double> center_line = ComputeCenterLine(
+        {rows.col(k).data(), rows.col(k).data() + count}, changes);
+    rows.col(k) -= Eigen::Map<const Eigen::VectorXd>(center_line.data(), count);
   }
   return {rows, MeansOf(changes, count)};
 }
@@ -225,17 +226,17 @@ void AddFigureChart(const FleetMetric& metric, double chance,
                     double change_chance, FleetStatistics* statistics) {
   const std::vector<double> values = metric.Scattering();
   MeanChanges changes = FindMeanChanges({values}, change_chance);
-  const std::vector<double> middle = MiddleOf(values, changes);
+  const std::vector<double> center_line = ComputeCenterLine(values, changes);
   const auto figure_of = [&](double value) {
     return metric.is_positive ? std::exp(value) : value;
   };
   for (MeanJump& jump : changes.jumps) {
-    jump.before = figure_of(middle[jump.unit - 1]);
-    jump.after = figure_of(middle[jump.unit]);
+    jump.before = figure_of(center_line[jump.unit - 1]);
+    jump.after = figure_of(center_line[jump.unit]);
   }
   for (MeanDrift& drift : changes.drifts) {
-    drift.first = figure_of(middle.front());
-    drift.last = figure_of(middle.back());
+    drift.first = figure_of(center_line.front());
+    drift.last = figure_of(center_line.back());
   }
   AddNamed(metric.name, changes, statistics);
   // Most neighbours are equal, as with few digits: no limit can be estimated.
@@ -245,19 +246,20 @@ void AddFigureChart(const FleetMetric& metric, double chance,
                           ? DeviationsAt(chance / 2, count) * deviation
                           : std::numeric_limits<double>::infinity();
   statistics->charts.push_back(
-      {metric.name, values, middle, -most, most, metric.is_positive});
+      {metric.name, values, center_line, -most, most, metric.is_positive});
 }
 
-std::vector<OutlierUnit> BeyondLimits(const std::vector<ControlChart>& charts) {
-  std::map<int, std::vector<std::string>> unusual;
+std::vector<OutlierUnit> FindOutlierUnits(
+    const std::vector<ControlChart>& charts) {
+  std::map<int, std::vector<std::string>> outliers;
   for (const ControlChart& chart : charts)
     for (size_t i = 0; i < chart.values.size(); ++i) {
-      const double offset = chart.values[i] - chart.middle[i];
+      const double offset = chart.values[i] - chart.center_line[i];
       if (offset < chart.lower || offset > chart.upper)
-        unusual[static_cast<int>(i)].push_back(chart.name);
+        outliers[static_cast<int>(i)].push_back(chart.name);
     }
   std::vector<OutlierUnit> units;
-  for (auto& [unit, names] : unusual) units.push_back({unit, names});
+  for (auto& [unit, names] : outliers) units.push_back({unit, names});
   return units;
 }
 
@@ -279,7 +281,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   const double change_chance =
       kFleetChance / (1 + static_cast<double>(input.metrics.size()));
   const CenteredLenses centered =
-      AboutTheirMean(input.pixels, change_chance, &statistics);
+      CenterAboutMean(input.pixels, change_chance, &statistics);
   const double chance =
       kFleetChance / (static_cast<double>(2 + input.metrics.size()) * count);
   const LensCharts lenses = ChartLenses(centered, chance);
@@ -296,7 +298,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   std::stable_sort(
       statistics.jumps.begin(), statistics.jumps.end(),
       [](const MeanJump& a, const MeanJump& b) { return a.unit < b.unit; });
-  statistics.unusual = BeyondLimits(statistics.charts);
+  statistics.outliers = FindOutlierUnits(statistics.charts);
   return statistics;
 }
 

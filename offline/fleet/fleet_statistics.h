@@ -31,9 +31,9 @@ struct FleetInput {
 struct ControlChart {
   std::string name;
   std::vector<double> values;
-  std::vector<double> middle;   ///< mean of each unit, piecewise by jumps
-  double lower = 0, upper = 0;  ///< relative to middle; infinite: no limit
-  bool is_logarithm = false;    ///< values and middle are logarithms
+  std::vector<double> center_line;  ///< mean of each unit, piecewise by jumps
+  double lower = 0, upper = 0;      ///< relative to middle; infinite: no limit
+  bool is_logarithm = false;        ///< values and middle are logarithms
 };
 
 struct OutlierUnit {
@@ -43,10 +43,10 @@ struct OutlierUnit {
 
 struct FleetStatistics {
   std::vector<ControlChart> charts;
-  std::vector<MeanJump> jumps;       ///< by unit
-  std::vector<MeanDrift> drifts;     ///< ordered as charts
-  std::vector<OutlierUnit> unusual;  ///< by unit
-  int num_directions = 0;            ///< principal directions of the lenses
+  std::vector<MeanJump> jumps;        ///< by unit
+  std::vector<MeanDrift> drifts;      ///< ordered as charts
+  std::vector<OutlierUnit> outliers;  ///< by unit
+  int num_directions = 0;             ///< principal directions of the lenses
 };
 
 /// The minimum number of units for control limits.

@@ -155,7 +155,7 @@ std::string FormatFleetTable(const std::vector<UnitRow>& rows) {
                   : fmt::format(",{:.9g}", metric->second);
     }
     text += "," + TextField(row.lens_batch) + "," +
-            TextField(fmt::format("{}", fmt::join(row.unusual, " ")));
+            TextField(fmt::format("{}", fmt::join(row.outliers, " ")));
     text += row.seconds > 0 ? fmt::format(",{:.2f}\n", row.seconds) : ",\n";
   }
   return text;

@@ -20,7 +20,7 @@ struct UnitRow {
   std::map<std::string, double> metrics;  ///< by name, if known
   double seconds = 0;                     ///< calibration time; 0: unknown
   /// Names of the charts whose limits it exceeds (FindOutliers()).
-  std::vector<std::string> unusual;
+  std::vector<std::string> outliers;
   /// Values from the plan (BatchUnit), or "".
   std::string lens_batch, repeats, person, station;
 };

@@ -22,7 +22,7 @@ std::string WithUnit(const std::string& name, double value) {
   return FormatChartValue(value) + GetMetricUnit(name);
 }
 
-const std::string& SerialOf(const FleetAnalysis& fleet, int unit) {
+const std::string& GetSerial(const FleetAnalysis& fleet, int unit) {
   return fleet.rows[fleet.compared[unit]].serial;
 }
 
@@ -42,8 +42,9 @@ std::string DescribeJump(const FleetAnalysis& fleet, const MeanJump& jump) {
           : fmt::format(" from {} to {}", WithUnit(jump.name, jump.before),
                         WithUnit(jump.name, jump.after));
   return fmt::format("from {}{}, the mean of {} ({}) changes{} ({:.1f} sigma)",
-                     SerialOf(fleet, jump.unit), BatchWarning(fleet, jump.unit),
-                     GetMetricTitle(jump.name), jump.name, values, jump.sigmas);
+                     GetSerial(fleet, jump.unit),
+                     BatchWarning(fleet, jump.unit), GetMetricTitle(jump.name),
+                     jump.name, values, jump.sigmas);
 }
 
 std::string DescribeDrift(const FleetAnalysis& fleet, const MeanDrift& drift) {
@@ -54,8 +55,8 @@ std::string DescribeDrift(const FleetAnalysis& fleet, const MeanDrift& drift) {
                         WithUnit(drift.name, drift.last));
   return fmt::format(
       "the mean of {} ({}) drifts from {} to {}{} (slope: {:.1f} sigma)",
-      GetMetricTitle(drift.name), drift.name, SerialOf(fleet, 0),
-      SerialOf(fleet, static_cast<int>(fleet.compared.size()) - 1), values,
+      GetMetricTitle(drift.name), drift.name, GetSerial(fleet, 0),
+      GetSerial(fleet, static_cast<int>(fleet.compared.size()) - 1), values,
       drift.sigmas);
 }
 
@@ -85,19 +86,19 @@ std::string GetMetricUnit(const std::string& name) {
 std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
                                           int unit) {
   std::vector<std::string> sentences;
-  for (const OutlierUnit& unusual : statistics.unusual) {
-    if (unusual.unit != unit) continue;
-    for (const std::string& name : unusual.charts) {
+  for (const OutlierUnit& outliers : statistics.outliers) {
+    if (outliers.unit != unit) continue;
+    for (const std::string& name : outliers.charts) {
       const ControlChart& chart = *FindChart(statistics, name);
       const auto metric = [&](double value) {
         return FormatChartValue(chart.is_logarithm ? std::exp(value) : value);
       };
-      const double middle = chart.middle[unit];
+      const double center_line = chart.center_line[unit];
       const std::string usual =
           std::isfinite(chart.lower)
               ? fmt::format("normal range {} to {}",
-                            metric(middle + chart.lower),
-                            metric(middle + chart.upper))
+                            metric(center_line + chart.lower),
+                            metric(center_line + chart.upper))
               : fmt::format("the limit is {}", metric(chart.upper));
       sentences.push_back(
           fmt::format("{} ({}) is {}, {}{}", GetMetricTitle(name), name,

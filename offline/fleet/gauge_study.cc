@@ -17,7 +17,7 @@ namespace {
 // ---- The linear model ------------------------------------------------------
 
 // A column for each level, with 1 in the rows that have it.
-Eigen::MatrixXd Indicators(const std::vector<std::string>& levels) {
+Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   std::map<std::string, Eigen::Index> columns;
   for (const std::string& level : levels) columns.emplace(level, 0);
   Eigen::Index next = 0;
@@ -30,7 +30,7 @@ Eigen::MatrixXd Indicators(const std::vector<std::string>& levels) {
 }
 
 // An orthonormal basis of what columns span.
-Eigen::MatrixXd BasisOf(const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd ComputeBasis(const Eigen::MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   return Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }
@@ -74,16 +74,16 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
     persons.push_back(repeat.person);
     stations.push_back(repeat.station);
   }
-  std::vector<Eigen::MatrixXd> parts = {Indicators(goldens)};
+  std::vector<Eigen::MatrixXd> parts = {MakeIndicators(goldens)};
   std::vector<std::string> names = {""};
   for (const auto& [name, levels] :
        {std::pair("operator", persons), std::pair("station", stations)})
     if (NumLevels(levels) > 1) {
-      parts.push_back(Indicators(levels));
+      parts.push_back(MakeIndicators(levels));
       names.emplace_back(name);
     }
   GaugeModel model;
-  model.basis = BasisOf(Beside(parts));
+  model.basis = ComputeBasis(Beside(parts));
   model.degrees_of_freedom =
       static_cast<double>(model.basis.rows() - model.basis.cols());
   for (size_t k = 1; k < parts.size(); ++k) {
@@ -91,7 +91,7 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     GaugeTerm term;
     term.name = names[k];
-    term.without = BasisOf(Beside(others));
+    term.without = ComputeBasis(Beside(others));
     term.degrees_of_freedom =
         static_cast<double>(model.basis.cols() - term.without.cols());
     term.size = Remaining(term.without, parts[k]);
@@ -158,7 +158,7 @@ double PixelDeviation(const Eigen::MatrixXd& pixels) {
   return std::sqrt(sum / static_cast<double>(pixels.cols()));
 }
 
-double FleetDeviation(const FleetInput& fleet, const std::string& name) {
+double ComputeFleetStdDev(const FleetInput& fleet, const std::string& name) {
   for (const FleetMetric& metric : fleet.metrics)
     if (metric.name == name)
       return EstimateNeighbourDeviation(metric.Scattering());
@@ -217,7 +217,7 @@ GaugeStudy StudyGauge(const FleetInput& input,
                 model);
     analysed.is_logarithm = metric.is_positive;
     if (has_fleet)
-      CompareWithFleet(FleetDeviation(fleet, metric.name), &analysed);
+      CompareWithFleet(ComputeFleetStdDev(fleet, metric.name), &analysed);
     CompareWithLimits(limits, &analysed);
     study.metrics.push_back(analysed);
   }

@@ -15,9 +15,9 @@ namespace {
 using UnitsOfBatch = std::map<std::string, std::vector<int>>;
 
 UnitsOfBatch ChooseUnits(const std::vector<std::string>& batches,
-                         const std::vector<OutlierUnit>& unusual) {
+                         const std::vector<OutlierUnit>& outliers) {
   std::set<int> left_out;
-  for (const OutlierUnit& unit : unusual) left_out.insert(unit.unit);
+  for (const OutlierUnit& unit : outliers) left_out.insert(unit.unit);
   UnitsOfBatch chosen;
   for (int u = 0; u < static_cast<int>(batches.size()); ++u)
     if (!batches[u].empty() && left_out.count(u) == 0)
@@ -129,9 +129,9 @@ BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
 
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
-                                   const std::vector<OutlierUnit>& unusual) {
+                                   const std::vector<OutlierUnit>& outliers) {
   BatchComparison comparison;
-  const UnitsOfBatch units = ChooseUnits(batches, unusual);
+  const UnitsOfBatch units = ChooseUnits(batches, outliers);
   if (units.empty() || input.pixels.cols() == 0) return comparison;
   for (const auto& batch : units) {
     comparison.batches.push_back(batch.first);

@@ -40,7 +40,7 @@ constexpr int kMinBatchUnits = 3;
 /// than two batches.
 BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
-                                   const std::vector<OutlierUnit>& unusual);
+                                   const std::vector<OutlierUnit>& outliers);
 
 }  // namespace raygrid
 

@@ -124,8 +124,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
   return changes;
 }
 
-std::vector<double> MiddleOf(const std::vector<double>& values,
-                             const MeanChanges& changes) {
+std::vector<double> ComputeCenterLine(const std::vector<double>& values,
+                                      const MeanChanges& changes) {
   return changes.drifts.empty() ? ComputeSegmentMedians(values, changes.Cuts())
                                 : FitRobustLine(values);
 }

@@ -43,8 +43,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
 
 /// Returns the trend about which units vary: piecewise medians between jumps,
 /// or a line.
-std::vector<double> MiddleOf(const std::vector<double>& values,
-                             const MeanChanges& changes);
+std::vector<double> ComputeCenterLine(const std::vector<double>& values,
+                                      const MeanChanges& changes);
 
 }  // namespace raygrid
 

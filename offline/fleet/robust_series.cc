@@ -7,9 +7,9 @@ namespace raygrid {
 
 double Median(std::vector<double> values) {
   if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 double EstimateNeighbourDeviation(const std::vector<double>& values) {
@@ -34,34 +34,34 @@ std::vector<double> ClipOutliers(const std::vector<double>& values,
          ++k)
       if (std::isfinite(values[k])) near.push_back(values[k]);
     if (near.empty()) continue;
-    const double middle = Median(near), most = kMostSigmas * deviation;
+    const double median = Median(near), most = kMostSigmas * deviation;
     clipped[i] = std::isfinite(values[i])
-                     ? std::clamp(values[i], middle - most, middle + most)
-                     : middle;
+                     ? std::clamp(values[i], median - most, median + most)
+                     : median;
   }
   return clipped;
 }
 
 std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
                                           const std::vector<int>& cuts) {
-  std::vector<double> middle(values.size());
+  std::vector<double> median(values.size());
   int begin = 0;
   for (size_t k = 0; k <= cuts.size(); ++k) {
     const int end = k < cuts.size() ? cuts[k] : static_cast<int>(values.size());
     std::vector<double> known;
     for (int i = begin; i < end; ++i)
       if (std::isfinite(values[i])) known.push_back(values[i]);
-    std::fill(middle.begin() + begin, middle.begin() + end, Median(known));
+    std::fill(median.begin() + begin, median.begin() + end, Median(known));
     begin = end;
   }
-  return middle;
+  return median;
 }
 
 std::vector<double> FitRobustLine(const std::vector<double>& values) {
   const std::vector<double> clipped =
       ClipOutliers(values, EstimateNeighbourDeviation(values));
   const auto count = static_cast<double>(values.size());
-  const double middle_place = (count - 1) / 2;
+  const double center_index = (count - 1) / 2;
   double mean = 0, products = 0, squares = 0, num_known = 0;
   for (const double value : clipped)
     if (std::isfinite(value)) {
@@ -70,7 +70,7 @@ std::vector<double> FitRobustLine(const std::vector<double>& values) {
     }
   mean /= num_known;
   for (size_t i = 0; i < clipped.size(); ++i)
-    if (const double place = static_cast<double>(i) - middle_place;
+    if (const double place = static_cast<double>(i) - center_index;
         std::isfinite(clipped[i])) {
       products += place * (clipped[i] - mean);
       squares += place * place;
@@ -78,7 +78,7 @@ std::vector<double> FitRobustLine(const std::vector<double>& values) {
   std::vector<double> line;
   for (size_t i = 0; i < clipped.size(); ++i)
     line.push_back(mean + products / squares *
-                              (static_cast<double>(i) - middle_place));
+                              (static_cast<double>(i) - center_index));
   return line;
 }
 

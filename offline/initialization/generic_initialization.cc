@@ -54,7 +54,7 @@ std::optional<PixelwiseModel> GrowBestModel(
 // Chart coordinates at the pixels of a lattice.
 using ChartValues = std::vector<std::optional<Eigen::Vector2d>>;
 
-ChartValues ChartOf(const PixelwiseModel& model) {
+ChartValues ComputeChart(const PixelwiseModel& model) {
   ChartValues chart;
   for (const auto& direction : model.directions) {
     chart.emplace_back();
@@ -99,7 +99,7 @@ void TurnMeanForward(PixelwiseModel* model) {
 // chart's Jacobian has no rotation. False if the image is mirrored.
 bool TurnUpright(const PixelLattice& lattice, PixelwiseModel* model) {
   const Eigen::Matrix2d linear =
-      FitFunctions<3>(lattice, ChartOf(*model),
+      FitFunctions<3>(lattice, ComputeChart(*model),
                       [](const Eigen::Vector2d& pixel) -> Eigen::Vector3d {
                         return pixel.homogeneous();
                       })
@@ -209,7 +209,7 @@ BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
       std::max(area.width(), area.height()) / cells_along;
   return FitSurface(area, NumControlPoints(area.width(), knot_spacing_px),
                     NumControlPoints(area.height(), knot_spacing_px),
-                    CompleteSamples(ChartOf(model), lattice, area));
+                    CompleteSamples(ComputeChart(model), lattice, area));
 }
 
 // The grid and the views of a model, after optimization.

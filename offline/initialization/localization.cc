@@ -17,8 +17,8 @@ struct Sight {
   Eigen::Matrix<double, 2, 3> pixel_by_ray;
 };
 
-std::vector<Sight> FormSights(const CameraModel& camera,
-                              const std::vector<PointPixelMatch>& matches) {
+std::vector<Sight> ComputeSights(const CameraModel& camera,
+                                 const std::vector<PointPixelMatch>& matches) {
   std::vector<Sight> sights;
   for (const PointPixelMatch& match : matches) {
     // Linearized at a distance of a metre, which is uncritical: the scale
@@ -35,14 +35,14 @@ std::vector<Sight> FormSights(const CameraModel& camera,
 
 // A rotation of the mean ray to the z axis, so that even a board at a right
 // angle to the optical axis has a perspective image.
-Eigen::Quaterniond FacingRotation(const std::vector<Sight>& sights) {
+Eigen::Quaterniond EstimateFacingRotation(const std::vector<Sight>& sights) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Sight& sight : sights) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
 // About the board's size, and a power of two, for exact scaling.
-double UnitOf(const std::vector<Sight>& sights) {
+double ComputeUnit(const std::vector<Sight>& sights) {
   double extent = 0;
   for (const Sight& sight : sights)
     extent = std::max(extent, (sight.point - sights.front().point).norm());
@@ -53,8 +53,8 @@ double UnitOf(const std::vector<Sight>& sights) {
 // scaled.
 std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
   if (sights.empty()) return std::nullopt;
-  const double unit = UnitOf(sights);
-  const Eigen::Quaterniond facing = FacingRotation(sights);
+  const double unit = ComputeUnit(sights);
+  const Eigen::Quaterniond facing = EstimateFacingRotation(sights);
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   for (const Sight& sight : sights) {
@@ -167,14 +167,14 @@ std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
 double ComputeMedianErrorPx(const std::vector<Sight>& sights,
                             const Pose& pose) {
   std::vector<double> errors = ErrorsPx(sights, pose);
-  const auto middle = errors.begin() + errors.size() / 2;
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  const auto median = errors.begin() + errors.size() / 2;
+  std::nth_element(errors.begin(), median, errors.end());
+  return *median;
 }
 
 // The best pose from all sights; if most are inconsistent with it, also from
 // subsets, which contain fewer outliers.
-std::optional<Pose> BestPose(const std::vector<Sight>& sights) {
+std::optional<Pose> EstimateBestPose(const std::vector<Sight>& sights) {
   constexpr size_t kParts = 6;
   constexpr double kGoodPx = 1;
   std::optional<Pose> best;
@@ -217,11 +217,11 @@ std::vector<Sight> Consistent(const std::vector<Sight>& sights,
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointPixelMatch>& matches) {
   constexpr int kMaxRounds = 5;
-  std::vector<Sight> sights = FormSights(camera, matches);
+  std::vector<Sight> sights = ComputeSights(camera, matches);
   std::optional<Pose> pose;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (sights.size() < kMinSights) return pose;
-    const auto refined = BestPose(sights);
+    const auto refined = EstimateBestPose(sights);
     if (!refined) return pose;
     pose = refined;
     std::vector<Sight> consistent = Consistent(sights, *pose);

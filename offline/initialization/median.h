@@ -9,9 +9,9 @@ namespace raygrid {
 /// Returns the median, the upper one of an even number; 0 if empty.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 }  // namespace raygrid

@@ -122,7 +122,7 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
 
 // Signed so that observed points are in front of the camera; nothing if many
 // cannot be, or if the board would be seen from behind.
-std::optional<Eigen::Matrix3d> FacingHomography(
+std::optional<Eigen::Matrix3d> EstimateFacingHomography(
     const std::vector<PlaneMatch>& matches) {
   Eigen::Matrix3d homography = FitHomographyRobustly(matches);
   if (!homography.allFinite()) return std::nullopt;
@@ -197,8 +197,8 @@ std::vector<PlaneMatch> MatchesToFirst(
   return to_first;
 }
 
-ThreeViews InMetres(const ThreeViews& normalized,
-                    const Normalization& normalization) {
+ThreeViews ScaleToMetres(const ThreeViews& normalized,
+                         const Normalization& normalization) {
   const auto in_space = [](const Eigen::Vector2d& point) {
     return Eigen::Vector3d(point.x(), point.y(), 0);
   };
@@ -324,8 +324,10 @@ ThreeViewsSolution SolveThreeViews(
   solution.status = ThreeViewsStatus::kImpossible;
   const Normalization normalization = NormalizeMatches(matches);
   if (!(normalization.unit_m > 0)) return solution;
-  const auto h2 = FacingHomography(MatchesToFirst(matches, normalization, 1));
-  const auto h3 = FacingHomography(MatchesToFirst(matches, normalization, 2));
+  const auto h2 =
+      EstimateFacingHomography(MatchesToFirst(matches, normalization, 1));
+  const auto h3 =
+      EstimateFacingHomography(MatchesToFirst(matches, normalization, 2));
   if (!h2 || !h3) return solution;
   const auto center = SolveCenter(*h2, *h3, &solution.conditioning);
   if (solution.conditioning < kMinConditioning) {
@@ -337,7 +339,7 @@ ThreeViewsSolution SolveThreeViews(
   normalized.center = *center;
   normalized.first_from_board[1] = PoseOfHomography(*h2, *center);
   normalized.first_from_board[2] = PoseOfHomography(*h3, *center);
-  solution.views = InMetres(normalized, normalization);
+  solution.views = ScaleToMetres(normalized, normalization);
   solution.status = ThreeViewsStatus::kSolved;
   return solution;
 }

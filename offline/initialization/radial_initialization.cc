@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kMaxRadialViews = 20;
 constexpr int kNumCoefficients = 4;  // of G
 
-double QuantileOf(std::vector<double> values, double part) {
+double ComputeQuantile(std::vector<double> values, double part) {
   if (values.empty()) return 0;
   const auto at =
       values.begin() +
@@ -22,7 +22,7 @@ double QuantileOf(std::vector<double> values, double part) {
 }
 
 double MedianOf(const std::vector<double>& values) {
-  return QuantileOf(values, 0.5);
+  return ComputeQuantile(values, 0.5);
 }
 
 // Weights for iteratively reweighted least squares: zero for outliers, which
@@ -104,9 +104,10 @@ double CenterCost(const std::vector<PlanarView>& views,
 // the image size.
 Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
                            const ImageSize& size) {
-  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
+  const Eigen::Vector2d image_center((size.width - 1) / 2.0,
+                                     (size.height - 1) / 2.0);
   const double limit_px = 0.1 * std::max(size.width, size.height);
-  Eigen::Vector2d best = middle;
+  Eigen::Vector2d best = image_center;
   double best_cost = CenterCost(views, best);
   double step_px = limit_px / 2;
   while (step_px > 0.5) {
@@ -115,7 +116,7 @@ Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
          {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1),
           Eigen::Vector2d(0, -1)}) {
       const Eigen::Vector2d tried = from + step_px * direction;
-      if ((tried - middle).cwiseAbs().maxCoeff() > limit_px) continue;
+      if ((tried - image_center).cwiseAbs().maxCoeff() > limit_px) continue;
       const double cost = CenterCost(views, tried);
       if (cost >= best_cost) continue;
       best = tried;
@@ -313,11 +314,11 @@ std::optional<RadialSolution> SolveFromView(
 }
 
 // The maximum observed radius, without outliers.
-double FarthestRadius(const std::vector<CylindricalView>& views) {
+double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
   std::vector<double> radii;
   for (const CylindricalView& view : views)
     radii.insert(radii.end(), view.r.begin(), view.r.end());
-  return QuantileOf(radii, 0.98);
+  return ComputeQuantile(radii, 0.98);
 }
 
 // d theta / d r of pixels.
@@ -329,8 +330,8 @@ double AnglePerRadius(const Coefficients& g, double r) {
 }
 
 // The sum of absolute errors of radii, limited for outliers.
-double CostOf(const std::vector<CylindricalView>& views, double farthest,
-              const RadialSolution& solution) {
+double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
+                   const RadialSolution& solution) {
   constexpr double kCap = 0.05;
   for (double part = 0; part <= 1; part += 0.05)
     if (!(AnglePerRadius(solution.g, part * farthest) > 0))
@@ -408,14 +409,14 @@ std::optional<ThinPrismFisheye> InitializeFromRadialLines(
   std::vector<CylindricalView> views;
   for (const PlanarView& view : planar)
     views.push_back(ToCylindrical(view, center, unit_px));
-  const double farthest = FarthestRadius(views);
+  const double farthest = ComputeMaxRadius(views);
   std::optional<RadialSolution> best;
   double best_cost = INFINITY;
   for (size_t first = 0; first < views.size(); ++first) {
     for (const Degrees& degrees : kDegrees) {
       const auto solution = SolveFromView(views, first, degrees);
       if (!solution) continue;
-      const double cost = CostOf(views, farthest, *solution);
+      const double cost = ComputeCost(views, farthest, *solution);
       if (cost >= best_cost) continue;
       best = solution;
       best_cost = cost;

@@ -17,7 +17,7 @@ struct Inside {
   }
 };
 
-Inside InsideOf(const CameraModel& camera) {
+Inside SampleInside(const CameraModel& camera) {
   // Tables have smaller errors, unless their limit is larger: keeps sources off
   // the border.
   constexpr double kInsetPx = 0.25;
@@ -38,14 +38,14 @@ class BorderlessSearch {
                    const ImageSize& size)
       : cameras_(cameras), size_(size) {
     for (const CameraAndPlane& seen : cameras)
-      insides_.push_back(InsideOf(seen.camera));
+      insides_.push_back(SampleInside(seen.camera));
   }
 
   std::optional<VirtualView> Find() const {
     const auto start = Start();
     if (!start) return std::nullopt;
-    Eigen::Vector2d middle = *start;
-    double focal_px = Widest(middle, kMaxFocalPx);
+    Eigen::Vector2d center = *start;
+    double focal_px = Widest(center, kMaxFocalPx);
     // Pattern search in eight directions, with steps relative to half the
     // image.
     for (double step = 0.25; step > 1e-3 && focal_px > ShortestPx();) {
@@ -53,22 +53,22 @@ class BorderlessSearch {
       for (int k = 0; k < 8 && !is_better; ++k) {
         const double part = step * size_.width / 2.0 / focal_px;
         const Eigen::Vector2d next =
-            middle + part * Eigen::Vector2d(std::cos(k * M_PI / 4),
+            center + part * Eigen::Vector2d(std::cos(k * M_PI / 4),
                                             std::sin(k * M_PI / 4));
         if (!IsWithoutBorder(next, (1 - 1e-4) * focal_px)) continue;
-        middle = next;
+        center = next;
         focal_px = Widest(next, focal_px);
         is_better = true;
       }
       if (!is_better) step /= 2;
     }
-    return At(0, middle, focal_px);
+    return At(0, center, focal_px);
   }
 
  private:
-  VirtualView At(size_t camera, const Eigen::Vector2d& middle,
+  VirtualView At(size_t camera, const Eigen::Vector2d& center,
                  double focal_px) const {
-    return MakeCentralView(cameras_[camera].plane, size_, middle, focal_px);
+    return MakeCentralView(cameras_[camera].plane, size_, center, focal_px);
   }
 
   // The mean direction of the areas' centres; for several cameras, if
@@ -121,20 +121,20 @@ class BorderlessSearch {
   }
 
   // The shortest focal length without border, at most long_px.
-  double Widest(const Eigen::Vector2d& middle, double long_px) const {
+  double Widest(const Eigen::Vector2d& center, double long_px) const {
     double least = ShortestPx();
-    if (IsWithoutBorder(middle, least)) return least;
+    if (IsWithoutBorder(center, least)) return least;
     double enough = long_px;
     for (int k = 0; k < 40; ++k) {
       const double between = std::sqrt(least * enough);
-      (IsWithoutBorder(middle, between) ? enough : least) = between;
+      (IsWithoutBorder(center, between) ? enough : least) = between;
     }
     return enough;
   }
 
-  bool IsWithoutBorder(const Eigen::Vector2d& middle, double focal_px) const {
+  bool IsWithoutBorder(const Eigen::Vector2d& center, double focal_px) const {
     for (size_t c = 0; c < cameras_.size(); ++c)
-      if (!IsWithoutBorder(c, At(c, middle, focal_px))) return false;
+      if (!IsWithoutBorder(c, At(c, center, focal_px))) return false;
     return true;
   }
 
@@ -213,12 +213,12 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
 }
 
 VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
-                            const Eigen::Vector2d& middle, double focal_px) {
+                            const Eigen::Vector2d& center, double focal_px) {
   VirtualView view = plane;
   view.size = size;
   view.focal_px = {focal_px, focal_px};
   view.center_px =
-      Eigen::Vector2d(size.width - 1, size.height - 1) / 2 - focal_px * middle;
+      Eigen::Vector2d(size.width - 1, size.height - 1) / 2 - focal_px * center;
   return view;
 }
 

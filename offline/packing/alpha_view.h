@@ -39,7 +39,7 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
 
 /// Makes the view with the given point of the plane at the image centre.
 VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
-                            const Eigen::Vector2d& middle, double focal_px);
+                            const Eigen::Vector2d& center, double focal_px);
 
 /// Finds the largest view without border that cameras share, with the rotation
 /// of the first: its focal length is the shortest for which all of its pixels

@@ -15,7 +15,7 @@ namespace raygrid {
 namespace {
 
 // Whether bytes begin with the magic number of blobs, as far as they go.
-bool BeginsAsBlob(const std::string& bytes) {
+bool HasBlobMagic(const std::string& bytes) {
   const std::string magic = "RAYGRID";
   return bytes.compare(0, magic.size(), magic, 0, bytes.size()) == 0;
 }
@@ -79,7 +79,7 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
   rg_status status = rg_blob_open(words_.data(), size, &blob_);
   if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
   // Text is reported as such, however short it is.
-  if (status == RG_ERR_TRUNCATED && !BeginsAsBlob(bytes)) status = RG_ERR_MAGIC;
+  if (status == RG_ERR_TRUNCATED && !HasBlobMagic(bytes)) status = RG_ERR_MAGIC;
   if (status != RG_OK) Refuse(name, status);
 }
 
@@ -128,27 +128,27 @@ std::optional<OperatingRange> BlobCamera::Range() const {
   if (blob_.stack == 0) return std::nullopt;
   rg_stack_section stack;
   rg_blob_stack(&blob_, &stack);
-  const auto value = [&](int knot) {
-    return rg_knot_value(&stack, knot) / 65536.0;
+  const auto value = [&](int sample) {
+    return rg_stack_sample_value(&stack, sample) / 65536.0;
   };
-  return OperatingRange{stack.condition == RG_CONDITION_TEMPERATURE
+  return OperatingRange{stack.condition == RG_OPERATING_PARAMETER_TEMPERATURE
                             ? OperatingParameter::kTemperature
                             : OperatingParameter::kLensPosition,
-                        value(0), value(stack.num_knots - 1)};
+                        value(0), value(stack.num_samples - 1)};
 }
 
-void BlobCamera::SetCondition(double value) {
-  const rg_status status = rg_set_condition(
+void BlobCamera::SetOperatingPoint(double value) {
+  const rg_status status = rg_set_operating_point(
       &camera_, static_cast<int32_t>(std::lround(value * 65536)));
   if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
 }
 
 // A control point of the current grid, or of a later sample.
 Eigen::Vector2d BlobCamera::ControlPoint(const Eigen::Vector2i& place,
-                                         int knots_above) const {
+                                         int upper_sample) const {
   rg_blob there = blob_;
   there.grid = static_cast<uint32_t>(camera_.grid - blob_.bytes) +
-               knots_above * camera_.knot_size;
+               upper_sample * camera_.sample_size;
   int32_t point_q29[2];
   rg_blob_control_point(&there, place.x(), place.y(), point_q29);
   return Eigen::Vector2d(point_q29[0], point_q29[1]) /
@@ -213,7 +213,7 @@ std::optional<ValidityMask> BlobCamera::GetValidityMask() const {
   mask.columns = section.columns;
   mask.rows = section.rows;
   for (int k = 0; k < mask.columns * mask.rows; ++k)
-    mask.is_trusted.push_back((section.bits[k / 8] >> k % 8 & 1) != 0);
+    mask.is_valid.push_back((section.bits[k / 8] >> k % 8 & 1) != 0);
   return mask;
 }
 
@@ -228,7 +228,7 @@ std::optional<LineDelay> BlobCamera::GetRowTime() const {
   constexpr double kQ10PerSecond = 1024 * 1e9;
   int32_t row_time_ns_q10;
   uint32_t deviation_ns_q10;
-  if (rg_row_time(&camera_, &row_time_ns_q10, &deviation_ns_q10) != RG_OK)
+  if (rg_line_delay(&camera_, &row_time_ns_q10, &deviation_ns_q10) != RG_OK)
     return std::nullopt;
   return LineDelay{row_time_ns_q10 / kQ10PerSecond,
                    deviation_ns_q10 / kQ10PerSecond};
@@ -239,22 +239,23 @@ std::optional<Capture> BlobCamera::GetCalibrationCapture() const {
   rg_capture_section section;
   rg_blob_capture(&blob_, &section);
   Capture capture;
-  if (section.known & RG_KNOWS_LENS_POSITION) {
+  if (section.known & RG_CAPTURE_HAS_LENS_POSITION) {
     capture.lens_position = section.lens_position_q16 / 65536.0;
     capture.lens_tolerance = section.lens_tolerance_q16 / 65536.0;
   }
-  if (section.known & RG_KNOWS_CROP)
+  if (section.known & RG_CAPTURE_HAS_CROP)
     capture.crop = {section.crop_x, section.crop_y,
                     static_cast<int>(section.crop_width),
                     static_cast<int>(section.crop_height)};
-  if (section.known & RG_KNOWS_ZOOM) capture.zoom = section.zoom_q16 / 65536.0;
-  if (section.known & RG_KNOWS_ORIENTATION)
+  if (section.known & RG_CAPTURE_HAS_ZOOM)
+    capture.zoom = section.zoom_q16 / 65536.0;
+  if (section.known & RG_CAPTURE_HAS_ORIENTATION)
     capture.orientation = section.orientation;
-  if (section.known & RG_KNOWS_TEMPERATURE)
+  if (section.known & RG_CAPTURE_HAS_TEMPERATURE)
     capture.sensor_temperature_c = section.temperature_q16 / 65536.0;
-  if (section.known & RG_KNOWS_EXPOSURE)
+  if (section.known & RG_CAPTURE_HAS_EXPOSURE)
     capture.exposure_us = section.exposure_us;
-  if (section.known & RG_KNOWS_GAIN)
+  if (section.known & RG_CAPTURE_HAS_GAIN)
     capture.analogue_gain = section.analogue_gain_q16 / 65536.0;
   return capture;
 }

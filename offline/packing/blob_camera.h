@@ -44,7 +44,7 @@ class BlobCamera {
   /// has none.
   std::optional<OperatingRange> Range() const;
   /// Sets the operating point within its range. Throws Error(kBlob).
-  void SetCondition(double value);
+  void SetOperatingPoint(double value);
 
   bool CanProject() const { return camera_.inverse; }
 
@@ -94,7 +94,7 @@ class BlobCamera {
 
  private:
   Eigen::Vector2d ControlPoint(const Eigen::Vector2i& place,
-                               int knots_above) const;
+                               int upper_sample) const;
   // Returns the camera with a remap table selected; throws Error(kBlob).
   rg_camera WithTable(uint32_t remap_index) const;
 

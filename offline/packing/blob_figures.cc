@@ -15,9 +15,9 @@ namespace {
 
 // A metric in its integer unit, rounded up; unknown without a value.
 uint32_t Figure(std::optional<double> value, double unit) {
-  if (!value) return RG_UNKNOWN_FIGURE;
+  if (!value) return RG_UNKNOWN_METRIC;
   return static_cast<uint32_t>(
-      std::min(std::ceil(*value / unit), RG_UNKNOWN_FIGURE - 1.0));
+      std::min(std::ceil(*value / unit), RG_UNKNOWN_METRIC - 1.0));
 }
 
 void QuantizeDeviations(const UncertaintyLattice& lattice,
@@ -55,9 +55,9 @@ UncertaintySections QuantizeUncertainty(const CameraUncertainty& known,
   sections.mask.rows = static_cast<uint16_t>(mask.rows);
   sections.mask.cell_log2 =
       static_cast<uint8_t>(std::lround(std::log2(mask.knot_spacing_px)));
-  sections.bits.assign((mask.is_trusted.size() + 31) / 32 * 4, 0);
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
-    if (mask.is_trusted[k]) sections.bits[k / 8] |= 1u << k % 8;
+  sections.bits.assign((mask.is_valid.size() + 31) / 32 * 4, 0);
+  for (size_t k = 0; k < mask.is_valid.size(); ++k)
+    if (mask.is_valid[k]) sections.bits[k / 8] |= 1u << k % 8;
   return sections;
 }
 
@@ -75,39 +75,39 @@ rg_capture_section QuantizeCapture(const Capture& capture) {
   const auto q16 = [](double value) { return std::lround(value * 65536); };
   rg_capture_section section = {};
   if (capture.lens_position) {
-    section.known |= RG_KNOWS_LENS_POSITION;
+    section.known |= RG_CAPTURE_HAS_LENS_POSITION;
     section.lens_position_q16 =
         static_cast<int32_t>(q16(*capture.lens_position));
     section.lens_tolerance_q16 =
         static_cast<uint32_t>(q16(capture.lens_tolerance));
   }
   if (capture.crop) {
-    section.known |= RG_KNOWS_CROP;
+    section.known |= RG_CAPTURE_HAS_CROP;
     section.crop_x = (*capture.crop)[0];
     section.crop_y = (*capture.crop)[1];
     section.crop_width = static_cast<uint32_t>((*capture.crop)[2]);
     section.crop_height = static_cast<uint32_t>((*capture.crop)[3]);
   }
   if (capture.zoom) {
-    section.known |= RG_KNOWS_ZOOM;
+    section.known |= RG_CAPTURE_HAS_ZOOM;
     section.zoom_q16 = static_cast<uint32_t>(q16(*capture.zoom));
   }
   if (capture.orientation) {
-    section.known |= RG_KNOWS_ORIENTATION;
+    section.known |= RG_CAPTURE_HAS_ORIENTATION;
     section.orientation = static_cast<uint8_t>(*capture.orientation);
   }
   if (capture.sensor_temperature_c) {
-    section.known |= RG_KNOWS_TEMPERATURE;
+    section.known |= RG_CAPTURE_HAS_TEMPERATURE;
     section.temperature_q16 =
         static_cast<int32_t>(q16(*capture.sensor_temperature_c));
   }
   if (capture.exposure_us) {
-    section.known |= RG_KNOWS_EXPOSURE;
+    section.known |= RG_CAPTURE_HAS_EXPOSURE;
     section.exposure_us =
         static_cast<uint32_t>(std::lround(*capture.exposure_us));
   }
   if (capture.analogue_gain) {
-    section.known |= RG_KNOWS_GAIN;
+    section.known |= RG_CAPTURE_HAS_GAIN;
     section.analogue_gain_q16 =
         static_cast<uint32_t>(q16(*capture.analogue_gain));
   }
@@ -148,7 +148,7 @@ void RequireBlobText(const char* what, const std::string& text) {
                                               place, RG_TEXT_SIZE - 1));
 }
 
-std::string PaddedText(const char* what, const std::string& text) {
+std::string FormatPadded(const char* what, const std::string& text) {
   RequireBlobText(what, text);
   std::string padded = text;
   padded.resize(RG_TEXT_SIZE, '\0');

@@ -34,7 +34,7 @@ rg_capture_section QuantizeCapture(const Capture& capture);
 
 /// Returns a zero-padded text of RG_TEXT_SIZE bytes. Throws like
 /// RequireBlobText().
-std::string PaddedText(const char* what, const std::string& text);
+std::string FormatPadded(const char* what, const std::string& text);
 
 /// Converts a mode, without its name.
 rg_mode_section QuantizeMode(const SensorMode& mode);

@@ -72,7 +72,7 @@ void DrawIntoChart(const RegularRegion& region, bool is_fitted,
 class GridSearch {
  public:
   GridSearch(const CameraModel& camera, const RegularRegion& region,
-             const ValidityMask* trusted, double max_error_px)
+             const ValidityMask* valid_region, double max_error_px)
       : camera_(camera), region_(region), max_error_px_(max_error_px) {
     double most_per_radian = INFINITY;
     for (const RegularRegion::Node& node : region.nodes())
@@ -83,8 +83,8 @@ class GridSearch {
       const RegularRegion::Node& node = region.nodes()[k];
       const bool counts =
           node.is_regular && node.J_ray.norm() < most_per_radian &&
-          (!trusted ||
-           trusted->IsValidAt(region.GetPixel(static_cast<int>(k))));
+          (!valid_region ||
+           valid_region->IsValidAt(region.GetPixel(static_cast<int>(k))));
       counts_.push_back(counts);
       num_counting_ += counts;
     }
@@ -104,16 +104,16 @@ class GridSearch {
   }
 
   // The fraction of relevant nodes at which it is not.
-  double LostPart(const std::vector<bool>& is_followed) const {
-    const auto num_lost =
+  double ComputeLostFraction(const std::vector<bool>& is_followed) const {
+    const auto num_not_found =
         std::count(is_followed.begin(), is_followed.end(), false);
     return num_counting_ == 0 ? 1
-                              : static_cast<double>(num_lost) /
+                              : static_cast<double>(num_not_found) /
                                     static_cast<double>(num_counting_);
   }
 
-  bool LosesMuch(const BSplineSurface& surface) const {
-    return LostPart(FollowedBy(surface)) > kNegligiblePart;
+  bool HasLargeLoss(const BSplineSurface& surface) const {
+    return ComputeLostFraction(FollowedBy(surface)) > kNegligiblePart;
   }
 
   // The coarsest grid that fits everywhere, otherwise one that loses about the
@@ -191,7 +191,7 @@ class GridSearch {
     for (int round = 0; round < 2 && best.lost > kNegligiblePart; ++round) {
       Candidate made = {Fit(area, knot_spacing_px, is_good)};
       const std::vector<bool> is_followed = FollowedBy(made.surface);
-      made.lost = LostPart(is_followed);
+      made.lost = ComputeLostFraction(is_followed);
       if (round == 0 || made.lost < best.lost) best = std::move(made);
       is_good = is_followed;
     }
@@ -213,7 +213,7 @@ ValidityMask FineMask(const ImageSize& size) {
   mask.knot_spacing_px = std::max(kLeastCellPx, mask.knot_spacing_px / 2);
   mask.columns = ValidityMask::NumCells(size.width, mask.knot_spacing_px);
   mask.rows = ValidityMask::NumCells(size.height, mask.knot_spacing_px);
-  mask.is_trusted.assign(mask.columns * mask.rows, true);
+  mask.is_valid.assign(mask.columns * mask.rows, true);
   return mask;
 }
 
@@ -223,7 +223,7 @@ void DistrustCells(const Area& area, ValidityMask* mask) {
             last = mask->CellIndex({area.x1, area.y1});
   for (int j = first / mask->columns; j <= last / mask->columns; ++j)
     for (int i = first % mask->columns; i <= last % mask->columns; ++i)
-      mask->is_trusted[j * mask->columns + i] = false;
+      mask->is_valid[j * mask->columns + i] = false;
 }
 
 }  // namespace
@@ -241,9 +241,9 @@ bool IsBlobGrid(const CameraModel& camera) {
 }
 
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
-                      const ValidityMask* trusted, double max_error_px) {
+                      const ValidityMask* valid_region, double max_error_px) {
   if (!region) return {CentralPart(camera), std::nullopt, true};
-  const GridSearch search(camera, *region, trusted, max_error_px / 2);
+  const GridSearch search(camera, *region, valid_region, max_error_px / 2);
   BSplineSurface surface;
   const BSplineSurface* own = camera.DirectionGrid();
   if (own && RepresentableArea(camera.area()) == camera.area()) {
@@ -251,22 +251,23 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
     DrawIntoChart(*region, false, &surface);
   }
   // With wide cells, clamped control points distort most of the image.
-  if (surface.num_points() == 0 || search.LosesMuch(surface)) {
+  if (surface.num_points() == 0 || search.HasLargeLoss(surface)) {
     BSplineSurface fitted = search.Find();
     if (surface.num_points() == 0 ||
-        search.LostPart(search.FollowedBy(fitted)) <
-            search.LostPart(search.FollowedBy(surface)))
+        search.ComputeLostFraction(search.FollowedBy(fitted)) <
+            search.ComputeLostFraction(search.FollowedBy(surface)))
       surface = std::move(fitted);
   }
   const std::vector<bool> is_followed = search.FollowedBy(surface);
   BlobGrid made = {CentralGeneric(camera.image_size(), surface), std::nullopt,
                    true};
-  made.follows_all = search.LostPart(is_followed) == 0;
-  ValidityMask valid = trusted ? *trusted : FineMask(camera.image_size());
-  const std::vector<bool> before = valid.is_trusted;
+  made.follows_all = search.ComputeLostFraction(is_followed) == 0;
+  ValidityMask valid =
+      valid_region ? *valid_region : FineMask(camera.image_size());
+  const std::vector<bool> before = valid.is_valid;
   region->ForEachIrregularCell(
       is_followed, [&](const Area& cell) { DistrustCells(cell, &valid); });
-  if (valid.is_trusted != before) made.valid = valid;
+  if (valid.is_valid != before) made.valid = valid;
   if (!valid.HasValidCells())
     throw Error(
         ExitCode::kQuality,

@@ -32,7 +32,7 @@ struct BlobGrid {
 /// camera, or NULL for a grid that the format represents exactly. Throws
 /// Error(kQuality) if no grid fits the camera anywhere.
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
-                      const ValidityMask* trusted, double max_error_px);
+                      const ValidityMask* valid_region, double max_error_px);
 
 /// Whether the format represents a camera without a fit: a grid whose area is
 /// in whole 1/65536 px, with all control points within the range of the chart.

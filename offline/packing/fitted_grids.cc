@@ -14,8 +14,8 @@ namespace {
 MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
   MadeGrids made;
   if (!task.stack) {
-    made.Add(
-        MakeBlobGrid(task.camera, task.region, task.trusted, max_error_px));
+    made.Add(MakeBlobGrid(task.camera, task.region, task.valid_region,
+                          max_error_px));
     return made;
   }
   const BSplineSurface& like = task.stack->cameras[0].surface();
@@ -27,7 +27,7 @@ MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
     std::optional<RegularRegion> region;
     if (!IsBlobGrid(camera)) region.emplace(camera, task.num_threads);
     made.Add(MakeBlobGrid(camera, region ? &*region : nullptr,
-                          made.ValidOr(task.trusted), max_error_px));
+                          made.ValidOr(task.valid_region), max_error_px));
     const BSplineSurface& surface = made.models.back().surface();
     if (surface.columns() != like.columns() || surface.rows() != like.rows())
       ThrowDoesNotFitBlob(
@@ -39,17 +39,17 @@ MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
 
 }  // namespace
 
-void RequireAlikeKnots(const OperatingPointKnots& stack,
-                       const CameraModel& camera) {
+void RequireSimilarSamples(const OperatingPointSamples& stack,
+                           const CameraModel& camera) {
   const auto require = [](bool is_good, const char* what) {
     if (!is_good) ThrowDoesNotFitBlob(what);
   };
   const size_t num = stack.values.size();
   require(camera.IsCentral(),
           "samples over the operating point must be central cameras");
-  require(
-      num == stack.cameras.size() && num >= RG_MIN_KNOTS && num <= RG_MAX_KNOTS,
-      "a blob has 2 to 64 samples over the operating point");
+  require(num == stack.cameras.size() && num >= RG_MIN_STACK_SAMPLES &&
+              num <= RG_MAX_STACK_SAMPLES,
+          "a blob has 2 to 64 samples over the operating point");
   for (size_t k = 0; k < num; ++k) {
     const BSplineSurface& a = stack.cameras[0].surface();
     const BSplineSurface& b = stack.cameras[k].surface();
@@ -94,7 +94,7 @@ std::vector<const BSplineSurface*> BlobGrids::Surfaces() const {
 }
 
 std::vector<PackingTruth> BlobGrids::Truths(const GridTask& task) const {
-  const ValidityMask* valid = made.ValidOr(task.trusted);
+  const ValidityMask* valid = made.ValidOr(task.valid_region);
   std::vector<PackingTruth> truths = {{task.camera, made.models[0], valid}};
   for (size_t k = 1; k < made.models.size(); ++k)
     truths.push_back({task.stack->cameras[k - 1], made.models[k], valid});

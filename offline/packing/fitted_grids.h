@@ -14,15 +14,15 @@
 namespace raygrid {
 
 /// Throws unless the knots are alike, and fit the camera.
-void RequireAlikeKnots(const OperatingPointKnots& stack,
-                       const CameraModel& camera);
+void RequireSimilarSamples(const OperatingPointSamples& stack,
+                           const CameraModel& camera);
 
 /// A camera and what its grids are fitted to.
 struct GridTask {
   const CameraModel& camera;
   const RegularRegion* region;  ///< NULL: the format holds the camera as it is
-  const ValidityMask* trusted;  ///< NULL: all
-  const OperatingPointKnots* stack;  ///< NULL: none
+  const ValidityMask* valid_region;    ///< NULL: all
+  const OperatingPointSamples* stack;  ///< NULL: none
   bool is_narrow_allowed = true;
   int num_threads = 0;
 };
@@ -34,8 +34,8 @@ struct MadeGrids {
   std::optional<ValidityMask> valid;  ///< as BlobGrid's, of all of them
   bool follows_all = true;
 
-  const ValidityMask* ValidOr(const ValidityMask* trusted) const {
-    return valid ? &*valid : trusted;
+  const ValidityMask* ValidOr(const ValidityMask* valid_region) const {
+    return valid ? &*valid : valid_region;
   }
   void Add(const BlobGrid& grid) {
     models.push_back(grid.grid);

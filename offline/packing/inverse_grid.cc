@@ -31,15 +31,16 @@ constexpr double kFewPixels = 3e4, kManyPixels = 1e6;
 
 // Pixels as a function of chart position.
 struct InverseSamples {
-  std::vector<SurfaceSample> trusted, others;
+  std::vector<SurfaceSample> valid_region, others;
 };
 
 // Samples of a surface, except where it folds.
 class SurfaceSampling {
  public:
-  SurfaceSampling(const BSplineSurface& surface, const ValidityMask* trusted)
+  SurfaceSampling(const BSplineSurface& surface,
+                  const ValidityMask* valid_region)
       : surface_(surface),
-        trusted_(trusted),
+        trusted_(valid_region),
         handedness_(FindDominantHandedness(surface)) {}
 
   // The area's edge densely, its inside more coarsely.
@@ -69,7 +70,7 @@ class SurfaceSampling {
         chart.cwiseAbs().maxCoeff() > kMaxChart)
       return;
     if (!trusted_ || trusted_->IsValidAt(pixel))
-      samples->trusted.push_back({chart, pixel, 1});
+      samples->valid_region.push_back({chart, pixel, 1});
     else
       samples->others.push_back({chart, pixel, kOthersWeight});
   }
@@ -80,7 +81,7 @@ class SurfaceSampling {
 };
 
 // The bounding rectangle of all samples in the chart.
-Area ChartAround(const std::vector<SurfaceSample>& samples) {
+Area ComputeChartArea(const std::vector<SurfaceSample>& samples) {
   Eigen::Array2d low = samples.front().pixel, high = low;
   for (const SurfaceSample& sample : samples) {
     low = low.min(sample.pixel.array());
@@ -93,7 +94,7 @@ Area ChartAround(const std::vector<SurfaceSample>& samples) {
 }
 
 // c |c| of the widest sample, with a margin.
-double CosineLimit(const std::vector<SurfaceSample>& samples) {
+double ComputeCosineLimit(const std::vector<SurfaceSample>& samples) {
   double cosine = 1;
   for (const SurfaceSample& sample : samples) {
     const double s = sample.pixel.squaredNorm();
@@ -131,7 +132,7 @@ class InverseFitting {
   }
 
   // Nothing if 16 bits cannot represent it.
-  std::optional<InverseGrid> InFixedPoint(
+  std::optional<InverseGrid> QuantizeInverseGrid(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
     const std::optional<NarrowGrid> points =
@@ -150,7 +151,7 @@ class InverseFitting {
         s.columns - 3u, static_cast<uint32_t>(s.a1_q27 - s.a0_q27));
     s.scale_b_q21 = rg_grid_scale_q32(
         s.rows - 3u, static_cast<uint32_t>(s.b1_q27 - s.b0_q27));
-    s.cos_limit_q30 = FixedPoint(CosineLimit(samples_), 30);
+    s.cos_limit_q30 = FixedPoint(ComputeCosineLimit(samples_), 30);
     return inverse;
   }
 
@@ -177,8 +178,8 @@ class InverseFitting {
 
 bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
   const auto faults = [](const MeasuredInverse& inverse) {
-    return std::make_tuple(inverse.error.trusted.MissedFraction(),
-                           inverse.error.others.MissedFraction(),
+    return std::make_tuple(inverse.error.valid_region.FailedFraction(),
+                           inverse.error.others.FailedFraction(),
                            !inverse.is_close);
   };
   return faults(a) < faults(b);
@@ -187,26 +188,26 @@ bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
 // Searches the number of cells; replaces *best if better. The sample of few
 // pixels avoids evaluating many.
 void SearchCells(const InverseFitting& fitting,
-                 const std::vector<SurfaceSample>& trusted,
+                 const std::vector<SurfaceSample>& valid_region,
                  const MeasureInverse& measure,
                  std::optional<MeasuredInverse>* best) {
   for (const int cells : kNumCells) {
     if (cells > kMaxCellsForMore && *best &&
-        (*best)->error.trusted.AreAllFound())
+        (*best)->error.valid_region.AreAllAccurate())
       return;
     const BSplineSurface fit = fitting.Fit(cells);
-    const std::optional<InverseGrid> grid = fitting.InFixedPoint(fit);
+    const std::optional<InverseGrid> grid = fitting.QuantizeInverseGrid(fit);
     if (!grid) continue;
     std::optional<ProjectionError> error = measure(*grid, kFewPixels);
-    if (error && error->trusted.AreAllFound())
+    if (error && error->valid_region.AreAllAccurate())
       error = measure(*grid, kManyPixels);
     if (!error) continue;
     const MeasuredInverse made = {*grid, *error,
-                                  fitting.IsCloseEnough(fit, trusted)};
+                                  fitting.IsCloseEnough(fit, valid_region)};
     if (*best && !IsBetter(made, **best)) continue;
     *best = made;
-    if (made.is_close && error->trusted.AreAllFound() &&
-        error->others.AreAllFound())
+    if (made.is_close && error->valid_region.AreAllAccurate() &&
+        error->others.AreAllAccurate())
       return;
   }
 }
@@ -214,24 +215,26 @@ void SearchCells(const InverseFitting& fitting,
 }  // namespace
 
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const ValidityMask* trusted,
+                                              const ValidityMask* valid_region,
                                               const MeasureInverse& measure) {
-  const InverseSamples samples = SurfaceSampling(surface, trusted).Samples();
-  if (samples.trusted.empty()) return std::nullopt;
-  std::vector<SurfaceSample> all = samples.trusted;
+  const InverseSamples samples =
+      SurfaceSampling(surface, valid_region).Samples();
+  if (samples.valid_region.empty()) return std::nullopt;
+  std::vector<SurfaceSample> all = samples.valid_region;
   all.insert(all.end(), samples.others.begin(), samples.others.end());
   std::optional<MeasuredInverse> best;
-  const Area chart = ChartAround(all);
-  SearchCells({surface, chart, all}, samples.trusted, measure, &best);
-  if (!best || !best->error.trusted.AreAllFound()) {
-    const Area near = ChartAround(samples.trusted);
+  const Area chart = ComputeChartArea(all);
+  SearchCells({surface, chart, all}, samples.valid_region, measure, &best);
+  if (!best || !best->error.valid_region.AreAllAccurate()) {
+    const Area near = ComputeChartArea(samples.valid_region);
     std::vector<SurfaceSample> around;
     std::copy_if(all.begin(), all.end(), std::back_inserter(around),
                  [&](const SurfaceSample& sample) {
                    return near.Contains(sample.pixel);
                  });
     if (around.size() < all.size())
-      SearchCells({surface, near, around}, samples.trusted, measure, &best);
+      SearchCells({surface, near, around}, samples.valid_region, measure,
+                  &best);
   }
   if (best) best->error = *measure(best->grid, kManyPixels);
   return best;
@@ -251,28 +254,30 @@ std::optional<std::vector<MeasuredInverse>> FitJointly(
   for (size_t k = 0; k < fittings.size(); ++k) {
     fits.push_back(fittings[k].Fit(cells));
     const std::optional<InverseGrid> grid =
-        fittings[k].InFixedPoint(fits.back());
+        fittings[k].QuantizeInverseGrid(fits.back());
     if (!grid) return std::nullopt;
     bits = std::min(bits, grid->points.section.fraction_bits);
     cos_limit_q30 = std::min(cos_limit_q30, grid->section.cos_limit_q30);
   }
   for (size_t k = 0; k < fittings.size(); ++k) {
-    std::optional<InverseGrid> grid = fittings[k].InFixedPoint(fits[k], bits);
+    std::optional<InverseGrid> grid =
+        fittings[k].QuantizeInverseGrid(fits[k], bits);
     if (!grid) return std::nullopt;
     grid->section.cos_limit_q30 = cos_limit_q30;
-    made.push_back({*std::move(grid),
-                    {},
-                    fittings[k].IsCloseEnough(fits[k], samples[k].trusted)});
+    made.push_back(
+        {*std::move(grid),
+         {},
+         fittings[k].IsCloseEnough(fits[k], samples[k].valid_region)});
   }
   return made;
 }
 
 // The fraction missed by all of them.
-double MissedFraction(const std::vector<MeasuredInverse>& inverses) {
+double FailedFraction(const std::vector<MeasuredInverse>& inverses) {
   double missed = 0;
   for (const MeasuredInverse& inverse : inverses)
-    missed +=
-        inverse.error.trusted.MissedFraction() + (inverse.is_close ? 0 : 1e-9);
+    missed += inverse.error.valid_region.FailedFraction() +
+              (inverse.is_close ? 0 : 1e-9);
   return missed;
 }
 
@@ -280,19 +285,20 @@ double MissedFraction(const std::vector<MeasuredInverse>& inverses) {
 
 std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const ValidityMask* trusted, const MeasureOneInverse& measure) {
+    const ValidityMask* valid_region, const MeasureOneInverse& measure) {
   std::vector<InverseSamples> samples;
   std::vector<SurfaceSample> all;
   for (const BSplineSurface* surface : surfaces) {
-    samples.push_back(SurfaceSampling(*surface, trusted).Samples());
-    if (samples.back().trusted.empty()) return std::nullopt;
-    for (const auto* some : {&samples.back().trusted, &samples.back().others})
+    samples.push_back(SurfaceSampling(*surface, valid_region).Samples());
+    if (samples.back().valid_region.empty()) return std::nullopt;
+    for (const auto* some :
+         {&samples.back().valid_region, &samples.back().others})
       all.insert(all.end(), some->begin(), some->end());
   }
-  const Area chart = ChartAround(all);
+  const Area chart = ComputeChartArea(all);
   std::vector<InverseFitting> fittings;
   for (size_t k = 0; k < surfaces.size(); ++k) {
-    std::vector<SurfaceSample> own = samples[k].trusted;
+    std::vector<SurfaceSample> own = samples[k].valid_region;
     own.insert(own.end(), samples[k].others.begin(), samples[k].others.end());
     fittings.emplace_back(*surfaces[k], chart, std::move(own));
   }
@@ -309,10 +315,10 @@ std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
       if (error) (*made)[k].error = *error;
     }
     if (!is_measured ||
-        (best && MissedFraction(*made) >= MissedFraction(*best)))
+        (best && FailedFraction(*made) >= FailedFraction(*best)))
       continue;
     best = std::move(made);
-    if (MissedFraction(*best) == 0) break;
+    if (FailedFraction(*best) == 0) break;
   }
   return best;
 }

@@ -38,7 +38,7 @@ struct MeasuredInverse {
 /// are used, or the grid that misses fewest. trusted: NULL if all pixels are
 /// valid. nullopt if no grid finds any valid pixel.
 std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const ValidityMask* trusted,
+                                              const ValidityMask* valid_region,
                                               const MeasureInverse& measure);
 
 /// Measures the runtime's projection with the inverse grid of one of several
@@ -53,7 +53,7 @@ using MeasureOneInverse = std::function<std::optional<ProjectionError>(
 /// none can be stored in 16 bits.
 std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const ValidityMask* trusted, const MeasureOneInverse& measure);
+    const ValidityMask* valid_region, const MeasureOneInverse& measure);
 
 }  // namespace raygrid
 

@@ -27,16 +27,16 @@ void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
       (mean(right, right, 0, bottom) - mean(0, 0, 0, bottom)) / right;
   const double down =
       (mean(0, right, bottom, bottom) - mean(0, right, 0, 0)) / bottom;
-  const double middle = mean(0, right, 0, bottom);
+  const double center = mean(0, right, 0, bottom);
   narrow->column_step_q29[c] = Rounded(across);
   narrow->row_step_q29[c] = Rounded(down);
   narrow->origin_q29[c] =
-      Rounded(middle - across * right / 2 - down * bottom / 2);
+      Rounded(center - across * right / 2 - down * bottom / 2);
 }
 
 // The residuals of control points relative to the plane.
-std::vector<int64_t> BeyondPlane(const ControlPoints& points,
-                                 const rg_narrow_grid& plane) {
+std::vector<int64_t> ComputePlaneResiduals(const ControlPoints& points,
+                                           const rg_narrow_grid& plane) {
   std::vector<int64_t> beyond;
   for (size_t k = 0; k < points.values.size(); ++k) {
     const int64_t i = k / 2 % points.columns;
@@ -54,7 +54,8 @@ std::optional<NarrowGrid> Narrow(const ControlPoints& points,
                                  uint32_t max_fraction_bits) {
   NarrowGrid narrow;
   for (int c = 0; c < 2; ++c) FitPlane(points, c, &narrow.section);
-  const std::vector<int64_t> beyond = BeyondPlane(points, narrow.section);
+  const std::vector<int64_t> beyond =
+      ComputePlaneResiduals(points, narrow.section);
   int64_t largest = 0;
   for (const int64_t value : beyond)
     largest = std::max(largest, std::abs(value));

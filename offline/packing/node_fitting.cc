@@ -207,7 +207,7 @@ class NodeEquations {
   };
   static constexpr int kWhole = 0;  // the normal of a block of whole cells
   struct SecondDifference {
-    int middle, step;
+    int center, step;
   };
   // Origin, step to the next column, step to the next row of blocks.
   using Affine = Eigen::Matrix<double, 3, 2>;

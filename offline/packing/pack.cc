@@ -25,18 +25,19 @@ std::optional<std::string> WarnAboutProjection(
   if (!error)
     return "no 16-bit inverse grid is accurate enough: the blob does not "
            "support projection";
-  const FoundPixels& pixels = error->trusted;
-  const int64_t num_all = pixels.num_pixels + pixels.num_unfindable;
+  const ProjectedPixels& pixels = error->valid_region;
+  const int64_t num_all = pixels.num_pixels + pixels.num_not_invertible;
   std::string faults;
   const auto add = [&](int64_t count, const std::string& what) {
     if (count > 0)
       faults += fmt::format("{}{:.2g} % {}", faults.empty() ? "" : ", ",
                             100.0 * count / num_all, what);
   };
-  add(pixels.num_lost, "do not converge");
-  add(pixels.num_off, fmt::format("have errors above {} px, up to {:.2g} px",
-                                  kMaxProjectionErrorPx, pixels.worst_px));
-  add(pixels.num_unfindable,
+  add(pixels.num_not_found, "do not converge");
+  add(pixels.num_inaccurate,
+      fmt::format("have errors above {} px, up to {:.2g} px",
+                  kMaxProjectionErrorPx, pixels.worst_px));
+  add(pixels.num_not_invertible,
       "are ambiguous (folds of the distortion) or more than 151 degrees off "
       "axis");
   if (faults.empty()) return std::nullopt;
@@ -85,10 +86,10 @@ void ThrowIfStopped(const PackOptions& options) {
 }
 
 // The part of the image that is calibrated, and trusted if there is a mask.
-double PartOf(const CameraModel& camera, const ValidityMask* trusted) {
+double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
   ValidityMask mask =
-      trusted ? *trusted : ValidityMask::Over(camera.image_size());
-  if (!trusted) mask.is_trusted.assign(mask.is_trusted.size(), true);
+      valid_region ? *valid_region : ValidityMask::Over(camera.image_size());
+  if (!valid_region) mask.is_valid.assign(mask.is_valid.size(), true);
   return CameraUncertainty::FromMask(mask).ValidFraction(camera.image_size(),
                                                          camera.area());
 }
@@ -139,7 +140,7 @@ PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   packed.warnings.push_back(fmt::format(
       "a blob can vary with one quantity only: it varies with {}, at {} {:g} "
       "(centre of the range); select another value with pack --at {}=VALUE",
-      OperatingParameterName(ranges[0].condition), other, ranges[1].Middle(),
+      OperatingParameterName(ranges[0].condition), other, ranges[1].Center(),
       other));
   return packed;
 }
@@ -148,7 +149,7 @@ PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
 class FileSections {
  public:
   void AddTo(const CameraFile& file, const NonCentralGeneric* lines,
-             const BlobGrids& grids, const ValidityMask* trusted,
+             const BlobGrids& grids, const ValidityMask* valid_region,
              rg_blob_contents* contents) {
     quality_ = QuantizeQuality(file, grids.points->error());
     contents->quality = &quality_;
@@ -156,7 +157,7 @@ class FileSections {
       line_points_ = QuantizeLinePoints(*lines, grids.made.models[0].surface());
       contents->line_points_q28 = line_points_.data();
     }
-    if (const auto known = UncertaintyWithin(file.uncertainty, trusted)) {
+    if (const auto known = UncertaintyWithin(file.uncertainty, valid_region)) {
       uncertainty_ = QuantizeUncertainty(*known, grids.section());
       uncertainty_.AddTo(contents);
     }
@@ -181,26 +182,26 @@ class FileSections {
 // The section of the operating-point stack; contents point to it.
 class StackSection {
  public:
-  void AddTo(const OperatingPointKnots& stack, const GridPoints& points,
+  void AddTo(const OperatingPointSamples& stack, const GridPoints& points,
              const InverseSections& inverse, const RemapSections& remaps,
              rg_blob_contents* contents) {
     for (size_t k = 1; k <= stack.cameras.size(); ++k) {
-      rg_knot_contents knot = {};
-      knot.value_q16 =
+      rg_stack_sample_contents sample = {};
+      sample.value_q16 =
           static_cast<int32_t>(std::lround(stack.values[k - 1] * 65536));
-      points.Point(k, &knot);
-      knot.inverse_points = inverse.points(k);
-      knot.remaps = remaps.contents(k);
-      knots_.push_back(knot);
+      points.Point(k, &sample);
+      sample.inverse_points = inverse.points(k);
+      sample.remaps = remaps.contents(k);
+      knots_.push_back(sample);
     }
     section_.condition = static_cast<uint16_t>(stack.condition);
-    section_.num_knots = static_cast<uint16_t>(knots_.size());
-    section_.knots = knots_.data();
+    section_.num_samples = static_cast<uint16_t>(knots_.size());
+    section_.samples = knots_.data();
     contents->stack = &section_;
   }
 
  private:
-  std::vector<rg_knot_contents> knots_;
+  std::vector<rg_stack_sample_contents> knots_;
   rg_stack_contents section_ = {};
 };
 
@@ -214,15 +215,16 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
   const std::optional<CentralGeneric> far =
       lines ? std::optional(CentralPart(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const ValidityMask* own_trusted =
+  const ValidityMask* own_valid_region =
       file.uncertainty && file.uncertainty->mask.HasValidCells()
           ? &file.uncertainty->mask
           : nullptr;
   const int num_threads = NumThreads(options.num_threads);
   const std::function<void()> go_on = [&options] { ThrowIfStopped(options); };
 
-  const OperatingPointKnots* stack = options.stack ? &*options.stack : nullptr;
-  if (stack) RequireAlikeKnots(*stack, camera);
+  const OperatingPointSamples* stack =
+      options.stack ? &*options.stack : nullptr;
+  if (stack) RequireSimilarSamples(*stack, camera);
   const std::shared_ptr<const RegularRegion> region =
       IsBlobGrid(central)
           ? nullptr
@@ -235,37 +237,40 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
   std::vector<const CameraModel*> cameras = {shown.get()};
   for (size_t k = 0; stack && k < stack->cameras.size(); ++k)
     cameras.push_back(&stack->cameras[k]);
-  const std::string name = PaddedText("name", file.name);
-  const std::string serial = PaddedText("serial", file.serial);
+  const std::string name = FormatPadded("name", file.name);
+  const std::string serial = FormatPadded("serial", file.serial);
   const rg_camera_section identity = {
       static_cast<uint16_t>(camera.image_size().width),
       static_cast<uint16_t>(camera.image_size().height), name.data(),
       serial.data()};
   rg_blob_contents contents = {};
   contents.camera = &identity;
-  const GridTask task = {
-      central,    region.get(), own_trusted, stack, options.is_narrow_allowed,
-      num_threads};
+  const GridTask task = {central,
+                         region.get(),
+                         own_valid_region,
+                         stack,
+                         options.is_narrow_allowed,
+                         num_threads};
   const std::unique_ptr<BlobGrids> grids =
       FitBlobGrids(task, options.max_ray_error_px, &contents);
   const GridPoints& points = *grids->points;
-  const ValidityMask* trusted = grids->made.ValidOr(own_trusted);
+  const ValidityMask* valid_region = grids->made.ValidOr(own_valid_region);
 
   PackedCamera packed;
   packed.unproject_error_px = points.error().px;
   packed.unproject_error_rad = points.error().rad;
   packed.left_out_part =
-      PartOf(central, own_trusted) - PartOf(central, trusted);
+      PartOf(central, own_valid_region) - PartOf(central, valid_region);
   if (const auto warning = WarnAboutLeftOut(
           task, grids->made, packed.left_out_part,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
     packed.warnings.push_back(*warning);
   // To the pixels that look into a direction, also where those are of lines.
-  const InverseSections inverse(grids->Surfaces(), points, trusted, num_threads,
-                                go_on, &contents);
+  const InverseSections inverse(grids->Surfaces(), points, valid_region,
+                                num_threads, go_on, &contents);
   packed.projection = inverse.error();
   if (const auto warning =
-          WarnAboutProjection(packed.projection, trusted != nullptr))
+          WarnAboutProjection(packed.projection, valid_region != nullptr))
     packed.warnings.push_back(*warning);
   RemapSections remaps;
   remaps.Fit(cameras, lines, options, options.shown ? &*options.shown : nullptr,
@@ -273,7 +278,7 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
   remaps.AddTo(&contents);
 
   FileSections sections;
-  sections.AddTo(file, lines, *grids, trusted, &contents);
+  sections.AddTo(file, lines, *grids, valid_region, &contents);
   StackSection stack_section;
   if (stack) stack_section.AddTo(*stack, points, inverse, remaps, &contents);
   packed.blob = WriteBlob(contents);
@@ -287,7 +292,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (file.stack->cameras.ranges().size() > 1)
     return PackOverFirst(file, options);
   PackOptions with_stack = options;
-  with_stack.stack = MakeModelKnots(file.stack->cameras);
+  with_stack.stack = MakeModelSamples(file.stack->cameras);
   // A blob has one statement of how well its cameras are known.
   CameraFile known_everywhere = file;
   known_everywhere.uncertainty = ComputeMaxUncertainty(file);

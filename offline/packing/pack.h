@@ -35,8 +35,8 @@ struct RemapRequest {
 
 /// A central camera at sampled operating points of one variable, between which
 /// devices interpolate.
-struct OperatingPointKnots {
-  rg_condition condition = RG_CONDITION_LENS_POSITION;
+struct OperatingPointSamples {
+  rg_operating_parameter condition = RG_OPERATING_PARAMETER_LENS_POSITION;
   std::vector<double> values;  ///< ascending; dioptres or degrees Celsius
   /// One camera per value, with grids of equal size over one area.
   std::vector<CentralGeneric> cameras;
@@ -47,13 +47,13 @@ struct OperatingPointKnots {
 /// pixels over the area, at three intermediate values. All cameras have grids
 /// of equal size over one area. Throws Error(kQuality) if 64 samples do not
 /// suffice.
-OperatingPointKnots SelectKnots(
-    rg_condition condition, double low, double high,
+OperatingPointSamples SelectSamples(
+    rg_operating_parameter condition, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,
     double max_error_px = 0.01);
 
 /// Samples an operating-point model of one variable.
-OperatingPointKnots MakeModelKnots(const OperatingPointModel& stack);
+OperatingPointSamples MakeModelSamples(const OperatingPointModel& stack);
 
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table per request
@@ -71,7 +71,7 @@ struct PackOptions {
   std::optional<ValidityMask> shown;
   /// Operating-point model in addition to the camera, which is its reference.
   /// nullopt: from the camera's file, if it has one.
-  std::optional<OperatingPointKnots> stack;
+  std::optional<OperatingPointSamples> stack;
   bool is_narrow_allowed = true;  ///< whether 16-bit control points may be used
   int num_threads = 0;
   /// If it returns true, packing is aborted with Error(kNotConverged).

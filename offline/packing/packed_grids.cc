@@ -71,7 +71,7 @@ bool GridPoints::Measure(const std::vector<PackingTruth>& truths,
 
 InverseSections::InverseSections(
     const std::vector<const BSplineSurface*>& surfaces,
-    const GridPoints& points, const ValidityMask* trusted, int num_threads,
+    const GridPoints& points, const ValidityMask* valid_region, int num_threads,
     const std::function<void()>& go_on, rg_blob_contents* contents) {
   const auto measure = [&](size_t k, const InverseGrid& grid,
                            double max_pixels) {
@@ -83,18 +83,18 @@ InverseSections::InverseSections(
     measured.inverse_points = &inverse_points;
     return IsWritable(measured) ? std::optional(MeasureProjection(
                                       BlobCamera("blob", WriteBlob(measured)),
-                                      trusted, max_pixels, num_threads))
+                                      valid_region, max_pixels, num_threads))
                                 : std::nullopt;
   };
   if (surfaces.size() == 1) {
     if (auto inverse =
-            FitInverseGrid(*surfaces[0], trusted,
+            FitInverseGrid(*surfaces[0], valid_region,
                            [&](const InverseGrid& grid, double max_pixels) {
                              return measure(0, grid, max_pixels);
                            }))
       inverses_.push_back(*std::move(inverse));
   } else if (auto inverses =
-                 FitInverseGridsJointly(surfaces, trusted, measure)) {
+                 FitInverseGridsJointly(surfaces, valid_region, measure)) {
     inverses_ = *std::move(inverses);
   }
   for (const MeasuredInverse& inverse : inverses_)
@@ -107,8 +107,8 @@ std::optional<ProjectionError> InverseSections::error() const {
   if (inverses_.empty()) return std::nullopt;
   return std::max_element(inverses_.begin(), inverses_.end(),
                           [](const auto& a, const auto& b) {
-                            return a.error.trusted.MissedFraction() <
-                                   b.error.trusted.MissedFraction();
+                            return a.error.valid_region.FailedFraction() <
+                                   b.error.valid_region.FailedFraction();
                           })
       ->error;
 }

@@ -61,7 +61,7 @@ class InverseSections {
   /// projection. surfaces: of each grid. go_on is called regularly, and may
   /// throw.
   InverseSections(const std::vector<const BSplineSurface*>& surfaces,
-                  const GridPoints& points, const ValidityMask* trusted,
+                  const GridPoints& points, const ValidityMask* valid_region,
                   int num_threads, const std::function<void()>& go_on,
                   rg_blob_contents* contents);
   InverseSections(const InverseSections&) = delete;

@@ -20,18 +20,18 @@ std::vector<double> Positions(double from, double to, int step) {
   return positions;
 }
 
-void Add(const FoundPixels& more, FoundPixels* sum) {
+void Add(const ProjectedPixels& more, ProjectedPixels* sum) {
   sum->num_pixels += more.num_pixels;
-  sum->num_unfindable += more.num_unfindable;
-  sum->num_lost += more.num_lost;
-  sum->num_off += more.num_off;
+  sum->num_not_invertible += more.num_not_invertible;
+  sum->num_not_found += more.num_not_found;
+  sum->num_inaccurate += more.num_inaccurate;
   sum->worst_px = std::max(sum->worst_px, more.worst_px);
 }
 
 }  // namespace
 
 ProjectionError MeasureProjection(const BlobCamera& blob,
-                                  const ValidityMask* trusted,
+                                  const ValidityMask* valid_region,
                                   double max_pixels, int num_threads) {
   const std::unique_ptr<CameraModel> model = blob.ToModel();
   const BSplineSurface& surface = *model->DirectionGrid();
@@ -45,30 +45,30 @@ ProjectionError MeasureProjection(const BlobCamera& blob,
   ParallelFor(static_cast<int>(rows.size()), num_threads, [&](int j) {
     for (const double x : columns) {
       const Eigen::Vector2d pixel(x, rows[j]);
-      FoundPixels& found = !trusted || trusted->IsValidAt(pixel)
-                               ? errors[j].trusted
-                               : errors[j].others;
+      ProjectedPixels& found = !valid_region || valid_region->IsValidAt(pixel)
+                                   ? errors[j].valid_region
+                                   : errors[j].others;
       Eigen::Matrix2d derivative;
       const Eigen::Vector2d chart = surface.Evaluate(pixel, &derivative);
       if (derivative.determinant() * handedness <= 0 ||
           chart.norm() > kMaxChartRadius) {
-        ++found.num_unfindable;
+        ++found.num_not_invertible;
         continue;
       }
       ++found.num_pixels;
       const auto back = blob.Project(FromChart(chart));
       if (!back) {
-        ++found.num_lost;
+        ++found.num_not_found;
         continue;
       }
       const double error_px = (*back - pixel).norm();
       found.worst_px = std::max(found.worst_px, error_px);
-      if (error_px > kMaxProjectionErrorPx) ++found.num_off;
+      if (error_px > kMaxProjectionErrorPx) ++found.num_inaccurate;
     }
   });
   ProjectionError total;
   for (const ProjectionError& error : errors) {
-    Add(error.trusted, &total.trusted);
+    Add(error.valid_region, &total.valid_region);
     Add(error.others, &total.others);
   }
   return total;

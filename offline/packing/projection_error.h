@@ -10,25 +10,27 @@
 namespace raygrid {
 
 /// Result of projecting the rays of pixels with the runtime.
-struct FoundPixels {
-  int64_t num_pixels = 0;      ///< pixels with a unique projection
-  int64_t num_unfindable = 0;  ///< at folds of the surface, or 151
-                               ///< degrees from the z axis or more
-  int64_t num_lost = 0;        ///< pixels not found: projection fails
-  int64_t num_off = 0;         ///< errors above kMaxProjectionErrorPx
-  double worst_px = 0;         ///< maximum error of found pixels
+struct ProjectedPixels {
+  int64_t num_pixels = 0;          ///< pixels with a unique projection
+  int64_t num_not_invertible = 0;  ///< at folds of the surface, or 151
+                                   ///< degrees from the z axis or more
+  int64_t num_not_found = 0;       ///< pixels not found: projection fails
+  int64_t num_inaccurate = 0;      ///< errors above kMaxProjectionErrorPx
+  double worst_px = 0;             ///< maximum error of found pixels
 
-  bool AreAllFound() const { return num_lost == 0 && num_off == 0; }
+  bool AreAllAccurate() const {
+    return num_not_found == 0 && num_inaccurate == 0;
+  }
   /// Fraction of pixels that are not found or inaccurate.
-  double MissedFraction() const {
-    return static_cast<double>(num_lost + num_off) /
+  double FailedFraction() const {
+    return static_cast<double>(num_not_found + num_inaccurate) /
            std::max<int64_t>(num_pixels, 1);
   }
 };
 
 struct ProjectionError {
-  FoundPixels trusted;  ///< valid region; the area without a mask
-  FoundPixels others;
+  ProjectedPixels valid_region;  ///< valid region; the area without a mask
+  ProjectedPixels others;
 };
 
 /// Maximum radius in the runtime's chart: tan(151 / 2 degrees), less a margin.
@@ -41,7 +43,7 @@ constexpr double kMaxProjectionErrorPx = 0.002;
 /// at most max_pixels, relative to the blob's own surface in double precision.
 /// The blob must have an inverse grid.
 ProjectionError MeasureProjection(const BlobCamera& blob,
-                                  const ValidityMask* trusted,
+                                  const ValidityMask* valid_region,
                                   double max_pixels, int num_threads);
 
 }  // namespace raygrid

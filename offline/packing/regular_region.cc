@@ -33,7 +33,7 @@ double Determinant(const RayJacobian& J_ray, const Eigen::Vector3d& ray) {
 }
 
 // The smaller singular value.
-double LeastScale(const RayJacobian& J_ray) {
+double ComputeMinScale(const RayJacobian& J_ray) {
   const Eigen::Matrix2d product = J_ray * J_ray.transpose();
   const double half = product.trace() / 2;
   const double root =
@@ -112,12 +112,12 @@ void RegularRegion::ExcludeSingularNodes() {
     if (node.is_regular)
       scales.push_back(std::sqrt(Determinant(node.J_ray, node.ray)));
   if (scales.empty()) return;
-  const auto middle =
+  const auto median =
       scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
-  std::nth_element(scales.begin(), middle, scales.end());
-  least_scale_ = kSingularPart * *middle;
+  std::nth_element(scales.begin(), median, scales.end());
+  least_scale_ = kSingularPart * *median;
   for (Node& node : nodes_)
-    if (!(LeastScale(node.J_ray) >= least_scale_)) node.is_regular = false;
+    if (!(ComputeMinScale(node.J_ray) >= least_scale_)) node.is_regular = false;
 }
 
 // The regular node nearest to the pixel on the z axis, otherwise to the centre.
@@ -136,8 +136,8 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
 // Whether rays differ between nodes by far more than Jacobians predict.
 bool RegularRegion::IsJump(int from, int to) const {
   constexpr double kFar = 4;
-  const double least =
-      std::min(LeastScale(nodes_[from].J_ray), LeastScale(nodes_[to].J_ray));
+  const double least = std::min(ComputeMinScale(nodes_[from].J_ray),
+                                ComputeMinScale(nodes_[to].J_ray));
   const double turn_rad =
       std::atan2(nodes_[from].ray.cross(nodes_[to].ray).norm(),
                  nodes_[from].ray.dot(nodes_[to].ray));
@@ -219,7 +219,7 @@ bool RegularRegion::IsRegularRay(const CameraModel& camera,
   if (Contains(pixel)) return true;
   const Node node = FindNode(camera, camera.DirectionGrid(), pixel);
   return node.is_regular && (node.ray - ray).norm() <= kSameRayRad &&
-         (least_scale_ == 0 || LeastScale(node.J_ray) >= least_scale_);
+         (least_scale_ == 0 || ComputeMinScale(node.J_ray) >= least_scale_);
 }
 
 bool RegularRegion::ContainsAmong(const std::vector<bool>& is_good,

@@ -100,8 +100,8 @@ class TableErrors {
   void ForParts(int j, const Visit& visit) const {
     const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
     const int log2 = blocks_.layout.SmallestLog2();
-    rg_part_row parts;
-    rg_start_part_row(section, log2, log2, j, &parts);
+    rg_tile_row parts;
+    rg_init_tile_row(section, log2, log2, j, &parts);
     for (int x = 0; x < map_.width; x += part_) {
       rg_block block;
       rg_next_block(&parts, &block);
@@ -115,7 +115,7 @@ class TableErrors {
                  const Visit& visit) const {
     for (int y = y0; y < std::min(y0 + part_, map_.height); ++y) {
       rg_block_row row;
-      rg_find_block_row(&block, y - y0, &row);
+      rg_compute_block_row(&block, y - y0, &row);
       for (int x = x0; x < std::min(x0 + part_, map_.width); ++x) {
         const rg_position p = rg_row_position(&row, x - x0);
         visit(x, y,
@@ -186,7 +186,7 @@ class TableErrors {
     Floats worst = Floats::Zero();
     for (int r = 0; r < part_; ++r) {
       rg_block_row row;
-      rg_find_block_row(&block, r, &row);
+      rg_compute_block_row(&block, r, &row);
       const size_t first = map_.Index(x0, y0 + r);
       for (int k = 0; k < part_; k += kLanes) {
         Floats square = Floats::Zero();
@@ -228,10 +228,10 @@ class TableErrors {
 // The maximum error of a chroma component, by the map: a source is the mean of
 // those of the output pixels of a sample.
 double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
-                     const rg_lattice& lattice, int num_threads) {
+                     const rg_component& lattice, int num_threads) {
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
-  const uint32_t width_log2 = rg_part_log2(section, &lattice, 0);
-  const uint32_t height_log2 = rg_part_log2(section, &lattice, 1);
+  const uint32_t width_log2 = rg_tile_log2(section, &lattice, 0);
+  const uint32_t height_log2 = rg_tile_log2(section, &lattice, 1);
   const int num_x = 1 << lattice.log2[0], num_y = 1 << lattice.log2[1];
   const Eigen::Vector2d half(lattice.half[0] / 2.0, lattice.half[1] / 2.0);
   const Eigen::Vector2d unit(num_x, num_y);
@@ -251,16 +251,16 @@ double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
   const int part_height = 1 << height_log2;
   std::vector<double> worst((map.height + part_height - 1) / part_height, 0);
   ParallelFor(static_cast<int>(worst.size()), num_threads, [&](int j) {
-    rg_part_row parts;
-    rg_start_part_row(section, width_log2, height_log2, j, &parts);
+    rg_tile_row parts;
+    rg_init_tile_row(section, width_log2, height_log2, j, &parts);
     for (int x0 = 0; x0 < map.width; x0 += 1 << width_log2) {
       rg_block block;
       rg_next_block(&parts, &block);
       if (parts.is_empty) continue;
-      rg_lattice_block(&lattice, &block);
+      rg_transform_block(&lattice, &block);
       for (int r = 0; r < 1 << block.height_log2; ++r) {
         rg_block_row row;
-        rg_find_block_row(&block, r, &row);
+        rg_compute_block_row(&block, r, &row);
         for (int k = 0; k < 1 << block.width_log2; ++k) {
           const auto exact =
               source(x0 + num_x * k, j * part_height + num_y * r);
@@ -304,8 +304,8 @@ double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
   const std::vector<uint32_t> words = SectionWords(table);
   double worst = 0;
   for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
-    rg_lattice lattice;
-    rg_find_lattice(format, 1, &lattice);
+    rg_component lattice;
+    rg_get_component(format, 1, &lattice);
     worst = std::max(worst, WorstOfChroma(map, words, lattice, num_threads));
   }
   return worst;

@@ -167,7 +167,7 @@ void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
 }
 
 // The blocks in which any table has a source.
-Blocks UnionOf(const std::vector<Blocks>& own) {
+Blocks MergeBlocks(const std::vector<Blocks>& own) {
   Blocks all = own.front();
   for (const Blocks& blocks : own)
     for (size_t k = 0; k < all.used.size(); ++k)
@@ -213,7 +213,7 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
     if (own[t].layout.block_log2 > kMaxHidingLog2) return std::nullopt;
     nodes[t] = FitNodes(inputs[t]->map, inputs[t]->sums, own[t]);
   }
-  *all_blocks = UnionOf(own);
+  *all_blocks = MergeBlocks(own);
   const Blocks& all = *all_blocks;
   for (size_t t = 0; t < inputs.size(); ++t) {
     const MappedInput& input = *inputs[t];
@@ -283,7 +283,7 @@ std::optional<std::vector<RemapTable>> FitWithoutRough(
   constexpr int kRounds = 6;
   constexpr double kMostPart = 0.02;
   const auto count = [&own] {
-    const Blocks all = UnionOf(own);
+    const Blocks all = MergeBlocks(own);
     return std::count(all.used.begin(), all.used.end(), true);
   };
   const auto num_before = count();
@@ -341,7 +341,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     std::vector<Blocks> own;
     for (const auto& input : inputs)
       own.push_back(SplitIntoBlocks(input->map, layout));
-    Blocks all = UnionOf(own);
+    Blocks all = MergeBlocks(own);
     if (std::count(all.used.begin(), all.used.end(), true) == 0)
       throw Error(ExitCode::kUsage,
                   "the view does not overlap the calibrated area; rotate it, "

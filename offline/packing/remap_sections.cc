@@ -75,10 +75,10 @@ double FarError(const CameraModel& near, const CameraModel& far,
 }
 
 // The pixels of frames of a mode, or as calibrated, in valid cells.
-PixelFilter TrustedPixels(const ValidityMask& trusted,
-                          const std::optional<SensorMode>& mode) {
-  return [&trusted, mode](const Eigen::Vector2d& pixel) {
-    return trusted.IsValidAt(mode ? mode->ToCalibrated(pixel) : pixel);
+PixelFilter FindValidPixels(const ValidityMask& valid_region,
+                            const std::optional<SensorMode>& mode) {
+  return [&valid_region, mode](const Eigen::Vector2d& pixel) {
+    return valid_region.IsValidAt(mode ? mode->ToCalibrated(pixel) : pixel);
   };
 }
 
@@ -91,19 +91,19 @@ double PercentOfPicture(const RemapTable& table) {
 // An error says which of several tables it is of.
 std::vector<RemapTable> FitTables(
     const std::vector<const CameraModel*>& sources, const RemapRequest& request,
-    const PackOptions& options, const ValidityMask* trusted, int num_threads,
-    const std::function<void()>& go_on) {
+    const PackOptions& options, const ValidityMask* valid_region,
+    int num_threads, const std::function<void()>& go_on) {
   const auto fit = request.distorts ? FitDistortionTables : FitRemapTables;
   constexpr double kMostPx = 1;
   for (double bound_px = options.max_error_px;;
        bound_px = std::min(2 * bound_px, kMostPx)) {
     try {
-      return fit(
-          sources, request.view, bound_px, num_threads, go_on,
-          trusted ? TrustedPixels(*trusted, request.mode) : PixelFilter(),
-          options.is_table_bound_soft && bound_px < kMostPx
-              ? RoughBlocks::kRefuse
-              : RoughBlocks::kLeaveOut);
+      return fit(sources, request.view, bound_px, num_threads, go_on,
+                 valid_region ? FindValidPixels(*valid_region, request.mode)
+                              : PixelFilter(),
+                 options.is_table_bound_soft && bound_px < kMostPx
+                     ? RoughBlocks::kRefuse
+                     : RoughBlocks::kLeaveOut);
     } catch (const Error& error) {
       if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
           bound_px < kMostPx)
@@ -120,8 +120,9 @@ std::vector<RemapTable> FitTables(
 
 void RemapSections::Fit(const std::vector<const CameraModel*>& cameras,
                         const NonCentralGeneric* lines,
-                        const PackOptions& options, const ValidityMask* trusted,
-                        int num_threads, const std::function<void()>& go_on,
+                        const PackOptions& options,
+                        const ValidityMask* valid_region, int num_threads,
+                        const std::function<void()>& go_on,
                         PackedCamera* packed) {
   for (const RemapRequest& request : options.remaps) {
     std::vector<std::unique_ptr<CameraModel>> sources;
@@ -130,9 +131,9 @@ void RemapSections::Fit(const std::vector<const CameraModel*>& cameras,
       sources.push_back(CameraOfRequest(*camera, lines, request));
       pointers.push_back(sources.back().get());
     }
-    packed->remaps.push_back(
-        Add(FitTables(pointers, request, options, trusted, num_threads, go_on),
-            request.mode));
+    packed->remaps.push_back(Add(
+        FitTables(pointers, request, options, valid_region, num_threads, go_on),
+        request.mode));
     packed->remaps.back().distorts = request.distorts;
     WarnAboutReach(packed);
     if (packed->remaps.back().error_px > options.max_error_px)
@@ -222,7 +223,7 @@ PackedRemap RemapSections::Add(std::vector<RemapTable> tables,
 }
 
 uint8_t RemapSections::NumberOfMode(const SensorMode& mode) {
-  const std::string name = PaddedText("mode", mode.name);
+  const std::string name = FormatPadded("mode", mode.name);
   const auto found = std::find(mode_names_.begin(), mode_names_.end(), name);
   const auto number = found - mode_names_.begin() + 1;
   if (found == mode_names_.end()) {

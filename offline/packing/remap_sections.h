@@ -22,7 +22,7 @@ class RemapSections {
   /// show, or NULL.
   void Fit(const std::vector<const CameraModel*>& cameras,
            const NonCentralGeneric* lines, const PackOptions& options,
-           const ValidityMask* trusted, int num_threads,
+           const ValidityMask* valid_region, int num_threads,
            const std::function<void()>& go_on, PackedCamera* packed);
 
   /// Adds the first camera's tables to contents, which point to memory owned by

@@ -41,7 +41,7 @@ bool MayBeSlotAt(const std::string& bytes, size_t at) {
 }
 
 // Why the device's functions or the host reject a blob.
-std::string FaultOf(const std::string& blob) {
+std::string CheckBlob(const std::string& blob) {
   const std::vector<uint32_t> words = AlignedWords(blob);
   const auto size = static_cast<uint32_t>(blob.size());
   rg_camera camera;
@@ -57,20 +57,20 @@ BlobSlot ReadSlot(const std::string& bytes) {
   const std::vector<uint32_t> words = AlignedWords(bytes);
   rg_slot found;
   slot.is_whole =
-      rg_choose_slot(words.data(), nullptr, static_cast<uint32_t>(bytes.size()),
+      rg_select_slot(words.data(), nullptr, static_cast<uint32_t>(bytes.size()),
                      &found) == RG_OK;
   if (slot.is_whole) {
     slot.sequence = found.sequence;
     slot.blob = bytes.substr(RG_SLOT_HEADER_SIZE, found.num_bytes);
-    slot.fault = FaultOf(slot.blob);
+    slot.fault = CheckBlob(slot.blob);
   }
   return slot;
 }
 
 // The slot that a device would choose among those that meet a condition.
 template <typename Admits>
-std::optional<uint32_t> NewestOf(const std::array<BlobSlot, 2>& slots,
-                                 Admits admits) {
+std::optional<uint32_t> FindNewest(const std::array<BlobSlot, 2>& slots,
+                                   Admits admits) {
   const bool first = admits(slots[0]), second = admits(slots[1]);
   if (!first && !second) return std::nullopt;
   if (!first || !second) return second ? 1 : 0;
@@ -79,7 +79,7 @@ std::optional<uint32_t> NewestOf(const std::array<BlobSlot, 2>& slots,
   return ahead != 0 && ahead < kHalfOfAll ? 1 : 0;
 }
 
-std::string HeaderOf(const std::string& blob, uint32_t sequence) {
+std::string MakeSlotHeader(const std::string& blob, uint32_t sequence) {
   uint32_t header[RG_SLOT_HEADER_SIZE / 4];
   rg_make_slot_header(blob.data(), static_cast<uint32_t>(blob.size()), sequence,
                       header);
@@ -93,10 +93,10 @@ uint64_t SlotSizeFor(const std::string& blob) {
 }
 
 bool IsSlotFile(const std::string& bytes) {
-  const size_t middle = bytes.size() / 2;
-  if (HasHeaderAt(bytes, 0) || HasHeaderAt(bytes, middle)) return true;
+  const size_t half = bytes.size() / 2;
+  if (HasHeaderAt(bytes, 0) || HasHeaderAt(bytes, half)) return true;
   return bytes.size() >= 2 * RG_SLOT_HEADER_SIZE && MayBeSlotAt(bytes, 0) &&
-         MayBeSlotAt(bytes, middle);
+         MayBeSlotAt(bytes, half);
 }
 
 std::optional<uint64_t> FindMisplacedSlot(const std::string& bytes) {
@@ -112,8 +112,8 @@ BlobSlots ReadSlots(const std::string& bytes) {
   BlobSlots read = {
       {ReadSlot(bytes.substr(0, size)), ReadSlot(bytes.substr(size, size))},
       std::nullopt};
-  read.newest = NewestOf(read.slots,
-                         [](const BlobSlot& slot) { return slot.IsUsable(); });
+  read.newest = FindNewest(
+      read.slots, [](const BlobSlot& slot) { return slot.IsUsable(); });
   return read;
 }
 
@@ -122,7 +122,7 @@ SlotUpdate PlanSlotUpdate(const BlobSlots& slots, uint64_t slot_size,
   SlotUpdate update = {0, 1, {}};
   const auto is_whole = [](const BlobSlot& slot) { return slot.is_whole; };
   if (const auto kept =
-          slots.newest ? slots.newest : NewestOf(slots.slots, is_whole)) {
+          slots.newest ? slots.newest : FindNewest(slots.slots, is_whole)) {
     update.index = 1 - *kept;
     update.sequence = slots.slots[*kept].sequence + 1;
   }
@@ -131,7 +131,7 @@ SlotUpdate PlanSlotUpdate(const BlobSlots& slots, uint64_t slot_size,
   rest.resize(slot_size - RG_SLOT_HEADER_SIZE, kErased);
   update.writes = {{begin, std::string(RG_SLOT_HEADER_SIZE, kErased)},
                    {begin + RG_SLOT_HEADER_SIZE, rest},
-                   {begin, HeaderOf(blob, update.sequence)}};
+                   {begin, MakeSlotHeader(blob, update.sequence)}};
   return update;
 }
 

@@ -24,11 +24,11 @@ Area SourceRectangle(const CameraModel& camera) {
 }
 
 // The source of an output pixel.
-std::optional<Eigen::Vector2d> SourceOf(const CameraModel& camera,
-                                        const OutputImage& output,
-                                        const Eigen::Vector2d& pixel,
-                                        const Eigen::Vector2d* start,
-                                        double margin_px) {
+std::optional<Eigen::Vector2d> ComputeSource(const CameraModel& camera,
+                                             const OutputImage& output,
+                                             const Eigen::Vector2d& pixel,
+                                             const Eigen::Vector2d* start,
+                                             double margin_px) {
   const auto direction = output.direction(pixel);
   if (!direction) return std::nullopt;
   return camera.Project(*direction, start, margin_px);
@@ -91,7 +91,8 @@ class Lattice {
     point.is_tried = true;
     const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
                                 (index / columns_ - kRing) * kCell);
-    const auto source = SourceOf(camera_, output_, pixel, start, margin_px_);
+    const auto source =
+        ComputeSource(camera_, output_, pixel, start, margin_px_);
     if (source) point.source = *source;
   }
 
@@ -278,8 +279,8 @@ CellSources ProjectCell(const CameraModel& camera, const OutputImage& output,
     for (int x = 0; x < kCell; ++x) {
       const Eigen::Vector2d pixel(column * kCell + x, row * kCell + y);
       const auto source =
-          SourceOf(camera, output, pixel, start.allFinite() ? &start : nullptr,
-                   kMarginPx);
+          ComputeSource(camera, output, pixel,
+                        start.allFinite() ? &start : nullptr, kMarginPx);
       if (source) start = *source;
       sources.Set(x, y, source.value_or(Eigen::Vector2d(NAN, NAN)));
     }
@@ -378,7 +379,8 @@ class CutOffSearch {
     if (!map_.rectangle.Contains(beside + step, kMarginPx)) return false;
     const Area& area = map_.rectangle;
     const double far_px = std::max(area.width(), area.height()) / 8;
-    return !SourceOf(camera_, output_, Eigen::Vector2d(x, y), &beside, far_px);
+    return !ComputeSource(camera_, output_, Eigen::Vector2d(x, y), &beside,
+                          far_px);
   }
 
   const CameraModel& camera_;
@@ -458,7 +460,8 @@ std::optional<Eigen::Vector2d> ExactSource(const CameraModel& camera,
                                            const OutputImage& output,
                                            const SourceMap& map, int x, int y) {
   const Eigen::Vector2d start = map.At(x, y);
-  return SourceOf(camera, output, Eigen::Vector2d(x, y), &start, kMarginPx);
+  return ComputeSource(camera, output, Eigen::Vector2d(x, y), &start,
+                       kMarginPx);
 }
 
 }  // namespace raygrid

@@ -19,7 +19,7 @@ constexpr double kMaxMeasuredPixels = 1.6e7;
 
 // The number of pixels per radian where rays change fastest, across the centre
 // of the area; fisheyes are uniform within their image circle.
-double FewestPixelsPerRadian(const CameraModel& camera) {
+double ComputeMinPixelsPerRadian(const CameraModel& camera) {
   constexpr int kSteps = 16;
   const Area& area = camera.area();
   const auto ray_at = [&](int step) {
@@ -52,14 +52,14 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
   const int num_rows = (last_row - first_row) / step + 1;
   constexpr double kHardlyTurn = 20;
   const double most_per_radian =
-      kHardlyTurn * FewestPixelsPerRadian(truth.camera);
+      kHardlyTurn * ComputeMinPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + step * row;
     for (int x = first; x <= last; x += step) {
       const Eigen::Vector2d pixel(x, y);
-      const bool is_trusted = truth.IsValidAt(pixel);
-      const CameraModel& camera = is_trusted ? truth.camera : truth.elsewhere;
+      const bool is_valid = truth.IsValidAt(pixel);
+      const CameraModel& camera = is_valid ? truth.camera : truth.elsewhere;
       const auto exact = camera.Unproject(pixel);
       LinearizedProjection projection;
       rg_ray ray;
@@ -69,7 +69,7 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      if (is_trusted && projection.J_point.norm() < most_per_radian)
+      if (is_valid && projection.J_point.norm() < most_per_radian)
         worst[row].px =
             std::max(worst[row].px, (projection.J_point * direction).norm());
     }

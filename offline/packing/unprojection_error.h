@@ -19,10 +19,10 @@ struct UnprojectionError {
 struct PackingTruth {
   const CameraModel& camera;
   const CameraModel& elsewhere;
-  const ValidityMask* trusted;
+  const ValidityMask* valid_region;
 
   bool IsValidAt(const Eigen::Vector2d& pixel) const {
-    return !trusted || trusted->IsValidAt(pixel);
+    return !valid_region || valid_region->IsValidAt(pixel);
   }
 };
 

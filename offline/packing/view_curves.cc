@@ -109,9 +109,9 @@ double SquareOfView(const VirtualView& view) {
 std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,
                                             const ImageSize& size) {
   std::vector<PixelCurve> curves;
-  const auto is_trusted = [&](int i, int j) {
+  const auto is_valid = [&](int i, int j) {
     return i >= 0 && i < mask.columns && j >= 0 && j < mask.rows &&
-           mask.is_trusted[j * mask.columns + i];
+           mask.is_valid[j * mask.columns + i];
   };
   const auto corner = [&](int i, int j) {
     return Eigen::Vector2d(
@@ -120,9 +120,9 @@ std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,
   };
   for (int j = 0; j <= mask.rows; ++j) {
     for (int i = 0; i <= mask.columns; ++i) {
-      if (is_trusted(i, j) != is_trusted(i - 1, j))
+      if (is_valid(i, j) != is_valid(i - 1, j))
         AddEdge(corner(i, j), corner(i, j + 1), &curves);
-      if (is_trusted(i, j) != is_trusted(i, j - 1))
+      if (is_valid(i, j) != is_valid(i, j - 1))
         AddEdge(corner(i, j), corner(i + 1, j), &curves);
     }
   }

@@ -16,7 +16,7 @@ namespace {
 
 // The maximum field of view of projections along x and y, degrees. Projections
 // with unbounded stretch would otherwise leave little room for the centre.
-Eigen::Vector2d LargestFieldDeg(ViewProjection projection) {
+Eigen::Vector2d GetMaxFieldDeg(ViewProjection projection) {
   switch (projection) {
     case ViewProjection::kPinhole:
       return {170, 170};
@@ -69,21 +69,21 @@ double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
 }
 
 // The focal length at which an axis of an image has a field of view.
-double FocalOf(ViewProjection projection, int axis, double field_deg,
-               double center_px, int pixels) {
-  const double from_middle = center_px - (pixels - 1) / 2.0;
-  if (std::abs(from_middle) >= pixels / 2.0)
+double SolveFocalLength(ViewProjection projection, int axis, double field_deg,
+                        double center_px, int pixels) {
+  const double from_center = center_px - (pixels - 1) / 2.0;
+  if (std::abs(from_center) >= pixels / 2.0)
     ThrowUsage(fmt::format(
         "{} cannot be used with a center outside the image; use a focal length",
         axis == 0 ? "hfov" : "vfov"));
-  if (from_middle == 0 && projection == ViewProjection::kPinhole)
+  if (from_center == 0 && projection == ViewProjection::kPinhole)
     return pixels / 2.0 / std::tan(field_deg * M_PI / 360);
   double low = 1e-3, high = 1e9;
   for (int k = 0; k < 200; ++k) {
-    const double middle = std::sqrt(low * high);
+    const double midpoint = std::sqrt(low * high);
     const double field =
-        FieldOfViewDeg(projection, axis, middle, center_px, pixels);
-    (field >= field_deg ? low : high) = middle;
+        FieldOfViewDeg(projection, axis, midpoint, center_px, pixels);
+    (field >= field_deg ? low : high) = midpoint;
   }
   return high;
 }
@@ -138,11 +138,11 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
     fx = fy = *request.focal_px;
   } else if (request.hfov_deg || request.vfov_deg) {
     if (request.hfov_deg)
-      fx = FocalOf(view.projection, 0, *request.hfov_deg, view.center_px.x(),
-                   size.width);
+      fx = SolveFocalLength(view.projection, 0, *request.hfov_deg,
+                            view.center_px.x(), size.width);
     if (request.vfov_deg)
-      fy = FocalOf(view.projection, 1, *request.vfov_deg, view.center_px.y(),
-                   size.height);
+      fy = SolveFocalLength(view.projection, 1, *request.vfov_deg,
+                            view.center_px.y(), size.height);
     if (fx == 0) fx = fy;
     if (fy == 0) fy = fx;
   }
@@ -185,7 +185,7 @@ void RequireValidView(const ViewRequest& request) {
     ThrowUsage("view cannot be combined with projection or rotate");
   const ViewProjection projection =
       request.projection.value_or(ViewProjection::kPinhole);
-  const Eigen::Vector2d most_deg = LargestFieldDeg(projection);
+  const Eigen::Vector2d most_deg = GetMaxFieldDeg(projection);
   RequireField("hfov", projection, request.hfov_deg, most_deg.x());
   RequireField("vfov", projection, request.vfov_deg, most_deg.y());
   if (request.focal_px && !(*request.focal_px > 0))
@@ -247,15 +247,16 @@ VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
     return view;
   const ImageSize& size = camera.image_size();
   const auto calibrated_middle = camera.Unproject(WholeImage(size).center());
-  const auto middle =
+  const auto midpoint =
       camera.Unproject(mode.ToCalibrated(WholeImage(mode.size).center()));
-  if (!calibrated_middle || !middle) return view;
+  if (!calibrated_middle || !midpoint) return view;
   const Eigen::Vector2d center_px = view.center_px;
   // A field of view around another centre has another focal length.
   constexpr int kTurns = 5;
   ViewRequest moved = request;
   for (int turn = 0; turn < kTurns; ++turn) {
-    const auto from = view.Pixel(*middle), to = view.Pixel(*calibrated_middle);
+    const auto from = view.Pixel(*midpoint),
+               to = view.Pixel(*calibrated_middle);
     if (!from || !to) return MakeView(frames, request);
     moved.center_px = center_px + *to - *from;
     view = MakeView(frames, moved);

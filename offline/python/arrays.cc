@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-std::string ShapeText(const py::array& array) {
+std::string FormatShape(const py::array& array) {
   std::string text;
   for (py::ssize_t k = 0; k < array.ndim(); ++k)
     text += fmt::format("{}{}", k == 0 ? "" : ", ", array.shape(k));
@@ -60,7 +60,7 @@ GivenVectors TakeVectors(const py::object& given, int length,
   if (array.ndim() < 1 || array.shape(array.ndim() - 1) != length)
     throw py::value_error(fmt::format(
         "{}: expected an array of the shape (N, {}) or ({},), not {}", name,
-        length, length, ShapeText(array)));
+        length, length, FormatShape(array)));
   GivenVectors vectors;
   vectors.length = length;
   vectors.array =

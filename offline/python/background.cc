@@ -26,7 +26,7 @@ bool Task::IsDone() {
   return changed_.wait_for(lock, kMoment, [this] { return is_done_; });
 }
 
-void Task::Tell(const py::object& progress) {
+void Task::Notify(const py::object& progress) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   std::string stage;
   double done = 0;
@@ -61,7 +61,7 @@ void RunInBackground(const py::object& progress,
     while (!task.IsDone()) {
       const py::gil_scoped_acquire acquired;
       try {
-        task.Tell(progress);
+        task.Notify(progress);
       } catch (...) {
         of_python = std::current_exception();
         task.should_stop_ = true;
@@ -70,7 +70,7 @@ void RunInBackground(const py::object& progress,
     }
     thread.join();
   }
-  if (!of_python) task.Tell(progress);
+  if (!of_python) task.Notify(progress);
   if (of_python) std::rethrow_exception(of_python);
   if (of_work) std::rethrow_exception(of_work);
 }

@@ -37,7 +37,7 @@ class Task {
   // Waits a moment; returns whether the work is done.
   bool IsDone();
   // Handles Python's signals, and calls progress if it has changed.
-  void Tell(const pybind11::object& progress);
+  void Notify(const pybind11::object& progress);
 
   std::atomic<bool> should_stop_{false};
   std::mutex mutex_;

@@ -110,8 +110,8 @@ MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
 }
 
 // A way to measure images again; empty for features alone.
-RefineFeaturesCallback AgainIn(const MeasuredCamera& camera,
-                               const Wishes& wishes, const Task* task) {
+RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
+                                      const Wishes& wishes, const Task* task) {
   if (camera.paths.empty() || wishes.measures_once) return nullptr;
   return [&camera, task, num_threads = wishes.options.num_threads](
              const CameraModel& model, const Pattern& found_pattern,
@@ -150,7 +150,7 @@ RigResult RunCalibration(const std::vector<GivenCamera>& given,
     CalibrationInput& input = inputs.emplace_back();
     input.name = given.size() > 1 ? given[c].name : wishes.name;
     input.dataset = cameras[c].dataset;
-    input.refine_features = AgainIn(cameras[c], wishes, task);
+    input.refine_features = MakeRefinement(cameras[c], wishes, task);
     input.image_circle = cameras[c].circle;
   }
   wishes.options.should_stop = [task] { return task->ShouldStop(); };
@@ -336,7 +336,7 @@ Raises:
     Error: too few images or features (code 3), no initialization (4), no
         convergence (5), or unreadable input (2).
     ValueError, TypeError: an argument is invalid.)",
-          fmt::join(CalibratedModels(), "', '"))
+          fmt::join(ListCalibratedModels(), "', '"))
           .c_str());
 }
 

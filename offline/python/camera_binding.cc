@@ -47,17 +47,17 @@ DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
   return deviations;
 }
 
-py::array_t<bool> IsTrusted(const PyCamera& self, const py::object& given) {
+py::array_t<bool> IsValid(const PyCamera& self, const py::object& given) {
   const GivenVectors pixels = TakeVectors(given, 2, "pixels");
   const ValidityMask& mask = UncertaintyOf(self).mask;
   const CameraModel& camera = *self.file.camera;
-  py::array_t<bool> trusted(pixels.axes);
-  bool* const is_trusted = trusted.mutable_data();
+  py::array_t<bool> valid_region(pixels.axes);
+  bool* const is_valid = valid_region.mutable_data();
   for (size_t k = 0; k < pixels.count; ++k) {
     const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
-    is_trusted[k] = camera.area().Contains(pixel) && mask.IsValidAt(pixel);
+    is_valid[k] = camera.area().Contains(pixel) && mask.IsValidAt(pixel);
   }
-  return trusted;
+  return valid_region;
 }
 
 py::dict UncertaintyFigures(const PyCamera& self) {
@@ -112,7 +112,7 @@ std::vector<OperatingRange> RangesOf(const PyCamera& self) {
   return self.file.stack->cameras.ranges();
 }
 
-py::tuple AsTuple(const OperatingRange& range) {
+py::tuple MakeTuple(const OperatingRange& range) {
   return py::make_tuple(OperatingParameterName(range.condition), range.low,
                         range.high);
 }
@@ -120,12 +120,13 @@ py::tuple AsTuple(const OperatingRange& range) {
 py::object OnlyRange(const PyCamera& self) {
   const std::vector<OperatingRange> ranges = RangesOf(self);
   if (ranges.size() != 1) return py::none();
-  return AsTuple(ranges[0]);
+  return MakeTuple(ranges[0]);
 }
 
 py::list AllRanges(const PyCamera& self) {
   py::list all;
-  for (const OperatingRange& range : RangesOf(self)) all.append(AsTuple(range));
+  for (const OperatingRange& range : RangesOf(self))
+    all.append(MakeTuple(range));
   return all;
 }
 
@@ -237,12 +238,12 @@ VirtualView ViewOf(const PyCamera& self,
                       "equirectangular, stereographic or equidistant, not '{}'",
                       *projection));
   }
-  const bool is_told = size || hfov || vfov || focal || alpha ||
-                       request.center_px || request.rotate_deg || projection;
+  const bool is_given = size || hfov || vfov || focal || alpha ||
+                        request.center_px || request.rotate_deg || projection;
   const py::gil_scoped_release released;
   RequireValidView(request);
   const auto camera = Upright(self);
-  return is_told ? MakeView(*camera, request) : MakeViewOfArea(*camera);
+  return is_given ? MakeView(*camera, request) : MakeViewOfArea(*camera);
 }
 
 Eigen::Matrix3d MatrixOfView(const VirtualView& view) {
@@ -395,9 +396,9 @@ void BindCamera(py::module_* module) {
            py::arg("threads") = 0, docstring::kRays)
       .def("uncertainty", &UncertaintyAt, py::arg("pixels"),
            docstring::kUncertainty)
-      .def("is_valid", &IsTrusted, py::arg("pixels"), docstring::kIsValid)
+      .def("is_valid", &IsValid, py::arg("pixels"), docstring::kIsValid)
       // The former name of is_valid.
-      .def("is_trusted", &IsTrusted, py::arg("pixels"),
+      .def("is_trusted", &IsValid, py::arg("pixels"),
            "Deprecated: use is_valid().")
       .def_property_readonly("uncertainty_figures", &UncertaintyFigures,
                              docstring::kUncertaintyFigures)

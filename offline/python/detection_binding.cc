@@ -72,7 +72,7 @@ py::array PixelsOf(const PyDetection& detection) {
   return pixels;
 }
 
-py::array IntegersOf(const PyDetection& detection, int Feature::*member) {
+py::array GetIntegers(const PyDetection& detection, int Feature::*member) {
   const std::vector<Feature>& features = detection.features.features;
   py::array_t<int> integers(static_cast<py::ssize_t>(features.size()));
   for (size_t k = 0; k < features.size(); ++k)
@@ -126,7 +126,7 @@ std::string BytesOfImage(const py::array& image) {
   return PortableMap(image);
 }
 
-Refinement RefinementOf(const std::string& name) {
+Refinement ParseRefinement(const std::string& name) {
   static const std::map<std::string, Refinement> kNames = {
       {"intensities", Refinement::kIntensities},
       {"gradients-xy", Refinement::kGradientsXY},
@@ -147,7 +147,7 @@ PyDetection Detect(const py::object& image, const py::object& pattern,
                    int window) {
   const std::string board = PathOf(pattern);
   DetectionOptions options;
-  options.refinement = RefinementOf(refinement);
+  options.refinement = ParseRefinement(refinement);
   options.window_px = window;
   if (window < 5 || window > 101 || window % 2 == 0)
     throw py::value_error("window: expected an odd number from 5 to 101");
@@ -305,15 +305,15 @@ Raises:
           "Positions in the image (N, 2), in pixels; read-only.")
       .def_property_readonly(
           "columns",
-          [](const PyDetection& d) { return IntegersOf(d, &Feature::column); },
+          [](const PyDetection& d) { return GetIntegers(d, &Feature::column); },
           "Columns on the board (N,), int32; read-only.")
       .def_property_readonly(
           "rows",
-          [](const PyDetection& d) { return IntegersOf(d, &Feature::row); },
+          [](const PyDetection& d) { return GetIntegers(d, &Feature::row); },
           "Rows on the board (N,), int32; read-only.")
       .def_property_readonly(
           "boards",
-          [](const PyDetection& d) { return IntegersOf(d, &Feature::board); },
+          [](const PyDetection& d) { return GetIntegers(d, &Feature::board); },
           "Ids of the boards (N,), int32; read-only.")
       .def_property_readonly(
           "remarks", [](const PyDetection& d) { return d.warnings; },

@@ -112,20 +112,20 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
 // ---- Export ----------------------------------------------------------------
 
 WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
-                      const std::vector<const LensForm*>& forms,
+                      const std::vector<const ExternalModel*>& external_models,
                       const std::optional<Pose>& pose,
                       const std::optional<double>& max_fit_error_px) {
   const auto& uncertainty = camera.file.uncertainty;
   const ValidityMask* mask = uncertainty ? &uncertainty->mask : nullptr;
   SelectedLens chosen =
-      SelectLens(forms, *camera.file.camera,
+      SelectLens(external_models, *camera.file.camera,
                  mask && mask->HasValidCells() ? mask : nullptr);
   if (max_fit_error_px && chosen.fit &&
       (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
     throw Error(
         ExitCode::kQuality,
         fmt::format("the fit error of {} exceeds max_fit_error {:g}: {}",
-                    chosen.lens.form->name, *max_fit_error_px,
+                    chosen.lens.external_model->name, *max_fit_error_px,
                     FormatLensFit(*chosen.fit)));
   WrittenLens lens;
   lens.name = name;
@@ -133,7 +133,7 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
   lens.lens = chosen.lens;
   lens.fit = chosen.fit;
   lens.camera_from_rig = pose;
-  if (mask) lens.trusted = *mask;
+  if (mask) lens.valid_region = *mask;
   if (lens.fit && pose)
     lens.camera_from_rig =
         Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} * *pose;
@@ -142,7 +142,7 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
 
 py::object ComputeFitMetrics(const WrittenLens& lens) {
   py::dict metrics;
-  metrics["model"] = lens.lens.form->name;
+  metrics["model"] = lens.lens.external_model->name;
   metrics["exact"] = !lens.fit.has_value();
   if (lens.fit) {
     metrics["rms_px"] = lens.fit->rms_px;
@@ -166,7 +166,8 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
                 fmt::format("format {}: supports one camera per file; save the "
                             "cameras of a rig separately",
                             format.name));
-  const std::vector<const LensForm*> forms = format.FindForms(model);
+  const std::vector<const ExternalModel*> external_models =
+      format.FindModels(model);
   WriteRequest request;
   request.path = PathOf(file);
   py::list metrics;
@@ -175,8 +176,8 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
     if (!camera[2].is_none())
       pose = PoseFromMatrix(camera[2], "camera_from_rig");
     request.cameras.push_back(ChooseFor(camera[1].cast<const PyCamera&>(),
-                                        camera[0].cast<std::string>(), forms,
-                                        pose, max_fit_error));
+                                        camera[0].cast<std::string>(),
+                                        external_models, pose, max_fit_error));
     metrics.append(ComputeFitMetrics(request.cameras.back()));
   }
   OutputFiles files;
@@ -188,9 +189,10 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
 
 py::list ListFormats() {
   py::list formats;
-  for (const Format& format : Formats()) {
+  for (const Format& format : GetFormats()) {
     py::list models;
-    for (const LensForm& form : format.forms) models.append(form.name);
+    for (const ExternalModel& external_model : format.external_models)
+      models.append(external_model.name);
     formats.append(py::make_tuple(
         format.name, format.holds, models, format.read != nullptr,
         format.write != nullptr, format.supports_rigs));

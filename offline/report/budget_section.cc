@@ -19,7 +19,7 @@ struct BudgetPart {
   const char* color = "";             // Okabe and Ito
 };
 
-const char* MeaningOf(ErrorCause cause) {
+const char* DescribeCause(ErrorCause cause) {
   switch (cause) {
     case ErrorCause::kImagePosition:
       return "residuals that depend on the position in the image";
@@ -48,15 +48,15 @@ std::vector<BudgetPart> SplitText(const ResidualBudget& budget) {
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
-    parts.push_back(
-        {ToString(cause), MeaningOf(cause), share.in_turn, &share, kColors[k]});
+    parts.push_back({ToString(cause), DescribeCause(cause), share.in_turn,
+                     &share, kColors[k]});
   }
   parts.push_back({"unexplained", "spatially correlated, of unknown cause",
                    budget.rest, nullptr, "#56b4e9"});
   return parts;
 }
 
-std::string BarOf(const std::vector<BudgetPart>& parts) {
+std::string MakeBar(const std::vector<BudgetPart>& parts) {
   double sum = 1e-9;
   for (const BudgetPart& part : parts) sum += std::max(part.part, 0.0);
   std::string html =
@@ -98,7 +98,7 @@ HtmlRow RowOf(const BudgetPart& part) {
 
 }  // namespace
 
-std::string BudgetSection(const ResidualBudget& budget) {
+std::string MakeBudgetSection(const ResidualBudget& budget) {
   const BudgetAssessment assessment = AssessBudget(budget);
   std::string html = fmt::format(
       "<h2>What limits this calibration</h2>\n<p><b>{}.</b> Remedy: {}.</p>\n",
@@ -108,8 +108,9 @@ std::string BudgetSection(const ResidualBudget& budget) {
   const std::vector<BudgetPart> parts = SplitText(budget);
   std::vector<HtmlRow> rows;
   for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
-  return html + BarOf(parts) + "<div class=\"causes\">" +
-         HtmlTable({"", "fraction", "alone", "chance level", "meaning"}, rows) +
+  return html + MakeBar(parts) + "<div class=\"causes\">" +
+         MakeHtmlTable({"", "fraction", "alone", "chance level", "meaning"},
+                       rows) +
          "</div>" +
          fmt::format(
              "<p>Training residuals: {:.3g} px RMS per axis. Feature noise: "

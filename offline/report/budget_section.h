@@ -9,7 +9,7 @@ namespace raygrid {
 
 /// Formats "What limits this calibration": a sentence, the recommendation, a
 /// bar of the fractions of the squared residuals, and their table.
-std::string BudgetSection(const ResidualBudget& budget);
+std::string MakeBudgetSection(const ResidualBudget& budget);
 
 }  // namespace raygrid
 

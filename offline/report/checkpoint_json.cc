@@ -29,7 +29,7 @@ constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 
 // The text of a checkpoint's cameras, after checking that it has these inputs:
 // nothing is parsed that was not written here, whatever its size.
-std::string CamerasText(const std::string& text, const std::string& inputs) {
+std::string FormatCameras(const std::string& text, const std::string& inputs) {
   constexpr size_t kLongestHead = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0
                            ? text.substr(0, kLongestHead).find(kCameras)
@@ -60,7 +60,7 @@ Eigen::Vector2d ParsePixel(const Json& x, const Json& y) {
 
 // ---- Features --------------------------------------------------------------
 
-Json FeaturesJson(const Dataset& dataset) {
+Json MakeFeaturesJson(const Dataset& dataset) {
   Json json = {{"width", dataset.image_size.width},
                {"height", dataset.image_size.height},
                {"images", Json::array()}};
@@ -87,7 +87,7 @@ Dataset ParseFeatures(const Json& json) {
 
 // ---- Cross-validation ------------------------------------------------------
 
-Json ResidualsJson(const std::vector<FeatureResidual>& residuals) {
+Json MakeResidualsJson(const std::vector<FeatureResidual>& residuals) {
   Json json = Json::array();
   for (const FeatureResidual& r : residuals)
     json.push_back({r.image, r.board, r.column, r.row, r.pixel.x(), r.pixel.y(),
@@ -104,14 +104,14 @@ std::vector<FeatureResidual> ParseResiduals(const Json& json) {
   return residuals;
 }
 
-Json TrialJson(const Trial& trial) {
+Json MakeTrialJson(const Trial& trial) {
   return {{"fold", trial.fold},
           {"cell_px", trial.knot_spacings_px.front()},
           {"rigid_boards", trial.rigid_boards},
           {"bodies", trial.has_rigid_targets},
           {"share_of_bends", trial.deformation_share},
-          {"held_out", ResidualsJson(trial.held_out.alone.front())},
-          {"flexed", ResidualsJson(trial.held_out.flexed.front())}};
+          {"held_out", MakeResidualsJson(trial.held_out.alone.front())},
+          {"flexed", MakeResidualsJson(trial.held_out.flexed.front())}};
 }
 
 Trial ParseTrial(const Json& json) {
@@ -133,12 +133,12 @@ Checkpoint Parse(const Json& json) {
   return checkpoint;
 }
 
-Json CheckpointJson(const Checkpoint& checkpoint) {
+Json MakeCheckpointJson(const Checkpoint& checkpoint) {
   Json json = {{"trials", Json::array()}};
   if (checkpoint.refined_features)
-    json["measured_again"] = FeaturesJson(*checkpoint.refined_features);
+    json["measured_again"] = MakeFeaturesJson(*checkpoint.refined_features);
   for (const Trial& trial : checkpoint.trials)
-    json["trials"].push_back(TrialJson(trial));
+    json["trials"].push_back(MakeTrialJson(trial));
   return json;
 }
 
@@ -148,7 +148,7 @@ std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs) {
   Json cameras = Json::array();
   for (const Checkpoint& checkpoint : checkpoints)
-    cameras.push_back(CheckpointJson(checkpoint));
+    cameras.push_back(MakeCheckpointJson(checkpoint));
   const std::string text = cameras.dump();
   const Json head = {{"raygrid_resume", kVersion},
                      {"inputs", inputs},
@@ -166,7 +166,7 @@ std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
         ": no such file, so there is nothing to resume; run without --resume");
   const std::string text = ReadFile(path);
   try {
-    const Json cameras = Json::parse(CamerasText(text, inputs));
+    const Json cameras = Json::parse(FormatCameras(text, inputs));
     std::vector<Checkpoint> checkpoints;
     for (const Json& camera : cameras) checkpoints.push_back(Parse(camera));
     if (checkpoints.empty()) throw InputError("contains no camera");

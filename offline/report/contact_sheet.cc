@@ -56,8 +56,8 @@ void DrawLine(std::string text, double x, double baseline, double width,
   cairo_show_text(cr, text.c_str());
 }
 
-std::vector<std::string> WrappedText(const std::string& text, double width,
-                                     cairo_t* cr) {
+std::vector<std::string> FormatWrapped(const std::string& text, double width,
+                                       cairo_t* cr) {
   std::vector<std::string> lines = {""};
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find(' ', begin), text.size());
@@ -133,7 +133,7 @@ void DrawMessage(const std::string& message, const Box& box, cairo_t* cr) {
   SelectFont(false, cr);
   cairo_set_font_size(cr, kTextSize);
   const double width = box.width - 2 * kGap;
-  const std::vector<std::string> lines = WrappedText(message, width, cr);
+  const std::vector<std::string> lines = FormatWrapped(message, width, cr);
   double y = box.y + box.height / 2 - kLineHeight * (lines.size() - 1) / 2;
   for (const std::string& line : lines) {
     DrawLine(line, box.x + kGap, y, width, kTextSize, cr);

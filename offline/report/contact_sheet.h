@@ -14,7 +14,7 @@ namespace raygrid {
 /// Red, green and blue, from 0 to 1.
 using SheetColor = std::array<double, 3>;
 
-constexpr SheetColor kTrustedColor = {0.15, 0.85, 0.25};
+constexpr SheetColor kValidColor = {0.15, 0.85, 0.25};
 constexpr SheetColor kEmptyColor = {0.23, 0.23, 0.23};
 constexpr SheetColor kAreaColor = {1.0, 0.85, 0.1};
 constexpr SheetColor kStraightColor = {1.0, 0.35, 0.0};
@@ -24,7 +24,7 @@ SheetColor GetViewColor(size_t view);
 /// Strokes over a picture, in pixels; (0, 0) is the centre of the first pixel.
 struct SheetCurves {
   std::vector<std::vector<Eigen::Vector2d>> curves;
-  SheetColor color = kTrustedColor;
+  SheetColor color = kValidColor;
   double width = 2;  ///< sheet pixels; with dark outline from 2 on
   bool is_dashed = false;
 };

@@ -53,7 +53,8 @@ std::string Base64(const std::string& bytes) {
   return text;
 }
 
-std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows) {
+std::string MakeHtmlTable(const HtmlRow& head,
+                          const std::vector<HtmlRow>& rows) {
   std::string html = "<div class=\"scroll\"><table>\n";
   if (!head.empty()) {
     html += "<tr>";
@@ -77,14 +78,14 @@ PictureAxes AreaAxes(const Area& area) {
   return {"x, px", "y, px", ticks(area.x0, area.x1), ticks(area.y0, area.y1)};
 }
 
-std::string HtmlColorBar(const ColorBar& bar) {
+std::string MakeHtmlColorBar(const ColorBar& bar) {
   return fmt::format(
       "<div class=\"scale\"><span>{}</span><span class=\"bar\" "
       "style=\"background:{}\"></span><span>{}</span><em>{}</em></div>",
       bar.low, CssGradient(bar.scale), bar.high, bar.label);
 }
 
-std::string HtmlImage(const Image& picture, const std::string& alt) {
+std::string MakeHtmlImage(const Image& picture, const std::string& alt) {
   return fmt::format(
       "<img alt=\"{}\" width=\"{}\" height=\"{}\" "
       "src=\"data:image/png;base64,{}\">",
@@ -92,9 +93,9 @@ std::string HtmlImage(const Image& picture, const std::string& alt) {
       Base64(EncodePng(picture)));
 }
 
-std::string HtmlPicture(const Image& picture, const std::string& caption,
-                        const PictureAxes& axes, const std::string& legend,
-                        const std::string& view) {
+std::string MakeHtmlPicture(const Image& picture, const std::string& caption,
+                            const PictureAxes& axes, const std::string& legend,
+                            const std::string& view) {
   return fmt::format(
       "<figure><figcaption>{0}</figcaption><div class=\"plot\">"
       "<div class=\"y-label\"><span>{1}</span></div>"
@@ -102,7 +103,8 @@ std::string HtmlPicture(const Image& picture, const std::string& caption,
       "data-view=\"{3}\">{4}</div><div class=\"x-ticks\">{5}</div>"
       "<div class=\"x-label\">{6}</div></div>{7}</figure>\n",
       caption, axes.y_label, Ticks(axes.y_ticks), view,
-      HtmlImage(picture, caption), Ticks(axes.x_ticks), axes.x_label, legend);
+      MakeHtmlImage(picture, caption), Ticks(axes.x_ticks), axes.x_label,
+      legend);
 }
 
 std::string PageStart(const std::string& heading, const std::string& title) {

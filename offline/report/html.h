@@ -16,7 +16,8 @@ std::string Base64(const std::string& bytes);
 
 /// Cells of a table row, in HTML; the first is the row's name.
 using HtmlRow = std::vector<std::string>;
-std::string HtmlTable(const HtmlRow& head, const std::vector<HtmlRow>& rows);
+std::string MakeHtmlTable(const HtmlRow& head,
+                          const std::vector<HtmlRow>& rows);
 
 /// The labels of a picture's axes and colours.
 struct PictureAxes {
@@ -30,15 +31,15 @@ struct ColorBar {
   ColorScale scale = ColorScale::kEven;
   std::string label, low, high;
 };
-std::string HtmlColorBar(const ColorBar& bar);
+std::string MakeHtmlColorBar(const ColorBar& bar);
 
 /// Formats a picture with axes; view: name for zooming by the script.
-std::string HtmlPicture(const Image& picture, const std::string& caption,
-                        const PictureAxes& axes, const std::string& legend,
-                        const std::string& view);
+std::string MakeHtmlPicture(const Image& picture, const std::string& caption,
+                            const PictureAxes& axes, const std::string& legend,
+                            const std::string& view);
 
 /// Formats a picture without axes.
-std::string HtmlImage(const Image& picture, const std::string& alt);
+std::string MakeHtmlImage(const Image& picture, const std::string& alt);
 
 /// Format the page's style and heading, and its end with the data for the
 /// script. has_trial: whether the page runs the runtime.

@@ -20,7 +20,7 @@ namespace {
 
 // ---- Errors ----------------------------------------------------------------
 
-std::string ErrorSection(const CalibrationResult& result) {
+std::string MakeErrorSection(const CalibrationResult& result) {
   std::vector<HtmlRow> rows = {
       FormatMetricsRow("training", *result.camera.training)};
   if (result.camera.held_out)
@@ -31,7 +31,7 @@ std::string ErrorSection(const CalibrationResult& result) {
   if (result.held_out_deformed)
     rows.push_back(FormatMetricsRow("held out, with per-view deformation",
                                     *result.held_out_deformed));
-  std::string html = "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
+  std::string html = "<h2>Reprojection error</h2>\n" + MakeErrorTable(rows);
   if (result.camera.held_out)
     html +=
         "<p>Assess the camera by the held-out error, measured on images that "
@@ -49,15 +49,15 @@ std::string ErrorSection(const CalibrationResult& result) {
          "id=\"distribution\"></canvas></div></figure>\n";
 }
 
-std::string ComparisonSection(const CalibrationResult& result) {
+std::string MakeComparisonSection(const CalibrationResult& result) {
   std::vector<HtmlRow> rows;
   AddModelRows("", result, &rows);
   if (rows.empty()) return "";
   return "<h2>Other models calibrated from the same features</h2>\n" +
-         ModelTable(rows);
+         MakeModelTable(rows);
 }
 
-std::string CandidateSection(const CalibrationResult& result) {
+std::string MakeCandidateSection(const CalibrationResult& result) {
   if (result.knot_spacing_candidates.size() < 2) return "";
   std::vector<HtmlRow> rows;
   for (const KnotSpacingCandidate& candidate : result.knot_spacing_candidates)
@@ -70,9 +70,9 @@ std::string CandidateSection(const CalibrationResult& result) {
          fmt::format("{:.5f}", candidate.loss)});
   return "<h2>Knot spacings tested</h2>\n<p>The medium spacing is kept unless "
          "another spacing has a significantly lower held-out loss.</p>\n" +
-         HtmlTable({"knot spacing px", "held-out median px",
-                    "held-out loss px&sup2;"},
-                   rows);
+         MakeHtmlTable({"knot spacing px", "held-out median px",
+                        "held-out loss px&sup2;"},
+                       rows);
 }
 
 // ---- Camera ----------------------------------------------------------------
@@ -142,7 +142,7 @@ void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
 }
 
 // The predicted uncertainty in one sentence, and as shares of the image.
-std::string UncertaintySection(const CalibrationResult& result) {
+std::string MakeUncertaintySection(const CalibrationResult& result) {
   const auto& uncertainty = result.camera.uncertainty;
   if (!uncertainty || !uncertainty->HasDeviations()) return "";
   const CameraModel& camera = *result.camera.camera;
@@ -155,11 +155,11 @@ std::string UncertaintySection(const CalibrationResult& result) {
   }
   return "<h2>Uncertainty of the camera</h2>\n<p>" +
          DescribeUncertainty(summary, *uncertainty, camera) + "</p>\n" +
-         HtmlTable(head, {row});
+         MakeHtmlTable(head, {row});
 }
 
-std::string CameraSection(const CalibrationResult& result,
-                          const std::optional<PackingMetrics>& packing) {
+std::string MakeCameraSection(const CalibrationResult& result,
+                              const std::optional<PackingMetrics>& packing) {
   const CameraModel& camera = *result.camera.camera;
   const Area& area = camera.area();
   std::vector<HtmlRow> rows = {
@@ -185,7 +185,7 @@ std::string CameraSection(const CalibrationResult& result,
 #include "evaluation/metrics.inc"
   AddUncertaintyRows(result, &rows);
   if (packing) AddPackingRows(*packing, &rows);
-  return "<h2>Camera</h2>\n" + HtmlTable({}, rows);
+  return "<h2>Camera</h2>\n" + MakeHtmlTable({}, rows);
 }
 
 std::string GridSection(const CalibrationResult& result) {
@@ -209,7 +209,7 @@ std::map<std::string, std::vector<double>> NormsByImage(
 }
 
 // The table equivalent of the bars, without the script and in print.
-std::string ImageTable(const CalibrationResult& result) {
+std::string MakeImageTable(const CalibrationResult& result) {
   auto training = NormsByImage(result.training);
   auto held_out = NormsByImage(result.held_out);
   std::map<std::string, HtmlRow> rows;
@@ -223,12 +223,12 @@ std::string ImageTable(const CalibrationResult& result) {
   std::vector<HtmlRow> list;
   for (const auto& [image, row] : rows) list.push_back(row);
   return "<details><summary>As a table</summary>\n" +
-         HtmlTable({"image", "training median px", "held-out median px"},
-                   list) +
+         MakeHtmlTable({"image", "training median px", "held-out median px"},
+                       list) +
          "</details>\n";
 }
 
-std::string ImagesSection(const CalibrationResult& result) {
+std::string MakeImagesSection(const CalibrationResult& result) {
   return "<h2>Error by image</h2>\n<div class=\"script\"><p>Select an image by "
          "its bar to show its residuals.</p>\n<div class=\"chart\"><canvas "
          "id=\"bars\"></canvas></div>\n<p><button "
@@ -241,11 +241,11 @@ std::string ImagesSection(const CalibrationResult& result) {
          "out <span class=\"key rejected\"></span> outliers "
          "(crosses)</figcaption><canvas "
          "id=\"arrows\"></canvas></figure></div>\n" +
-         ImageTable(result);
+         MakeImageTable(result);
 }
 
 // The groups of near-duplicate images.
-std::string NearDuplicatesSection(const CalibrationResult& result) {
+std::string MakeNearDuplicatesSection(const CalibrationResult& result) {
   if (result.near_duplicates.empty()) return "";
   std::string html = "<h2>Near-duplicate views</h2>\n<ul>\n";
   for (const NearDuplicates& group : result.near_duplicates) {
@@ -258,7 +258,7 @@ std::string NearDuplicatesSection(const CalibrationResult& result) {
   return html + "</ul>\n";
 }
 
-std::string RejectedSection(const CalibrationResult& result) {
+std::string MakeRejectedSection(const CalibrationResult& result) {
   constexpr size_t kMaxLines = 300;
   std::string html;
   if (!result.rejected_images.empty()) {
@@ -289,17 +289,17 @@ std::string RejectedSection(const CalibrationResult& result) {
   return html;
 }
 
-std::string ExampleSection(const BeforeAfter& example) {
+std::string MakeExampleSection(const BeforeAfter& example) {
   return "<h2>Before and after</h2>\n<div "
          "class=\"pictures\">\n<figure><figcaption>Original</figcaption>" +
-         HtmlImage(example.before, "Original") +
+         MakeHtmlImage(example.before, "Original") +
          "</figure>\n<figure><figcaption>Undistorted by the runtime; black "
          "where the camera is not calibrated</figcaption>" +
-         HtmlImage(example.after, "Undistorted by the runtime") +
+         MakeHtmlImage(example.after, "Undistorted by the runtime") +
          "</figure>\n</div>\n";
 }
 
-std::string TrialFigure(const char* caption, const char* id) {
+std::string MakeTrialFigure(const char* caption, const char* id) {
   return fmt::format(
       "<figure><figcaption>{}</figcaption><div class=\"marked\"><canvas "
       "id=\"{}\"></canvas><span hidden></span></div></figure>\n",
@@ -307,7 +307,7 @@ std::string TrialFigure(const char* caption, const char* id) {
 }
 
 // Filled by the script page/trial.js, and shown when the runtime is loaded.
-std::string TrialSection(const std::string& blob) {
+std::string MakeTrialSection(const std::string& blob) {
   return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
          "\">\n<h2>Undistort an image</h2>\n<p>Drop an image of this camera "
          "here. It is processed locally by the code of the embedded runtime. "
@@ -319,9 +319,9 @@ std::string TrialSection(const std::string& blob) {
          "id=\"trial-degrees\"></span> across</label></p>\n<p "
          "id=\"trial-message\" role=\"status\"></p>\n<div "
          "class=\"pictures\">\n" +
-         TrialFigure("Original", "trial-taken") +
-         TrialFigure("Undistorted: <span id=\"trial-figures\"></span>",
-                     "trial-made") +
+         MakeTrialFigure("Original", "trial-taken") +
+         MakeTrialFigure("Undistorted: <span id=\"trial-figures\"></span>",
+                         "trial-made") +
          "</div>\n</div>\n";
 }
 
@@ -336,27 +336,29 @@ std::string FormatHtmlReport(
   const std::string name =
       result.camera.name.empty() ? "" : ": " + EscapeHtml(result.camera.name);
   std::string html = PageStart("Camera calibration" + name);
-  html += AssessmentSection(result.assessment);
-  html += ErrorSection(result);
-  if (result.camera.stack) html += OperatingPointSection(*result.camera.stack);
-  if (result.budget) html += BudgetSection(*result.budget);
-  html += ComparisonSection(result);
-  html += UncertaintySection(result);
-  html += PicturesSection(result);
-  html += ImagesSection(result);
-  if (example) html += ExampleSection(*example);
-  if (!blob.empty()) html += TrialSection(blob);
-  html += CameraSection(result, packing);
+  html += MakeAssessmentSection(result.assessment);
+  html += MakeErrorSection(result);
+  if (result.camera.stack)
+    html += MakeOperatingPointSection(*result.camera.stack);
+  if (result.budget) html += MakeBudgetSection(*result.budget);
+  html += MakeComparisonSection(result);
+  html += MakeUncertaintySection(result);
+  html += MakePicturesSection(result);
+  html += MakeImagesSection(result);
+  if (example) html += MakeExampleSection(*example);
+  if (!blob.empty()) html += MakeTrialSection(blob);
+  html += MakeCameraSection(result, packing);
   html += GridSection(result);
-  html += LinesSection(result);
-  html += SpaceSection();
-  html +=
-      BoardSection(result.pattern) + RigidTargetSection(rigid_target_summary);
-  if (result.bends) html += DeformationSection(*result.bends, result.pattern);
-  html += CandidateSection(result);
-  html += NearDuplicatesSection(result);
-  html += RejectedSection(result);
-  html += GlossarySection();
+  html += MakeLinesSection(result);
+  html += MakeSpaceSection();
+  html += MakeBoardSection(result.pattern) +
+          MakeRigidTargetSection(rigid_target_summary);
+  if (result.bends)
+    html += MakeDeformationSection(*result.bends, result.pattern);
+  html += MakeCandidateSection(result);
+  html += MakeNearDuplicatesSection(result);
+  html += MakeRejectedSection(result);
+  html += MakeGlossarySection();
   return html + PageEnd(FormatPageData(result, thumbnails), !blob.empty());
 }
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "dataset/fixed_operating_point.h"
+#include "evaluation/operating_point_change.h"
 #include "evaluation/residual_statistics.h"
-#include "evaluation/stack_change.h"
 #include "report/axis_ticks.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -23,7 +23,7 @@ std::string WordsOf(OperatingParameter condition) {
 }
 
 // A line of a chart: one value for each of the changes.
-struct StackLine {
+struct FormatOperatingPointLine {
   std::string name;
   const char* color;  // Okabe and Ito
   std::vector<double> values;
@@ -31,12 +31,12 @@ struct StackLine {
 
 // A chart as SVG that shows without a script, over the changes' values.
 std::string LineChart(const std::string& title,
-                      const std::vector<StackChange>& changes,
-                      const std::vector<StackLine>& lines) {
+                      const std::vector<OperatingPointChange>& changes,
+                      const std::vector<FormatOperatingPointLine>& lines) {
   constexpr double kWidth = 340, kHeight = 190, kLeft = 58, kRight = 12,
                    kTop = 14, kBottom = 34;
   double low = INFINITY, high = -INFINITY;
-  for (const StackLine& line : lines)
+  for (const FormatOperatingPointLine& line : lines)
     for (const double value : line.values) {
       low = std::min(low, value);
       high = std::max(high, value);
@@ -82,10 +82,11 @@ std::string LineChart(const std::string& title,
 }
 
 template <typename Figure>
-std::vector<double> GetOperatingPoint(const std::vector<StackChange>& changes,
-                                      const Figure& metric) {
+std::vector<double> GetOperatingPoint(
+    const std::vector<OperatingPointChange>& changes, const Figure& metric) {
   std::vector<double> values;
-  for (const StackChange& change : changes) values.push_back(metric(change));
+  for (const OperatingPointChange& change : changes)
+    values.push_back(metric(change));
   return values;
 }
 
@@ -94,7 +95,8 @@ std::string TableOf(const OperatingPointCalibration& stack,
   const int count = static_cast<int>(stack.deviations.size());
   if (count < 2) return "";
   std::vector<HtmlRow> rows;
-  for (const StackChange& change : MeasureStackChanges(stack.cameras, count)) {
+  for (const OperatingPointChange& change :
+       MeasureOperatingPointChanges(stack.cameras, count)) {
     const UncertaintyLattice& known = stack.deviations[rows.size()].lattice;
     rows.push_back({fmt::format("{:.4g}", change.value),
                     fmt::format("{:.2f}", change.focal_px),
@@ -104,7 +106,7 @@ std::string TableOf(const OperatingPointCalibration& stack,
                     fmt::format("{:.3f}", change.distortion_px),
                     fmt::format("{:.4f}", known.MedianPx())});
   }
-  return HtmlTable(
+  return MakeHtmlTable(
       {unit, "focal length px", "image scale", "centre px, x and y",
        "distortion px (RMS)", "standard deviation px (median)"},
       rows);
@@ -121,7 +123,7 @@ double FullScale(std::vector<double> values) {
   return values.empty() ? 1 : RoundUp(std::max(Quantile(values, kPart), 1e-6));
 }
 
-ColorBar BarOf(const std::string& label, double full_scale_px) {
+ColorBar MakeBar(const std::string& label, double full_scale_px) {
   return {ColorScale::kEven, label, "0",
           fmt::format("{:g} px +", full_scale_px)};
 }
@@ -133,8 +135,8 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
   const OperatingPointModel& cameras = stack.cameras;
   const OperatingRange& range = cameras.ranges()[0];
   const std::string unit = OperatingParameterUnit(range.condition);
-  const CentralGeneric middle = cameras.At(cameras.Middle());
-  const Area& area = middle.area();
+  const CentralGeneric center = cameras.At(cameras.Center());
+  const Area& area = center.area();
   const std::vector<Eigen::Vector2d> places =
       SampleCellCenters(area, kColumns, kRows);
   struct End {
@@ -146,7 +148,7 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
   std::vector<double> sizes_px, deviations_px;
   for (const double value : {range.low, range.high}) {
     End end = {fmt::format("{:g} {}", value, unit),
-               MeasureDistortion(middle, cameras.At({value}), places),
+               MeasureDistortion(center, cameras.At({value}), places),
                {}};
     for (const Eigen::Vector2d& move : end.moves)
       sizes_px.push_back(move.norm());
@@ -163,17 +165,19 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
   std::string html;
   for (const End& end : ends) {
     html += "<div class=\"pictures\">\n";
-    html += HtmlPicture(
-        DisplacementPicture(end.moves, kColumns, size_px),
-        fmt::format("Distortion at {} against {:g}", end.value, range.Middle()),
+    html += MakeHtmlPicture(
+        DrawDisplacementPicture(end.moves, kColumns, size_px),
+        fmt::format("Distortion at {} against {:g}", end.value, range.Center()),
         AreaAxes(area),
-        HtmlColorBar(BarOf("displacement; arrows are magnified", size_px)),
+        MakeHtmlColorBar(
+            MakeBar("displacement; arrows are magnified", size_px)),
         "area");
     if (!end.deviations_px.empty())
-      html += HtmlPicture(
+      html += MakeHtmlPicture(
           HeatMap(end.deviations_px, kColumns, 0, deviation_px, kCellPx),
           "Predicted uncertainty at " + end.value, AreaAxes(area),
-          HtmlColorBar(BarOf("standard deviation per axis", deviation_px)),
+          MakeHtmlColorBar(
+              MakeBar("standard deviation per axis", deviation_px)),
           "area");
     html += "</div>\n";
   }
@@ -181,46 +185,47 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
 }
 
 // Charts, table and maps of a model with one condition.
-std::string ChangesOf(const OperatingPointCalibration& stack) {
+std::string FormatChanges(const OperatingPointCalibration& stack) {
   constexpr int kNumValues = 13;  // odd: the middle is one of them
-  const std::vector<StackChange> changes =
-      MeasureStackChanges(stack.cameras, kNumValues);
+  const std::vector<OperatingPointChange> changes =
+      MeasureOperatingPointChanges(stack.cameras, kNumValues);
   const OperatingParameter condition = stack.cameras.ranges()[0].condition;
   const std::string unit =
       WordsOf(condition) + ", " + OperatingParameterUnit(condition);
   const auto chart = [&](const std::string& what,
-                         const std::vector<StackLine>& lines) {
+                         const std::vector<FormatOperatingPointLine>& lines) {
     return LineChart(what + " over " + unit, changes, lines);
   };
   std::string html = "<div class=\"pictures\">\n";
-  html += chart(
-      "Focal length in px",
-      {{"", "#0072b2", GetOperatingPoint(changes, [](const StackChange& c) {
-          return c.focal_px;
-        })}});
-  const Eigen::Vector2d middle = changes[kNumValues / 2].center_px;
-  html += chart(
-      "Shift of the principal point in px",
-      {{"x", "#d55e00",
-        GetOperatingPoint(changes,
-                          [&](const StackChange& c) {
-                            return c.center_px.x() - middle.x();
-                          })},
-       {"y", "#009e73", GetOperatingPoint(changes, [&](const StackChange& c) {
-          return c.center_px.y() - middle.y();
-        })}});
-  html += chart(
-      "Distortion in px (RMS)",
-      {{"", "#cc79a7", GetOperatingPoint(changes, [](const StackChange& c) {
-          return c.distortion_px;
-        })}});
+  html += chart("Focal length in px",
+                {{"", "#0072b2",
+                  GetOperatingPoint(changes, [](const OperatingPointChange& c) {
+                    return c.focal_px;
+                  })}});
+  const Eigen::Vector2d center = changes[kNumValues / 2].center_px;
+  html +=
+      chart("Shift of the principal point in px",
+            {{"x", "#d55e00",
+              GetOperatingPoint(changes,
+                                [&](const OperatingPointChange& c) {
+                                  return c.center_px.x() - center.x();
+                                })},
+             {"y", "#009e73",
+              GetOperatingPoint(changes, [&](const OperatingPointChange& c) {
+                return c.center_px.y() - center.y();
+              })}});
+  html += chart("Distortion in px (RMS)",
+                {{"", "#cc79a7",
+                  GetOperatingPoint(changes, [](const OperatingPointChange& c) {
+                    return c.distortion_px;
+                  })}});
   html += "</div>\n";
   return html + TableOf(stack, unit) + MapsOf(stack);
 }
 
 }  // namespace
 
-std::string OperatingPointSection(const OperatingPointCalibration& stack) {
+std::string MakeOperatingPointSection(const OperatingPointCalibration& stack) {
   const OperatingPointModel& cameras = stack.cameras;
   const std::vector<OperatingRange>& ranges = cameras.ranges();
   std::string known, orders;
@@ -239,13 +244,13 @@ std::string OperatingPointSection(const OperatingPointCalibration& stack) {
       "nearest radial model. All sections above are for the centre of the "
       "range, with held-out features mapped there.</p>\n",
       known, ranges.size() > 1 ? "the sum of " : "", orders);
-  if (ranges.size() == 1) return html + ChangesOf(stack);
+  if (ranges.size() == 1) return html + FormatChanges(stack);
   for (size_t r = 0; r < ranges.size(); ++r) {
     const OperatingRange& other = ranges[1 - r];
     html += fmt::format("<h3>Over the {}, at {:g} {}</h3>\n",
-                        WordsOf(ranges[r].condition), other.Middle(),
+                        WordsOf(ranges[r].condition), other.Center(),
                         OperatingParameterUnit(other.condition)) +
-            ChangesOf(SliceOperatingPointModel(stack, r));
+            FormatChanges(SliceOperatingPointModel(stack, r));
   }
   return html;
 }

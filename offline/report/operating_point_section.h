@@ -10,7 +10,7 @@ namespace raygrid {
 /// Formats "Over the range": charts of focal length, principal point and
 /// distortion over the condition, a table with standard deviations, and maps of
 /// the distortion at both ends.
-std::string OperatingPointSection(const OperatingPointCalibration& stack);
+std::string MakeOperatingPointSection(const OperatingPointCalibration& stack);
 
 }  // namespace raygrid
 

@@ -74,7 +74,7 @@ Json AddImages(const ByImage& images, const char* set, size_t step,
   return *list;
 }
 
-double LargestComponent(const Residuals& residuals) {
+double ComputeMaxComponent(const Residuals& residuals) {
   double largest = 0;
   for (const FeatureResidual& residual : residuals)
     largest = std::max(largest, residual.error_px.cwiseAbs().maxCoeff());
@@ -86,9 +86,9 @@ void AddResiduals(const CalibrationResult& result, Json* json) {
   PackedResiduals packed;
   packed.position_px = std::max(size.width, size.height) / 32000.0;
   packed.error_px =
-      std::max({LargestComponent(result.training),
-                LargestComponent(result.held_out),
-                LargestComponent(result.rejected_features), 1e-6}) /
+      std::max({ComputeMaxComponent(result.training),
+                ComputeMaxComponent(result.held_out),
+                ComputeMaxComponent(result.rejected_features), 1e-6}) /
       32000;
   const size_t total = result.training.size() + result.held_out.size();
   const size_t step = total / kMaxResiduals + 1;

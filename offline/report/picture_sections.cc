@@ -58,44 +58,47 @@ std::string ResidualPictures(const CalibrationResult& result) {
       std::max(3 * result.camera.training->median_px, 1e-6);
   const std::string wheel =
       "<div class=\"wheel\">" +
-      HtmlImage(DirectionLegend(96), "Colours of the directions") +
+      MakeHtmlImage(DrawDirectionLegend(96), "Colours of the directions") +
       "<em>colour: direction of projected &minus; observed, as seen in the "
       "image (right is +x, down is +y)</em></div>";
-  return HtmlPicture(
-             CoveragePicture(space.residuals, space.size, space.area),
+  return MakeHtmlPicture(
+             DrawCoveragePicture(space.residuals, space.size, space.area),
              "Coverage: features used (green) and calibrated area (lighter)",
              axes, "", "image") +
-         HtmlPicture(DirectionPicture(space.residuals, space.size, space.area),
-                     "Direction of the nearest residual: patches of one colour "
-                     "indicate model error",
-                     axes, wheel, "image") +
-         HtmlPicture(MagnitudePicture(space.residuals, space.size, space.area,
-                                      full_scale_px),
-                     "Magnitude of the nearest residual", axes,
-                     HtmlColorBar({ColorScale::kMagnitude, "residual", "0",
-                                   fmt::format("{:.3g} px +", full_scale_px)}),
-                     "image");
+         MakeHtmlPicture(
+             DrawDirectionPicture(space.residuals, space.size, space.area),
+             "Direction of the nearest residual: patches of one colour "
+             "indicate model error",
+             axes, wheel, "image") +
+         MakeHtmlPicture(
+             DrawMagnitudePicture(space.residuals, space.size, space.area,
+                                  full_scale_px),
+             "Magnitude of the nearest residual", axes,
+             MakeHtmlColorBar({ColorScale::kMagnitude, "residual", "0",
+                               fmt::format("{:.3g} px +", full_scale_px)}),
+             "image");
 }
 
-std::string BiasFigure(const CalibrationResult& result) {
+std::string MakeBiasFigure(const CalibrationResult& result) {
   if (!result.bias_kl || !result.noise_bias_kl) return "";
   const double full_scale = 3 * *result.noise_bias_kl;
   const Area& area = result.camera.camera->area();
-  return HtmlPicture(
-      BiasPicture(result.training, area, full_scale),
+  return MakeHtmlPicture(
+      DrawBiasPicture(result.training, area, full_scale),
       "Bias over the image: divergence of residuals from noise (white: fewer "
       "than 5 features)",
       AreaAxes(area),
-      HtmlColorBar({ColorScale::kEven,
-                    fmt::format("KL divergence; median for white noise {:.2f}",
-                                *result.noise_bias_kl),
-                    "0", fmt::format("{:.2f} +", full_scale)}),
+      MakeHtmlColorBar(
+          {ColorScale::kEven,
+           fmt::format("KL divergence; median for white noise {:.2f}",
+                       *result.noise_bias_kl),
+           "0", fmt::format("{:.2f} +", full_scale)}),
       "area");
 }
 
 // Counts of errors by dx and dy.
-std::string HistogramFigure(const std::vector<FeatureResidual>& residuals,
-                            const std::string& name, double extent_px) {
+std::string MakeHistogramFigure(const std::vector<FeatureResidual>& residuals,
+                                const std::string& name, double extent_px) {
   constexpr int kBins = 61;
   if (residuals.empty()) return "";
   std::vector<double> counts(kBins * kBins, 0);
@@ -108,30 +111,31 @@ std::string HistogramFigure(const std::vector<FeatureResidual>& residuals,
   const double most = *std::max_element(counts.begin(), counts.end());
   const std::vector<std::string> ticks = {
       fmt::format("{:.3g}", -extent_px), "0", fmt::format("{:.3g}", extent_px)};
-  return HtmlPicture(
+  return MakeHtmlPicture(
       HeatMap(counts, kBins, 0, std::max(most, 1.0), 5),
       "Residuals of " + name + " features: round and centred for noise",
       {"dx, px", "dy, px", ticks, ticks},
-      HtmlColorBar({ColorScale::kEven, "features per bin", "0",
-                    fmt::format("{:.0f}", most)}),
+      MakeHtmlColorBar({ColorScale::kEven, "features per bin", "0",
+                        fmt::format("{:.0f}", most)}),
       "error");
 }
 
 std::string Histograms(const CalibrationResult& result) {
   const double extent_px =
       std::max(5 * result.camera.training->median_px, 1e-6);
-  return HistogramFigure(result.training, "training", extent_px) +
-         HistogramFigure(result.held_out, "held-out", extent_px);
+  return MakeHistogramFigure(result.training, "training", extent_px) +
+         MakeHistogramFigure(result.held_out, "held-out", extent_px);
 }
 
-std::string UncertaintyFigure(const CalibrationResult& result) {
+std::string MakeUncertaintyFigure(const CalibrationResult& result) {
   if (!result.camera.uncertainty) return "";
   const CameraModel& camera = *result.camera.camera;
   return "<figure class=\"wide\"><figcaption>Predicted "
          "uncertainty</figcaption>" +
-         HtmlImage(UncertaintyPicture(*result.camera.uncertainty,
-                                      camera.image_size(), camera.area()),
-                   "Predicted uncertainty") +
+         MakeHtmlImage(
+             DrawUncertaintyPicture(*result.camera.uncertainty,
+                                    camera.image_size(), camera.area()),
+             "Predicted uncertainty") +
          "</figure>\n";
 }
 
@@ -165,13 +169,13 @@ LineOffsets MeasureOffsets(const CameraModel& camera, int columns, int rows) {
 
 }  // namespace
 
-std::string PicturesSection(const CalibrationResult& result) {
+std::string MakePicturesSection(const CalibrationResult& result) {
   return "<h2>Coverage and residuals</h2>\n<div class=\"pictures\">\n" +
-         ResidualPictures(result) + BiasFigure(result) + Histograms(result) +
-         UncertaintyFigure(result) + "</div>\n";
+         ResidualPictures(result) + MakeBiasFigure(result) +
+         Histograms(result) + MakeUncertaintyFigure(result) + "</div>\n";
 }
 
-std::string LinesSection(const CalibrationResult& result) {
+std::string MakeLinesSection(const CalibrationResult& result) {
   const CameraModel& camera = *result.camera.camera;
   if (camera.IsCentral()) return "";
   constexpr int kColumns = 64, kRows = 48, kCellPx = 8;
@@ -179,10 +183,11 @@ std::string LinesSection(const CalibrationResult& result) {
   const PictureAxes axes = AreaAxes(camera.area());
   const auto picture = [&](const std::vector<double>& values, double low,
                            const std::string& caption) {
-    return HtmlPicture(
+    return MakeHtmlPicture(
         HeatMap(values, kColumns, low, offsets.max_mm, kCellPx), caption, axes,
-        HtmlColorBar({ColorScale::kEven, "offset", fmt::format("{:.3g}", low),
-                      fmt::format("{:.3g} mm", offsets.max_mm)}),
+        MakeHtmlColorBar({ColorScale::kEven, "offset",
+                          fmt::format("{:.3g}", low),
+                          fmt::format("{:.3g} mm", offsets.max_mm)}),
         "area");
   };
   return "<h2>Non-central observation lines</h2>\n<p>Offset of each pixel's "

@@ -8,11 +8,11 @@
 namespace raygrid {
 
 /// Formats pictures of coverage, residuals, bias, histograms and uncertainty.
-std::string PicturesSection(const CalibrationResult& result);
+std::string MakePicturesSection(const CalibrationResult& result);
 
 /// Formats the distances of a non-central camera's observation lines from the
 /// point closest to all of them; empty for a central camera.
-std::string LinesSection(const CalibrationResult& result);
+std::string MakeLinesSection(const CalibrationResult& result);
 
 }  // namespace raygrid
 

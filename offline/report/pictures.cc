@@ -39,7 +39,7 @@ cv::Point NearestPixel(const Eigen::Vector2d& position, const ImageSize& size) {
 }
 
 // Colours each pixel of the area by the nearest residual.
-Image VoronoiPicture(
+Image DrawVoronoiPicture(
     const std::vector<FeatureResidual>& residuals, const ImageSize& size,
     const Area& area,
     const std::function<cv::Vec3b(const Eigen::Vector2d&)>& color_of) {
@@ -63,8 +63,8 @@ Image VoronoiPicture(
 
 }  // namespace
 
-Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
-                      const ImageSize& size, const Area& area) {
+Image DrawCoveragePicture(const std::vector<FeatureResidual>& residuals,
+                          const ImageSize& size, const Area& area) {
   cv::Mat picture(size.height, size.width, CV_8UC3, cv::Scalar(60, 60, 60));
   cv::rectangle(picture, NearestPixel({area.x0, area.y0}, size),
                 NearestPixel({area.x1, area.y1}, size), cv::Scalar(90, 90, 90),
@@ -76,21 +76,21 @@ Image CoveragePicture(const std::vector<FeatureResidual>& residuals,
   return ToImage(picture);
 }
 
-Image DirectionPicture(const std::vector<FeatureResidual>& residuals,
-                       const ImageSize& size, const Area& area) {
-  return VoronoiPicture(residuals, size, area, DirectionColor);
+Image DrawDirectionPicture(const std::vector<FeatureResidual>& residuals,
+                           const ImageSize& size, const Area& area) {
+  return DrawVoronoiPicture(residuals, size, area, DirectionColor);
 }
 
-Image MagnitudePicture(const std::vector<FeatureResidual>& residuals,
-                       const ImageSize& size, const Area& area,
-                       double full_scale_px) {
-  return VoronoiPicture(
+Image DrawMagnitudePicture(const std::vector<FeatureResidual>& residuals,
+                           const ImageSize& size, const Area& area,
+                           double full_scale_px) {
+  return DrawVoronoiPicture(
       residuals, size, area, [full_scale_px](const Eigen::Vector2d& error) {
         return ColorAt(ColorScale::kMagnitude, error.norm() / full_scale_px);
       });
 }
 
-Image DirectionLegend(int size_px) {
+Image DrawDirectionLegend(int size_px) {
   cv::Mat picture(size_px, size_px, CV_8UC3, kOutside);
   const double center = (size_px - 1) / 2.0;
   for (int y = 0; y < size_px; ++y)
@@ -100,15 +100,15 @@ Image DirectionLegend(int size_px) {
   return ToImage(picture);
 }
 
-Image BiasPicture(const std::vector<FeatureResidual>& residuals,
-                  const Area& area, double full_scale) {
+Image DrawBiasPicture(const std::vector<FeatureResidual>& residuals,
+                      const Area& area, double full_scale) {
   constexpr int kCellPx = 8;
   return HeatMap(ComputeCellBias(residuals, area), kBiasCells, 0, full_scale,
                  kCellPx);
 }
 
-Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
-                          int columns, double full_scale_px) {
+Image DrawDisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
+                              int columns, double full_scale_px) {
   constexpr int kCellPx = 8, kCellsApart = 6, kApartPx = kCellPx * kCellsApart;
   std::vector<double> sizes;
   for (const Eigen::Vector2d& displacement : displacements)
@@ -122,9 +122,9 @@ Image DisplacementPicture(const std::vector<Eigen::Vector2d>& displacements,
       const Eigen::Vector2d arrow =
           displacements[j * columns + i] * kApartPx / full_scale_px;
       if (!arrow.allFinite()) continue;
-      const Eigen::Vector2d middle(kCellPx * (i + 0.5), kCellPx * (j + 0.5));
-      const cv::Point from = NearestPixel(middle - arrow / 2, picture.size);
-      const cv::Point to = NearestPixel(middle + arrow / 2, picture.size);
+      const Eigen::Vector2d center(kCellPx * (i + 0.5), kCellPx * (j + 0.5));
+      const cv::Point from = NearestPixel(center - arrow / 2, picture.size);
+      const cv::Point to = NearestPixel(center + arrow / 2, picture.size);
       for (const auto& [color, thickness] :
            {std::pair(cv::Scalar(0, 0, 0), 3),
             std::pair(cv::Scalar(255, 255, 255), 1)})

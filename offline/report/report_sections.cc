@@ -16,11 +16,11 @@ std::string Optional(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "&ndash;";
 }
 
-HtmlRow ModelRow(const std::string& name, int num_parameters,
-                 const ErrorMetrics& training,
-                 const std::optional<ErrorMetrics>& held_out,
-                 const std::optional<ErrorMetrics>& held_out_deformed,
-                 const std::optional<double>& bias_kl) {
+HtmlRow MakeModelRow(const std::string& name, int num_parameters,
+                     const ErrorMetrics& training,
+                     const std::optional<ErrorMetrics>& held_out,
+                     const std::optional<ErrorMetrics>& held_out_deformed,
+                     const std::optional<double>& bias_kl) {
   return {name,
           std::to_string(num_parameters),
           FormatPixels(training.median_px),
@@ -31,14 +31,14 @@ HtmlRow ModelRow(const std::string& name, int num_parameters,
           Optional(bias_kl, "{:.3f}")};
 }
 
-std::string BoardFigure(const Board& board, const BoardFlatness& shape) {
+std::string MakeBoardFigure(const Board& board, const BoardFlatness& shape) {
   const int knot_spacing_px =
       std::clamp(480 / std::max(board.columns, 1), 4, 40);
   std::vector<double> heights_um;
   for (const double height_m : shape.height_m)
     heights_um.push_back(1e6 * height_m);
   const double limit_um = std::max(1e6 * shape.max_height_m, 1.0);
-  return HtmlPicture(
+  return MakeHtmlPicture(
       HeatMap(heights_um, board.columns, -limit_um, limit_um, knot_spacing_px),
       fmt::format("Board {}: out-of-plane deformation {:.0f} &micro;m RMS, "
                   "{:.0f} &micro;m max; in-plane deviation {:.0f} &micro;m RMS",
@@ -48,9 +48,9 @@ std::string BoardFigure(const Board& board, const BoardFlatness& shape) {
        "row",
        {"0", std::to_string(board.columns - 1)},
        {"0", std::to_string(board.rows - 1)}},
-      HtmlColorBar({ColorScale::kEven, "height",
-                    fmt::format("{:.0f}", -limit_um),
-                    fmt::format("{:.0f} &micro;m", limit_um)}),
+      MakeHtmlColorBar({ColorScale::kEven, "height",
+                        fmt::format("{:.0f}", -limit_um),
+                        fmt::format("{:.0f} &micro;m", limit_um)}),
       "board");
 }
 
@@ -58,7 +58,7 @@ std::string BoardFigure(const Board& board, const BoardFlatness& shape) {
 
 std::string FormatPixels(double value) { return FormatThreeDigits(value); }
 
-std::string AssessmentSection(const Assessment& assessment) {
+std::string MakeAssessmentSection(const Assessment& assessment) {
   std::string html =
       fmt::format("<div class=\"verdict {0}\"><h2>Verdict: {0}</h2>\n",
                   EscapeHtml(assessment.word));
@@ -69,8 +69,8 @@ std::string AssessmentSection(const Assessment& assessment) {
   return html + "</div>\n";
 }
 
-std::string ErrorTable(const std::vector<HtmlRow>& rows) {
-  return HtmlTable({"", "median px", "RMS px", "max px", "features"}, rows);
+std::string MakeErrorTable(const std::vector<HtmlRow>& rows) {
+  return MakeHtmlTable({"", "median px", "RMS px", "max px", "features"}, rows);
 }
 
 HtmlRow FormatMetricsRow(const std::string& name, const ErrorMetrics& metrics) {
@@ -81,12 +81,12 @@ HtmlRow FormatMetricsRow(const std::string& name, const ErrorMetrics& metrics) {
 void AddModelRows(const std::string& prefix, const CalibrationResult& result,
                   std::vector<HtmlRow>* rows) {
   if (result.parametric_models.empty()) return;
-  rows->push_back(ModelRow(
+  rows->push_back(MakeModelRow(
       prefix + "<b>" + result.camera.camera->Name() + "</b>",
       result.num_parameters, *result.camera.training, result.camera.held_out,
       result.held_out_deformed, result.bias_kl));
   for (const ModelMetrics& other : result.parametric_models)
-    rows->push_back(ModelRow(
+    rows->push_back(MakeModelRow(
         prefix + EscapeHtml(other.model), other.num_parameters, other.training,
         other.held_out, other.held_out_deformed, other.bias_kl));
   if (result.noise_bias_kl)
@@ -94,21 +94,21 @@ void AddModelRows(const std::string& prefix, const CalibrationResult& result,
                      fmt::format("{:.3f}", *result.noise_bias_kl)});
 }
 
-std::string ModelTable(const std::vector<HtmlRow>& rows) {
-  return HtmlTable(
+std::string MakeModelTable(const std::vector<HtmlRow>& rows) {
+  return MakeHtmlTable(
       {"", "parameters", "training median px", "held-out median px",
        "held-out RMS px", "median px with per-view deformation", "bias KL"},
       rows);
 }
 
-std::string BoardSection(const Pattern& pattern) {
+std::string MakeBoardSection(const Pattern& pattern) {
   std::string html = "<h2>Target geometry</h2>\n<div class=\"pictures\">\n";
   for (const Board& board : pattern.boards)
-    html += BoardFigure(board, MeasureFlatness(board));
+    html += MakeBoardFigure(board, MeasureFlatness(board));
   return html + "</div>\n";
 }
 
-std::string RigidTargetSection(
+std::string MakeRigidTargetSection(
     const std::vector<std::string>& rigid_target_summary) {
   if (rigid_target_summary.empty()) return "";
   std::string html = "<h2>Rigid multi-board target</h2>\n<ul>\n";
@@ -130,8 +130,8 @@ std::string BendBars(const BoardDeformation& bends) {
   return html + "</div>\n";
 }
 
-std::string DeformationSection(const BoardDeformation& bends,
-                               const Pattern& pattern) {
+std::string MakeDeformationSection(const BoardDeformation& bends,
+                                   const Pattern& pattern) {
   const BoardDeformation::View& most = bends.views[bends.most_deformed];
   std::string html =
       "<h2>Per-view target deformation</h2>\n<figure><figcaption>Deformation "
@@ -152,7 +152,7 @@ std::string DeformationSection(const BoardDeformation& bends,
     limit_um = std::max(limit_um, std::abs(heights_um.back()));
   }
   return html + "<div class=\"pictures\">\n" +
-         HtmlPicture(
+         MakeHtmlPicture(
              HeatMap(heights_um, board->columns, -limit_um, limit_um,
                      knot_spacing_px),
              fmt::format("Board {} in {}: height relative to the mean shape",
@@ -161,14 +161,14 @@ std::string DeformationSection(const BoardDeformation& bends,
               "row",
               {"0", std::to_string(board->columns - 1)},
               {"0", std::to_string(board->rows - 1)}},
-             HtmlColorBar({ColorScale::kEven, "height",
-                           fmt::format("{:.0f}", -limit_um),
-                           fmt::format("{:.0f} &micro;m", limit_um)}),
+             MakeHtmlColorBar({ColorScale::kEven, "height",
+                               fmt::format("{:.0f}", -limit_um),
+                               fmt::format("{:.0f} &micro;m", limit_um)}),
              "bend") +
          "</div>\n";
 }
 
-std::string GlossarySection() {
+std::string MakeGlossarySection() {
   return "<h2>Glossary</h2>\n<ul>\n<li><b>predicted uncertainty</b>: standard "
          "deviation of a coordinate of a distant point's projection, from the "
          "noise and distribution of the features.</li>\n<li><b>valid "
@@ -187,7 +187,7 @@ std::string GlossarySection() {
          "that of the other half.</li>\n</ul>\n";
 }
 
-std::string SpaceSection() {
+std::string MakeSpaceSection() {
   return "<div class=\"script\"><h2>Cameras and targets in "
          "3D</h2>\n<figure><figcaption>Drag to rotate, scroll or pinch to "
          "zoom. Axes of the first camera: x right, y down, z forward; <span "

@@ -51,7 +51,7 @@ void VisitFields(Io& io, StereoMetrics& stereo) {
   io("rms_px", stereo.rms_px);
   io("max_px", stereo.max_px);
   io("count", stereo.num_features);
-  io("image", stereo.instant);
+  io("image", stereo.frame);
   io("num_disparities", stereo.num_disparities);
 }
 
@@ -217,8 +217,9 @@ void VisitFields(Io& io, ResidualBudget& budget) {
     column_delay("fraction_alone", budget.column_delay);
     column_delay("indistinguishable", budget.is_column_delay_indistinguishable);
   });
-  io.Computed(
-      [&](auto* json) { (*json)["per_view_fraction"] = budget.PerViewShare(); });
+  io.Computed([&](auto* json) {
+    (*json)["per_view_fraction"] = budget.PerViewShare();
+  });
   io("unexplained_fraction", budget.rest);
 }
 

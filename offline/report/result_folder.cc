@@ -34,9 +34,9 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
   files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
-               EncodePng(UncertaintyPicture(*camera.uncertainty,
-                                            camera.camera->image_size(),
-                                            camera.camera->area())));
+               EncodePng(DrawUncertaintyPicture(*camera.uncertainty,
+                                                camera.camera->image_size(),
+                                                camera.camera->area())));
   if (!extras.thumbnails.empty())
     files->Add(In(folder, kThumbnails), FormatThumbnails(extras.thumbnails));
   if (!extras.blob.empty()) files->Add(In(folder, kBlob), extras.blob);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/fixed_operating_point.h"
-#include "evaluation/stack_change.h"
+#include "evaluation/operating_point_change.h"
 #include "report/result_fields.h"
 
 namespace raygrid {
@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The camera over its only condition: differences from the middle.
-Json RangeJson(const OperatingPointCalibration& stack) {
+Json MakeRangeJson(const OperatingPointCalibration& stack) {
   const OperatingPointModel& cameras = stack.cameras;
   const OperatingRange& range = cameras.ranges()[0];
   Json json = {{"quantity", OperatingParameterName(range.condition)},
@@ -24,7 +24,8 @@ Json RangeJson(const OperatingPointCalibration& stack) {
                {"polynomial_order", cameras.orders()[0]},
                {"samples", Json::array()}};
   const int count = std::max(2, static_cast<int>(stack.deviations.size()));
-  for (const StackChange& change : MeasureStackChanges(cameras, count)) {
+  for (const OperatingPointChange& change :
+       MeasureOperatingPointChanges(cameras, count)) {
     json["samples"].push_back(
         {{"value", change.value},
          {"focal_px", change.focal_px},
@@ -40,12 +41,12 @@ Json RangeJson(const OperatingPointCalibration& stack) {
 }
 
 // The camera over each of its conditions, with the others at mid-range.
-Json RangesJson(const OperatingPointCalibration& stack) {
+Json MakeRangesJson(const OperatingPointCalibration& stack) {
   const size_t count = stack.cameras.ranges().size();
   Json json = Json::array();
   for (size_t r = 0; r < count; ++r)
     json.push_back(
-        RangeJson(count == 1 ? stack : SliceOperatingPointModel(stack, r)));
+        MakeRangeJson(count == 1 ? stack : SliceOperatingPointModel(stack, r)));
   return json;
 }
 
@@ -71,12 +72,13 @@ Json CameraOfRig(const RigResult& result, size_t camera) {
   json["name"] = own.camera.name;
   AddCamera(own, &json);
   if (camera < result.held_out.size() && !result.held_out[camera].empty())
-    json["held_out_with_rig_poses"] = ComputeErrorMetrics(result.held_out[camera]);
+    json["held_out_with_rig_poses"] =
+        ComputeErrorMetrics(result.held_out[camera]);
   AddVerdict(own.assessment, &json);
   return json;
 }
 
-Json BaselineJson(const RigResult& result, const Baseline& baseline) {
+Json MakeBaselineJson(const RigResult& result, const Baseline& baseline) {
   Json json = {{"cameras",
                 {result.cameras[baseline.first].camera.name,
                  result.cameras[baseline.second].camera.name}}};
@@ -101,7 +103,7 @@ void AddRigidTargets(const RigResult& result, Json* json) {
     (*json)["board_pairs"].push_back(
         {{"boards", {pair.first, pair.second}},
          {"rigid", pair.fixed},
-         {"frames", pair.num_instants},
+         {"frames", pair.num_frames},
          {"translation_sd_m", pair.deviation_m},
          {"rotation_sd_rad", pair.deviation_rad},
          {"expected_translation_sd_m", pair.expected_m},
@@ -152,7 +154,7 @@ void AddRig(const RigResult& result, Json* json) {
         (result.cross_validated ? kCrossValidation : kHeldOutImages);
   }
   for (const Baseline& baseline : result.baselines)
-    (*json)["baselines"].push_back(BaselineJson(result, baseline));
+    (*json)["baselines"].push_back(MakeBaselineJson(result, baseline));
   for (size_t c = 0; c < result.cameras.size(); ++c)
     (*json)["cameras"].push_back(CameraOfRig(result, c));
 }
@@ -191,7 +193,7 @@ void AddCircleAndRanges(const CameraFile& file, Json* json) {
     (*json)["image_circle"] = {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
-  if (file.stack) (*json)["operating_ranges"] = RangesJson(*file.stack);
+  if (file.stack) (*json)["operating_ranges"] = MakeRangesJson(*file.stack);
 }
 
 size_t CountMissingErrors(const CalibrationResult& result) {

@@ -14,7 +14,7 @@ namespace raygrid {
 /// A rectified stereo pair of a rig, for its report.
 struct StereoMetrics {
   std::string left, right;  ///< camera names; vertical pair: upper, lower
-  std::string instant;      ///< name of the frame
+  std::string frame;        ///< name of the frame
   bool is_vertical = false;
   int num_disparities = 0;  ///< search range, in the pictures' pixels
   /// Vertical disparity (horizontal for a vertical pair) of features in both

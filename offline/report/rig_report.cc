@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-std::string CamerasTable(const RigResult& result) {
+std::string MakeCamerasTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const CalibrationResult& camera : result.cameras) {
     const std::string name = EscapeHtml(camera.camera.name);
@@ -28,11 +28,12 @@ std::string CamerasTable(const RigResult& result) {
                     fmt::format("{} &times; {}", size.width, size.height)});
   }
   return "<h2>Cameras</h2>\n" +
-         HtmlTable({"", "verdict", "model", "parameters", "images", "image px"},
-                   rows);
+         MakeHtmlTable(
+             {"", "verdict", "model", "parameters", "images", "image px"},
+             rows);
 }
 
-std::string RigErrorTable(const RigResult& result) {
+std::string MakeRigErrorTable(const RigResult& result) {
   const std::string by =
       result.cross_validated ? "cross-validation" : "frames not used";
   std::vector<HtmlRow> rows;
@@ -53,17 +54,17 @@ std::string RigErrorTable(const RigResult& result) {
   if (const auto held_out = ComputeHeldOutMetrics(result))
     rows.push_back(FormatMetricsRow(
         "all, held out (" + by + "), pose from the rig", *held_out));
-  return "<h2>Reprojection error</h2>\n" + ErrorTable(rows);
+  return "<h2>Reprojection error</h2>\n" + MakeErrorTable(rows);
 }
 
 // The table of each camera's models, compared in its own images.
-std::string RigComparisonTable(const RigResult& result) {
+std::string MakeRigComparisonTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const CalibrationResult& camera : result.cameras)
     AddModelRows(EscapeHtml(camera.camera.name) + ", ", camera, &rows);
   if (rows.empty()) return "";
   return "<h2>Other models calibrated from the same features</h2>\n" +
-         ModelTable(rows) +
+         MakeModelTable(rows) +
          "<p>The other models are fitted per camera, and poses of held-out "
          "images are estimated per camera.</p>\n";
 }
@@ -75,7 +76,7 @@ std::string EstimateCell(double value, const std::optional<double>& deviation,
              : FormatThreeDigits(value * scale);
 }
 
-std::string BaselineTable(const RigResult& result) {
+std::string MakeBaselineTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const Baseline& baseline : result.baselines)
     rows.push_back(
@@ -86,13 +87,13 @@ std::string BaselineTable(const RigResult& result) {
          EstimateCell(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI),
          std::to_string(baseline.num_shared_views)});
   return "<h2>Relative camera poses</h2>\n" +
-         HtmlTable({"", "baseline mm", "rotation degrees", "common views"},
-                   rows);
+         MakeHtmlTable({"", "baseline mm", "rotation degrees", "common views"},
+                       rows);
 }
 
 // The per-view deformation in all cameras' views. A board that several cameras
 // see in one frame has one deformation.
-std::optional<BoardDeformation> BendsOfAll(const RigResult& result) {
+std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardDeformation all;
   double most_m = -1, square_m2 = 0;
@@ -121,15 +122,16 @@ std::optional<BoardDeformation> BendsOfAll(const RigResult& result) {
 std::string FormatRigReport(
     const RigResult& result, const std::optional<StereoExample>& stereo,
     const std::vector<std::string>& rigid_target_summary) {
-  const std::optional<BoardDeformation> bends = BendsOfAll(result);
-  return PageStart("Rig calibration") + AssessmentSection(result.assessment) +
-         CamerasTable(result) + RigErrorTable(result) +
-         RigComparisonTable(result) + BaselineTable(result) +
-         (stereo ? StereoSection(*stereo) : "") + SpaceSection() +
-         BoardSection(result.pattern) +
-         RigidTargetSection(rigid_target_summary) +
-         (bends ? DeformationSection(*bends, result.pattern) : "") +
-         GlossarySection() + PageEnd(FormatPageData(result));
+  const std::optional<BoardDeformation> bends = GetCommonDeformation(result);
+  return PageStart("Rig calibration") +
+         MakeAssessmentSection(result.assessment) + MakeCamerasTable(result) +
+         MakeRigErrorTable(result) + MakeRigComparisonTable(result) +
+         MakeBaselineTable(result) +
+         (stereo ? MakeStereoSection(*stereo) : "") + MakeSpaceSection() +
+         MakeBoardSection(result.pattern) +
+         MakeRigidTargetSection(rigid_target_summary) +
+         (bends ? MakeDeformationSection(*bends, result.pattern) : "") +
+         MakeGlossarySection() + PageEnd(FormatPageData(result));
 }
 
 }  // namespace raygrid

@@ -32,7 +32,7 @@ Image ColourImage(const cv::Mat& picture) {
 
 }  // namespace
 
-Image RowsPicture(const RectifiedImages& images) {
+Image DrawRowsPicture(const RectifiedImages& images) {
   constexpr int kNumRows = 16;
   cv::Mat both, picture;
   cv::hconcat(LyingDown(images.first, images.is_vertical),
@@ -49,7 +49,7 @@ Image RowsPicture(const RectifiedImages& images) {
   return ColourImage(picture);
 }
 
-Image DisparityPicture(const RectifiedImages& images, int num_disparities) {
+Image DrawDisparityPicture(const RectifiedImages& images, int num_disparities) {
   constexpr int kBlock = 5, kFraction = 16;
   cv::Mat first = LyingDown(images.first, images.is_vertical);
   cv::Mat second = LyingDown(images.second, images.is_vertical);
@@ -77,7 +77,7 @@ Image DisparityPicture(const RectifiedImages& images, int num_disparities) {
   return HeatMap(disparities, found.cols, 0, num_disparities, 1);
 }
 
-std::string StereoSection(const StereoExample& example) {
+std::string MakeStereoSection(const StereoExample& example) {
   const StereoMetrics& metrics = example.metrics;
   const std::string left = EscapeHtml(metrics.left),
                     right = EscapeHtml(metrics.right);
@@ -96,16 +96,16 @@ std::string StereoSection(const StereoExample& example) {
              "<div class=\"pictures\">\n<figure "
              "class=\"wide\"><figcaption>{}: {} {}, {} {}, rectified by the "
              "runtime, with {}s drawn</figcaption>",
-             EscapeHtml(metrics.instant), left, place, right, other, line) +
-         HtmlImage(example.rows, "Rectified pair") +
+             EscapeHtml(metrics.frame), left, place, right, other, line) +
+         MakeHtmlImage(example.rows, "Rectified pair") +
          fmt::format(
              "</figure>\n<figure><figcaption>Disparity of {} by OpenCV's "
              "semi-global matching (white: no match). Repetitive patterns "
              "cause wrong matches.</figcaption>",
              left) +
-         HtmlImage(example.disparity, "Disparity") +
-         HtmlColorBar({ColorScale::kEven, "disparity", "0",
-                       fmt::format("{} px", metrics.num_disparities)}) +
+         MakeHtmlImage(example.disparity, "Disparity") +
+         MakeHtmlColorBar({ColorScale::kEven, "disparity", "0",
+                           fmt::format("{} px", metrics.num_disparities)}) +
          "</figure>\n</div>\n";
 }
 

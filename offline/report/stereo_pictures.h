@@ -18,19 +18,19 @@ struct RectifiedImages {
 
 /// Draws the images side by side (a vertical pair: one above the other), with
 /// evenly spaced lines through both.
-Image RowsPicture(const RectifiedImages& images);
+Image DrawRowsPicture(const RectifiedImages& images);
 
 /// Draws the first image's disparities in colours from 0 to num_disparities,
 /// white where OpenCV's semi-global matching finds none. num_disparities must
 /// be a multiple of 16.
-Image DisparityPicture(const RectifiedImages& images, int num_disparities);
+Image DrawDisparityPicture(const RectifiedImages& images, int num_disparities);
 
 /// The stereo pictures of a rig's report, with their description.
 struct StereoExample {
   StereoMetrics metrics;
   Image rows, disparity;
 };
-std::string StereoSection(const StereoExample& example);
+std::string MakeStereoSection(const StereoExample& example);
 
 }  // namespace raygrid
 

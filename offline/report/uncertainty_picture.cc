@@ -61,8 +61,8 @@ void DrawScale(double full_scale_px, int top, cv::Mat* picture) {
 
 }  // namespace
 
-Image UncertaintyPicture(const CameraUncertainty& uncertainty,
-                         const ImageSize& size, const Area& area) {
+Image DrawUncertaintyPicture(const CameraUncertainty& uncertainty,
+                             const ImageSize& size, const Area& area) {
   const double scale = static_cast<double>(kWidth) / size.width;
   const int height = std::max(1, static_cast<int>(size.height * scale));
   const double full_scale_px = FullScalePx(uncertainty.lattice);

@@ -10,8 +10,8 @@ namespace raygrid {
 /// Draws the predicted uncertainty over the area, with a legend below, in
 /// colours readable with colour blindness; hatched outside the valid region,
 /// grey outside the area. 800 px wide.
-Image UncertaintyPicture(const CameraUncertainty& uncertainty,
-                         const ImageSize& size, const Area& area);
+Image DrawUncertaintyPicture(const CameraUncertainty& uncertainty,
+                             const ImageSize& size, const Area& area);
 
 }  // namespace raygrid
 

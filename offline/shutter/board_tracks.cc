@@ -10,7 +10,8 @@ namespace {
 using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
 
 // Half of the longer side of the points' bounding rectangle, and its centre.
-std::pair<double, Eigen::Vector2d> HalfAndMiddle(const Board& board) {
+std::pair<double, Eigen::Vector2d> ComputeHalfExtentAndCenter(
+    const Board& board) {
   Eigen::AlignedBox2d around;
   for (const Eigen::Vector3d& point : board.points)
     around.extend(point.head<2>());
@@ -20,14 +21,14 @@ std::pair<double, Eigen::Vector2d> HalfAndMiddle(const Board& board) {
 std::vector<TrackPoint> PointsOf(const Board& board,
                                  const std::vector<Feature>& features,
                                  size_t image) {
-  const auto& [half_m, middle] = HalfAndMiddle(board);
+  const auto& [half_m, center] = ComputeHalfExtentAndCenter(board);
   std::vector<TrackPoint> points;
   for (size_t k = 0; k < features.size(); ++k)
     if (features[k].board == board.id) {
       const Eigen::Vector3d& point =
           board.points[board.PointIndex(features[k].column, features[k].row)];
       points.push_back({point, features[k].pixel,
-                        (point.head<2>() - middle) / half_m, image, k});
+                        (point.head<2>() - center) / half_m, image, k});
     }
   return points;
 }
@@ -43,7 +44,7 @@ BoardTrack MakeTrack(const MovingViews& views, const Board& board,
       frames.insert({time->second, {i, pose->second}});
   }
   BoardTrack track;
-  track.half_m = HalfAndMiddle(board).first;
+  track.half_m = ComputeHalfExtentAndCenter(board).first;
   for (const auto& [time_s, frame] : frames) {
     track.times_s.push_back(time_s);
     track.poses.push_back(frame.second);

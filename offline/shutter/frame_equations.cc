@@ -43,8 +43,8 @@ struct PointEquations {
 // Jacobians do not depend on the noise of the observation.
 std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
                                              const TrackPoint& point) {
-  const double middle = GetReferenceRow(input.camera->image_size());
-  const double seconds = input.shared[0] * (point.pixel.y() - middle);
+  const double reference_row = GetReferenceRow(input.camera->image_size());
+  const double seconds = input.shared[0] * (point.pixel.y() - reference_row);
   return input.camera->Project(
       input.motion.PoseAfter(seconds, input.pose) * point.point, &point.pixel,
       kShutterMarginPx);

@@ -29,7 +29,7 @@ struct MovingFrame {
 
   // Frames at the ends of sequences have a motion estimate that suffices to
   // correct their poses, but do not contribute to the line delay.
-  bool Tells() const { return stencil->IsCentral(); }
+  bool IsObservable() const { return stencil->IsCentral(); }
 };
 
 struct MovingBoard {
@@ -73,7 +73,7 @@ PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
   return {sum / information, 1 / std::sqrt(information)};
 }
 
-std::string MicrosecondsText(double seconds) {
+std::string FormatMicroseconds(double seconds) {
   return fmt::format("{:.3g} us", seconds * 1e6);
 }
 
@@ -241,8 +241,8 @@ LineDelayOptimization::Sums LineDelayOptimization::Linearize(
       frame.equations = MakeFrameEquations(
           {&camera_, &track.points[index], track.poses[index], frame.motion,
            track.half_m, SharedOf(b, shared)},
-          frame.Tells() ? &own : &unused);
-      if (!frame.Tells()) continue;
+          frame.IsObservable() ? &own : &unused);
+      if (!frame.IsObservable()) continue;
       frame.information = (along.dot(own * along) - before) /
                           (covariance_(0, 0) * covariance_(0, 0));
       AddSharedOf(b, frame.equations.gradient, &sums.gradient);
@@ -264,7 +264,7 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
   double noise = 0, motion = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
-      if (!frame.Tells()) continue;
+      if (!frame.IsObservable()) continue;
       noise +=
           noise_variance_ * NoisePart(board, frame, frame.stencil->by_velocity);
       const Vector6d& velocity = frame.motion.velocity;
@@ -329,7 +329,7 @@ double LineDelayOptimization::VarianceByFrames() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)
     for (const MovingFrame& frame : boards_[b].frames) {
-      if (!frame.Tells()) continue;
+      if (!frame.IsObservable()) continue;
       const double pull =
           SharedOf(b, covariance_.row(0)).dot(frame.equations.gradient);
       sum += pull * pull;
@@ -346,7 +346,7 @@ double LineDelayOptimization::BiasByQuickMotion() const {
   double difference = 0, all = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
-      if (!frame.Tells()) continue;
+      if (!frame.IsObservable()) continue;
       const Matrix6d& weight = frame.equations.by_row2;
       const Vector6d& fine = frame.motion.velocity;
       const Vector6d coarse = fine - frame.motion.coarse_velocity;
@@ -362,7 +362,7 @@ double LineDelayOptimization::TimeVariance() const {
   double uneven = 0, all = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
-      if (!frame.Tells()) continue;
+      if (!frame.IsObservable()) continue;
       const Matrix6d weight = frame.equations.VelocityInformation();
       const FrameMotion& motion = frame.motion;
       uneven += motion.unevenness.dot(weight * motion.unevenness) -
@@ -380,7 +380,7 @@ double LineDelayOptimization::BiasByTimes() const {
   double pretended = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames)
-      if (frame.Tells())
+      if (frame.IsObservable())
         pretended +=
             frame.stencil->by_velocity.squaredNorm() *
             frame.motion.velocity.dot(frame.equations.VelocityInformation() *
@@ -394,7 +394,7 @@ double MaxLineDelay(const std::vector<MovingBoard>& boards, int height) {
   double shortest_s = kUsualIntervalS;
   for (const MovingBoard& board : boards)
     for (const MovingFrame& frame : board.frames)
-      if (frame.Tells())
+      if (frame.IsObservable())
         shortest_s = std::min(
             shortest_s, board.track.times_s[frame.stencil->frame] -
                             board.track.times_s[frame.stencil->frame - 1]);
@@ -427,7 +427,7 @@ std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
     const SharedVector along =
         SharedOf(b, covariance_.row(0)) / covariance_(0, 0);
     for (const MovingFrame& frame : boards_[b].frames) {
-      if (!frame.Tells()) continue;
+      if (!frame.IsObservable()) continue;
       by_time.insert(
           {boards_[b].track.times_s[frame.stencil->frame],
            {frame.information, along.dot(frame.equations.gradient)}});
@@ -456,9 +456,9 @@ std::string LineDelayOptimization::FindUnlikeParts() const {
   std::string found;
   double largest = kSurely;
   const std::vector<PartEstimate> parts = EstimateByParts();
-  for (auto middle = parts.begin(); middle != parts.end(); ++middle) {
-    const PartEstimate before = MeanOf({parts.begin(), middle}),
-                       after = MeanOf({middle, parts.end()});
+  for (auto split = parts.begin(); split != parts.end(); ++split) {
+    const PartEstimate before = MeanOf({parts.begin(), split}),
+                       after = MeanOf({split, parts.end()});
     const double difference_s = std::abs(after.seconds - before.seconds);
     const double sigmas =
         difference_s / std::hypot(before.deviation_s, after.deviation_s);
@@ -468,15 +468,17 @@ std::string LineDelayOptimization::FindUnlikeParts() const {
     found = fmt::format(
         "line delay {} +- {} in the earlier frames, {} +- {} in the later "
         "frames",
-        MicrosecondsText(before.seconds), MicrosecondsText(before.deviation_s),
-        MicrosecondsText(after.seconds), MicrosecondsText(after.deviation_s));
+        FormatMicroseconds(before.seconds),
+        FormatMicroseconds(before.deviation_s),
+        FormatMicroseconds(after.seconds),
+        FormatMicroseconds(after.deviation_s));
   }
   return found;
 }
 
 LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
   // A smaller fraction of the maximum is irrelevant.
-  constexpr double kTold = 0.05;
+  constexpr double kMinIndependentPart = 0.05;
   LineDelayEstimate result;
   result.num_images = num_images;
   result.value.seconds = row_time_s_;
@@ -486,7 +488,7 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
       std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
   result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
   const double longest_s = MaxLineDelay(boards_, size_.height);
-  const double limit_s = kTold * longest_s;
+  const double limit_s = kMinIndependentPart * longest_s;
   const bool moves = std::isfinite(result.value.seconds) &&
                      std::isfinite(result.value.deviation_s) &&
                      noise_part_ <= 0.5;
@@ -508,19 +510,20 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
         "motion is too fast for the frame rate, or timestamps are noisy "
         "(+-{}); use the sensor's timestamps, move more slowly, or increase "
         "the frame rate",
-        MicrosecondsText(result.value.deviation_s));
+        FormatMicroseconds(result.value.deviation_s));
   else if (result.value.deviation_s > limit_s)
     result.unobservable_reason = fmt::format(
         "its standard deviation of {} exceeds {} ({:g} % of the largest line "
         "delay possible at this frame rate); record more frames, with more "
         "motion and rotation in all directions",
-        MicrosecondsText(result.value.deviation_s), MicrosecondsText(limit_s),
-        100 * kTold);
+        FormatMicroseconds(result.value.deviation_s),
+        FormatMicroseconds(limit_s), 100 * kMinIndependentPart);
   else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
     result.unobservable_reason = fmt::format(
         "the estimate of {} exceeds the {} possible at this frame rate; check "
         "that the timestamps belong to these images, in seconds",
-        MicrosecondsText(result.value.seconds), MicrosecondsText(longest_s));
+        FormatMicroseconds(result.value.seconds),
+        FormatMicroseconds(longest_s));
   return result;
 }
 
@@ -530,7 +533,8 @@ int CountImages(const std::vector<MovingBoard>& boards) {
   for (const MovingBoard& board : boards)
     for (const MovingFrame& frame : board.frames) {
       const auto& points = board.track.points[frame.stencil->frame];
-      if (frame.Tells() && !points.empty()) images.insert(points.front().image);
+      if (frame.IsObservable() && !points.empty())
+        images.insert(points.front().image);
     }
   return static_cast<int>(images.size());
 }

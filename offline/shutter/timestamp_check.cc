@@ -24,11 +24,11 @@ struct IntervalError {
 };
 
 std::string ToText(const IntervalError& error) {
-  const double told_s = error.behind->time_s - error.before->time_s;
+  const double reported_s = error.behind->time_s - error.before->time_s;
   return fmt::format(
       "from {} to {}: {:.1f} ms, but {:.1f} ms according to the motion",
-      error.before->image, error.behind->image, 1e3 * told_s,
-      1e3 * (told_s + error.seconds));
+      error.before->image, error.behind->image, 1e3 * reported_s,
+      1e3 * (reported_s + error.seconds));
 }
 
 // Coefficients of eight frames' updates that yield the step and the velocity.
@@ -38,11 +38,11 @@ struct StepFit {
 
 StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
   constexpr int kDegree = 3;
-  const double middle_s = (behind[-1].time_s + behind->time_s) / 2;
+  const double center_s = (behind[-1].time_s + behind->time_s) / 2;
   const double unit_s = (first[count - 1].time_s - first->time_s) / 2;
   Eigen::MatrixXd terms(static_cast<Eigen::Index>(count), kDegree + 2);
   for (Eigen::Index i = 0; i < terms.rows(); ++i) {
-    const double t = (first[i].time_s - middle_s) / unit_s;
+    const double t = (first[i].time_s - center_s) / unit_s;
     terms.row(i) << 1, t, t * t, t * t * t, first + i >= behind ? 1 : 0;
   }
   const Eigen::MatrixXd solution =
@@ -95,7 +95,7 @@ struct Run {
   size_t size() const { return static_cast<size_t>(end - begin); }
 };
 
-std::vector<Run> RunsOf(const TimedTrack& track) {
+std::vector<Run> SplitRuns(const TimedTrack& track) {
   std::vector<Run> runs;
   const TimedPose* const end = track.data() + track.size();
   for (const TimedPose *begin = track.data(), *next; begin < end;
@@ -123,10 +123,10 @@ void AddSteps(const Run& run, double noise_variance_px2,
 
 // The median, which must exist.
 double MedianOf(std::vector<double> values) {
-  const auto middle =
+  const auto median =
       values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 // Evaluates all intervals that the motion determines.
@@ -136,7 +136,7 @@ std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
   constexpr double kTimesMedian = 4;
   std::vector<StepNoises> steps;
   for (const TimedTrack& track : tracks)
-    for (const Run& run : RunsOf(track))
+    for (const Run& run : SplitRuns(track))
       AddSteps(run, noise_variance_px2, &steps);
   std::vector<double> across;
   for (const StepNoises& step : steps)
@@ -170,7 +170,8 @@ struct Scatter {
 };
 
 // Uses the intervals that determine it; 0 if there are few.
-Scatter ScatterOf(const std::vector<IntervalError>& errors, double interval_s) {
+Scatter ComputeScatter(const std::vector<IntervalError>& errors,
+                       double interval_s) {
   constexpr double kToldPart = 0.1, kSigmasOfMedian = 0.6745;
   constexpr size_t kFewest = 10;
   std::vector<double> sizes_s;
@@ -194,9 +195,9 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
   constexpr double kLongestPauseS = 1, kWrongPart = 0.6, kSurely = 6;
   constexpr size_t kFewest = 3;
   std::vector<IntervalError> wrong;
-  size_t num_told = 0;
+  size_t num_reported = 0;
   for (const TimedTrack& track : tracks) {
-    const std::vector<Run> runs = RunsOf(track);
+    const std::vector<Run> runs = SplitRuns(track);
     for (size_t r = 1; r < runs.size(); ++r) {
       const TimedPose* const behind = runs[r].begin;
       const double pause_s = behind->time_s - behind[-1].time_s;
@@ -211,12 +212,12 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
       step->error.deviation_s =
           std::sqrt(std::max(step->across, step->by_noise)) / step->speed;
       if (kSurely * step->error.deviation_s > kWrongPart * pause_s) continue;
-      ++num_told;
+      ++num_reported;
       if (std::abs(step->error.seconds) > kWrongPart * pause_s)
         wrong.push_back(step->error);
     }
   }
-  if (wrong.size() < kFewest || 2 * wrong.size() < num_told) return "";
+  if (wrong.size() < kFewest || 2 * wrong.size() < num_reported) return "";
   return ToText(wrong.front());
 }
 
@@ -231,7 +232,7 @@ std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
   const double interval_s = MeanInterval(tracks);
   const std::vector<IntervalError> errors =
       IntervalErrors(tracks, noise_variance_px2);
-  const Scatter scatter = ScatterOf(errors, interval_s);
+  const Scatter scatter = ComputeScatter(errors, interval_s);
   const IntervalError* worst = nullptr;
   for (const IntervalError& error : errors) {
     const double size_s = std::abs(error.seconds);

@@ -282,10 +282,10 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
                   samples.data() + (kernel_.radius_px + column) * samples_);
     }
     for (int j = 0; j < 2 * samples_; ++j) {
-      const int place = (row - begin) * samples_ + j;
-      if (place >= 0 && place < rows.rows())
+      const int position = (row - begin) * samples_ + j;
+      if (position >= 0 && position < rows.rows())
         FilterAlongRow(samples.data() + j * SamplesStride(),
-                       rows.row(place).data());
+                       rows.row(position).data());
     }
   }
   const int num_weights = static_cast<int>(kernel_.weights.size());

@@ -186,11 +186,11 @@ double InkMap::ComputePartsInk(const Eigen::Vector2d& center_m,
   double sum = 0;
   for (int j = 0; j < parts_along_side; ++j) {
     for (int i = 0; i < parts_along_side; ++i) {
-      const Eigen::Vector2d place(i, j);
+      const Eigen::Vector2d position(i, j);
       const Eigen::Vector2d at =
           center_m +
           part.sides_m() *
-              (place.array() - (parts_along_side - 1) / 2.0).matrix();
+              (position.array() - (parts_along_side - 1) / 2.0).matrix();
       sum += ComputePartInk(at, part, CellAt(at));
     }
   }

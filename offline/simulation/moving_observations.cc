@@ -43,13 +43,13 @@ class HandPath {
         center_m_((board.columns - 1) * board.square_m / 2,
                   (board.rows - 1) * board.square_m / 2, 0) {
     const Area area = WholeImage(camera.image_size());
-    const auto middle = camera.Unproject(area.center());
+    const auto center = camera.Unproject(area.center());
     const auto side = camera.Unproject({area.x1 - 1, area.center().y()});
     const auto below = camera.Unproject({area.center().x(), area.y1 - 1});
-    if (!middle || !side || !below)
+    if (!center || !side || !below)
       throw InputError("the camera is not calibrated up to the image border");
-    across_rad_ = std::acos(middle->dot(*side));
-    down_rad_ = std::acos(middle->dot(*below));
+    across_rad_ = std::acos(center->dot(*side));
+    down_rad_ = std::acos(center->dot(*below));
     distance_m_ = board.columns * board.square_m / (2 * across_rad_);
     for (int k = 0; k < kWanders; ++k) wander_.emplace_back(random);
   }
@@ -82,11 +82,11 @@ std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
                                           const HandPath& path, double time,
                                           double line_delay_s,
                                           const Eigen::Vector3d& point) {
-  const double middle = (camera.image_size().height - 1) / 2.0;
+  const double center = (camera.image_size().height - 1) / 2.0;
   std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
   // Each step reduces the error about a hundredfold.
   for (int step = 0; pixel && step < 12; ++step) {
-    const double then = time + line_delay_s * (pixel->y() - middle);
+    const double then = time + line_delay_s * (pixel->y() - center);
     pixel = camera.Project(path.At(then) * point);
   }
   return pixel;

@@ -51,11 +51,11 @@ std::vector<Pose> CollectFeaturePositions(const Pattern& pattern,
 }
 
 // Displaces a board's pose in a random direction.
-Pose MovedPlace(const Pose& place, double move_m, Random* random) {
+Pose MovedPlace(const Pose& position, double move_m, Random* random) {
   Eigen::Vector3d direction;
   for (int k = 0; k < 3; ++k) direction[k] = random->Normal();
   direction.normalize();
-  return {place.rotation, place.translation + move_m * direction};
+  return {position.rotation, position.translation + move_m * direction};
 }
 
 // rig_from_body for each frame: the centre of a board, or of the gap after it,
@@ -65,15 +65,15 @@ std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
                               uint64_t seed) {
   constexpr double kMaxTiltRad = 35 * M_PI / 180;
   constexpr double kMaxTurnRad = 25 * M_PI / 180;
-  const auto middle = [&](size_t board) -> Eigen::Vector3d {
+  const auto midpoint = [&](size_t board) -> Eigen::Vector3d {
     return places[board] * (pattern.boards[board].NominalPoints().back() / 2);
   };
   const int num_cameras = static_cast<int>(rig.cameras.size());
   std::vector<Eigen::Vector3d> targets;
   for (size_t b = 0; b < places.size(); ++b) {
-    targets.push_back(middle(b));
+    targets.push_back(midpoint(b));
     if (b + 1 < places.size())
-      targets.push_back((middle(b) + middle(b + 1)) / 2);
+      targets.push_back((midpoint(b) + midpoint(b + 1)) / 2);
   }
   PoseOptions held;
   held.max_tilt_rad = kMaxTiltRad;
@@ -113,11 +113,10 @@ std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
 
 // The features of a board in one frame of a camera, with the noise of each
 // shot.
-std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
-                                          const Board& board,
-                                          const Pose& camera_from_board,
-                                          const SimulationOptions& options,
-                                          Random* random) {
+std::vector<std::vector<Feature>> SimulateShots(
+    const CameraModel& camera, const Board& board,
+    const Pose& camera_from_board, const SimulationOptions& options,
+    Random* random) {
   const std::vector<Feature> features =
       Observe(camera, board, camera_from_board, options, random);
   std::vector<std::vector<Feature>> shots(options.num_shots, features);
@@ -126,10 +125,10 @@ std::vector<std::vector<Feature>> ShotsOf(const CameraModel& camera,
 }
 
 // Adds all cameras' images of a frame, numbered from first.
-void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
-                const std::vector<Pose>& rig_from_board, int first,
-                const SimulationOptions& options, Random* random,
-                SimulatedRigObservations* result) {
+void AddFrame(const SimulatedRig& rig, const std::vector<Board>& boards,
+              const std::vector<Pose>& rig_from_board, int first,
+              const SimulationOptions& options, Random* random,
+              SimulatedRigObservations* result) {
   for (size_t c = 0; c < rig.cameras.size(); ++c) {
     std::vector<ImageFeatures> images(options.num_shots);
     for (int shot = 0; shot < options.num_shots; ++shot)
@@ -137,7 +136,7 @@ void AddInstant(const SimulatedRig& rig, const std::vector<Board>& boards,
     for (size_t b = 0; b < boards.size(); ++b) {
       const Pose pose = rig.camera_from_rig[c] * rig_from_board[b];
       const auto shots =
-          ShotsOf(*rig.cameras[c], boards[b], pose, options, random);
+          SimulateShots(*rig.cameras[c], boards[b], pose, options, random);
       for (size_t shot = 0; shot < shots.size(); ++shot) {
         if (shots[shot].empty()) continue;
         images[shot].features.insert(images[shot].features.end(),
@@ -169,10 +168,10 @@ SimulatedRigObservations ObserveBoards(
     std::vector<Board> boards;
     for (const Board& board : result.true_pattern.boards)
       boards.push_back(DeformBoard(board, options.board_flex_m, &random));
-    std::vector<Pose> instant;
-    for (size_t b = 0; b < boards.size(); ++b) instant.push_back(poses[b][i]);
-    AddInstant(rig, boards, instant, i * options.num_shots, options, &random,
-               &result);
+    std::vector<Pose> frame;
+    for (size_t b = 0; b < boards.size(); ++b) frame.push_back(poses[b][i]);
+    AddFrame(rig, boards, frame, i * options.num_shots, options, &random,
+             &result);
   }
   return result;
 }

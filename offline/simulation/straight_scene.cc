@@ -77,8 +77,8 @@ std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
 
 double SeenAngleDeg(const CameraModel& camera, int axis) {
   const Area& area = camera.area();
-  const auto middle = camera.Unproject(area.center());
-  if (!middle) return 0;
+  const auto center = camera.Unproject(area.center());
+  if (!center) return 0;
   const double low = axis == 0 ? area.x0 : area.y0;
   const double high = axis == 0 ? area.x1 : area.y1;
   double sum_rad = 0;
@@ -90,7 +90,7 @@ double SeenAngleDeg(const CameraModel& camera, int axis) {
       pixel[axis] += (edge - pixel[axis]) * k / kSteps;
       const auto ray = camera.Unproject(pixel);
       if (!ray) continue;
-      sum_rad += std::atan2(ray->cross(*middle).norm(), ray->dot(*middle));
+      sum_rad += std::atan2(ray->cross(*center).norm(), ray->dot(*center));
       break;
     }
   }

@@ -26,27 +26,29 @@ Place ToFisheye(const Eigen::Vector3d& direction) {
 
 }  // namespace
 
-Place UnevenLens::PlaceOfPixel(const Eigen::Vector2d& pixel) const {
+Place UnevenLens::PixelToPosition(const Eigen::Vector2d& pixel) const {
   const ImageSize& size = image_size();
-  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
-  return (pixel - middle) / size.width;
+  const Eigen::Vector2d image_center((size.width - 1) / 2.0,
+                                     (size.height - 1) / 2.0);
+  return (pixel - image_center) / size.width;
 }
 
 std::optional<Eigen::Vector3d> UnevenLens::Unproject(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  return DirectionOf(PlaceOfPixel(pixel)).normalized();
+  return DirectionOf(PixelToPosition(pixel)).normalized();
 }
 
 std::optional<Eigen::Vector2d> UnevenLens::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
   if (point.isZero(0)) return std::nullopt;
-  const auto place = PlaceOf(point.normalized());
-  if (!place) return std::nullopt;
+  const auto position = PlaceOf(point.normalized());
+  if (!position) return std::nullopt;
   const ImageSize& size = image_size();
-  const Eigen::Vector2d middle((size.width - 1) / 2.0, (size.height - 1) / 2.0);
-  const Eigen::Vector2d pixel = middle + size.width * *place;
+  const Eigen::Vector2d image_center((size.width - 1) / 2.0,
+                                     (size.height - 1) / 2.0);
+  const Eigen::Vector2d pixel = image_center + size.width * *position;
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
 }
@@ -62,8 +64,8 @@ bool UnevenLens::Linearize(const Eigen::Vector3d& point,
   Eigen::Matrix2d by_pixel;
   for (int k = 0; k < 2; ++k) {
     const Eigen::Vector2d step = kSlopeStepPx * Eigen::Vector2d::Unit(k);
-    by_pixel.col(k) = (ToChart(DirectionOf(PlaceOfPixel(*pixel + step))) -
-                       ToChart(DirectionOf(PlaceOfPixel(*pixel - step)))) /
+    by_pixel.col(k) = (ToChart(DirectionOf(PixelToPosition(*pixel + step))) -
+                       ToChart(DirectionOf(PixelToPosition(*pixel - step)))) /
                       (2 * kSlopeStepPx);
   }
   projection->pixel = *pixel;
@@ -79,9 +81,9 @@ constexpr double kLongitudes = 130 * M_PI / 180;  // across the width
 
 }  // namespace
 
-Eigen::Vector3d AnamorphicLens::DirectionOf(const Place& place) const {
-  const double longitude = kLongitudes * place.x();
-  return {std::sin(longitude), kLongitudes / 2 * place.y(),
+Eigen::Vector3d AnamorphicLens::DirectionOf(const Place& position) const {
+  const double longitude = kLongitudes * position.x();
+  return {std::sin(longitude), kLongitudes / 2 * position.y(),
           std::cos(longitude)};
 }
 
@@ -102,8 +104,8 @@ constexpr double kOffAxisTilt = -0.6;  // t, for a radian
 
 }  // namespace
 
-Eigen::Vector3d OffAxisLens::DirectionOf(const Place& place) const {
-  const Place tilted = (place - kAxisPlace) / kOffAxisFocal;
+Eigen::Vector3d OffAxisLens::DirectionOf(const Place& position) const {
+  const Place tilted = (position - kAxisPlace) / kOffAxisFocal;
   return FromFisheye(tilted / (1 + kOffAxisTilt * tilted.x()));
 }
 
@@ -135,9 +137,9 @@ double IntegralOfInverseFocal(double x) {
 
 }  // namespace
 
-Eigen::Vector3d HalvesLens::DirectionOf(const Place& place) const {
-  return {IntegralOfInverseFocal(place.x()),
-          place.y() * InverseFocal(place.x()), 1};
+Eigen::Vector3d HalvesLens::DirectionOf(const Place& position) const {
+  return {IntegralOfInverseFocal(position.x()),
+          position.y() * InverseFocal(position.x()), 1};
 }
 
 std::optional<Place> HalvesLens::PlaceOf(
@@ -166,8 +168,9 @@ constexpr double kSecondBarrel = 0.05;
 
 }  // namespace
 
-Eigen::Vector3d DecentredLens::DirectionOf(const Place& place) const {
-  const Place bent = (place - kDecentredAxis) / kDecentredFocal - kSecondCentre;
+Eigen::Vector3d DecentredLens::DirectionOf(const Place& position) const {
+  const Place bent =
+      (position - kDecentredAxis) / kDecentredFocal - kSecondCentre;
   // b = a / (1 + k a^2), of which the smaller solution counts.
   const double b = bent.norm();
   const double root = std::sqrt(1 - 4 * kSecondBarrel * b * b);
@@ -203,9 +206,10 @@ MirrorLens::MirrorLens(const ImageSize& size, const Area& area)
            Eigen::AngleAxisd(kCameraTiltDownRad, Eigen::Vector3d::UnitX()))
               .toRotationMatrix()) {}
 
-Eigen::Vector3d MirrorLens::DirectionOf(const Place& place) const {
+Eigen::Vector3d MirrorLens::DirectionOf(const Place& position) const {
   const Eigen::Vector3d seen =
-      mirror_from_camera_ * Eigen::Vector3d(place.x(), place.y(), kMirrorFocal);
+      mirror_from_camera_ *
+      Eigen::Vector3d(position.x(), position.y(), kMirrorFocal);
   // The point of the sphere on the ray from (0, 0, -xi).
   const Place m = seen.head<2>() / seen.z();
   const double r2 = m.squaredNorm();

@@ -30,12 +30,13 @@ class UnevenLens : public CameraModel {
       : CameraModel(size, area) {}
 
   /// Returns a direction of any length.
-  virtual Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const = 0;
+  virtual Eigen::Vector3d DirectionOf(
+      const Eigen::Vector2d& position) const = 0;
   virtual std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const = 0;
 
  private:
-  Eigen::Vector2d PlaceOfPixel(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d PixelToPosition(const Eigen::Vector2d& pixel) const;
 };
 
 /// Crossed cylinders: horizontally equidistant, vertically a perspective with
@@ -51,7 +52,7 @@ class AnamorphicLens : public UnevenLens {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override;
+  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override;
 };
@@ -70,7 +71,7 @@ class OffAxisLens : public UnevenLens {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override;
+  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override;
 };
@@ -89,7 +90,7 @@ class HalvesLens : public UnevenLens {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override;
+  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override;
 };
@@ -107,7 +108,7 @@ class DecentredLens : public UnevenLens {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override;
+  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override;
 };
@@ -126,7 +127,7 @@ class MirrorLens : public UnevenLens {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override;
+  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override;
 

@@ -39,8 +39,8 @@ void FinishSurface(cairo_surface_t* surface) {
     throw Error(ExitCode::kOutput, cairo_status_to_string(status));
 }
 
-std::string DrawnPng(int width, int height,
-                     const std::function<void(cairo_t*)>& draw) {
+std::string RenderPng(int width, int height,
+                      const std::function<void(cairo_t*)>& draw) {
   cairo_surface_t* surface =
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
   cairo_t* cr = cairo_create(surface);

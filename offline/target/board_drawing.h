@@ -24,8 +24,8 @@ cairo_status_t AppendBytes(void* text, const unsigned char* data,
 void FinishSurface(cairo_surface_t* surface);
 
 /// Draws a PNG of width x height pixels and returns its bytes.
-std::string DrawnPng(int width, int height,
-                     const std::function<void(cairo_t*)>& draw);
+std::string RenderPng(int width, int height,
+                      const std::function<void(cairo_t*)>& draw);
 
 }  // namespace raygrid
 

@@ -100,7 +100,7 @@ ScreenLength GetMeasurableLength(const Board& board) {
   return {last.x() >= last.y(), std::max(last.x(), last.y())};
 }
 
-std::string ScreenYaml(const ScreenBoards& boards) {
+std::string MakeScreenYaml(const ScreenBoards& boards) {
   const Board& board = boards.boards.front();
   const Area extent = ExtentInSquares(board);
   const double pixel_mm = 1000 * board.square_m / boards.square_px;
@@ -110,12 +110,12 @@ std::string ScreenYaml(const ScreenBoards& boards) {
   place.first_feature_mm = {
       (boards.left_px - extent.x0 * boards.square_px) * pixel_mm,
       (boards.top_px - extent.y0 * boards.square_px) * pixel_mm};
-  return BoardsYaml(boards.boards, place, {});
+  return MakeBoardsYaml(boards.boards, place, {});
 }
 
-std::string ScreenPng(const ScreenBoards& boards, const Board& board) {
-  return DrawnPng(boards.screen.width, boards.screen.height,
-                  [&](cairo_t* cr) { DrawOnScreen(boards, board, cr); });
+std::string RenderScreenPng(const ScreenBoards& boards, const Board& board) {
+  return RenderPng(boards.screen.width, boards.screen.height,
+                   [&](cairo_t* cr) { DrawOnScreen(boards, board, cr); });
 }
 
 }  // namespace raygrid

@@ -39,8 +39,8 @@ struct ScreenLength {
 };
 ScreenLength GetMeasurableLength(const Board& board);
 
-std::string ScreenYaml(const ScreenBoards& boards);
-std::string ScreenPng(const ScreenBoards& boards, const Board& board);
+std::string MakeScreenYaml(const ScreenBoards& boards);
+std::string RenderScreenPng(const ScreenBoards& boards, const Board& board);
 
 }  // namespace raygrid
 

@@ -44,13 +44,13 @@ bool Fits(const Eigen::Vector2d& size_mm, const Page& page) {
          size_mm.y() <= FreeHeight(page) + 1e-9;
 }
 
-double LargestScale(const Eigen::Vector2d& size_mm, const Page& page) {
+double ComputeMaxScale(const Eigen::Vector2d& size_mm, const Page& page) {
   return std::min(FreeWidth(page) / size_mm.x(),
                   FreeHeight(page) / size_mm.y());
 }
 
 // How many columns and rows of the same squares would fit; empty if too few.
-std::string LargestCounts(const Board& board, const Page& page) {
+std::string DescribeMaxCounts(const Board& board, const Page& page) {
   const bool has_gaps = board.IsTagGrid();
   const double square_mm = board.square_m * 1000;
   const double gap_mm = has_gaps ? square_mm * board.spacing_ratio : square_mm;
@@ -68,16 +68,16 @@ std::string LargestCounts(const Board& board, const Page& page) {
   const Eigen::Vector2d size_mm = BoardSizeMm(board);
   const Page turned = Rotated(page);
   const Page& better =
-      LargestScale(size_mm, turned) > LargestScale(size_mm, page) ? turned
-                                                                  : page;
+      ComputeMaxScale(size_mm, turned) > ComputeMaxScale(size_mm, page) ? turned
+                                                                        : page;
   const double square_mm = board.square_m * 1000;
   const double largest_mm =
-      std::floor(10 * square_mm * LargestScale(size_mm, better) + 1e-9) / 10;
+      std::floor(10 * square_mm * ComputeMaxScale(size_mm, better) + 1e-9) / 10;
   std::string advice = "use a larger --page";
   if (largest_mm > 0)
     advice += fmt::format("; this page fits {} {:.1f}{}",
                           KindOf(board).LengthOption(), largest_mm,
-                          LargestCounts(board, better));
+                          DescribeMaxCounts(board, better));
   throw Error(ExitCode::kUsage,
               fmt::format("a board of {:g} x {:g} mm does not fit a page of "
                           "{:g} x {:g} mm with margins and rulers; {}",
@@ -205,14 +205,14 @@ PrintScale ComputePrintScale(const BoardSheets& sheets, double measured_x_mm,
   return scale;
 }
 
-std::string SheetsYaml(const BoardSheets& sheets, const PrintScale& scale) {
+std::string MakeSheetsYaml(const BoardSheets& sheets, const PrintScale& scale) {
   const Area extent_m = BoardAppearance(sheets.boards.front()).extent_m();
   BoardPlace place;
   place.width_mm = sheets.page.width_mm;
   place.height_mm = sheets.page.height_mm;
   place.first_feature_mm = {sheets.board_mm.x0 - 1000 * extent_m.x0,
                             sheets.board_mm.y0 - 1000 * extent_m.y0};
-  return BoardsYaml(sheets.boards, place, scale);
+  return MakeBoardsYaml(sheets.boards, place, scale);
 }
 
 std::string SheetsPdf(const BoardSheets& sheets) {
@@ -234,7 +234,7 @@ std::string SheetsPdf(const BoardSheets& sheets) {
   return pdf;
 }
 
-std::string SheetSvg(const BoardSheets& sheets, const Board& board) {
+std::string MakeSheetSvg(const BoardSheets& sheets, const Board& board) {
   std::string svg;
   cairo_surface_t* surface = cairo_svg_surface_create_for_stream(
       AppendBytes, &svg, sheets.page.width_mm, sheets.page.height_mm);
@@ -249,8 +249,8 @@ std::string SheetSvg(const BoardSheets& sheets, const Board& board) {
   return svg;
 }
 
-std::string SheetPng(const BoardSheets& sheets, const Board& board,
-                     double dpi) {
+std::string RenderSheetPng(const BoardSheets& sheets, const Board& board,
+                           double dpi) {
   const double pixels_per_mm = dpi / 25.4;
   const double width = std::round(sheets.page.width_mm * pixels_per_mm);
   const double height = std::round(sheets.page.height_mm * pixels_per_mm);
@@ -259,11 +259,11 @@ std::string SheetPng(const BoardSheets& sheets, const Board& board,
                 fmt::format("--dpi {:g}: the image would have {:g} x {:g} "
                             "pixels, the limit is 1 to 32767",
                             dpi, width, height));
-  return DrawnPng(static_cast<int>(width), static_cast<int>(height),
-                  [&](cairo_t* cr) {
-                    cairo_scale(cr, pixels_per_mm, pixels_per_mm);
-                    DrawSheet(sheets, board, cr);
-                  });
+  return RenderPng(static_cast<int>(width), static_cast<int>(height),
+                   [&](cairo_t* cr) {
+                     cairo_scale(cr, pixels_per_mm, pixels_per_mm);
+                     DrawSheet(sheets, board, cr);
+                   });
 }
 
 }  // namespace raygrid

@@ -36,13 +36,15 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page);
 PrintScale ComputePrintScale(const BoardSheets& sheets, double measured_x_mm,
                              double measured_y_mm);
 
-std::string SheetsYaml(const BoardSheets& sheets, const PrintScale& scale = {});
+std::string MakeSheetsYaml(const BoardSheets& sheets,
+                           const PrintScale& scale = {});
 
 /// Formats all pages as PDF. Cairo rounds coordinates to 1/256 point, 1.4 um.
 std::string SheetsPdf(const BoardSheets& sheets);
 /// Formats a page; the SVG unit is 1 mm. Cairo rounds to 1/256 mm, 4 um.
-std::string SheetSvg(const BoardSheets& sheets, const Board& board);
-std::string SheetPng(const BoardSheets& sheets, const Board& board, double dpi);
+std::string MakeSheetSvg(const BoardSheets& sheets, const Board& board);
+std::string RenderSheetPng(const BoardSheets& sheets, const Board& board,
+                           double dpi);
 
 }  // namespace raygrid
 

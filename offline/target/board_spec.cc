@@ -186,7 +186,7 @@ std::vector<Board> BoardsOf(Spec* spec) {
 Pattern ParseBoardSpec(const std::string& text) {
   try {
     Spec spec(text);
-    return ParsePattern(text, BoardsYaml(BoardsOf(&spec)));
+    return ParsePattern(text, MakeBoardsYaml(BoardsOf(&spec)));
   } catch (const Error& error) {
     throw Error(ExitCode::kUsage, fmt::format("{}: {}", text, error.what()));
   }

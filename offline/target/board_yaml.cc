@@ -31,16 +31,16 @@ std::string WithScaledPoints(const std::string& yaml,
 
 }  // namespace
 
-std::string BoardsYaml(const std::vector<Board>& boards) {
+std::string MakeBoardsYaml(const std::vector<Board>& boards) {
   std::string yaml = "raygrid_pattern: 1\nboards:\n";
   for (const Board& board : boards) yaml += KindOf(board).Format(board);
   return yaml;
 }
 
-std::string BoardsYaml(const std::vector<Board>& boards,
-                       const BoardPlace& place, const PrintScale& scale) {
+std::string MakeBoardsYaml(const std::vector<Board>& boards,
+                           const BoardPlace& place, const PrintScale& scale) {
   const std::string yaml =
-      BoardsYaml(MeanScaled(boards, scale)) +
+      MakeBoardsYaml(MeanScaled(boards, scale)) +
       fmt::format(
           "page: {{width_m: {:.9g}, height_m: {:.9g}, first_feature_m: "
           "[{:.9g}, {:.9g}]}}\n",
@@ -51,7 +51,7 @@ std::string BoardsYaml(const std::vector<Board>& boards,
 
 void RequirePossibleBoards(const std::vector<Board>& boards) {
   try {
-    ParsePattern("the pattern", BoardsYaml(boards));
+    ParsePattern("the pattern", MakeBoardsYaml(boards));
     for (const Board& board : boards) BoardAppearance{board};
   } catch (const InputError& error) {
     throw Error(ExitCode::kUsage, error.what());

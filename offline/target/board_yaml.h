@@ -23,11 +23,11 @@ struct PrintScale {
 };
 
 /// Formats pattern.yaml without a page.
-std::string BoardsYaml(const std::vector<Board>& boards);
+std::string MakeBoardsYaml(const std::vector<Board>& boards);
 
 /// Formats pattern.yaml; the page is described with nominal lengths.
-std::string BoardsYaml(const std::vector<Board>& boards,
-                       const BoardPlace& place, const PrintScale& scale);
+std::string MakeBoardsYaml(const std::vector<Board>& boards,
+                           const BoardPlace& place, const PrintScale& scale);
 
 /// Throws Error(kUsage) for invalid boards.
 void RequirePossibleBoards(const std::vector<Board>& boards);

@@ -1,8 +1,9 @@
-/* The corners of parts between two knots of a stack, for the small walk. */
-#include "cortex_m/part_corners.h"
-#include "stack_code.h"
+/* The corners of tiles between two samples of a stack, for the small traversal.
+ */
+#include "cortex_m/tile_corners.h"
+#include "operating_point_ops.h"
 
-#if !RG_FAST_WALK
+#if !RG_FAST_TRAVERSAL
 
 /* RG_BLEND_STORED() with half a weight that is in a register. */
 static RG_INLINE int32_t blend_stored(int32_t lower, int32_t upper,
@@ -11,16 +12,16 @@ static RG_INLINE int32_t blend_stored(int32_t lower, int32_t upper,
 }
 
 /* From a copy of the block's vertices, at the condition. */
-void rg_pass_blended_part(rg_part_row* parts, rg_position corners[4],
+void rg_next_blended_tile(rg_tile_row* tiles, rg_position corners[4],
                           const rg_camera* camera) {
   uint32_t words[4 * RG_BENT_VERTEX_SIZE / 4];
   uint8_t* blended = (uint8_t*)words;
   const int32_t weight = camera->weight_q14;
   int32_t half = RG_HALF_WEIGHT;
   RG_FORGET(half);
-  const uint32_t vertex_size = parts->vertex_size;
-  const uint8_t* lower = parts->block;
-  const uint8_t* upper = lower + camera->knot_size;
+  const uint32_t vertex_size = tiles->vertex_size;
+  const uint8_t* lower = tiles->block;
+  const uint8_t* upper = lower + camera->sample_size;
   for (uint32_t k = 0;;) {
     for (uint32_t at = RG_VERTEX_X; at <= RG_VERTEX_Y; at += 2) {
       const int32_t residual = blend_stored(
@@ -40,14 +41,14 @@ void rg_pass_blended_part(rg_part_row* parts, rg_position corners[4],
     upper += vertex_size;
     if (++k == 4) break;
     if (k == 2) {
-      const uint32_t row_rest = parts->row_size - 2 * vertex_size;
+      const uint32_t row_rest = tiles->row_size - 2 * vertex_size;
       lower += row_rest;
       upper += row_rest;
     }
   }
-  parts->block = (const uint8_t*)words;
-  parts->row_size = 2 * vertex_size;
-  rg_pass_part(parts, corners);
+  tiles->block = (const uint8_t*)words;
+  tiles->row_size = 2 * vertex_size;
+  rg_next_tile(tiles, corners);
 }
 
 #endif

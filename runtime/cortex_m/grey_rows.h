@@ -10,10 +10,10 @@
 
 #if RG_GREY_ROW_IN_ASSEMBLER
 #define RG_FIRST_ROUNDING rg_first_rounding_in_thumb2
-#define RG_DO_GREY_ROWS rg_do_grey_rows_in_thumb2
+#define RG_PROCESS_GREY_ROWS rg_process_grey_rows_in_thumb2
 #else
 #define RG_FIRST_ROUNDING rg_first_rounding_in_c
-#define RG_DO_GREY_ROWS rg_do_grey_rows_in_c
+#define RG_PROCESS_GREY_ROWS rg_process_grey_rows_in_c
 #endif
 
 #endif /* RAYGRID_GREY_ROWS_H */

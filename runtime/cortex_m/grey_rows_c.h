@@ -17,23 +17,23 @@ typedef struct rg_grey_rows {
 } rg_grey_rows;
 
 /* Returns the rounding constant of the kernel in C. */
-static RG_INLINE uint32_t rg_first_rounding_in_c(const rg_run* run) {
-  (void)run;
+static RG_INLINE uint32_t rg_first_rounding_in_c(const rg_span* span) {
+  (void)span;
   return RG_ROUNDING_8;
 }
 
 /* Blends all remaining rows, advances out past them, and returns 0. If the
  * rounding is 0, computes the next row's positions instead, and returns 1. */
-static RG_INLINE int rg_do_grey_rows_in_c(rg_grey_rows* rows,
-                                          rg_block_row* row) {
-  const rg_run* const run =
-      (const rg_run*)(const void*)((const uint8_t*)rows->corners -
-                                   offsetof(rg_run, block.corners));
+static RG_INLINE int rg_process_grey_rows_in_c(rg_grey_rows* rows,
+                                               rg_block_row* row) {
+  const rg_span* const span =
+      (const rg_span*)(const void*)((const uint8_t*)rows->corners -
+                                    offsetof(rg_span, block.corners));
   do {
-    rg_next_row(&run->block, (uint32_t*)rows->corners->q12, row);
+    rg_next_row(&span->block, (uint32_t*)rows->corners->q12, row);
     if (RG_ALL_BUILT_IN || rows->rounding == 0) return 1;
-    rg_blend_grey_row(run, row, rows->out);
-    rows->out += run->out_stride;
+    rg_blend_grey_row(span, row, rows->out);
+    rows->out += span->out_stride;
   } while (--rows->rest != 0);
   return 0;
 }

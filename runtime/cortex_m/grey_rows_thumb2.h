@@ -35,18 +35,18 @@
   "subs r0, r0, r2\n\t"         \
   "adds r1, r1, r3\n\t"
 
-/* Offset of a field of rg_run from block.corners, in bytes. */
+/* Offset of a field of rg_span from block.corners, in bytes. */
 #define RG_FROM_CORNERS(field) \
-  ((int)offsetof(rg_run, field) - (int)offsetof(rg_run, block.corners))
+  ((int)offsetof(rg_span, field) - (int)offsetof(rg_span, block.corners))
 
 /* A row of n pixels takes ceil(n / 2) iterations, counted in bits 31..28. Bit
  * 27 is set if n is odd; the first iteration then writes one pixel only. */
-static RG_INLINE uint32_t rg_first_rounding_in_thumb2(const rg_run* run) {
-  return RG_ROUNDING_8 - ((uint32_t)run->num_pixels << 27);
+static RG_INLINE uint32_t rg_first_rounding_in_thumb2(const rg_span* span) {
+  return RG_ROUNDING_8 - ((uint32_t)span->num_pixels << 27);
 }
 
-static RG_INLINE int rg_do_grey_rows_in_thumb2(rg_grey_rows* rows,
-                                               rg_block_row* row) {
+static RG_INLINE int rg_process_grey_rows_in_thumb2(rg_grey_rows* rows,
+                                                    rg_block_row* row) {
   register int32_t x __asm__("r0");
   register int32_t y __asm__("r1");
   register int32_t step_x __asm__("r2");

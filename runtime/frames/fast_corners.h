@@ -7,15 +7,15 @@
 
 #include "config.h"
 
-#if RG_FAST_WALK
+#if RG_FAST_TRAVERSAL
 
 #include <stdint.h>
 
 #include "blob_layout.h"
 #include "bytes.h"
-#include "frames/lattice_map.h"
+#include "frames/component_map.h"
 #include "kernels/block.h"
-#include "stack_code.h"
+#include "operating_point_ops.h"
 
 /* ---- Lanes --------------------------------------------------------------- */
 
@@ -46,11 +46,11 @@ typedef struct rg_corner_lines {
   const uint8_t* vertices;        /* vertices of the table, or of a sample */
   uint8_t is_empty;               /* no pixel of the last tile's block
                                      has a source */
-  uint8_t part_log2[2];           /* log2 of tile size in output px: x, y */
+  uint8_t tile_log2[2];           /* log2 of tile size in output px: x, y */
   uint16_t row;                   /* index of the row of tiles */
-  uint16_t next_part;             /* index of the next tile in the row */
+  uint16_t next_tile;             /* index of the next tile in the row */
   uint32_t vertex_size, row_size; /* bytes per vertex, per row of vertices */
-  uint32_t knot_size;             /* as in rg_camera */
+  uint32_t sample_size;           /* as in rg_camera */
   int32_t weight;
   int32_t residual_shift, bend_shift[2], num_log2[2]; /* tiles/block, log2 */
   uint32_t next_mark;                                 /* next block index */
@@ -113,7 +113,7 @@ static RG_INLINE rg_lanes rg_load_column(const rg_corner_lines* lines,
   const rg_lanes lower = load(above, below);
   if (lines->weight == 0) return lower;
   const rg_lanes upper =
-      load(above + lines->knot_size, below + lines->knot_size);
+      load(above + lines->sample_size, below + lines->sample_size);
   return RG_BLEND_STORED(lower, upper, lines->weight);
 }
 
@@ -149,16 +149,16 @@ static RG_INLINE rg_lanes rg_next_column(rg_corner_lines* lines,
 }
 
 /* log2 of the tiles per block, across (axis 0) or down. */
-static inline uint32_t rg_num_parts_log2(const rg_corner_lines* lines,
+static inline uint32_t rg_num_tiles_log2(const rg_corner_lines* lines,
                                          uint32_t axis) {
-  return (uint32_t)lines->section[RG_REMAP_BLOCK_LOG2] - lines->part_log2[axis];
+  return (uint32_t)lines->section[RG_REMAP_BLOCK_LOG2] - lines->tile_log2[axis];
 }
 
 /* Moves to the first column of vertices of the row of tiles. The section,
  * vertices, tile size and row must be set. */
 static inline void rg_start_columns(rg_corner_lines* lines) {
   const uint8_t* const section = lines->section;
-  const uint32_t log2 = rg_num_parts_log2(lines, 1);
+  const uint32_t log2 = rg_num_tiles_log2(lines, 1);
   const uint32_t j = (uint32_t)lines->row >> log2;
   const int32_t line = lines->row & ((1 << log2) - 1);
   const int32_t rest = (1 << log2) - line;
@@ -174,8 +174,8 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
   lines->next_mark = j * (columns - 1);
   lines->residual_shift = section[RG_REMAP_RESIDUAL_SHIFT];
   for (uint32_t axis = 0; axis < 2; ++axis) {
-    lines->num_log2[axis] = (int32_t)rg_num_parts_log2(lines, axis);
-    lines->bend_shift[axis] = bend_shift + lines->part_log2[axis];
+    lines->num_log2[axis] = (int32_t)rg_num_tiles_log2(lines, axis);
+    lines->bend_shift[axis] = bend_shift + lines->tile_log2[axis];
   }
   for (int k = 0; k < 4; ++k) {
     const uint8_t* const origin = section + RG_REMAP_ORIGIN + 4 * (k & 1);
@@ -210,7 +210,7 @@ static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
 static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
                                       rg_lanes* lower) {
   const int32_t log2 = lines->num_log2[0];
-  if ((lines->next_part++ & ((1u << log2) - 1)) == 0) rg_enter_block(lines);
+  if ((lines->next_tile++ & ((1u << log2) - 1)) == 0) rg_enter_block(lines);
   /* Differences: the sum of k steps is k (to - from + bend (num - k)). */
   const rg_lane_pairs left = (rg_lane_pairs)lines->right;
   lines->sums += lines->steps;
@@ -225,32 +225,33 @@ static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
 
 /* ---- Components ---------------------------------------------------------- */
 
-/* The transformation of tile corners for a component: rg_lattice_block(). */
-typedef struct rg_lattice_lanes {
+/* The transformation of tile corners for a component: rg_transform_block(). */
+typedef struct rg_component_lanes {
   rg_lanes offset, is_coarse; /* half-pixel offset per coordinate; all bits set
                                  where the component is subsampled */
   int32_t half[2], shift;
-} rg_lattice_lanes;
+} rg_component_lanes;
 
-static RG_INLINE rg_lattice_lanes
-rg_find_lattice_lanes(const rg_lattice* lattice, uint32_t part_width_log2) {
-  const rg_lattice_lanes found = {
-      rg_twice(lattice->half[0] * 2048, lattice->half[1] * 2048),
-      rg_twice(-(int32_t)lattice->log2[0], -(int32_t)lattice->log2[1]),
-      {lattice->half[0], lattice->half[1]},
-      (int32_t)part_width_log2 + 1};
+static RG_INLINE rg_component_lanes rg_get_component_lanes(
+    const rg_component* component, uint32_t tile_width_log2) {
+  const rg_component_lanes found = {
+      rg_twice(component->half[0] * 2048, component->half[1] * 2048),
+      rg_twice(-(int32_t)component->log2[0], -(int32_t)component->log2[1]),
+      {component->half[0], component->half[1]},
+      (int32_t)tile_width_log2 + 1};
   return found;
 }
 
 /* Transforms the corners on a line; across and down are edges of the tile. */
-static RG_INLINE rg_lanes rg_to_lattice_lanes(const rg_lattice_lanes* lattice,
-                                              rg_lanes corners, rg_lanes across,
-                                              rg_lanes down) {
-  const rg_lanes moved = across * lattice->half[0] + down * lattice->half[1];
-  const rg_lanes at = corners +
-                      ((moved + (1 << lattice->shift >> 1)) >> lattice->shift) -
-                      lattice->offset;
-  return at ^ ((at ^ ((at + 1) >> 1)) & lattice->is_coarse);
+static RG_INLINE rg_lanes
+rg_to_component_lanes(const rg_component_lanes* component, rg_lanes corners,
+                      rg_lanes across, rg_lanes down) {
+  const rg_lanes moved =
+      across * component->half[0] + down * component->half[1];
+  const rg_lanes at =
+      corners + ((moved + (1 << component->shift >> 1)) >> component->shift) -
+      component->offset;
+  return at ^ ((at ^ ((at + 1) >> 1)) & component->is_coarse);
 }
 
 /* Returns the vector from the first of two corners to the second, twice. */
@@ -259,11 +260,13 @@ static RG_INLINE rg_lanes rg_edge_lanes(rg_lanes corners) {
 }
 
 /* Transforms the corners of a tile from image to component pixels. */
-static RG_INLINE void rg_lattice_corners(const rg_lattice_lanes* lattice,
-                                         rg_lanes* upper, rg_lanes* lower) {
+static RG_INLINE void rg_transform_corner_lanes(
+    const rg_component_lanes* component, rg_lanes* upper, rg_lanes* lower) {
   const rg_lanes down = *lower - *upper;
-  *upper = rg_to_lattice_lanes(lattice, *upper, rg_edge_lanes(*upper), down);
-  *lower = rg_to_lattice_lanes(lattice, *lower, rg_edge_lanes(*lower), down);
+  *upper =
+      rg_to_component_lanes(component, *upper, rg_edge_lanes(*upper), down);
+  *lower =
+      rg_to_component_lanes(component, *lower, rg_edge_lanes(*lower), down);
 }
 
 #endif

@@ -14,7 +14,7 @@ static uintptr_t address_of(const uint8_t* data) { return (uintptr_t)data; }
  * minus 1, after the start of the other; this may wrap. First, the interval
  * is all bytes from the first to the last row, then, modulo the stride, one
  * row. */
-rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
+rg_status rg_check_overlap(const rg_grey_image* frame, const uint8_t* data,
                            uint32_t stride, uint32_t size) {
   const uint32_t row_bytes = size & 0xffff, num_rows = size >> 16;
   if (num_rows == 0) return RG_OK;

@@ -22,7 +22,7 @@ static inline int rg_is_stride(uint32_t stride, uint32_t row_bytes) {
  * the image at data; with different strides, if their address ranges overlap.
  *
  * size  image at data: bytes per row, rows in the upper half */
-rg_status rg_check_overlap(const rg_frame* frame, const uint8_t* data,
+rg_status rg_check_overlap(const rg_grey_image* frame, const uint8_t* data,
                            uint32_t stride, uint32_t size);
 
 /* a mod b for a / b below 2^17; not every processor has a division. */

@@ -8,19 +8,19 @@
 #include "frames/pixel_formats.h"
 #include "frames/planes.h"
 #include "frames/remap_source_rows.h"
-#include "frames/walk.h"
+#include "frames/traversal.h"
 
 /* Finds the plane of a component in an image, or in a band of it, as bytes. */
-static rg_status find_plane(const rg_lattice* lattice, uint32_t width,
-                            uint32_t num_rows, rg_frame* plane) {
+static rg_status find_plane(const rg_component* component, uint32_t width,
+                            uint32_t num_rows, rg_grey_image* plane) {
   /* Below 2^16: the width is that of a remap, at most 8192 pixels. */
-  const uint32_t row_bytes = rg_plane_row_bytes(lattice, width);
+  const uint32_t row_bytes = rg_plane_row_bytes(component, width);
   plane->width = (uint16_t)row_bytes;
   plane->height =
-      (uint16_t)((num_rows >> lattice->log2[1]) * lattice->row_step);
+      (uint16_t)((num_rows >> component->log2[1]) * component->row_step);
   if (row_bytes == 0 || !rg_is_stride(plane->stride, row_bytes))
     return RG_ERR_FRAME_SIZE;
-  return lattice->kind >= RG_SAMPLE_16 &&
+  return component->kind >= RG_SAMPLE_16 &&
                  (((uintptr_t)plane->data | plane->stride) & 1) != 0
              ? RG_ERR_MISALIGNED
              : RG_OK;
@@ -32,26 +32,27 @@ static rg_status check_planes(const uint8_t* section, const rg_image* image,
                               const rg_target* target) {
   const uint32_t source_rows =
       image->ring_rows != 0 ? image->ring_rows : image->height;
-  rg_frame planes[6]; /* the image's and the target's, in pairs */
-  const rg_frame* end = planes;
-  rg_lattice lattice;
-  for (uint32_t k = 0; rg_find_lattice(image->format, k, &lattice); ++k) {
-    const uint32_t p = lattice.plane;
-    rg_frame* const own = &planes[2 * p + 1];
-    rg_frame* const source = own - 1;
+  rg_grey_image planes[6]; /* the image's and the target's, in pairs */
+  const rg_grey_image* end = planes;
+  rg_component component;
+  for (uint32_t k = 0; rg_get_component(image->format, k, &component); ++k) {
+    const uint32_t p = component.plane;
+    rg_grey_image* const own = &planes[2 * p + 1];
+    rg_grey_image* const source = own - 1;
     source->data = image->planes[p].data;
     source->stride = image->planes[p].stride;
     own->data = target->planes[p].data;
     own->stride = target->planes[p].stride;
-    rg_status status = find_plane(&lattice, image->width, source_rows, source);
+    rg_status status =
+        find_plane(&component, image->width, source_rows, source);
     if (status == RG_OK)
-      status = find_plane(&lattice, rg_load_u16(section + RG_REMAP_WIDTH),
+      status = find_plane(&component, rg_load_u16(section + RG_REMAP_WIDTH),
                           target->num_rows, own);
     if (status != RG_OK) return status;
     end = own + 1;
   }
-  for (const rg_frame* own = planes + 1; own < end; own += 2)
-    for (const rg_frame* other = planes; other != end; ++other)
+  for (const rg_grey_image* own = planes + 1; own < end; own += 2)
+    for (const rg_grey_image* other = planes; other != end; ++other)
       if (other != own &&
           rg_check_overlap(other, own->data, own->stride,
                            own->width | (uint32_t)own->height << 16) != RG_OK)
@@ -131,7 +132,7 @@ static rg_status remap_ring(const rg_camera* camera, const rg_image* image,
   const int32_t rows = rg_find_source_rows(camera, image->format,
                                            target->first_row, target->num_rows);
   if (!are_rows_there(image, (uint32_t)rows)) return RG_ERR_ROWS_MISSING;
-  return rg_walk_image(camera, image, target);
+  return rg_traverse_image(camera, image, target);
 }
 
 rg_status rg_remap(const rg_camera* camera, const rg_image* image,
@@ -139,5 +140,5 @@ rg_status rg_remap(const rg_camera* camera, const rg_image* image,
   const rg_status status = check_frames(camera, image, target);
   if (status != RG_OK) return status;
   if (image->ring_rows != 0) return remap_ring(camera, image, target);
-  return rg_walk_image(camera, image, target);
+  return rg_traverse_image(camera, image, target);
 }

@@ -3,10 +3,11 @@
 #include "bytes.h"
 #include "code_size.h"
 #include "frames/planes.h"
-#include "frames/walk.h"
+#include "frames/traversal.h"
 
 static rg_status check_grey_frames(const rg_camera* camera,
-                                   const rg_frame* frame, const rg_band* band) {
+                                   const rg_grey_image* frame,
+                                   const rg_grey_target* band) {
   const uint8_t* const section = camera->remap;
   if (!section) return RG_ERR_NO_REMAP;
   if (frame->width != camera->frame_width ||
@@ -22,9 +23,9 @@ static rg_status check_grey_frames(const rg_camera* camera,
       rg_load_u16(section + RG_REMAP_WIDTH) | (uint32_t)band->num_rows << 16);
 }
 
-rg_status rg_remap_grey(const rg_camera* camera, const rg_frame* frame,
-                        const rg_band* band) {
+rg_status rg_remap_grey(const rg_camera* camera, const rg_grey_image* frame,
+                        const rg_grey_target* band) {
   const rg_status status = check_grey_frames(camera, frame, band);
   if (status != RG_OK) return status;
-  return rg_walk_grey(camera, frame, band);
+  return rg_traverse_grey(camera, frame, band);
 }

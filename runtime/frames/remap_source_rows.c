@@ -3,7 +3,7 @@
 #include "blob_layout.h"
 #include "bytes.h"
 #include "frames/pixel_formats.h"
-#include "frames/walk.h"
+#include "frames/traversal.h"
 
 rg_status rg_check_rows(const rg_camera* camera, rg_format format,
                         uint32_t first_row, uint32_t num_rows) {
@@ -26,7 +26,7 @@ int32_t rg_find_source_rows(const rg_camera* camera, rg_format format,
   search.source.end = 0;
   const rg_status status = rg_check_rows(camera, format, first_row, num_rows);
   if (status != RG_OK) return status;
-  rg_walk_source_rows(camera, format, &search);
+  rg_traverse_source_rows(camera, format, &search);
   /* Rounds to whole pairs of rows if rows come in pairs. */
   const uint32_t pairs = rg_row_pairs(format);
   const uint32_t first = search.source.first & ~pairs;

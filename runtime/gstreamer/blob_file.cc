@@ -119,11 +119,11 @@ void BlobFile::SelectTable(int table, const TableSizes& sizes) {
                         Text({sizes}) + " was requested" + Remedy(table));
 }
 
-void BlobFile::SetCondition(double value) {
+void BlobFile::SetOperatingPoint(double value) {
   constexpr double kMost = 32767;  // of q16
   const double q16 = std::clamp(value, -kMost, kMost) * 65536;
   const rg_status status =
-      rg_set_condition(&camera_, static_cast<int32_t>(std::lround(q16)));
+      rg_set_operating_point(&camera_, static_cast<int32_t>(std::lround(q16)));
   if (status != RG_OK && status != RG_EXTRAPOLATED)
     throw CameraError(
         CameraExit::kBlob,

@@ -31,7 +31,7 @@ class BlobFile {
   void SelectTable(int table, const TableSizes& sizes);
   /// Sets the operating point, clamped to its range. Throws CameraError if the
   /// blob has no operating-point model.
-  void SetCondition(double value);
+  void SetOperatingPoint(double value);
 
  private:
   std::string path_;

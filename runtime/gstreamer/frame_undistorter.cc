@@ -149,11 +149,11 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
   blob_.SelectTable(settings_.table,
                     {frames_->format.width, frames_->format.height,
                      views_->format.width, views_->format.height});
-  untrusted_.reset();
-  if (!settings_.only_trusted) return;
-  untrusted_.emplace(blob_.camera(), views_->format,
-                     BlankTarget(*views_, settings_));
-  if (untrusted_->are_all())
+  invalid_.reset();
+  if (!settings_.only_valid) return;
+  invalid_.emplace(blob_.camera(), views_->format,
+                   BlankTarget(*views_, settings_));
+  if (invalid_->are_all())
     throw CameraError(CameraExit::kBlob,
                       settings_.blob +
                           ": its remap table has no pixel in the valid region; "
@@ -178,7 +178,7 @@ void FrameUndistorter::Undistort(GstBuffer* frame, GstBuffer* view) {
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob,
                       settings_.blob + ": " + rg_status_text(status));
-  if (untrusted_) untrusted_->FillWithBorder(target);
+  if (invalid_) invalid_->FillWithBorder(target);
 }
 
 void FrameUndistorter::MoveRegions(GstBuffer* frame, GstBuffer* view) const {

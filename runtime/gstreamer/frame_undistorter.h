@@ -12,7 +12,7 @@
 #include "band_remap.h"
 #include "blob_file.h"
 #include "caps.h"
-#include "untrusted_blocks.h"
+#include "invalid_blocks.h"
 
 namespace raygrid {
 
@@ -21,7 +21,7 @@ struct UndistortSettings {
   std::string blob;
   int table = -1;  ///< index; -1: the first one for the frame size
   bool is_enabled = true;
-  bool only_trusted = false;
+  bool only_valid = false;
   rg_border border = RG_BORDER_VALUE;
   rg_sampling sampling = RG_SAMPLING_BILINEAR;
   unsigned num_threads = 1;  ///< 0: one per processor
@@ -44,7 +44,7 @@ class FrameUndistorter {
 
   /// Sets the lens position or temperature of the blob's operating-point model.
   /// Throws CameraError if the blob has none.
-  void SetCondition(double value) { blob_.SetCondition(value); }
+  void SetOperatingPoint(double value) { blob_.SetOperatingPoint(value); }
 
   /// Undistorts a frame, using the strides and offsets of both buffers, after
   /// SetCaps(). Throws CameraError.
@@ -59,7 +59,7 @@ class FrameUndistorter {
   const std::vector<TableSizes> tables_;
   BandRemap bands_;
   std::optional<FrameLayout> frames_, views_;
-  std::optional<UntrustedBlocks> untrusted_;  // blocks to fill with border
+  std::optional<InvalidBlocks> invalid_;  // blocks to fill with border
 };
 
 }  // namespace raygrid

@@ -18,13 +18,13 @@ GST_DEBUG_CATEGORY_STATIC(undistort_debug);
 
 // ---- Enumerations as properties --------------------------------------------
 
-enum Outside { kFill, kTrusted };
+enum Outside { kFill, kValid };
 
 GType OutsideType() {
   static const GEnumValue kValues[] = {
       {kFill, "Extrapolate the model", "fill"},
-      {kTrusted, "Border value in blocks outside the valid region", "border"},
-      {kTrusted, "Former name of border", "trusted"},
+      {kValid, "Border value in blocks outside the valid region", "border"},
+      {kValid, "Former name of border", "trusted"},
       {0, nullptr, nullptr}};
   static const GType type =
       g_enum_register_static("RaygridUndistortOutside", kValues);
@@ -94,7 +94,7 @@ struct CapsUnref {
 };
 using Caps = std::unique_ptr<GstCaps, CapsUnref>;
 
-Caps CapsOf(GstPad* pad) { return Caps(gst_pad_get_current_caps(pad)); }
+Caps GetCaps(GstPad* pad) { return Caps(gst_pad_get_current_caps(pad)); }
 
 void PostError(gpointer element, const raygrid::CameraError& error) {
   GST_ELEMENT_ERROR(element, RESOURCE, SETTINGS, ("%s", error.what()),
@@ -156,7 +156,7 @@ void SetProperty(GObject* object, guint id, const GValue* value,
         settings.border = static_cast<rg_border>(g_value_get_enum(value));
         break;
       case kOutside:
-        settings.only_trusted = g_value_get_enum(value) == kTrusted;
+        settings.only_valid = g_value_get_enum(value) == kValid;
         break;
       case kSampling:
         settings.sampling = static_cast<rg_sampling>(g_value_get_enum(value));
@@ -197,7 +197,7 @@ void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
       g_value_set_enum(value, settings.border);
       break;
     case kOutside:
-      g_value_set_enum(value, settings.only_trusted ? kTrusted : kFill);
+      g_value_set_enum(value, settings.only_valid ? kValid : kFill);
       break;
     case kSampling:
       g_value_set_enum(value, settings.sampling);
@@ -298,7 +298,7 @@ GstFlowReturn SubmitInput(GstBaseTransform* transform, gboolean is_discont,
   const GstFlowReturn flow =
       GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
           ->submit_input_buffer(transform, is_discont, frame);
-  const Caps frames = CapsOf(transform->sinkpad);
+  const Caps frames = GetCaps(transform->sinkpad);
   if (flow == GST_FLOW_NOT_NEGOTIATED && frames)
     PostWhyRefused(transform, frames.get());
   return flow;
@@ -320,8 +320,8 @@ void UseSettings(GstBaseTransform* transform) {
     const std::lock_guard<std::mutex> lock(state->mutex);
     if (undistorter == state->in_use) return;
   }
-  const Caps frames = CapsOf(transform->sinkpad);
-  const Caps views = CapsOf(transform->srcpad);
+  const Caps frames = GetCaps(transform->sinkpad);
+  const Caps views = GetCaps(transform->srcpad);
   if (frames && views) Use(transform, undistorter, frames.get(), views.get());
 }
 
@@ -410,7 +410,7 @@ GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
     state->is_condition_new = false;
   }
   try {
-    if (!std::isnan(condition)) undistorter->SetCondition(condition);
+    if (!std::isnan(condition)) undistorter->SetOperatingPoint(condition);
     undistorter->Undistort(frame, view);
     undistorter->MoveRegions(frame, view);
     return GST_FLOW_OK;

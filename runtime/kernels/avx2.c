@@ -70,9 +70,10 @@ INLINE __m256i choose(__m256i a, __m256i b, __m256i mask) {
 
 /* ---- Positions ----------------------------------------------------------- */
 
-/* The source of a run, and what its rows have in common. It is read once, as
- * stores to the output might change the run for all that the compiler knows. */
-typedef struct run_source {
+/* The source of a span, and what its rows have in common. It is read once, as
+ * stores to the output might change the span for all that the compiler knows.
+ */
+typedef struct span_source {
   const uint8_t* data;
   size_t stride, out_stride;
   uint32_t num_pixels;
@@ -81,17 +82,17 @@ typedef struct run_source {
   __m256i top[4], height[4]; /* of the left edge, x and y, and the right one */
   __m256i half_height, half_width, first_pixel;
   __m128i height_log2, width_log2;
-} run_source;
+} span_source;
 
-INLINE run_source find_source(const rg_run* run) {
-  const rg_position* const p = run->block.corners;
-  run_source s;
-  s.data = run->data;
-  s.stride = run->stride;
-  s.out_stride = run->out_stride;
-  s.num_pixels = run->num_pixels;
-  s.looks_below = run->block.height_log2 < 5;
-  s.stride_lanes = _mm256_set1_epi32((int32_t)run->stride);
+INLINE span_source find_source(const rg_span* span) {
+  const rg_position* const p = span->block.corners;
+  span_source s;
+  s.data = span->data;
+  s.stride = span->stride;
+  s.out_stride = span->out_stride;
+  s.num_pixels = span->num_pixels;
+  s.looks_below = span->block.height_log2 < 5;
+  s.stride_lanes = _mm256_set1_epi32((int32_t)span->stride);
 #define EDGE(k, corner, c)                        \
   s.top[k] = _mm256_set1_epi32(p[corner].q12[c]); \
   s.height[k] =                                   \
@@ -102,14 +103,14 @@ INLINE run_source find_source(const rg_run* run) {
   EDGE(3, 1, 1);
 #undef EDGE
   const __m256i first_row =
-      _mm256_set1_epi32((int32_t)(run->first_source_row * 4096u));
+      _mm256_set1_epi32((int32_t)(span->first_source_row * 4096u));
   s.top[1] = _mm256_sub_epi32(s.top[1], first_row);
   s.top[3] = _mm256_sub_epi32(s.top[3], first_row);
-  s.half_height = _mm256_set1_epi32(1 << run->block.height_log2 >> 1);
-  s.half_width = _mm256_set1_epi32(1 << run->block.width_log2 >> 1);
-  s.first_pixel = _mm256_set1_epi32(run->first_pixel);
-  s.height_log2 = _mm_cvtsi32_si128(run->block.height_log2);
-  s.width_log2 = _mm_cvtsi32_si128(run->block.width_log2);
+  s.half_height = _mm256_set1_epi32(1 << span->block.height_log2 >> 1);
+  s.half_width = _mm256_set1_epi32(1 << span->block.width_log2 >> 1);
+  s.first_pixel = _mm256_set1_epi32(span->first_pixel);
+  s.height_log2 = _mm_cvtsi32_si128(span->block.height_log2);
+  s.width_log2 = _mm_cvtsi32_si128(span->block.width_log2);
   return s;
 }
 
@@ -119,20 +120,20 @@ typedef struct tile {
 } tile;
 
 /* top + round((bottom - top) r, log2) */
-INLINE __m256i find_edge(const run_source* s, int k, __m256i r) {
+INLINE __m256i find_edge(const span_source* s, int k, __m256i r) {
   const __m256i down =
       _mm256_add_epi32(_mm256_mullo_epi32(s->height[k], r), s->half_height);
   return _mm256_add_epi32(_mm256_sra_epi32(down, s->height_log2), s->top[k]);
 }
 
-INLINE __m256i find_step(const run_source* s, __m256i left, __m256i right) {
+INLINE __m256i find_step(const span_source* s, __m256i left, __m256i right) {
   return _mm256_sra_epi32(
       _mm256_add_epi32(_mm256_sub_epi32(right, left), s->half_width),
       s->width_log2);
 }
 
 /* Rows r of the block. */
-INLINE tile find_tile(const run_source* s, __m256i r) {
+INLINE tile find_tile(const span_source* s, __m256i r) {
   tile rows;
   const __m256i x = find_edge(s, 0, r), y = find_edge(s, 1, r);
   rows.step_x = find_step(s, x, find_edge(s, 2, r));
@@ -150,7 +151,7 @@ INLINE void advance(tile* rows, int32_t pixels) {
 }
 
 /* Bytes from the source's start to the pixels of positions. */
-INLINE __m256i find_offsets(const run_source* s, __m256i x, __m256i y,
+INLINE __m256i find_offsets(const span_source* s, __m256i x, __m256i y,
                             uint32_t channels) {
   const __m256i column = _mm256_srli_epi32(x, 12);
   const __m256i row =
@@ -171,7 +172,7 @@ typedef struct outlook {
 /* The outlook to the second tile below: far enough ahead for memory, and rows
  * seldom turn that much. Large parts of many channels fill the nearest cache in
  * between: there, to the right. first, last: offsets of a tile's rows. */
-INLINE outlook find_outlook(const run_source* s, uint32_t first, uint32_t last,
+INLINE outlook find_outlook(const span_source* s, uint32_t first, uint32_t last,
                             uint32_t channels) {
   outlook look = {AHEAD, AHEAD};
   if (s->looks_below || channels <= 2) {
@@ -186,7 +187,7 @@ INLINE int is_line_begun(const uint8_t* out, uint32_t num_bytes) {
   return ((uintptr_t)out & 63) < num_bytes;
 }
 
-INLINE void look_on(const run_source* s, const outlook* look,
+INLINE void look_on(const span_source* s, const outlook* look,
                     const uint8_t* source, const uint8_t* out) {
   source += look->source;
   _mm_prefetch((const char*)source, _MM_HINT_T0);
@@ -244,7 +245,7 @@ INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
 }
 
 /* Moves to the next segment. */
-INLINE void find_windows(const run_source* s, tile* rows, __m256i up, layout l,
+INLINE void find_windows(const span_source* s, tile* rows, __m256i up, layout l,
                          window_starts* w) {
   __m256i offsets[2], starts[2];
   for (uint32_t k = 0; k < num_windows(l); ++k) {
@@ -354,7 +355,7 @@ INLINE void find_lanes(const tile* rows, layout l, lane_steps* lanes) {
 }
 
 /* The segments of up to 8 rows, from out on. */
-INLINE void blend_tile(const run_source* s, tile rows, uint32_t num_rows,
+INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
                        uint8_t* out, layout l) {
   const uint32_t n = s->num_pixels, per_row = num_windows(l);
   lane_steps lanes;
@@ -460,7 +461,7 @@ INLINE __m256i blend_across(const uint8_t* row, const uint32_t* offsets,
 }
 
 /* Their results in the low bytes of lanes. */
-INLINE __m256i blend_pixels(const run_source* s, const uint32_t* offsets,
+INLINE __m256i blend_pixels(const span_source* s, const uint32_t* offsets,
                             __m256i weights, __m256i wy_q15, uint32_t channels,
                             int k) {
   const __m256i upper = blend_across(s->data, offsets, weights, channels, k);
@@ -495,7 +496,7 @@ INLINE void store_pixels(__m256i v, uint8_t* out, uint32_t channels) {
 }
 
 /* A row from (x, y), x + 16. */
-INLINE void blend_row(const run_source* s, const outlook* look, int32_t x,
+INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
                       int32_t y, int32_t step_x, int32_t step_y, uint8_t* out,
                       uint32_t channels) {
   const int32_t n = (int32_t)s->num_pixels;
@@ -524,8 +525,8 @@ INLINE void blend_row(const run_source* s, const outlook* look, int32_t x,
   }
 }
 
-INLINE void blend_rows(const run_source* s, const tile* rows, uint32_t num_rows,
-                       uint8_t* out, uint32_t channels) {
+INLINE void blend_rows(const span_source* s, const tile* rows,
+                       uint32_t num_rows, uint8_t* out, uint32_t channels) {
   uint32_t offsets[TILE_ROWS];
   _mm256_storeu_si256((__m256i*)(void*)offsets,
                       find_offsets(s, rows->x, rows->y, channels));
@@ -544,29 +545,29 @@ INLINE void blend_rows(const run_source* s, const tile* rows, uint32_t num_rows,
 /* ---- Runs ---------------------------------------------------------------- */
 
 /* Rows from t on. */
-static void blend_portably(const rg_run* run, uint32_t t, uint32_t num_rows,
+static void blend_portably(const rg_span* span, uint32_t t, uint32_t num_rows,
                            rg_blend* portable) {
-  rg_run part = *run;
-  part.first_row = (uint8_t)(run->first_row + t);
+  rg_span part = *span;
+  part.first_row = (uint8_t)(span->first_row + t);
   part.num_rows = (uint8_t)num_rows;
-  part.out += (size_t)t * run->out_stride;
+  part.out += (size_t)t * span->out_stride;
   portable(&part);
 }
 
-INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
+INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* portable) {
   const layout whole = {channels, 8 / channels, 0};
   const layout halved = {channels, 8 / channels, 1};
   const uint32_t least = channels == 2 ? 4 : 8;
-  if (run->num_pixels < least || run->stride > 1 << 18) {
-    portable(run);
+  if (span->num_pixels < least || span->stride > 1 << 18) {
+    portable(span);
     return;
   }
-  const run_source s = find_source(run);
-  uint8_t* out = run->out + run->out_pixel * channels;
-  const uint32_t num_rows = run->num_rows;
+  const span_source s = find_source(span);
+  uint8_t* out = span->out + span->out_pixel * channels;
+  const uint32_t num_rows = span->num_rows;
   const __m256i last_row =
-      _mm256_set1_epi32(run->first_row + run->num_rows - 1);
-  __m256i r = _mm256_add_epi32(_mm256_set1_epi32(run->first_row),
+      _mm256_set1_epi32(span->first_row + span->num_rows - 1);
+  __m256i r = _mm256_add_epi32(_mm256_set1_epi32(span->first_row),
                                _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     /* Behind the last row, that one again. */
@@ -577,19 +578,19 @@ INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
       blend_tile(&s, rows, in_tile, out, whole);
     else if (channels <= 2 && fits(&rows, window_pixels(halved)))
       blend_tile(&s, rows, in_tile, out, halved);
-    else if (run->num_pixels >= 8)
+    else if (span->num_pixels >= 8)
       blend_rows(&s, &rows, in_tile, out, channels);
     else
-      blend_portably(run, t, in_tile, portable);
+      blend_portably(span, t, in_tile, portable);
     out += TILE_ROWS * s.out_stride;
     r = _mm256_add_epi32(r, _mm256_set1_epi32(TILE_ROWS));
   }
 }
 
-void rg_blend_1_avx2(const rg_run* run) { blend(run, 1, rg_blend_1); }
-void rg_blend_2_avx2(const rg_run* run) { blend(run, 2, rg_blend_2); }
-void rg_blend_3_avx2(const rg_run* run) { blend(run, 3, rg_blend_3); }
-void rg_blend_4_avx2(const rg_run* run) { blend(run, 4, rg_blend_4); }
+void rg_blend_1_avx2(const rg_span* span) { blend(span, 1, rg_blend_1); }
+void rg_blend_2_avx2(const rg_span* span) { blend(span, 2, rg_blend_2); }
+void rg_blend_3_avx2(const rg_span* span) { blend(span, 3, rg_blend_3); }
+void rg_blend_4_avx2(const rg_span* span) { blend(span, 4, rg_blend_4); }
 
 /* ---- Words of RGB565 ----------------------------------------------------- */
 
@@ -651,9 +652,9 @@ INLINE void blend_words(const uint8_t* top, uint32_t stride, __m256i x_q12,
 #define MAX_WORD_STEP_Q12 65536
 
 /* The positions of the row have their rounding. */
-INLINE void blend_row_of_words(const rg_run* run, const rg_block_row* row,
+INLINE void blend_row_of_words(const rg_span* span, const rg_block_row* row,
                                uint8_t* out) {
-  const int32_t n = run->num_pixels;
+  const int32_t n = span->num_pixels;
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
   const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
   const __m256i lanes_x = _mm256_mullo_epi32(_mm256_set1_epi32(step_x), lanes);
@@ -664,32 +665,32 @@ INLINE void blend_row_of_words(const rg_run* run, const rg_block_row* row,
     const int32_t x = row->start.q12[0] + k * step_x;
     const int32_t y = row->start.q12[1] + k * step_y;
     const int32_t top = (y + up) >> 12;
-    blend_words(run->data + (size_t)(uint32_t)top * run->stride, run->stride,
+    blend_words(span->data + (size_t)(uint32_t)top * span->stride, span->stride,
                 _mm256_add_epi32(_mm256_set1_epi32(x), lanes_x),
                 _mm256_add_epi32(_mm256_set1_epi32(y - top * 4096), lanes_y),
                 out + 2 * (size_t)(uint32_t)k);
   }
 }
 
-static int may_gather_words(const rg_run* run) {
+static int may_gather_words(const rg_span* span) {
   for (uint32_t k = 0; k < 2; ++k)
     for (int c = 0; c < 2; ++c) {
-      const int32_t step = rg_edge_step(run, k, c);
+      const int32_t step = rg_edge_step(span, k, c);
       if (step < 2 - MAX_WORD_STEP_Q12 || step > MAX_WORD_STEP_Q12 - 2)
         return 0;
     }
-  return run->num_pixels >= 8 && run->stride <= 1 << 18;
+  return span->num_pixels >= 8 && span->stride <= 1 << 18;
 }
 
-int rg_blend_words_avx2(const rg_run* run) {
-  if (!may_gather_words(run)) return 0;
-  uint8_t* out = run->out + 2 * (size_t)run->out_pixel;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+int rg_blend_words_avx2(const rg_span* span) {
+  if (!may_gather_words(span)) return 0;
+  uint8_t* out = span->out + 2 * (size_t)span->out_pixel;
+  for (uint32_t r = 0; r < span->num_rows; ++r, out += span->out_stride) {
     rg_block_row row;
-    rg_find_run_row(run, r, &row);
+    rg_compute_span_row(span, r, &row);
     row.start.q12[0] += 8;
     row.start.q12[1] += 8;
-    blend_row_of_words(run, &row, out);
+    blend_row_of_words(span, &row, out);
   }
   return 1;
 }

@@ -34,7 +34,7 @@ RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
  * of 32. */
 typedef struct layout {
   uint32_t channels;
-  int is_tile; /* a run is a whole part of the size of a tile */
+  int is_tile; /* a span is a whole tile of 8 x 8 pixels */
 } layout;
 
 INLINE uint32_t num_halves(layout l) { return l.channels == 1 ? 1 : 2; }
@@ -142,35 +142,35 @@ INLINE __m512i spread(__m128i two, int32_t k) {
 }
 
 /* The points where rows r of the block meet the left (0) or right (1) edge. */
-INLINE __m512i find_edge(const rg_run* run, __m128i upper, __m128i lower,
+INLINE __m512i find_edge(const rg_span* span, __m128i upper, __m128i lower,
                          int32_t k, __m512i r, layout l) {
   const __m512i down =
       _mm512_mullo_epi32(spread(_mm_sub_epi32(lower, upper), k), r);
   return _mm512_add_epi32(spread(upper, k),
-                          round_shift(down, run->block.height_log2, l));
+                          round_shift(down, span->block.height_log2, l));
 }
 
-/* Rows of the run from t on; behind the last row, that one again. */
-INLINE tile find_tile(const rg_run* run, uint32_t t, layout l) {
+/* Rows of the span from t on; behind the last row, that one again. */
+INLINE tile find_tile(const rg_span* span, uint32_t t, layout l) {
   __m512i r = (__m512i)(dword_numbers() & 7);
   if (!l.is_tile) {
     r = _mm512_add_epi32(r, _mm512_set1_epi32((int32_t)t));
-    r = _mm512_min_epi32(r, _mm512_set1_epi32(run->num_rows - 1));
-    r = _mm512_add_epi32(r, _mm512_set1_epi32(run->first_row));
+    r = _mm512_min_epi32(r, _mm512_set1_epi32(span->num_rows - 1));
+    r = _mm512_add_epi32(r, _mm512_set1_epi32(span->first_row));
   }
-  const __m128i upper = load_positions(run->block.corners);
-  const __m128i lower = load_positions(run->block.corners + 2);
-  const __m512i left = find_edge(run, upper, lower, 0, r, l);
-  const __m512i right = find_edge(run, upper, lower, 1, r, l);
-  const rg_position origin = {{16, -4096 * run->first_source_row}};
+  const __m128i upper = load_positions(span->block.corners);
+  const __m128i lower = load_positions(span->block.corners + 2);
+  const __m512i left = find_edge(span, upper, lower, 0, r, l);
+  const __m512i right = find_edge(span, upper, lower, 1, r, l);
+  const rg_position origin = {{16, -4096 * span->first_source_row}};
   tile rows;
   rows.step =
-      round_shift(_mm512_sub_epi32(right, left), run->block.width_log2, l);
+      round_shift(_mm512_sub_epi32(right, left), span->block.width_log2, l);
   rows.start = _mm512_add_epi32(left, load_position(&origin));
   if (!l.is_tile)
     rows.start = _mm512_add_epi32(
         rows.start,
-        _mm512_mullo_epi32(rows.step, _mm512_set1_epi32(run->first_pixel)));
+        _mm512_mullo_epi32(rows.step, _mm512_set1_epi32(span->first_pixel)));
   return rows;
 }
 
@@ -183,12 +183,12 @@ typedef struct source_steps {
   __m256i upper_rows, lower_rows; /* of boxes, from their first */
 } source_steps;
 
-INLINE source_steps find_source_steps(const rg_run* run, layout l) {
-  const rg_position pixel = {{(int32_t)l.channels, (int32_t)run->stride}};
+INLINE source_steps find_source_steps(const rg_span* span, layout l) {
+  const rg_position pixel = {{(int32_t)l.channels, (int32_t)span->stride}};
   const __m512i rows = (__m512i)(dword_numbers() & (group_rows(l) - 1));
   source_steps s;
   s.pixel = load_position(&pixel);
-  s.row = _mm256_set1_epi32((int32_t)run->stride);
+  s.row = _mm256_set1_epi32((int32_t)span->stride);
   s.upper_rows = _mm256_mullo_epi32(s.row, _mm512_castsi512_si256(rows));
   s.lower_rows = _mm256_add_epi32(
       s.upper_rows, _mm256_slli_epi32(s.row, group_rows(l) == 4 ? 2 : 1));
@@ -552,76 +552,80 @@ INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
 /* ---- Runs ---------------------------------------------------------------- */
 
 /* Rows from t on, pixels from k on. */
-static void blend_elsewhere(const rg_run* run, uint32_t t, uint32_t num_rows,
+static void blend_elsewhere(const rg_span* span, uint32_t t, uint32_t num_rows,
                             uint32_t k, rg_blend* other) {
-  rg_run part = *run;
-  part.first_row = (uint8_t)(run->first_row + t);
+  rg_span part = *span;
+  part.first_row = (uint8_t)(span->first_row + t);
   part.num_rows = (uint8_t)num_rows;
-  part.out += (size_t)t * run->out_stride;
-  part.first_pixel = (uint8_t)(run->first_pixel + k);
-  part.num_pixels = (uint8_t)(run->num_pixels - k);
+  part.out += (size_t)t * span->out_stride;
+  part.first_pixel = (uint8_t)(span->first_pixel + k);
+  part.num_pixels = (uint8_t)(span->num_pixels - k);
   part.out_pixel = (uint16_t)(part.out_pixel + k);
   other(&part);
 }
 
-INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* other) {
+INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* other) {
   const layout l = {channels, 0};
-  const uint32_t n = run->num_pixels, num_rows = run->num_rows;
+  const uint32_t n = span->num_pixels, num_rows = span->num_rows;
   const uint32_t row_bytes = (n < TILE_PIXELS ? n : TILE_PIXELS) * channels;
-  if (run->stride > MAX_STRIDE) {
-    other(run);
+  if (span->stride > MAX_STRIDE) {
+    other(span);
     return;
   }
   const fills* f = &kFills;
   __asm__("" : "+r"(f)); /* values are loaded from there */
-  const source_steps s = find_source_steps(run, l);
-  tile_output to = {run->out + run->out_pixel * channels,
-                    run->out_stride,
+  const source_steps s = find_source_steps(span, l);
+  tile_output to = {span->out + span->out_pixel * channels,
+                    span->out_stride,
                     0,
-                    run->block.height_log2 < 5 || channels <= 2,
+                    span->block.height_log2 < 5 || channels <= 2,
                     0,
                     (__mmask32)((UINT64_C(1) << row_bytes) - 1)};
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
     to.is_whole = to.num_rows == TILE_ROWS && n >= TILE_PIXELS;
     const uint32_t done =
-        blend_tiles(run->data, &s, find_tile(run, t, l), to, n, l, f);
-    if (done != n) blend_elsewhere(run, t, to.num_rows, done, other);
+        blend_tiles(span->data, &s, find_tile(span, t, l), to, n, l, f);
+    if (done != n) blend_elsewhere(span, t, to.num_rows, done, other);
     to.out += TILE_ROWS * to.stride;
   }
 }
 
-/* A part is a tile. */
-INLINE void blend_parts(const rg_run* first, const rg_position* corners,
-                        uint32_t num_parts, uint32_t channels,
-                        rg_blend* other) {
+/* Each tile has 8 x 8 pixels. */
+INLINE void blend_tile_row(const rg_span* first, const rg_position* corners,
+                           uint32_t num_tiles, uint32_t channels,
+                           rg_blend* other) {
   const layout l = {channels, 1};
-  rg_run run = *first; /* which no byte that is stored can be part of */
+  rg_span span = *first; /* which no byte that is stored can be part of */
   const fills* f = &kFills;
   __asm__("" : "+r"(f));
-  const source_steps s = find_source_steps(&run, l);
-  tile_output to = {
-      run.out + run.out_pixel * channels, run.out_stride, TILE_ROWS, 1, 1, 0};
-  for (; num_parts != 0; --num_parts, corners += 4) {
-    memcpy(run.block.corners, corners, sizeof(run.block.corners));
-    const tile rows = find_tile(&run, 0, l);
+  const source_steps s = find_source_steps(&span, l);
+  tile_output to = {span.out + span.out_pixel * channels,
+                    span.out_stride,
+                    TILE_ROWS,
+                    1,
+                    1,
+                    0};
+  for (; num_tiles != 0; --num_tiles, corners += 4) {
+    memcpy(span.block.corners, corners, sizeof(span.block.corners));
+    const tile rows = find_tile(&span, 0, l);
     const tile_row row = find_tile_row(rows.step, TILE_PIXELS, l);
-    if (run.stride > MAX_STRIDE ||
-        !blend_tile(run.data, &s, rows.start, &row, &to, l, f))
-      other(&run);
-    run.out_pixel = (uint16_t)(run.out_pixel + TILE_PIXELS);
+    if (span.stride > MAX_STRIDE ||
+        !blend_tile(span.data, &s, rows.start, &row, &to, l, f))
+      other(&span);
+    span.out_pixel = (uint16_t)(span.out_pixel + TILE_PIXELS);
     to.out += TILE_PIXELS * channels;
   }
 }
 
-#define KERNELS(channels)                                                  \
-  void rg_blend_##channels##_avx512(const rg_run* run) {                   \
-    blend(run, channels, rg_blend_##channels##_avx2);                      \
-  }                                                                        \
-  void rg_blend_parts_##channels##_avx512(                                 \
-      const rg_run* run, const rg_position* corners, uint32_t num_parts) { \
-    blend_parts(run, corners, num_parts, channels,                         \
-                rg_blend_##channels##_avx2);                               \
+#define KERNELS(channels)                                                    \
+  void rg_blend_##channels##_avx512(const rg_span* span) {                   \
+    blend(span, channels, rg_blend_##channels##_avx2);                       \
+  }                                                                          \
+  void rg_blend_tile_row_##channels##_avx512(                                \
+      const rg_span* span, const rg_position* corners, uint32_t num_tiles) { \
+    blend_tile_row(span, corners, num_tiles, channels,                       \
+                   rg_blend_##channels##_avx2);                              \
   }
 KERNELS(1)
 KERNELS(2)

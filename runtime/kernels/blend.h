@@ -139,17 +139,17 @@ void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                   uint32_t num_channels);
 
 /* Interpolates a pixel of any component and stores it in the row at->out. */
-static RG_INLINE void rg_blend_pixel(const rg_lattice* lattice,
+static RG_INLINE void rg_blend_pixel(const rg_component* component,
                                      const rg_neighbors* at,
                                      uint32_t out_pixel) {
-  const uint32_t index = rg_first_sample(lattice, rg_q12_of(at, 0) >> 12);
-  if (lattice->kind == RG_SAMPLE_8) {
-    rg_mix_bytes(at, index, at->out + rg_first_sample(lattice, out_pixel),
-                 lattice->num_channels);
+  const uint32_t index = rg_first_sample(component, rg_q12_of(at, 0) >> 12);
+  if (component->kind == RG_SAMPLE_8) {
+    rg_mix_bytes(at, index, at->out + rg_first_sample(component, out_pixel),
+                 component->num_channels);
   } else {
-    const uint32_t value = rg_mix_samples(lattice->kind, at, index);
-    rg_put_sample(lattice->kind, at->out, rg_first_sample(lattice, out_pixel),
-                  value);
+    const uint32_t value = rg_mix_samples(component->kind, at, index);
+    rg_put_sample(component->kind, at->out,
+                  rg_first_sample(component, out_pixel), value);
   }
 }
 

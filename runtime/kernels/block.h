@@ -38,8 +38,8 @@ static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
 
 /* Computes coordinate c of row r of a block, r less than its height. Modulo
  * 2^32: malformed tables may overflow. */
-static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
-                                       rg_block_row* row) {
+static RG_INLINE void rg_compute_row_axis(const rg_block* block, uint32_t r,
+                                          int c, rg_block_row* row) {
   const rg_position* const corners = block->corners;
   const int32_t left = rg_point_between(corners[0].q12[c], corners[2].q12[c], r,
                                         block->height_log2);
@@ -51,10 +51,10 @@ static RG_INLINE void rg_find_row_axis(const rg_block* block, uint32_t r, int c,
 }
 
 /* Computes row r of a block, inlined. */
-static RG_INLINE void rg_find_row(const rg_block* block, uint32_t r,
-                                  rg_block_row* row) {
-  rg_find_row_axis(block, r, 0, row);
-  rg_find_row_axis(block, r, 1, row);
+static RG_INLINE void rg_compute_row(const rg_block* block, uint32_t r,
+                                     rg_block_row* row) {
+  rg_compute_row_axis(block, r, 0, row);
+  rg_compute_row_axis(block, r, 1, row);
 }
 
 #ifdef __cplusplus
@@ -62,10 +62,11 @@ extern "C"
 #endif
     /* Computes row r of a block, not inlined. */
     void
-    rg_find_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
+    rg_compute_block_row(const rg_block* block, uint32_t r, rg_block_row* row);
 
 /* Advances to the position of the next pixel of a row. */
-static RG_INLINE void rg_go_on(const rg_position* step, rg_position* position) {
+static RG_INLINE void rg_advance_position(const rg_position* step,
+                                          rg_position* position) {
   for (int c = 0; c < 2; ++c)
     position->q12[c] = rg_add(position->q12[c], step->q12[c]);
 }

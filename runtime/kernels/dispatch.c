@@ -13,12 +13,12 @@ static const rg_kernels kPortable = {
 
 #define RG_NO_PARTS(name) \
   { 0, 0, 0, 0 }
-#define RG_PARTS(name)                                                         \
-  {                                                                            \
-    rg_blend_parts_1_##name, rg_blend_parts_2_##name, rg_blend_parts_3_##name, \
-        rg_blend_parts_4_##name                                                \
+#define RG_PARTS(name)                                         \
+  {                                                            \
+    rg_blend_tile_row_1_##name, rg_blend_tile_row_2_##name,    \
+        rg_blend_tile_row_3_##name, rg_blend_tile_row_4_##name \
   }
-#define RG_KERNEL(name, parts, abilities, runs)                               \
+#define RG_KERNEL(name, parts, abilities, spans)                              \
   static const rg_kernels k_##name = {#name,                                  \
                                       {rg_blend_1_##name, rg_blend_2_##name,  \
                                        rg_blend_3_##name, rg_blend_4_##name}, \
@@ -28,8 +28,8 @@ RG_KERNELS
 #undef RG_KERNEL
 
 const rg_kernels* rg_find_kernels(const char* name) {
-#define RG_KERNEL(kernel, parts, abilities, runs)             \
-  if ((!name || rg_is_name(name, k_##kernel.name)) && (runs)) \
+#define RG_KERNEL(kernel, parts, abilities, spans)             \
+  if ((!name || rg_is_name(name, k_##kernel.name)) && (spans)) \
     return &k_##kernel;
   RG_KERNELS
 #undef RG_KERNEL

@@ -15,15 +15,15 @@
 typedef uint32_t rg_edges[8];
 
 /* Starts at the span's first row. edge may be the memory of the corners. */
-static RG_INLINE void rg_start_edges(const rg_run* run, const int32_t* corner,
+static RG_INLINE void rg_start_edges(const rg_span* span, const int32_t* corner,
                                      uint32_t* edge) {
-  const uint32_t log2 = run->block.height_log2;
+  const uint32_t log2 = span->block.height_log2;
   const int32_t* const bottom = corner + 4;
   do {
     const uint32_t top = (uint32_t)*corner;
     const uint32_t height = (uint32_t)corner[4] - top;
     edge[4] = height;
-    *edge++ = (top << log2) + height * run->first_row + (1u << log2 >> 1);
+    *edge++ = (top << log2) + height * span->first_row + (1u << log2 >> 1);
   } while (++corner != bottom);
 }
 
@@ -52,32 +52,34 @@ static RG_INLINE void rg_next_row(const rg_block* block, uint32_t* edges,
 /* Advances from one pixel of a row to the next, depending on register width. */
 #if defined(__LP64__) || defined(_WIN64)
 
-typedef struct rg_grey_walk {
+typedef struct rg_grey_traversal {
   const uint8_t* data;
   uint64_t stride;
   uint64_t position, step; /* x in the upper half */
-} rg_grey_walk;
+} rg_grey_traversal;
 
-static RG_INLINE void rg_start_grey_walk(const rg_run* run,
-                                         const rg_block_row* row,
-                                         rg_grey_walk* walk) {
-  walk->data = run->data;
-  walk->stride = run->stride;
-  walk->position = ((uint64_t)((uint32_t)row->start.q12[0] + 16) << 32) +
-                   (uint64_t)(int64_t)row->start.q12[1];
-  walk->step = ((uint64_t)(uint32_t)row->step.q12[0] << 32) +
-               (uint64_t)(int64_t)row->step.q12[1];
+static RG_INLINE void rg_start_grey_traversal(const rg_span* span,
+                                              const rg_block_row* row,
+                                              rg_grey_traversal* traversal) {
+  traversal->data = span->data;
+  traversal->stride = span->stride;
+  traversal->position = ((uint64_t)((uint32_t)row->start.q12[0] + 16) << 32) +
+                        (uint64_t)(int64_t)row->start.q12[1];
+  traversal->step = ((uint64_t)(uint32_t)row->step.q12[0] << 32) +
+                    (uint64_t)(int64_t)row->step.q12[1];
 }
 
-static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
-  walk->position += walk->step;
+static RG_INLINE void rg_step_grey_traversal(rg_grey_traversal* traversal) {
+  traversal->position += traversal->step;
 }
 
 /* h0 (4096 - wy) + h1 wy is the upper half of one product. */
-static RG_INLINE uint8_t rg_blend_grey_pixel(const rg_grey_walk* walk) {
-  const uint64_t position = walk->position, stride = walk->stride;
-  const uint8_t* const upper =
-      walk->data + ((position & UINT32_MAX) >> 12) * stride + (position >> 44);
+static RG_INLINE uint8_t
+rg_blend_grey_pixel(const rg_grey_traversal* traversal) {
+  const uint64_t position = traversal->position, stride = traversal->stride;
+  const uint8_t* const upper = traversal->data +
+                               ((position & UINT32_MAX) >> 12) * stride +
+                               (position >> 44);
   const uint64_t bytes = UINT64_C(0x000000ff000000ff);
   const uint64_t pixels =
       rg_load_pair(upper) | (uint64_t)rg_load_pair(upper + stride) << 32;
@@ -90,47 +92,50 @@ static RG_INLINE uint8_t rg_blend_grey_pixel(const rg_grey_walk* walk) {
 
 #else
 
-typedef struct rg_grey_walk {
+typedef struct rg_grey_traversal {
   const uint8_t* data;
   uint32_t stride;
   uint32_t x_q12, y_q12, step_x, step_y;
-} rg_grey_walk;
+} rg_grey_traversal;
 
-static RG_INLINE void rg_start_grey_walk(const rg_run* run,
-                                         const rg_block_row* row,
-                                         rg_grey_walk* walk) {
-  walk->data = run->data;
-  walk->stride = run->stride;
-  walk->x_q12 = (uint32_t)row->start.q12[0] + 16;
-  walk->y_q12 = (uint32_t)row->start.q12[1];
-  walk->step_x = (uint32_t)row->step.q12[0];
-  walk->step_y = (uint32_t)row->step.q12[1];
+static RG_INLINE void rg_start_grey_traversal(const rg_span* span,
+                                              const rg_block_row* row,
+                                              rg_grey_traversal* traversal) {
+  traversal->data = span->data;
+  traversal->stride = span->stride;
+  traversal->x_q12 = (uint32_t)row->start.q12[0] + 16;
+  traversal->y_q12 = (uint32_t)row->start.q12[1];
+  traversal->step_x = (uint32_t)row->step.q12[0];
+  traversal->step_y = (uint32_t)row->step.q12[1];
 }
 
-static RG_INLINE void rg_step_grey_walk(rg_grey_walk* walk) {
-  walk->x_q12 += walk->step_x;
-  walk->y_q12 += walk->step_y;
+static RG_INLINE void rg_step_grey_traversal(rg_grey_traversal* traversal) {
+  traversal->x_q12 += traversal->step_x;
+  traversal->y_q12 += traversal->step_y;
 }
 
-static RG_INLINE uint8_t rg_blend_grey_pixel(const rg_grey_walk* walk) {
-  const uint8_t* const upper =
-      walk->data + (walk->y_q12 >> 12) * walk->stride + (walk->x_q12 >> 12);
+static RG_INLINE uint8_t
+rg_blend_grey_pixel(const rg_grey_traversal* traversal) {
+  const uint8_t* const upper = traversal->data +
+                               (traversal->y_q12 >> 12) * traversal->stride +
+                               (traversal->x_q12 >> 12);
   const uint32_t pixels =
-      rg_load_pair(upper) | rg_load_pair(upper + walk->stride) << 16;
+      rg_load_pair(upper) | rg_load_pair(upper + traversal->stride) << 16;
   return (uint8_t)rg_blend_8(rg_even_bytes(pixels), rg_odd_bytes(pixels),
-                             (walk->x_q12 >> 5) & 127, walk->y_q12 & 4095);
+                             (traversal->x_q12 >> 5) & 127,
+                             traversal->y_q12 & 4095);
 }
 
 #endif
 
-static RG_INLINE void rg_blend_grey_row(const rg_run* run,
+static RG_INLINE void rg_blend_grey_row(const rg_span* span,
                                         const rg_block_row* row, uint8_t* out) {
-  rg_grey_walk walk;
-  rg_start_grey_walk(run, row, &walk);
-  uint32_t rest = run->num_pixels;
+  rg_grey_traversal traversal;
+  rg_start_grey_traversal(span, row, &traversal);
+  uint32_t rest = span->num_pixels;
   do {
-    *out++ = rg_blend_grey_pixel(&walk);
-    rg_step_grey_walk(&walk);
+    *out++ = rg_blend_grey_pixel(&traversal);
+    rg_step_grey_traversal(&traversal);
   } while (--rest != 0);
 }
 

@@ -30,10 +30,10 @@ enum {
 };
 
 /* One coordinate of rows that are so far down in the block. */
-INLINE void find_rows(const rg_run* run, int c, int32x4_t row, int32_t origin,
+INLINE void find_rows(const rg_span* span, int c, int32x4_t row, int32_t origin,
                       int32_t width_shift, int32_t height_shift,
                       int32_t* values) {
-  const rg_position* const p = run->block.corners;
+  const rg_position* const p = span->block.corners;
   int32x4_t down = vmulq_n_s32(row, p[2].q12[c] - p[0].q12[c]);
   const int32x4_t left =
       vaddq_n_s32(vrshlq_n_s32(down, height_shift), p[0].q12[c] - origin);
@@ -44,18 +44,18 @@ INLINE void find_rows(const rg_run* run, int c, int32x4_t row, int32_t origin,
   const int32x4_t back =
       vminq_s32(vmulq_n_s32(step, LANES - 1), vdupq_n_s32(0));
   vstrwq_s32(values + X,
-             vaddq_s32(vmlaq_n_s32(left, step, run->first_pixel), back));
+             vaddq_s32(vmlaq_n_s32(left, step, span->first_pixel), back));
   vstrwq_s32(values + STEP_X, step);
   vstrwq_s32(values + BACK, back);
 }
 
-static void find_row_group(const rg_run* run, uint32_t r, int32_t* values) {
+static void find_row_group(const rg_span* span, uint32_t r, int32_t* values) {
   const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
-  const int32_t width_shift = -(int32_t)run->block.width_log2;
-  const int32_t height_shift = -(int32_t)run->block.height_log2;
-  find_rows(run, 0, row, -16, width_shift, height_shift, values);
-  find_rows(run, 1, row, run->first_source_row << 12, width_shift, height_shift,
-            values + Y);
+  const int32_t width_shift = -(int32_t)span->block.width_log2;
+  const int32_t height_shift = -(int32_t)span->block.height_log2;
+  find_rows(span, 0, row, -16, width_shift, height_shift, values);
+  find_rows(span, 1, row, span->first_source_row << 12, width_shift,
+            height_shift, values + Y);
 }
 
 /* One row of samples across, times 128. */
@@ -95,10 +95,10 @@ INLINE void blend_segment(const uint8_t* base, uint32_t stride,
 }
 
 /* The second segment has so many pixels that the first one has not. */
-INLINE void blend_row(const rg_run* run, const int32_t* row, uint32_t pixels,
+INLINE void blend_row(const rg_span* span, const int32_t* row, uint32_t pixels,
                       uint32_t channels, uint8_t* out) {
-  const uint8_t* const data = run->data;
-  const uint32_t stride = run->stride;
+  const uint8_t* const data = span->data;
+  const uint32_t stride = span->stride;
   const uint32_t step_x = (uint32_t)row[STEP_X];
   const uint32_t step_y = (uint32_t)row[STEP_Y];
   uint32_t x = (uint32_t)row[X], y = (uint32_t)row[Y];
@@ -107,7 +107,7 @@ INLINE void blend_row(const rg_run* run, const int32_t* row, uint32_t pixels,
       vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_x), (uint16_t)row[BACK]);
   const uint16x8_t lanes_y =
       vsubq_n_u16(vmulq_n_u16(lane, (uint16_t)step_y), (uint16_t)row[UP]);
-  uint8_t* const last = out + (run->num_pixels - LANES) * channels;
+  uint8_t* const last = out + (span->num_pixels - LANES) * channels;
   for (;;) {
     const uint8_t* const base =
         data + (x >> 12) * channels + (y >> 12) * stride;
@@ -123,53 +123,54 @@ INLINE void blend_row(const rg_run* run, const int32_t* row, uint32_t pixels,
 }
 
 /* Functions of their own, so that their loops have all registers. */
-typedef void blend_one_row(const rg_run* run, const int32_t* row,
+typedef void blend_one_row(const rg_span* span, const int32_t* row,
                            uint32_t pixels, uint8_t* out);
-#define ROW_OF(channels)                                                      \
-  static RG_NOINLINE void blend_row_##channels##_helium(                      \
-      const rg_run* run, const int32_t* row, uint32_t pixels, uint8_t* out) { \
-    blend_row(run, row, pixels, channels, out);                               \
+#define ROW_OF(channels)                                        \
+  static RG_NOINLINE void blend_row_##channels##_helium(        \
+      const rg_span* span, const int32_t* row, uint32_t pixels, \
+      uint8_t* out) {                                           \
+    blend_row(span, row, pixels, channels, out);                \
   }
 ROW_OF(1)
 ROW_OF(2)
 ROW_OF(3)
 ROW_OF(4)
 
-INLINE void blend(const rg_run* run, uint32_t channels,
+INLINE void blend(const rg_span* span, uint32_t channels,
                   blend_one_row* blend_one, rg_blend* portable) {
-  if (run->num_pixels < LANES || !rg_fits_offsets(run, LANES, channels)) {
-    portable(run);
+  if (span->num_pixels < LANES || !rg_fits_offsets(span, LANES, channels)) {
+    portable(span);
     return;
   }
   /* The second segment of a row may begin within the first. */
-  const uint32_t pixels = (run->num_pixels - 1u) % LANES + 1;
-  uint8_t* out = run->out + run->out_pixel * channels;
-  uint32_t r = run->first_row, rest = run->num_rows;
+  const uint32_t pixels = (span->num_pixels - 1u) % LANES + 1;
+  uint8_t* out = span->out + span->out_pixel * channels;
+  uint32_t r = span->first_row, rest = span->num_rows;
   do {
     int32_t values[GROUP_SIZE];
     const int32_t* row = values;
     uint32_t num_rows = rest < ROWS ? rest : ROWS;
-    find_row_group(run, r, values);
+    find_row_group(span, r, values);
     r += num_rows;
     rest -= num_rows;
     do {
-      blend_one(run, row++, pixels, out);
-      out += run->out_stride;
+      blend_one(span, row++, pixels, out);
+      out += span->out_stride;
     } while (--num_rows != 0);
   } while (rest != 0);
 }
 
-void rg_blend_1_helium(const rg_run* run) {
-  blend(run, 1, blend_row_1_helium, rg_blend_1);
+void rg_blend_1_helium(const rg_span* span) {
+  blend(span, 1, blend_row_1_helium, rg_blend_1);
 }
-void rg_blend_2_helium(const rg_run* run) {
-  blend(run, 2, blend_row_2_helium, rg_blend_2);
+void rg_blend_2_helium(const rg_span* span) {
+  blend(span, 2, blend_row_2_helium, rg_blend_2);
 }
-void rg_blend_3_helium(const rg_run* run) {
-  blend(run, 3, blend_row_3_helium, rg_blend_3);
+void rg_blend_3_helium(const rg_span* span) {
+  blend(span, 3, blend_row_3_helium, rg_blend_3);
 }
-void rg_blend_4_helium(const rg_run* run) {
-  blend(run, 4, blend_row_4_helium, rg_blend_4);
+void rg_blend_4_helium(const rg_span* span) {
+  blend(span, 4, blend_row_4_helium, rg_blend_4);
 }
 
 #endif

@@ -14,7 +14,7 @@
 
 /* A span: a rectangle of pixels of a block. The source pixel of each, and its
  * right, lower and diagonal neighbours, are in the image. */
-typedef struct rg_run {
+typedef struct rg_span {
   uint16_t first_pixel; /* column in the block */
   uint16_t first_source_row;
   uint16_t out_pixel;            /* column in the output */
@@ -25,7 +25,7 @@ typedef struct rg_run {
   uint8_t* out; /* output row of first_row, at its left end */
   uint32_t out_stride;
   rg_block block;
-} rg_run;
+} rg_span;
 
 /* Size of the spare rows in q12: kernels may read beyond the source pixels, the
  * row below a pixel's lower neighbours, and bytes of the row after it. */
@@ -35,20 +35,20 @@ typedef struct rg_run {
 /* ---- Kernels ------------------------------------------------------------- */
 
 /* Blends the pixels of a span of 8-bit samples bilinearly. */
-typedef void rg_blend(const rg_run* run);
+typedef void rg_blend(const rg_span* span);
 
 /* Blends horizontally adjacent tiles of 8 x 8 pixels. The span is the first of
  * them. The other tiles differ from it only in their corners, of which there
  * are four per tile. */
-typedef void rg_blend_parts(const rg_run* run, const rg_position* corners,
-                            uint32_t num_parts);
+typedef void rg_blend_tile_row(const rg_span* span, const rg_position* corners,
+                               uint32_t num_tiles);
 
 /* The kernels of one instruction set, for 1, 2, 3 and 4 interleaved channels.
  */
 struct rg_kernels {
   const char* name;
   rg_blend* blend[4];
-  rg_blend_parts* blend_parts[4]; /* NULL: not available */
+  rg_blend_tile_row* blend_tile_row[4]; /* NULL: not available */
   uint32_t abilities;
 };
 
@@ -56,28 +56,28 @@ struct rg_kernels {
 #define RG_HAS_WORDS 2u   /* rg_blend_words_avx2() may be called */
 
 rg_blend rg_blend_1, rg_blend_2, rg_blend_3, rg_blend_4; /* portable */
-#define RG_KERNEL(name, parts, abilities, runs)                     \
-  rg_blend rg_blend_1_##name, rg_blend_2_##name, rg_blend_3_##name, \
-      rg_blend_4_##name;                                            \
-  rg_blend_parts rg_blend_parts_1_##name, rg_blend_parts_2_##name,  \
-      rg_blend_parts_3_##name, rg_blend_parts_4_##name;
+#define RG_KERNEL(name, parts, abilities, spans)                            \
+  rg_blend rg_blend_1_##name, rg_blend_2_##name, rg_blend_3_##name,         \
+      rg_blend_4_##name;                                                    \
+  rg_blend_tile_row rg_blend_tile_row_1_##name, rg_blend_tile_row_2_##name, \
+      rg_blend_tile_row_3_##name, rg_blend_tile_row_4_##name;
 RG_ALL_KERNELS
 #undef RG_KERNEL
 
 /* Blends all fields of a span of RGB565. Returns 0, without output, if steps
  * are too large. */
-int rg_blend_words_avx2(const rg_run* run);
+int rg_blend_words_avx2(const rg_span* span);
 
 /* Blends a span of a strided component bilinearly with the kernels for
  * sample_step channels. Spans are at most 64 pixels wide. */
-void rg_blend_spread(const rg_kernels* kernels, const rg_run* run,
-                     const rg_lattice* lattice);
+void rg_blend_strided(const rg_kernels* kernels, const rg_span* span,
+                      const rg_component* component);
 
 /* Blends a span of any component bilinearly. */
-void rg_blend_lattice(const rg_run* run, const rg_lattice* lattice);
+void rg_blend_component(const rg_span* span, const rg_component* component);
 
 /* Copies the nearest source pixels of a span of any component. */
-void rg_copy_lattice(const rg_run* run, const rg_lattice* lattice);
+void rg_copy_component(const rg_span* span, const rg_component* component);
 
 /* ---- Selection of kernels ------------------------------------------------ */
 
@@ -95,48 +95,48 @@ static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
 
 /* Blends a span of grey pixels. */
 static inline void rg_dispatch_grey(const rg_kernels* kernels,
-                                    const rg_run* run, int is_roomy) {
+                                    const rg_span* span, int is_roomy) {
   if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy))
-    kernels->blend[0](run);
+    kernels->blend[0](span);
   else
-    RG_BUILT_IN(1)(run);
+    RG_BUILT_IN(1)(span);
 }
 
 /* Blends a span with a kernel that is always available; returns 0 if there is
  * none for this number of channels. */
-static inline int rg_blend_built_in(const rg_run* run, uint32_t channels) {
+static inline int rg_blend_built_in(const rg_span* span, uint32_t channels) {
   if (channels == 1)
-    RG_BUILT_IN(1)(run);
+    RG_BUILT_IN(1)(span);
   else if (RG_ALL_BUILT_IN && channels == 2)
-    RG_BUILT_IN(2)(run);
+    RG_BUILT_IN(2)(span);
   else if (RG_ALL_BUILT_IN && channels == 3)
-    RG_BUILT_IN(3)(run);
+    RG_BUILT_IN(3)(span);
   else if (RG_ALL_BUILT_IN && channels == 4)
-    RG_BUILT_IN(4)(run);
+    RG_BUILT_IN(4)(span);
   else
     return 0;
   return 1;
 }
 
 /* Blends a span of a component. */
-static inline void rg_dispatch(const rg_kernels* kernels, const rg_run* run,
-                               const rg_lattice* lattice, int is_roomy) {
-  const uint32_t channels = rg_interleaved(lattice);
+static inline void rg_dispatch(const rg_kernels* kernels, const rg_span* span,
+                               const rg_component* component, int is_roomy) {
+  const uint32_t channels = rg_interleaved(component);
   if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
-    kernels->blend[channels - 1](run);
+    kernels->blend[channels - 1](span);
     return;
   }
   if (RG_BLENDS_WORDS && kernels && (kernels->abilities & RG_HAS_WORDS) != 0 &&
-      lattice->kind == RG_SAMPLE_565 &&
-      (lattice->first_sample != 0 || rg_blend_words_avx2(run)))
+      component->kind == RG_SAMPLE_565 &&
+      (component->first_sample != 0 || rg_blend_words_avx2(span)))
     return; /* all fields are blended with the first one */
   if (RG_CHOOSE_KERNELS && kernels &&
       (kernels->abilities & RG_HAS_VECTORS) != 0 && RG_MAY_RUN(is_roomy) &&
-      rg_is_spread(lattice)) {
-    rg_blend_spread(kernels, run, lattice);
+      rg_is_strided(component)) {
+    rg_blend_strided(kernels, span, component);
     return;
   }
-  if (!rg_blend_built_in(run, channels)) rg_blend_lattice(run, lattice);
+  if (!rg_blend_built_in(span, channels)) rg_blend_component(span, component);
 }
 
 #endif /* RAYGRID_KERNEL_H */

@@ -28,7 +28,7 @@ static const uint8_t kLaneOffsets[2][16] = {
 /* 128 - wx in the low half, wx in the high one: |wx - these|. */
 static const uint8_t kWeights[16] = {128, 128, 128, 128, 128, 128, 128, 128};
 
-/* Rows of a run, one after the other. */
+/* Rows of a span, one after the other. */
 typedef struct row_steps {
   int32x4_t top;  /* P00, P10 */
   int32x4_t down; /* (P01 - P00) r, (P11 - P10) r */
@@ -37,15 +37,15 @@ typedef struct row_steps {
   int32x2_t minus_width_log2;
 } row_steps;
 
-INLINE row_steps first_row(const rg_run* run) {
-  const rg_block* const block = &run->block;
-  const int32_t first_y = run->first_source_row << 12;
+INLINE row_steps first_row(const rg_span* span) {
+  const rg_block* const block = &span->block;
+  const int32_t first_y = span->first_source_row << 12;
   const int32_t origin[4] = {-16, first_y, -16, first_y};
   row_steps rows;
   rows.top = vld1q_s32(block->corners[0].q12);
   rows.height = vsubq_s32(vld1q_s32(block->corners[2].q12), rows.top);
   rows.top = vsubq_s32(rows.top, vld1q_s32(origin));
-  rows.down = vmulq_n_s32(rows.height, run->first_row);
+  rows.down = vmulq_n_s32(rows.height, span->first_row);
   rows.minus_height_log2 = vdupq_n_s32(-(int32_t)block->height_log2);
   rows.minus_width_log2 = vdup_n_s32(-(int32_t)block->width_log2);
   return rows;
@@ -151,7 +151,7 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   return cut;
 }
 
-/* The constants that the segments of a run, and of a row, have in common. */
+/* The constants that the segments of a span, and of a row, have in common. */
 typedef struct segment_constants {
   const uint8_t *row0, *row1, *row2; /* the first ones */
   uint8x16_t offsets;
@@ -262,30 +262,30 @@ INLINE void blend_segments(const segment_constants* s, layout l,
   } while (out != end);
 }
 
-/* All rows of a run. */
-INLINE void blend_run(const rg_run* run, layout l) {
+/* All rows of a span. */
+INLINE void blend_span(const rg_span* span, layout l) {
   static const int32_t kSegments[4] = {0, 1, 2, 3};
   const int is_long = l.window == 32;
   const uint32_t table = is_long || l.channels == 1 ? 0 : 1;
   const uint16x8_t lane = vld1q_u16(kLanePixels[table]);
-  const size_t out_stride = run->out_stride;
-  const size_t bytes = run->num_pixels * l.channels;
+  const size_t out_stride = span->out_stride;
+  const size_t bytes = span->num_pixels * l.channels;
   const size_t rest = bytes % (l.pixels * l.channels);
   const int32x4_t last_pixels =
-      vdupq_n_s32(run->first_pixel + run->num_pixels - (int32_t)l.pixels);
+      vdupq_n_s32(span->first_pixel + span->num_pixels - (int32_t)l.pixels);
   const int32x4_t first_pixels = vmlaq_n_s32(
-      vdupq_n_s32(run->first_pixel), vld1q_s32(kSegments), (int32_t)l.pixels);
-  const uint32x4_t stride = vdupq_n_u32(run->stride);
-  uint8_t* out = run->out + run->out_pixel * l.channels;
-  row_steps rows = first_row(run);
+      vdupq_n_s32(span->first_pixel), vld1q_s32(kSegments), (int32_t)l.pixels);
+  const uint32x4_t stride = vdupq_n_u32(span->stride);
+  uint8_t* out = span->out + span->out_pixel * l.channels;
+  row_steps rows = first_row(span);
   segment_constants s;
-  s.row0 = run->data;
-  s.row1 = s.row0 + run->stride;
-  s.row2 = s.row1 + run->stride;
+  s.row0 = span->data;
+  s.row1 = s.row0 + span->stride;
+  s.row2 = s.row1 + span->stride;
   s.offsets = is_long
                   ? vcombine_u8(vdup_n_u8(0), vdup_n_u8((uint8_t)l.channels))
                   : vld1q_u8(kLaneOffsets[table]);
-  for (uint32_t r = run->num_rows; r != 0; --r, out += out_stride) {
+  for (uint32_t r = span->num_rows; r != 0; --r, out += out_stride) {
     row_segments segments;
     const row_line row = next_row(&rows);
     int32x4_t pixels = first_pixels;
@@ -309,41 +309,41 @@ INLINE void blend_run(const rg_run* run, layout l) {
 }
 
 /* Offsets of segments fit into 32 bits. */
-INLINE int fits(const rg_run* run, layout l) {
-  return run->stride <= 1 << 18 &&
-         rg_fits_windows(run, l.pixels, l.window / l.channels);
+INLINE int fits(const rg_span* span, layout l) {
+  return span->stride <= 1 << 18 &&
+         rg_fits_windows(span, l.pixels, l.window / l.channels);
 }
 
-void rg_blend_1_neon(const rg_run* run) {
+void rg_blend_1_neon(const rg_span* span) {
   const layout l = {1, 8, 16};
-  if (fits(run, l))
-    blend_run(run, l);
+  if (fits(span, l))
+    blend_span(span, l);
   else
-    rg_blend_1(run);
+    rg_blend_1(span);
 }
 
-void rg_blend_2_neon(const rg_run* run) {
+void rg_blend_2_neon(const rg_span* span) {
   const layout l = {2, 8, 32};
-  if (fits(run, l))
-    blend_run(run, l);
+  if (fits(span, l))
+    blend_span(span, l);
   else
-    rg_blend_2(run);
+    rg_blend_2(span);
 }
 
-void rg_blend_3_neon(const rg_run* run) {
+void rg_blend_3_neon(const rg_span* span) {
   const layout l = {3, 8, 32};
-  if (fits(run, l))
-    blend_run(run, l);
+  if (fits(span, l))
+    blend_span(span, l);
   else
-    rg_blend_3(run);
+    rg_blend_3(span);
 }
 
-void rg_blend_4_neon(const rg_run* run) {
+void rg_blend_4_neon(const rg_span* span) {
   const layout l = {4, 2, 16};
-  if (fits(run, l))
-    blend_run(run, l);
+  if (fits(span, l))
+    blend_span(span, l);
   else
-    rg_blend_4(run);
+    rg_blend_4(span);
 }
 
 #endif

@@ -86,7 +86,7 @@ INLINE void blend_segment(const uint8_t* base, size_t stride, size_t channels,
       : "memory" VECTOR_REGISTERS);
 }
 
-INLINE void blend_row(const rg_run* run, const rg_block_row* row,
+INLINE void blend_row(const rg_span* span, const rg_block_row* row,
                       size_t channels, uint8_t* out) {
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
   const lane_steps steps = {step_x, step_y,
@@ -94,14 +94,14 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row,
                             step_y < 0 ? (LANES - 1) * step_y : 0};
   int32_t x = row->start.q12[0] + 16 + steps.back;
   int32_t y = row->start.q12[1] + steps.up;
-  for (size_t rest = run->num_pixels;;) {
+  for (size_t rest = span->num_pixels;;) {
     const size_t pixels = rest < LANES ? rest : LANES;
     /* The least of 8 pixels may lie outside where fewer are left. */
-    const uint8_t* const base = run->data +
-                                (ptrdiff_t)(y >> 12) * (ptrdiff_t)run->stride +
+    const uint8_t* const base = span->data +
+                                (ptrdiff_t)(y >> 12) * (ptrdiff_t)span->stride +
                                 (ptrdiff_t)(x >> 12) * (ptrdiff_t)channels;
-    blend_segment(base, run->stride, channels, (uint32_t)x, (uint32_t)y, &steps,
-                  pixels, out);
+    blend_segment(base, span->stride, channels, (uint32_t)x, (uint32_t)y,
+                  &steps, pixels, out);
     rest -= pixels;
     if (rest == 0) return;
     x += LANES * step_x;
@@ -110,22 +110,22 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row,
   }
 }
 
-INLINE void blend(const rg_run* run, uint32_t channels, rg_blend* portable) {
-  if (!rg_fits_offsets(run, LANES, channels)) {
-    portable(run);
+INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* portable) {
+  if (!rg_fits_offsets(span, LANES, channels)) {
+    portable(span);
     return;
   }
-  uint8_t* out = run->out + run->out_pixel * channels;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+  uint8_t* out = span->out + span->out_pixel * channels;
+  for (uint32_t r = 0; r < span->num_rows; ++r, out += span->out_stride) {
     rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    blend_row(run, &row, channels, out);
+    rg_compute_span_row(span, r, &row);
+    blend_row(span, &row, channels, out);
   }
 }
 
-void rg_blend_1_rvv(const rg_run* run) { blend(run, 1, rg_blend_1); }
-void rg_blend_2_rvv(const rg_run* run) { blend(run, 2, rg_blend_2); }
-void rg_blend_3_rvv(const rg_run* run) { blend(run, 3, rg_blend_3); }
-void rg_blend_4_rvv(const rg_run* run) { blend(run, 4, rg_blend_4); }
+void rg_blend_1_rvv(const rg_span* span) { blend(span, 1, rg_blend_1); }
+void rg_blend_2_rvv(const rg_span* span) { blend(span, 2, rg_blend_2); }
+void rg_blend_3_rvv(const rg_span* span) { blend(span, 3, rg_blend_3); }
+void rg_blend_4_rvv(const rg_span* span) { blend(span, 4, rg_blend_4); }
 
 #endif

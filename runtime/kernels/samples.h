@@ -1,4 +1,4 @@
-/* The samples of a frame, grouped into components (lattices). A component is a
+/* The samples of a frame, grouped into components. A component is a
  * regular grid of samples of one kind that is remapped onto itself: the luma of
  * NV12, its chroma pairs, or one of the four colours of a Bayer frame.
  * formats/SPEC.md, "Components". */
@@ -21,7 +21,7 @@ typedef enum rg_sample_kind {
                     unused */
 } rg_sample_kind;
 
-typedef struct rg_lattice {
+typedef struct rg_component {
   uint8_t kind; /* rg_sample_kind */
   uint8_t plane;
   uint8_t first_sample; /* in a row, in samples of the plane */
@@ -32,33 +32,33 @@ typedef struct rg_lattice {
   uint8_t first_row, row_step; /* rows of the plane */
   uint8_t index; /* of the component in the format, and of its first channel's
                     border value */
-} rg_lattice;
+} rg_component;
 
 /* Returns the index of a component pixel's first sample in its plane row. */
-static inline uint32_t rg_first_sample(const rg_lattice* lattice,
+static inline uint32_t rg_first_sample(const rg_component* component,
                                        uint32_t pixel) {
-  return lattice->first_sample + pixel * lattice->sample_step;
+  return component->first_sample + pixel * component->sample_step;
 }
 
 /* Returns the number of channels of an 8-bit component that fills the plane; 0
  * for other components. */
-static inline uint32_t rg_interleaved(const rg_lattice* lattice) {
-  const uint32_t channels = lattice->num_channels;
-  return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == channels
+static inline uint32_t rg_interleaved(const rg_component* component) {
+  const uint32_t channels = component->num_channels;
+  return component->kind == RG_SAMPLE_8 && component->sample_step == channels
              ? channels
              : 0;
 }
 
 /* Whether the component is strided: one byte in each group of 2 or 4, such as
  * luma and chroma of YUYV, or a colour of a Bayer frame. */
-static inline int rg_is_spread(const rg_lattice* lattice) {
-  return lattice->kind == RG_SAMPLE_8 && lattice->num_channels == 1 &&
-         (lattice->sample_step == 2 || lattice->sample_step == 4);
+static inline int rg_is_strided(const rg_component* component) {
+  return component->kind == RG_SAMPLE_8 && component->num_channels == 1 &&
+         (component->sample_step == 2 || component->sample_step == 4);
 }
 
 /* Whether the component has one byte per pixel, and fills the plane. */
-static inline int rg_is_grey(const rg_lattice* lattice) {
-  return lattice->kind == RG_SAMPLE_8 && lattice->sample_step == 1;
+static inline int rg_is_grey(const rg_component* component) {
+  return component->kind == RG_SAMPLE_8 && component->sample_step == 1;
 }
 
 /* Returns the lowest bit of field k in a word of RG_SAMPLE_565. */

@@ -95,9 +95,9 @@ INLINE void store(uint8_t* out, __m128i bytes, int is_last, layout l) {
   }
 }
 
-INLINE void blend_row(const rg_run* run, const rg_block_row* row, uint8_t* out,
-                      layout l) {
-  const int32_t pixels = (int32_t)l.pixels, n = run->num_pixels;
+INLINE void blend_row(const rg_span* span, const rg_block_row* row,
+                      uint8_t* out, layout l) {
+  const int32_t pixels = (int32_t)l.pixels, n = span->num_pixels;
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
   /* The window starts at the first x + 16 and the least y. */
   const int32_t up = step_y < 0 ? (pixels - 1) * step_y : 0;
@@ -115,14 +115,14 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row, uint8_t* out,
       y -= back * step_y;
       k = n - pixels;
     }
-    const uint8_t* const window = run->data +
-                                  (size_t)((uint32_t)y >> 12) * run->stride +
+    const uint8_t* const window = span->data +
+                                  (size_t)((uint32_t)y >> 12) * span->stride +
                                   ((uint32_t)x >> 12) * l.channels;
     const __m128i x_q12 =
         _mm_add_epi16(_mm_set1_epi16((int16_t)(x & 4095)), lanes_x);
     const __m128i y_q15 =
         _mm_add_epi16(_mm_set1_epi16((int16_t)((y & 4095) << 3)), lanes_y);
-    const __m128i v = blend_segment(window, run->stride, x_q12, y_q15, l);
+    const __m128i v = blend_segment(window, span->stride, x_q12, y_q15, l);
     store(out + (uint32_t)k * l.channels, _mm_packus_epi16(v, v),
           k + pixels == n, l);
     x += pixels * step_x;
@@ -130,37 +130,37 @@ INLINE void blend_row(const rg_run* run, const rg_block_row* row, uint8_t* out,
   }
 }
 
-INLINE void blend(const rg_run* run, layout l, rg_blend* portable) {
-  if (!rg_fits_windows(run, l.pixels, 16 / l.channels)) {
-    portable(run);
+INLINE void blend(const rg_span* span, layout l, rg_blend* portable) {
+  if (!rg_fits_windows(span, l.pixels, 16 / l.channels)) {
+    portable(span);
     return;
   }
-  uint8_t* out = run->out + run->out_pixel * l.channels;
-  for (uint32_t r = 0; r < run->num_rows; ++r, out += run->out_stride) {
+  uint8_t* out = span->out + span->out_pixel * l.channels;
+  for (uint32_t r = 0; r < span->num_rows; ++r, out += span->out_stride) {
     rg_block_row row;
-    rg_find_run_row(run, r, &row);
-    blend_row(run, &row, out, l);
+    rg_compute_span_row(span, r, &row);
+    blend_row(span, &row, out, l);
   }
 }
 
-void rg_blend_1_sse4(const rg_run* run) {
+void rg_blend_1_sse4(const rg_span* span) {
   const layout l = {1, 8};
-  blend(run, l, rg_blend_1);
+  blend(span, l, rg_blend_1);
 }
 
-void rg_blend_2_sse4(const rg_run* run) {
+void rg_blend_2_sse4(const rg_span* span) {
   const layout l = {2, 4};
-  blend(run, l, rg_blend_2);
+  blend(span, l, rg_blend_2);
 }
 
-void rg_blend_3_sse4(const rg_run* run) {
+void rg_blend_3_sse4(const rg_span* span) {
   const layout l = {3, 2};
-  blend(run, l, rg_blend_3);
+  blend(span, l, rg_blend_3);
 }
 
-void rg_blend_4_sse4(const rg_run* run) {
+void rg_blend_4_sse4(const rg_span* span) {
   const layout l = {4, 2};
-  blend(run, l, rg_blend_4);
+  blend(span, l, rg_blend_4);
 }
 
 RG_END_FEATURES

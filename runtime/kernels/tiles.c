@@ -25,22 +25,22 @@ typedef struct tile_edges {
   uint32_t width_log2, height_log2;
 } tile_edges;
 
-static RG_INLINE void start_tile_edges(const rg_run* run, int32_t bias_x,
+static RG_INLINE void start_tile_edges(const rg_span* span, int32_t bias_x,
                                        int32_t bias_y, tile_edges* edges) {
-  const uint32_t log2 = run->block.height_log2;
-  const int32_t half_step = INT32_C(1) << run->block.width_log2 >> 1;
-  const int32_t first_row = run->first_row, half = INT32_C(1) << log2 >> 1;
-  const int32_t y = bias_y - ((int32_t)run->first_source_row << 12);
+  const uint32_t log2 = span->block.height_log2;
+  const int32_t half_step = INT32_C(1) << span->block.width_log2 >> 1;
+  const int32_t first_row = span->first_row, half = INT32_C(1) << log2 >> 1;
+  const int32_t y = bias_y - ((int32_t)span->first_source_row << 12);
   const int32_t bias[4] = {bias_x, y, bias_x + half_step, y + half_step};
   int32_t upper[4], lower[4];
-  memcpy(upper, run->block.corners, sizeof(upper));
-  memcpy(lower, run->block.corners + 2, sizeof(lower));
+  memcpy(upper, span->block.corners, sizeof(upper));
+  memcpy(lower, span->block.corners + 2, sizeof(lower));
   for (uint32_t k = 0; k < 4; ++k) {
     edges->heights[k] = lower[k] - upper[k];
     edges->sums[k] = (upper[k] + bias[k]) * (1 << log2) +
                      (lower[k] - upper[k]) * first_row + half;
   }
-  edges->width_log2 = run->block.width_log2;
+  edges->width_log2 = span->block.width_log2;
   edges->height_log2 = log2;
 }
 
@@ -85,22 +85,22 @@ static RG_INLINE void go_right(tile_rows* rows) {
 /* More than rounding moves the pixels of a tile. */
 #define TILE_MARGIN 64
 
-/* Whether a run is made of tiles, and their sources can be counted in 16 bits,
+/* Whether a span is made of tiles, and their sources can be counted in 16 bits,
  * the offsets of 1 or 2 channels too. reach: how far before the source of a
  * tile's first pixel those of others lie at most, in q12. */
-static RG_INLINE int find_reach(const rg_run* run, uint32_t channels,
+static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
                                 int32_t reach[2]) {
-  const rg_position* const corners = run->block.corners;
+  const rg_position* const corners = span->block.corners;
   uint32_t pixels[2];
-  if (run->first_pixel != 0 || run->stride > UINT16_MAX ||
-      ((run->num_pixels | run->num_rows) & (TILE - 1)) != 0)
+  if (span->first_pixel != 0 || span->stride > UINT16_MAX ||
+      ((span->num_pixels | span->num_rows) & (TILE - 1)) != 0)
     return 0;
   for (int c = 0; c < 2; ++c) {
     const int32_t width = corners[1].q12[c] - corners[0].q12[c];
     const int32_t height = corners[2].q12[c] - corners[0].q12[c];
     const int32_t lower_width = corners[3].q12[c] - corners[2].q12[c];
-    const int32_t across = (width >> run->block.width_log2) * (TILE - 1);
-    const int32_t down = (height >> run->block.height_log2) * (TILE - 1);
+    const int32_t across = (width >> span->block.width_log2) * (TILE - 1);
+    const int32_t down = (height >> span->block.height_log2) * (TILE - 1);
     /* The edges of any tile differ less from these than those of the block. */
     const uint32_t slack = rg_magnitude(lower_width - width) + TILE_MARGIN;
     const uint32_t extent =
@@ -111,7 +111,7 @@ static RG_INLINE int find_reach(const rg_run* run, uint32_t channels,
         (int32_t)slack - (across < 0 ? across : 0) - (down < 0 ? down : 0);
   }
   return channels > 2 ||
-         pixels[1] * run->stride + pixels[0] * channels <= UINT16_MAX;
+         pixels[1] * span->stride + pixels[0] * channels <= UINT16_MAX;
 }
 
 /* The pixel, or row, that the sources of a tile are counted from. */
@@ -256,18 +256,18 @@ static RG_INLINE void copy_tile(const tile* t, const uint8_t* data,
     }
 }
 
-/* Returns whether the run was done. */
-static RG_INLINE int do_tiles(const rg_run* run, uint32_t channels,
-                              int is_copy) {
+/* Returns whether the span was done. */
+static RG_INLINE int process_tiles(const rg_span* span, uint32_t channels,
+                                   int is_copy) {
   int32_t reach[2];
-  if (!find_reach(run, channels, reach)) return 0;
-  const uint8_t* const data = run->data;
-  const uint32_t stride = run->stride, num_pixels = run->num_pixels;
-  const size_t out_stride = run->out_stride;
-  uint8_t* out = run->out + run->out_pixel * channels;
+  if (!find_reach(span, channels, reach)) return 0;
+  const uint8_t* const data = span->data;
+  const uint32_t stride = span->stride, num_pixels = span->num_pixels;
+  const size_t out_stride = span->out_stride;
+  uint8_t* out = span->out + span->out_pixel * channels;
   tile_edges edges;
-  start_tile_edges(run, is_copy ? 2048 : 16, is_copy ? 2048 : 0, &edges);
-  for (uint32_t rows = run->num_rows; rows != 0; rows -= TILE) {
+  start_tile_edges(span, is_copy ? 2048 : 16, is_copy ? 2048 : 0, &edges);
+  for (uint32_t rows = span->num_rows; rows != 0; rows -= TILE) {
     tile_rows x, y;
     find_tile_rows(&edges, 0, &x);
     find_tile_rows(&edges, 1, &y);
@@ -291,13 +291,13 @@ static RG_INLINE int do_tiles(const rg_run* run, uint32_t channels,
   return 1;
 }
 
-int rg_blend_tiles(const rg_run* run, uint32_t channels) {
-  if (channels == 1) return do_tiles(run, 1, 0);
-  if (channels == 2) return do_tiles(run, 2, 0);
-  if (channels == 3) return do_tiles(run, 3, 0);
-  return do_tiles(run, 4, 0);
+int rg_blend_tiles(const rg_span* span, uint32_t channels) {
+  if (channels == 1) return process_tiles(span, 1, 0);
+  if (channels == 2) return process_tiles(span, 2, 0);
+  if (channels == 3) return process_tiles(span, 3, 0);
+  return process_tiles(span, 4, 0);
 }
 
-int rg_copy_tiles(const rg_run* run) { return do_tiles(run, 1, 1); }
+int rg_copy_tiles(const rg_span* span) { return process_tiles(span, 1, 1); }
 
 #endif

@@ -6,9 +6,9 @@
 
 /* Blends a span of whole tiles of 8 x 8 pixels, with 1 to 4 interleaved
  * channels. Returns 0 for other spans, or without such kernels. */
-int rg_blend_tiles(const rg_run* run, uint32_t channels);
+int rg_blend_tiles(const rg_span* span, uint32_t channels);
 
 /* Copies the nearest pixels of such a span, with one channel; 0 likewise. */
-int rg_copy_tiles(const rg_run* run);
+int rg_copy_tiles(const rg_span* span);
 
 #endif /* RAYGRID_TILES_H */

@@ -14,7 +14,7 @@ constexpr double kQ16 = 65536;
 // A zoom of 1 + this displaces a point 1000 px from the centre by half a pixel.
 constexpr double kZoomTolerance = 0.0005;
 // Cameras may report a lens position some frames late.
-constexpr uint64_t kFramesToTell = 10;
+constexpr uint64_t kMaxFramesWithoutMetadata = 10;
 
 [[gnu::format(printf, 1, 2)]] std::string Print(const char* format, ...) {
   char text[512];
@@ -25,7 +25,7 @@ constexpr uint64_t kFramesToTell = 10;
   return text;
 }
 
-std::string CropText(const SensorCrop& crop) {
+std::string FormatCrop(const SensorCrop& crop) {
   return Print("%d,%d,%ux%u", crop.x, crop.y, crop.width, crop.height);
 }
 
@@ -62,12 +62,13 @@ std::optional<rg_capture_section> ReadCapture(const std::string& path,
 
 std::optional<SensorCrop> RecordedCrop(
     const std::optional<rg_capture_section>& recorded) {
-  if (!recorded || !(recorded->known & RG_KNOWS_CROP)) return std::nullopt;
+  if (!recorded || !(recorded->known & RG_CAPTURE_HAS_CROP))
+    return std::nullopt;
   return SensorCrop{recorded->crop_x, recorded->crop_y, recorded->crop_width,
                     recorded->crop_height};
 }
 
-std::string OrientationText(int orientation) {
+std::string FormatOrientation(int orientation) {
   static const char* const kTexts[] = {"upright",
                                        "mirrored",
                                        "rotated by 180 degrees",
@@ -97,15 +98,15 @@ std::optional<Flips> FlipsBetween(int orientation, int other) {
 }
 
 CaptureGuard::CaptureGuard(const std::optional<rg_capture_section>& recorded,
-                           const std::string& what, bool is_strict, Say say)
+                           const std::string& what, bool is_strict, Log say)
     : recorded_(recorded),
       what_(what),
       is_strict_(is_strict),
       say_(std::move(say)) {}
 
 std::string CaptureGuard::FaultOfLens(float lens_position) const {
-  const double told_q16 = std::round(double{lens_position} * kQ16);
-  if (std::abs(told_q16 - recorded_->lens_position_q16) <=
+  const double value_q16 = std::round(double{lens_position} * kQ16);
+  if (std::abs(value_q16 - recorded_->lens_position_q16) <=
       recorded_->lens_tolerance_q16)
     return "";
   const double recorded = recorded_->lens_position_q16 / kQ16;
@@ -123,8 +124,8 @@ std::string CaptureGuard::FaultOfCrop(const SensorCrop& crop) const {
       crop.width == 0
           ? ""
           : Print(", zoom %.4g", double{1} * recorded.width / crop.width);
-  return "frames have crop " + CropText(crop) + ", calibrated with crop " +
-         CropText(recorded) + zoom +
+  return "frames have crop " + FormatCrop(crop) + ", calibrated with crop " +
+         FormatCrop(recorded) + zoom +
          "; select the matching mode, --table or --control ScalerCrop, or add "
          "a table for this mode with raygrid pack --mode";
 }
@@ -144,10 +145,10 @@ std::string CaptureGuard::FaultOfOrientation(int orientation,
       Mirrored(recorded_->orientation, in_use && in_use->flip_x != 0,
                in_use && in_use->flip_y != 0);
   if (orientation == expected) return "";
-  return "frames are " + OrientationText(orientation) + ", but " +
+  return "frames are " + FormatOrientation(orientation) + ", but " +
          (expected == recorded_->orientation ? "calibration"
                                              : "the table's sensor mode") +
-         " had " + OrientationText(expected) +
+         " had " + FormatOrientation(expected) +
          "; restore the camera's flips, or add a table for this mode with "
          "raygrid pack --mode NAME:flip=h";
 }
@@ -156,46 +157,48 @@ CaptureGuard::Faults CaptureGuard::Compare(const FrameInfo& info,
                                            const rg_mode* in_use,
                                            bool shows_mode) const {
   Faults faults;
-  if (IsKnown(RG_KNOWS_LENS_POSITION) && is_told_[kLens] && info.lens_position)
+  if (IsKnown(RG_CAPTURE_HAS_LENS_POSITION) && is_recorded_[kLens] &&
+      info.lens_position)
     faults.of[kLens] = FaultOfLens(*info.lens_position);
-  if (IsKnown(RG_KNOWS_CROP) && info.crop) {
+  if (IsKnown(RG_CAPTURE_HAS_CROP) && info.crop) {
     if (!shows_mode) faults.of[kCrop] = FaultOfCrop(*info.crop);
-  } else if (IsKnown(RG_KNOWS_ZOOM) && info.zoom) {
+  } else if (IsKnown(RG_CAPTURE_HAS_ZOOM) && info.zoom) {
     faults.of[kZoom] = FaultOfZoom(*info.zoom);
   }
-  if (IsKnown(RG_KNOWS_ORIENTATION) && info.orientation)
+  if (IsKnown(RG_CAPTURE_HAS_ORIENTATION) && info.orientation)
     faults.of[kOrientation] = FaultOfOrientation(*info.orientation, in_use);
   return faults;
 }
 
-Flips CaptureGuard::FlipsOf(const FrameInfo& info) const {
-  if (is_idle() || !IsKnown(RG_KNOWS_ORIENTATION) || !info.orientation)
+Flips CaptureGuard::GetFlips(const FrameInfo& info) const {
+  if (is_idle() || !IsKnown(RG_CAPTURE_HAS_ORIENTATION) || !info.orientation)
     return {};
   return FlipsBetween(recorded_->orientation, *info.orientation)
       .value_or(Flips());
 }
 
-void CaptureGuard::NoteTold(const FrameInfo& info) {
-  is_told_[kLens] |= info.lens_position && !std::isnan(*info.lens_position);
-  is_told_[kCrop] |= info.crop.has_value();
-  is_told_[kZoom] |= info.zoom.has_value();
-  is_told_[kOrientation] |= info.orientation.has_value();
+void CaptureGuard::RecordMetadata(const FrameInfo& info) {
+  is_recorded_[kLens] |= info.lens_position && !std::isnan(*info.lens_position);
+  is_recorded_[kCrop] |= info.crop.has_value();
+  is_recorded_[kZoom] |= info.zoom.has_value();
+  is_recorded_[kOrientation] |= info.orientation.has_value();
 }
 
-void CaptureGuard::SayWhatIsNotTold() {
-  if (was_told_all_) return;
-  was_told_all_ = true;
+void CaptureGuard::LogMissingMetadata() {
+  if (was_complete_) return;
+  was_complete_ = true;
   std::string not_told;
   const auto add = [&not_told](const char* text) {
     not_told += (not_told.empty() ? "" : ", ") + std::string(text);
   };
-  if (IsKnown(RG_KNOWS_LENS_POSITION) && !is_told_[kLens]) add("lens position");
-  if (IsKnown(RG_KNOWS_CROP) && !is_told_[kCrop]) add("crop");
+  if (IsKnown(RG_CAPTURE_HAS_LENS_POSITION) && !is_recorded_[kLens])
+    add("lens position");
+  if (IsKnown(RG_CAPTURE_HAS_CROP) && !is_recorded_[kCrop]) add("crop");
   // A crop is more specific than a zoom.
-  if (IsKnown(RG_KNOWS_ZOOM) && !is_told_[kZoom] &&
-      !(IsKnown(RG_KNOWS_CROP) && is_told_[kCrop]))
+  if (IsKnown(RG_CAPTURE_HAS_ZOOM) && !is_recorded_[kZoom] &&
+      !(IsKnown(RG_CAPTURE_HAS_CROP) && is_recorded_[kCrop]))
     add("zoom");
-  if (IsKnown(RG_KNOWS_ORIENTATION) && !is_told_[kOrientation])
+  if (IsKnown(RG_CAPTURE_HAS_ORIENTATION) && !is_recorded_[kOrientation])
     add("orientation");
   if (!not_told.empty())
     say_("cannot verify the capture settings: " + what_ + " does not report " +
@@ -204,9 +207,9 @@ void CaptureGuard::SayWhatIsNotTold() {
 }
 
 // A camera that warms up moves its lens, by a camera-specific amount.
-void CaptureGuard::SayTemperature(const FrameInfo& info) {
+void CaptureGuard::LogTemperature(const FrameInfo& info) {
   constexpr double kOtherC = 20;
-  if (was_temperature_said_ || !IsKnown(RG_KNOWS_TEMPERATURE) ||
+  if (was_temperature_said_ || !IsKnown(RG_CAPTURE_HAS_TEMPERATURE) ||
       !info.sensor_temperature_c)
     return;
   const double now_c = *info.sensor_temperature_c;
@@ -225,9 +228,9 @@ bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
                          bool shows_mode, Clock::time_point arrived) {
   if (is_idle()) return true;
   if (num_frames_++ == 0) first_arrived_ = arrived;
-  NoteTold(info);
-  SayTemperature(info);
-  if (num_frames_ == kFramesToTell) SayWhatIsNotTold();
+  RecordMetadata(info);
+  LogTemperature(info);
+  if (num_frames_ == kMaxFramesWithoutMetadata) LogMissingMetadata();
   const Faults faults = Compare(info, in_use, shows_mode);
   const std::string* first = nullptr;
   for (const std::string& fault : faults.of)
@@ -255,7 +258,7 @@ bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
 }
 
 void CaptureGuard::Finish() {
-  if (!is_idle() && num_frames_ > 0) SayWhatIsNotTold();
+  if (!is_idle() && num_frames_ > 0) LogMissingMetadata();
 }
 
 }  // namespace raygrid

@@ -25,7 +25,7 @@ std::optional<SensorCrop> RecordedCrop(
     const std::optional<rg_capture_section>& recorded);
 
 /// Formats an EXIF orientation: "rotated by 180 degrees (3)"; "" if invalid.
-std::string OrientationText(int orientation);
+std::string FormatOrientation(int orientation);
 
 /// Returns the orientation, 1 to 8, of frames after additional mirroring.
 int Mirrored(int orientation, bool flip_x, bool flip_y);
@@ -43,7 +43,7 @@ std::optional<Flips> FlipsBetween(int orientation, int other);
 /// difference of the sensor temperature is reported once, but not counted.
 class CaptureGuard {
  public:
-  using Say = std::function<void(const std::string&)>;
+  using Log = std::function<void(const std::string&)>;
 
   /// In strict mode, differences throw CameraError. At the start, the camera
   /// has this time, and this number of frames, to reach the calibrated
@@ -54,14 +54,14 @@ class CaptureGuard {
   /// what: name of the frames' source in messages, such as "camera"; say:
   /// receives messages for the user, in the thread of Check()
   CaptureGuard(const std::optional<rg_capture_section>& recorded,
-               const std::string& what, bool is_strict, Say say);
+               const std::string& what, bool is_strict, Log say);
 
   /// Whether no settings are recorded, so that frames are not compared.
   bool is_idle() const { return !recorded_; }
   /// Sensor crop of calibrated frames; nullopt if not recorded.
   std::optional<SensorCrop> crop() const { return RecordedCrop(recorded_); }
   /// Returns the mirroring of frames relative to calibrated ones, if known.
-  Flips FlipsOf(const FrameInfo& info) const;
+  Flips GetFlips(const FrameInfo& info) const;
 
   /// Returns whether the frame is usable. Throws CameraError.
   /// in_use       sensor mode of the table; NULL: as calibrated
@@ -89,16 +89,16 @@ class CaptureGuard {
   std::string FaultOfZoom(double zoom) const;
   std::string FaultOfOrientation(int orientation, const rg_mode* in_use) const;
   bool IsKnown(uint8_t bit) const { return (recorded_->known & bit) != 0; }
-  void NoteTold(const FrameInfo& info);
-  void SayWhatIsNotTold();
-  void SayTemperature(const FrameInfo& info);
+  void RecordMetadata(const FrameInfo& info);
+  void LogMissingMetadata();
+  void LogTemperature(const FrameInfo& info);
 
   const std::optional<rg_capture_section> recorded_;
   const std::string what_;
   const bool is_strict_;
-  const Say say_;
-  bool was_said_[kNumKinds] = {}, is_told_[kNumKinds] = {};
-  bool was_told_all_ = false;  // missing settings were reported
+  const Log say_;
+  bool was_said_[kNumKinds] = {}, is_recorded_[kNumKinds] = {};
+  bool was_complete_ = false;  // missing settings were reported
   bool was_temperature_said_ = false;
   bool was_as_calibrated_ = false;
   uint64_t num_frames_ = 0;

@@ -78,7 +78,7 @@ class FrameSource {
   virtual ~FrameSource() = default;
   virtual const StreamFormat& format() const = 0;
   /// Whether frames have their sensor crop.
-  virtual bool tells_crops() const { return false; }
+  virtual bool reports_crops() const { return false; }
   /// Owner of the frames' memory, for display; empty: this program.
   virtual std::string memory() const { return ""; }
   virtual void Start() = 0;

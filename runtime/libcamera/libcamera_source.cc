@@ -183,7 +183,7 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
   if (!is_valid || camera_->configure(configuration_.get()) < 0)
     throw InputError("camera: does not support " + stream.toString() +
                      "; use a size from --list");
-  orientation_ = OrientationOf(*configuration_);
+  orientation_ = GetOrientation(*configuration_);
   // ScalerCropMaximum would be that of the mode, which may be cropped.
   const auto areas =
       camera_->properties().get(libcamera::properties::PixelArrayActiveAreas);
@@ -260,7 +260,7 @@ StateLock LibcameraSource::LockState() {
   LibcameraLock state = MakeLibcameraLock(camera_->controls(), controls_, info);
   next_controls_ = std::move(state.fixing);
   releasing_ = std::move(state.releasing);
-  return state.told;
+  return state.report;
 }
 
 void LibcameraSource::FocusAt(const LensFocus& focus) {

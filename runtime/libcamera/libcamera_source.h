@@ -48,7 +48,7 @@ class LibcameraSource : public FrameSource {
   ~LibcameraSource() override;
 
   const StreamFormat& format() const override { return format_; }
-  bool tells_crops() const override { return true; }
+  bool reports_crops() const override { return true; }
   std::string memory() const override { return "libcamera's"; }
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;

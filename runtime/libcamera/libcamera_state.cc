@@ -84,15 +84,16 @@ class LockMaker {
     return true;
   }
 
-  void Tell(const std::string& subject, bool is_fixed,
-            const std::string& value) {
+  void AddControl(const std::string& subject, bool is_fixed,
+                  const std::string& value) {
     if (!is_fixed)
-      lock_.told.open.push_back(subject + ": libcamera has no control for it");
+      lock_.report.open.push_back(subject +
+                                  ": libcamera has no control for it");
     else if (value.empty())
-      lock_.told.locked.push_back(subject +
-                                  " at a value the camera does not report");
+      lock_.report.locked.push_back(subject +
+                                    " at a value the camera does not report");
     else
-      lock_.told.locked.push_back(value);
+      lock_.report.locked.push_back(value);
   }
 
   const LibcameraLock& lock() const { return lock_; }
@@ -137,8 +138,8 @@ LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
   const bool has_focus =
       maker.EndMode("AfMode", kManualFocus, kManualFocus, {"LensPosition"});
   const bool has_lens = maker.Fix("LensPosition", now.lens_position);
-  maker.Tell("focus", has_focus || has_lens,
-             DescribeNumber("focus at %.2f dioptres", now.lens_position));
+  maker.AddControl("focus", has_focus || has_lens,
+                   DescribeNumber("focus at %.2f dioptres", now.lens_position));
 
   // Since libcamera 0.5, each has a mode of its own. AeEnable is for both.
   bool has_exposure =
@@ -150,13 +151,15 @@ LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
     has_exposure = has_gain = true;
   has_exposure |= maker.Fix("ExposureTime", now.exposure_us);
   has_gain |= maker.Fix("AnalogueGain", now.analogue_gain);
-  maker.Tell("exposure", has_exposure,
-             now.exposure_us ? DescribeExposure(double{*now.exposure_us}) : "");
-  maker.Tell("gain", has_gain, DescribeNumber("gain %.1f", now.analogue_gain));
+  maker.AddControl(
+      "exposure", has_exposure,
+      now.exposure_us ? DescribeExposure(double{*now.exposure_us}) : "");
+  maker.AddControl("gain", has_gain,
+                   DescribeNumber("gain %.1f", now.analogue_gain));
 
   const bool has_white = maker.EndMode("AwbEnable", kOff, kOn,
                                        {"ColourGains", "ColourTemperature"});
-  maker.Tell("white balance", has_white, "white balance");
+  maker.AddControl("white balance", has_white, "white balance");
   return maker.lock();
 }
 

@@ -10,7 +10,7 @@ namespace raygrid {
 
 struct LibcameraLock {
   libcamera::ControlList fixing, releasing;  // for requests
-  StateLock told;
+  StateLock report;
 };
 
 /// Selects from the camera's controls. `given`: controls set at the start, to

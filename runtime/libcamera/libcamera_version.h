@@ -30,12 +30,12 @@ inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
 /// Returns the EXIF orientation of frames. The configuration specifies flips
 /// followed by a transposition before 0.2, and the orientation since then.
 #if LIBCAMERA_VERSION_MAJOR == 0 && LIBCAMERA_VERSION_MINOR < 2
-inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
+inline int GetOrientation(const libcamera::CameraConfiguration& configuration) {
   static const int kOrientations[] = {1, 2, 4, 3, 5, 6, 8, 7};
   return kOrientations[static_cast<int>(configuration.transform) & 7];
 }
 #else
-inline int OrientationOf(const libcamera::CameraConfiguration& configuration) {
+inline int GetOrientation(const libcamera::CameraConfiguration& configuration) {
   return static_cast<int>(configuration.orientation);
 }
 #endif

@@ -12,13 +12,14 @@ namespace raygrid {
 namespace {
 
 // Chroma planes have half the rows; those of YUV420 half the stride, too.
-PlaneLayout LayOutPlane(const rg_lattice& lattice, uint32_t width,
+PlaneLayout LayOutPlane(const rg_component& component, uint32_t width,
                         uint32_t height, uint32_t first_stride) {
   PlaneLayout layout;
-  layout.row_bytes = rg_plane_row_bytes(&lattice, width);
+  layout.row_bytes = rg_plane_row_bytes(&component, width);
   // Components of a Bayer plane share its rows.
-  layout.rows = lattice.row_step == 1 ? height >> lattice.log2[1] : height;
-  const bool is_half_stride = lattice.plane != 0 && lattice.num_channels == 1;
+  layout.rows = component.row_step == 1 ? height >> component.log2[1] : height;
+  const bool is_half_stride =
+      component.plane != 0 && component.num_channels == 1;
   layout.stride = is_half_stride ? first_stride / 2 : first_stride;
   return layout;
 }
@@ -29,7 +30,7 @@ std::string AsItIs(const std::string& name) {
 }
 
 // GStreamer writes GRAY16_LE in caps, and gray16-le elsewhere.
-std::string InSmallLetters(const std::string& name) {
+std::string ToLower(const std::string& name) {
   std::string result = AsItIs(name);
   for (char& letter : result)
     letter = letter == '_' ? '-' : static_cast<char>(std::tolower(letter));
@@ -52,7 +53,7 @@ const PixelFormatInfo* FindPixelFormat(const std::string& name) {
 }
 
 std::string DescribeOtherName(const std::string& name) {
-  for (const auto& simplify : {AsItIs, InSmallLetters})
+  for (const auto& simplify : {AsItIs, ToLower})
     for (const PixelFormatInfo& format : PixelFormats())
       for (const char* other : {format.v4l2, format.ffmpeg, format.gstreamer})
         if (other && simplify(other) == simplify(name) && name != format.name)
@@ -76,17 +77,17 @@ const PixelFormatInfo& RequirePixelFormat(const std::string& name) {
 
 std::string RawVideoParseName(const PixelFormatInfo& format) {
   return format.gstreamer && format.model != ColourModel::kBayer
-             ? InSmallLetters(format.gstreamer)
+             ? ToLower(format.gstreamer)
              : "";
 }
 
 SampleChannel FindChannel(rg_format format, uint32_t index) {
   SampleChannel channel = {};
-  for (uint32_t k = 0; rg_find_lattice(format, k, &channel.lattice); ++k) {
-    if (index < channel.lattice.num_channels) break;
-    index -= channel.lattice.num_channels;
+  for (uint32_t k = 0; rg_get_component(format, k, &channel.component); ++k) {
+    if (index < channel.component.num_channels) break;
+    index -= channel.component.num_channels;
   }
-  channel.first_sample = channel.lattice.first_sample + index;
+  channel.first_sample = channel.component.first_sample + index;
   return channel;
 }
 
@@ -112,14 +113,16 @@ StreamFormat MakeStreamFormat(const PixelFormatInfo& pixel_format,
     throw bad_size;
   result.width = static_cast<uint16_t>(width);
   result.height = static_cast<uint16_t>(height);
-  rg_lattice lattice;
-  for (uint32_t i = 0; rg_find_lattice(pixel_format.format, i, &lattice); ++i) {
-    const uint32_t row_bytes = rg_plane_row_bytes(&lattice, width);
-    if (row_bytes == 0 || (height & ((1u << lattice.log2[1]) - 1)) != 0)
+  rg_component component;
+  for (uint32_t i = 0; rg_get_component(pixel_format.format, i, &component);
+       ++i) {
+    const uint32_t row_bytes = rg_plane_row_bytes(&component, width);
+    if (row_bytes == 0 || (height & ((1u << component.log2[1]) - 1)) != 0)
       throw bad_size;
-    if (lattice.plane == 0 && stride == 0) stride = row_bytes;
-    result.planes[lattice.plane] = LayOutPlane(lattice, width, height, stride);
-    result.num_planes = std::max(result.num_planes, lattice.plane + 1);
+    if (component.plane == 0 && stride == 0) stride = row_bytes;
+    result.planes[component.plane] =
+        LayOutPlane(component, width, height, stride);
+    result.num_planes = std::max(result.num_planes, component.plane + 1);
   }
   for (int i = 0; i < result.num_planes; ++i)
     if (result.planes[i].stride < result.planes[i].row_bytes ||

@@ -30,7 +30,7 @@ struct PixelFormatInfo {
 /// A channel of a frame: channels are numbered over a format's components in
 /// order, as in border_values of rg_target.
 struct SampleChannel {
-  rg_lattice lattice;
+  rg_component component;
   uint32_t first_sample;
 };
 

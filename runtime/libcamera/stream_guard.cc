@@ -104,7 +104,7 @@ StreamGuard::StreamGuard(const rg_camera& camera, const StreamFormat& format,
       use_(use),
       serial_(serial),
       capture_(capture),
-      is_told_(calibrated),
+      is_recorded_(calibrated),
       calibrated_(calibrated || !capture ? calibrated : capture->crop()) {}
 
 const char* StreamGuard::serial() const {
@@ -168,7 +168,7 @@ bool StreamGuard::IsServed() const {
 // A frame that the table accepts, but with another sensor crop than the blob
 // records: the CaptureGuard decides.
 bool StreamGuard::IsBorne() const {
-  return capture_ && capture_->crop() && !is_told_ && last_ &&
+  return capture_ && capture_->crop() && !is_recorded_ && last_ &&
          use_ == Use::kFrames && HasSerial() && HasSizeOfTable();
 }
 
@@ -188,7 +188,7 @@ bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
   if (calibrated_ && last_)
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
                            format_.height,
-                           capture_ ? capture_->FlipsOf(info) : Flips());
+                           capture_ ? capture_->GetFlips(info) : Flips());
   is_served_ = IsServed();
   if (!is_served_ && !IsBorne())
     throw CameraError(CameraExit::kBlob, "blob: " + Explain());

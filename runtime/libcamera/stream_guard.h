@@ -75,7 +75,7 @@ class StreamGuard {
   const Use use_;
   const std::string serial_;
   CaptureGuard* const capture_;
-  const bool is_told_;  // whether the user specified the calibrated crop
+  const bool is_recorded_;  // whether the user specified the calibrated crop
   std::optional<SensorCrop> calibrated_, first_, last_;
   std::optional<int> last_orientation_;
   bool is_known_ = false, is_served_ = false;  // for the last frame

@@ -52,12 +52,12 @@ Undistorter::Undistorter(const rg_camera& camera, FrameSource* source,
     PrepareFrame(format_, &frame);
     free_.Push(&frame);
   }
-  if (options.only_trusted) HideUntrusted();
+  if (options.only_valid) HideInvalidBlocks();
 }
 
-void Undistorter::HideUntrusted() {
-  untrusted_.emplace(camera_, format_, frames_.front().target);
-  if (untrusted_->are_all())
+void Undistorter::HideInvalidBlocks() {
+  invalid_.emplace(camera_, format_, frames_.front().target);
+  if (invalid_->are_all())
     throw CameraError(CameraExit::kBlob,
                       "blob: its remap table has no pixel in the valid region; "
                       "omit --outside border, or pack another view");
@@ -134,7 +134,7 @@ void Undistorter::Undistort(const CapturedFrame& captured) {
   if (status != RG_OK)
     throw CameraError(CameraExit::kBlob,
                       std::string("blob: ") + rg_status_text(status));
-  if (untrusted_) untrusted_->FillWithBorder(frame->target);
+  if (invalid_) invalid_->FillWithBorder(frame->target);
   frame->remap_time = Clock::now() - start;
   frame->info = captured.info;
   frame->arrived = captured.arrived;

@@ -15,9 +15,9 @@
 #include "camera_error.h"
 #include "duration_histogram.h"
 #include "frame_source.h"
-#include "stack_follower.h"
+#include "invalid_blocks.h"
+#include "operating_point_follower.h"
 #include "stream_guard.h"
-#include "untrusted_blocks.h"
 
 namespace raygrid {
 
@@ -27,7 +27,7 @@ struct UndistortedFrame {
   rg_target target;  // points into bytes
   FrameInfo info;
   Clock::time_point arrived;
-  Clock::duration remap_time;  // including the border of UntrustedBlocks
+  Clock::duration remap_time;  // including the border of InvalidBlocks
 };
 
 /// Called with each frame before and after undistortion, in the thread of the
@@ -41,9 +41,9 @@ class FrameObserver {
 
 struct UndistorterOptions {
   uint32_t num_buffers = 4;
-  unsigned num_threads = 1;   // see BandRemap
-  bool every_frame = false;   // waits for the consumer; else drops the oldest
-  bool only_trusted = false;  // fills UntrustedBlocks with border
+  unsigned num_threads = 1;  // see BandRemap
+  bool every_frame = false;  // waits for the consumer; else drops the oldest
+  bool only_valid = false;   // fills InvalidBlocks with border
 };
 
 struct UndistorterStatistics {
@@ -51,14 +51,14 @@ struct UndistorterStatistics {
   uint64_t dropped = 0;  // undistorted frames not taken in time
   DurationHistogram remap;
   FrameInfo last_info = {};
-  StackCounts stack;
+  OperatingPointCounts stack;
 };
 
 class Undistorter {
  public:
   /// Source and guard must outlive this object; the camera is copied. Throws
   /// CameraError if the blob has no remap table, its output size is invalid for
-  /// the format, or only_trusted is set and no block is valid.
+  /// the format, or only_valid is set and no block is valid.
   Undistorter(const rg_camera& camera, FrameSource* source, StreamGuard* guard,
               const UndistorterOptions& options);
   ~Undistorter() { Stop(); }
@@ -67,9 +67,10 @@ class Undistorter {
   const StreamFormat& format() const { return format_; }
 
   void Start(FrameObserver* observer = nullptr);
-  /// Returns the oldest frame, to be returned by GiveBack(); NULL on timeout.
+  /// Returns the oldest frame, to be returned by ReturnFrame(); NULL on
+  /// timeout.
   UndistortedFrame* Take(std::chrono::milliseconds timeout);
-  void GiveBack(UndistortedFrame* frame) { free_.Push(frame); }
+  void ReturnFrame(UndistortedFrame* frame) { free_.Push(frame); }
   /// Whether the stream has ended.
   bool is_finished() const { return ready_.is_finished(); }
   /// The error that ended the stream; nullopt if it ended regularly.
@@ -79,19 +80,19 @@ class Undistorter {
 
  private:
   void Run();
-  void HideUntrusted();
+  void HideInvalidBlocks();
   void Undistort(const CapturedFrame& captured);
   UndistortedFrame* TakeBuffer();
 
   rg_camera camera_;
-  StackFollower stack_{&camera_};
+  OperatingPointFollower stack_{&camera_};
   FrameSource* const source_;
   StreamGuard* const guard_;
   const UndistorterOptions options_;
   FrameObserver* observer_ = nullptr;
   StreamFormat format_;
   std::vector<UndistortedFrame> frames_;
-  std::optional<UntrustedBlocks> untrusted_;  // blocks to fill with border
+  std::optional<InvalidBlocks> invalid_;  // blocks to fill with border
   BandRemap bands_;
   BoundedQueue<UndistortedFrame*> free_, ready_;
   mutable std::mutex mutex_;  // guards the next two

@@ -190,7 +190,7 @@ static int32_t get_condition(mp_obj_t value) {
 /* False: outside the stack's range, whose nearest end is taken. */
 static mp_obj_t set_condition(mp_obj_t self, mp_obj_t value) {
   const int32_t value_q16 = get_condition(value);
-  const rg_status status = rg_set_condition(camera_of(self), value_q16);
+  const rg_status status = rg_set_operating_point(camera_of(self), value_q16);
   if (status != RG_EXTRAPOLATED) check(status);
   return mp_obj_new_bool(status == RG_OK);
 }

@@ -393,7 +393,7 @@ class Camera:
         means unknown. None if the blob has no line delay.
         """
         row_time, deviation = ctypes.c_int32(), ctypes.c_uint32()
-        status = _library.rg_row_time(ctypes.byref(self._camera), ctypes.byref(row_time),
+        status = _library.rg_line_delay(ctypes.byref(self._camera), ctypes.byref(row_time),
                                       ctypes.byref(deviation))
         if status == UNKNOWN:
             return None
@@ -423,7 +423,7 @@ class Camera:
             Error: the blob has no stack of operating points, or it is malformed.
         """
         value_q16 = round(max(-32767.0, min(value, 32767.0)) * Q16)
-        status = _library.rg_set_condition(ctypes.byref(self._camera), ctypes.c_int32(value_q16))
+        status = _library.rg_set_operating_point(ctypes.byref(self._camera), ctypes.c_int32(value_q16))
         if status != EXTRAPOLATED:
             _check(status)
         return status == OK

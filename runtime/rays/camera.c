@@ -1,10 +1,10 @@
 #include "blob_checks.h"
 #include "bytes.h"
 #include "fixed_point.h"
+#include "operating_point_ops.h"
 #include "raygrid.h"
 #include "rays/surface_choice.h"
 #include "rg_blob.h"
-#include "stack_code.h"
 
 /* Compilation fails if the handle exceeds the size stated in raygrid.h. */
 typedef char rg_camera_fits_64_bytes[sizeof(rg_camera) <= 64 ? 1 : -1];
@@ -49,9 +49,9 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->line_points = line_points;
   camera->remap = 0;
   camera->stack = 0;
-  camera->knot_shift = 0;
+  camera->sample_shift = 0;
   camera->weight_q14 = 0;
-  if (RG_CHOOSE_SURFACE) camera->surface = rg_best_surface();
+  if (RG_CHOOSE_SURFACE) camera->surface = rg_select_surface();
   set_frame_size(camera, rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes +
                                      RG_CAMERA_WIDTH));
   return RG_OK;
@@ -67,9 +67,9 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
       rg_source_size(section, size, rg_camera_size(camera->blob));
   rg_status status = rg_check_remap(section, size, frame_size);
   /* Otherwise, any of them can be processed safely. */
-  if (RG_FAST_WALK && status == RG_OK)
+  if (RG_FAST_TRAVERSAL && status == RG_OK)
     status = rg_check_vertices(section, rg_find_vertices(section));
-  if (RG_FAST_WALK && camera->stack && status == RG_OK)
+  if (RG_FAST_TRAVERSAL && camera->stack && status == RG_OK)
     status = camera->stack->check_vertices(camera, section);
   if (status == RG_OK) {
     camera->remap = section;

@@ -17,8 +17,8 @@
 #define EDGE_TOLERANCE_Q16 128u
 
 /* Clamps a pixel to the area of a grid; 0 if it is farther outside. */
-static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
-                                 int32_t* pixel_q16) {
+static RG_INLINE int clamp_to_area(const uint8_t* axis, uint32_t tolerance_q16,
+                                   int32_t* pixel_q16) {
   RG_UNROLL
   for (int axes = 2; axes > 0; --axes, axis += 4) {
     const int32_t low_q16 = rg_load_i32(axis + RG_GRID_X0);
@@ -35,14 +35,15 @@ static RG_INLINE int move_inside(const uint8_t* axis, uint32_t tolerance_q16,
 
 /* A Newton step: the product of slopes and the residual. Returns its length, or
  * more if it is 8 px or more. */
-static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
-                                    const int32_t rest_q27[2],
-                                    int32_t* pixel_q16) {
+static RG_INLINE uint32_t newton_step(int32_t jacobian_q5[2][2],
+                                      const int32_t residual_q27[2],
+                                      int32_t* pixel_q16) {
   uint32_t size_q16 = 0;
   RG_UNROLL
   for (int c = 0; c < 2; ++c) {
-    const int64_t step_q32 = 0x8000 + rg_product(slopes_q5[0][c], rest_q27[0]) +
-                             rg_product(slopes_q5[1][c], rest_q27[1]);
+    const int64_t step_q32 = 0x8000 +
+                             rg_product(jacobian_q5[0][c], residual_q27[0]) +
+                             rg_product(jacobian_q5[1][c], residual_q27[1]);
     const int32_t step_q16 = (int32_t)(step_q32 >> 16);
     if ((uint32_t)(step_q32 >> 32) + 8 >= 16) return UINT32_MAX;
     size_q16 |= rg_magnitude(step_q16);
@@ -52,25 +53,26 @@ static RG_INLINE uint32_t take_step(int32_t slopes_q5[2][2],
 }
 
 /* Newton's method from the inverse grid's value, with its Jacobian. */
-static RG_INLINE int solve(const rg_camera* camera,
-                           const rg_chart_point* target, int32_t pixel_q16[2]) {
-  rg_place place;
-  int32_t slopes_q5[2][2];
-  if (rg_find_in_inverse(camera, target->q27[0], target->q27[1], &place) !=
-      RG_OK)
+static RG_INLINE int solve_newton(const rg_camera* camera,
+                                  const rg_chart_point* target,
+                                  int32_t pixel_q16[2]) {
+  rg_grid_position grid_position;
+  int32_t jacobian_q5[2][2];
+  if (rg_evaluate_inverse(camera, target->q27[0], target->q27[1],
+                          &grid_position) != RG_OK)
     return 0;
-  rg_find_inverse_slopes(camera, &place, slopes_q5);
+  rg_compute_inverse_jacobian(camera, &grid_position, jacobian_q5);
   for (int k = 0; k < 2; ++k)
-    pixel_q16[k] = rg_shift_left(place.value.q27[k], 1);
+    pixel_q16[k] = rg_shift_left(grid_position.value.q27[k], 1);
   /* Limit of the next step, and of the initial distance outside the area. */
   uint32_t limit_q16 = FIRST_STEP_Q16;
-  while (move_inside(camera->grid, limit_q16, pixel_q16)) {
+  while (clamp_to_area(camera->grid, limit_q16, pixel_q16)) {
     if (limit_q16 < LAST_STEP_Q16) return limit_q16 == EDGE_TOLERANCE_Q16;
-    rg_find_in_grid(camera, pixel_q16[0], pixel_q16[1], &place);
-    int32_t rest_q27[2];
+    rg_evaluate_grid(camera, pixel_q16[0], pixel_q16[1], &grid_position);
+    int32_t residual_q27[2];
     for (int c = 0; c < 2; ++c)
-      rest_q27[c] = rg_subtract(target->q27[c], place.value.q27[c]);
-    const uint32_t size_q16 = take_step(slopes_q5, rest_q27, pixel_q16);
+      residual_q27[c] = rg_subtract(target->q27[c], grid_position.value.q27[c]);
+    const uint32_t size_q16 = newton_step(jacobian_q5, residual_q27, pixel_q16);
     if (size_q16 > limit_q16) return 0;
     limit_q16 = size_q16 < LAST_STEP_Q16 ? EDGE_TOLERANCE_Q16 : limit_q16 >> 2;
   }
@@ -80,7 +82,7 @@ static RG_INLINE int solve(const rg_camera* camera,
 /* The camera must have an inverse grid. */
 static int find_target(const rg_camera* camera, const rg_ray* direction,
                        rg_chart_point* target) {
-  return rg_chart_point_of(
+  return rg_direction_to_chart(
       direction, rg_load_i32(camera->inverse + RG_INVERSE_COS_LIMIT), target);
 }
 
@@ -92,7 +94,7 @@ static RG_SHARED rg_status find_pixel(const rg_camera* camera,
   int32_t found_q16[2];
   if (!camera->inverse) return RG_ERR_NO_INVERSE;
   if (!find_target(camera, direction, &target) ||
-      !solve(camera, &target, found_q16))
+      !solve_newton(camera, &target, found_q16))
     return RG_ERR_NOT_SEEN;
   pixel->x_q16 = found_q16[0];
   pixel->y_q16 = found_q16[1];
@@ -119,7 +121,7 @@ static uint32_t project_block(const rg_camera* camera, const rg_ray* directions,
     is_seen[i] = find_target(camera, &directions[i], &targets[i]);
   for (uint32_t i = 0; i < BLOCK_SIZE; ++i) {
     int32_t found_q16[2];
-    if (is_seen[i] && solve(camera, &targets[i], found_q16))
+    if (is_seen[i] && solve_newton(camera, &targets[i], found_q16))
       ++num_seen;
     else
       found_q16[0] = found_q16[1] = RG_NO_PIXEL;

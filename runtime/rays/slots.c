@@ -24,7 +24,7 @@ static int is_whole(const uint8_t* slot, uint32_t slot_size) {
              rg_crc32(0, slot + RG_SLOT_HEADER_SIZE, blob_size);
 }
 
-rg_status rg_choose_slot(const void* first, const void* second,
+rg_status rg_select_slot(const void* first, const void* second,
                          uint32_t slot_size, rg_slot* newest) {
   const uint8_t* chosen = 0;
   if (((uintptr_t)first | (uintptr_t)second) % 4 != 0) return RG_ERR_MISALIGNED;

@@ -13,8 +13,8 @@ typedef struct rg_chart_point {
 
 /* Computes the direction of a chart position, |a| and |b| below 4:
  * (2a, 2b, 1 - s) / (1 + s) with s = a^2 + b^2. */
-static RG_INLINE void rg_direction_of(const rg_chart_point* point,
-                                      rg_ray* ray) {
+static RG_INLINE void rg_chart_to_direction(const rg_chart_point* point,
+                                            rg_ray* ray) {
   const int32_t a_q29 = rg_shift_left(point->q27[0], 2);
   const int32_t b_q29 = rg_shift_left(point->q27[1], 2);
   const uint32_t sum_q26 = (uint32_t)rg_multiply_high_add(
@@ -55,9 +55,9 @@ static inline uint32_t rg_bits_of(int32_t value) {
  *
  * Returns 0, with *point unchanged, for rejected directions, for (0, 0, 0), and
  * for angles of 151 degrees or more, where a^2 + b^2 would reach 15. */
-static RG_INLINE int rg_chart_point_of(const rg_ray* direction,
-                                       int32_t limit_q30,
-                                       rg_chart_point* point) {
+static RG_INLINE int rg_direction_to_chart(const rg_ray* direction,
+                                           int32_t limit_q30,
+                                           rg_chart_point* point) {
   const int32_t x = direction->x_q30, y = direction->y_q30;
   const int32_t z = direction->z_q30;
   /* Scaled so that the largest magnitude is in [1/2, 1]. */

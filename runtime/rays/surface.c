@@ -6,48 +6,50 @@
 #include "rays/bspline.h"
 #include "rg_blob.h"
 
-/* The remainder of rg_find_place() for 32-bit control points. */
-static RG_INLINE void find_wide_value(const uint8_t* grid, rg_place* place) {
+/* The remainder of rg_evaluate_spline() for 32-bit control points. */
+static RG_INLINE void find_wide_value(const uint8_t* grid,
+                                      rg_grid_position* grid_position) {
   int32_t sums_q27[2];
   RG_SUM_POINTS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
-                    RG_CONTROL_POINT_SIZE * place->first,
-                rg_load_u16(grid + RG_GRID_COLUMNS), place->weights_q31,
+                    RG_CONTROL_POINT_SIZE * grid_position->first,
+                rg_load_u16(grid + RG_GRID_COLUMNS), grid_position->weights_q31,
                 sums_q27);
-  place->value.q27[0] = sums_q27[0];
-  place->value.q27[1] = sums_q27[1];
+  grid_position->value.q27[0] = sums_q27[0];
+  grid_position->value.q27[1] = sums_q27[1];
 }
 
-/* The remainder of rg_find_place() for 16-bit control points. */
-static void find_narrow_value(const uint8_t* grid, rg_place* place) {
+/* The remainder of rg_evaluate_spline() for 16-bit control points. */
+static void find_narrow_value(const uint8_t* grid,
+                              rg_grid_position* grid_position) {
   RG_FORGET(grid); /* saves registers in the other branch */
   int32_t sums[2];
   RG_SUM_RESIDUALS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                        RG_NARROW_PLANE_SIZE +
-                       RG_NARROW_POINT_SIZE * place->first,
+                       RG_NARROW_POINT_SIZE * grid_position->first,
                    rg_load_u16(grid + RG_GRID_COLUMNS),
                    1 << (rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 14),
-                   place->weights_q31, sums);
-  place->value.q27[0] = sums[0];
-  place->value.q27[1] = sums[1];
+                   grid_position->weights_q31, sums);
+  grid_position->value.q27[0] = sums[0];
+  grid_position->value.q27[1] = sums[1];
   const uint8_t* plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
   const int shift =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
-  int32_t* value = place->value.q27;
+  int32_t* value = grid_position->value.q27;
   RG_UNROLL
   for (int c = 0; c < 2; ++c)
-    value[c] =
-        rg_add(rg_evaluate_plane(plane + 4 * c, place), value[c] >> shift);
+    value[c] = rg_add(rg_evaluate_plane(plane + 4 * c, grid_position),
+                      value[c] >> shift);
 }
 
-rg_status rg_find_place(const uint8_t* grid, int32_t x, int32_t y,
-                        rg_place* place) {
-  if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
-  rg_bspline_weights(place->t_q30[1], place->weights_q31[1]);
-  rg_bspline_weights(place->t_q30[0], place->weights_q31[0]);
+rg_status rg_evaluate_spline(const uint8_t* grid, int32_t x, int32_t y,
+                             rg_grid_position* grid_position) {
+  if (!rg_find_cells(grid, x, y, grid_position)) return RG_ERR_OUTSIDE_AREA;
+  rg_bspline_weights(grid_position->t_q30[1], grid_position->weights_q31[1]);
+  rg_bspline_weights(grid_position->t_q30[0], grid_position->weights_q31[0]);
   if (rg_load_u16(grid + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS)
-    find_wide_value(grid, place);
+    find_wide_value(grid, grid_position);
   else
-    find_narrow_value(grid, place);
+    find_narrow_value(grid, grid_position);
   return RG_OK;
 }
 
@@ -60,9 +62,10 @@ static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
  * of differences of two cells, bilinear between the four surrounding knots, for
  * residuals that are apart bytes apart. */
 static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
-                                    uint32_t row_bytes, const rg_place* place) {
-  const int32_t x_q7 = place->t_q30[0] >> 23;
-  const int32_t y_q7 = place->t_q30[1] >> 23;
+                                    uint32_t row_bytes,
+                                    const rg_grid_position* grid_position) {
+  const int32_t x_q7 = grid_position->t_q30[0] >> 23;
+  const int32_t y_q7 = grid_position->t_q30[1] >> 23;
   int32_t above = 0, below = 0;
   uint32_t rows = 2;
   RG_FORGET(rows); /* one loop */
@@ -77,12 +80,13 @@ static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
   return blend(above, below, y_q7);
 }
 
-void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
-                    int32_t slopes_q5[2][2]) {
+void rg_compute_jacobian(const uint8_t* inverse,
+                         const rg_grid_position* grid_position,
+                         int32_t jacobian_q5[2][2]) {
   const uint8_t* plane =
       inverse + rg_load_u32(inverse + RG_INVERSE_DATA_OFFSET);
-  const uint8_t* residual =
-      plane + RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * place->first;
+  const uint8_t* residual = plane + RG_NARROW_PLANE_SIZE +
+                            RG_NARROW_POINT_SIZE * grid_position->first;
   const uint32_t row_bytes =
       RG_NARROW_POINT_SIZE * rg_load_u16(inverse + RG_INVERSE_COLUMNS);
   const uint32_t shift =
@@ -93,14 +97,15 @@ void rg_find_slopes(const uint8_t* inverse, const rg_place* place,
       (int32_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_B) >> 1);
   RG_UNROLL
   for (uint32_t c = 0; c < 2; ++c, plane += 4, residual += 2) {
-    const int32_t across = find_slope(
-        residual + row_bytes, 2 * RG_NARROW_POINT_SIZE, row_bytes, place);
+    const int32_t across =
+        find_slope(residual + row_bytes, 2 * RG_NARROW_POINT_SIZE, row_bytes,
+                   grid_position);
     const int32_t down = find_slope(residual + RG_NARROW_POINT_SIZE,
-                                    2 * row_bytes, row_bytes, place);
-    slopes_q5[0][c] = rg_multiply_high(
+                                    2 * row_bytes, row_bytes, grid_position);
+    jacobian_q5[0][c] = rg_multiply_high(
         rg_add(rg_load_i32(plane + RG_PLANE_COLUMN_STEP), across >> shift),
         x_scale_q20);
-    slopes_q5[1][c] = rg_multiply_high(
+    jacobian_q5[1][c] = rg_multiply_high(
         rg_add(rg_load_i32(plane + RG_PLANE_ROW_STEP), down >> shift),
         y_scale_q20);
   }

@@ -1,5 +1,5 @@
-/* rg_find_place() and rg_find_slopes(), for both coordinates of several control
- * points in parallel. */
+/* rg_evaluate_spline() and rg_compute_jacobian(), for both coordinates of
+ * several control points in parallel. */
 #include "rays/surface_avx2.h"
 
 #if RG_CHOOSE_SURFACE
@@ -72,10 +72,10 @@ INLINE void store_weights(__m256i w, int32_t w_q31[4]) {
 }
 
 /* rg_bspline_weights() of both axes. */
-INLINE weights find_weights(rg_place* place) {
+INLINE weights find_weights(rg_grid_position* grid_position) {
   const __m128i sixth_q31 = _mm_set1_epi32(357913941);
-  const __m128i t =
-      _mm_insert_epi32(_mm_cvtsi32_si128(place->t_q30[0]), place->t_q30[1], 2);
+  const __m128i t = _mm_insert_epi32(_mm_cvtsi32_si128(grid_position->t_q30[0]),
+                                     grid_position->t_q30[1], 2);
   const __m128i t2 = _mm_slli_epi32(multiply_positive(t, t), 2);
   const __m128i t3 = _mm_slli_epi32(multiply_positive(t2, t), 2);
   const __m128i w3 = multiply_positive(t3, _mm_set1_epi32(1431655765));
@@ -88,8 +88,8 @@ INLINE weights find_weights(rg_place* place) {
   const weights found = {
       _mm256_set_m128i(_mm_unpacklo_epi64(w2, w3), _mm_unpacklo_epi64(w0, w1)),
       _mm256_set_m128i(_mm_unpackhi_epi64(w2, w3), _mm_unpackhi_epi64(w0, w1))};
-  store_weights(found.across, place->weights_q31[0]);
-  store_weights(found.down, place->weights_q31[1]);
+  store_weights(found.across, grid_position->weights_q31[0]);
+  store_weights(found.down, grid_position->weights_q31[1]);
   return found;
 }
 
@@ -113,34 +113,36 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
 }
 
 /* The value at a place of a grid with 16-bit control points. */
-INLINE __m128i value_of_residuals(const uint8_t* grid, const rg_place* place,
+INLINE __m128i value_of_residuals(const uint8_t* grid,
+                                  const rg_grid_position* grid_position,
                                   const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
   const int shift =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
   const __m128i sums = _mm_add_epi32(
-      sum_residuals(
-          plane + RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * place->first,
-          RG_NARROW_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), w),
+      sum_residuals(plane + RG_NARROW_PLANE_SIZE +
+                        RG_NARROW_POINT_SIZE * grid_position->first,
+                    RG_NARROW_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS),
+                    w),
       _mm_set1_epi32(1 << (shift - 1)));
-  const __m128i value =
-      _mm_insert_epi32(_mm_cvtsi32_si128(rg_evaluate_plane(plane, place)),
-                       rg_evaluate_plane(plane + 4, place), 1);
+  const __m128i value = _mm_insert_epi32(
+      _mm_cvtsi32_si128(rg_evaluate_plane(plane, grid_position)),
+      rg_evaluate_plane(plane + 4, grid_position), 1);
   return _mm_add_epi32(value, _mm_sra_epi32(sums, _mm_cvtsi32_si128(shift)));
 }
 
-rg_status rg_find_place_avx2(const uint8_t* grid, int32_t x, int32_t y,
-                             rg_place* place) {
-  if (!rg_find_cells(grid, x, y, place)) return RG_ERR_OUTSIDE_AREA;
-  const weights w = find_weights(place);
+rg_status rg_evaluate_spline_avx2(const uint8_t* grid, int32_t x, int32_t y,
+                                  rg_grid_position* grid_position) {
+  if (!rg_find_cells(grid, x, y, grid_position)) return RG_ERR_OUTSIDE_AREA;
+  const weights w = find_weights(grid_position);
   const __m128i value =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS
           ? sum_points(
                 grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
-                    RG_CONTROL_POINT_SIZE * place->first,
+                    RG_CONTROL_POINT_SIZE * grid_position->first,
                 RG_CONTROL_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), &w)
-          : value_of_residuals(grid, place, &w);
-  _mm_storel_epi64((__m128i*)place->value.q27, value);
+          : value_of_residuals(grid, grid_position, &w);
+  _mm_storel_epi64((__m128i*)grid_position->value.q27, value);
   return RG_OK;
 }
 
@@ -153,45 +155,46 @@ INLINE __m128i load_two(const uint8_t* residuals) {
 
 /* Differences of two knots above and two below, interpolated bilinearly: a b in
  * the lower half. */
-INLINE __m128i blend_knots(__m128i above, __m128i below, __m128i w_above,
-                           __m128i w_below) {
+INLINE __m128i blend_samples(__m128i above, __m128i below, __m128i w_above,
+                             __m128i w_below) {
   const __m128i sums = _mm_add_epi32(_mm_mullo_epi32(above, w_above),
                                      _mm_mullo_epi32(below, w_below));
   return _mm_add_epi32(sums, _mm_unpackhi_epi64(sums, sums));
 }
 
-void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
-                         int32_t slopes_q5[2][2]) {
+void rg_compute_jacobian_avx2(const uint8_t* inverse,
+                              const rg_grid_position* grid_position,
+                              int32_t jacobian_q5[2][2]) {
   const uint8_t* const plane =
       inverse + rg_load_u32(inverse + RG_INVERSE_DATA_OFFSET);
   const uint32_t row_bytes =
       RG_NARROW_POINT_SIZE * rg_load_u16(inverse + RG_INVERSE_COLUMNS);
-  const uint8_t* const first =
-      plane + RG_NARROW_PLANE_SIZE + RG_NARROW_POINT_SIZE * place->first;
+  const uint8_t* const first = plane + RG_NARROW_PLANE_SIZE +
+                               RG_NARROW_POINT_SIZE * grid_position->first;
   const uint8_t* const second = first + row_bytes;
   const uint8_t* const third = second + row_bytes;
   const int shift =
       rg_load_u16(inverse + RG_INVERSE_FRACTION_BITS) - (int)RG_NARROW_MIN_BITS;
-  const int x_q7 = place->t_q30[0] >> 23;
-  const int y_q7 = place->t_q30[1] >> 23;
+  const int x_q7 = grid_position->t_q30[0] >> 23;
+  const int y_q7 = grid_position->t_q30[1] >> 23;
   const __m128i left_right = _mm_setr_epi32(128 - x_q7, 128 - x_q7, x_q7, x_q7);
   const __m128i w_above =
       _mm_mullo_epi32(left_right, _mm_set1_epi32(128 - y_q7));
   const __m128i w_below = _mm_mullo_epi32(left_right, _mm_set1_epi32(y_q7));
   const __m128i across =
-      blend_knots(_mm_sub_epi32(load_two(second + 2 * RG_NARROW_POINT_SIZE),
-                                load_two(second)),
-                  _mm_sub_epi32(load_two(third + 2 * RG_NARROW_POINT_SIZE),
-                                load_two(third)),
-                  w_above, w_below);
-  const __m128i down = blend_knots(
+      blend_samples(_mm_sub_epi32(load_two(second + 2 * RG_NARROW_POINT_SIZE),
+                                  load_two(second)),
+                    _mm_sub_epi32(load_two(third + 2 * RG_NARROW_POINT_SIZE),
+                                  load_two(third)),
+                    w_above, w_below);
+  const __m128i down = blend_samples(
       _mm_sub_epi32(load_two(third + RG_NARROW_POINT_SIZE),
                     load_two(first + RG_NARROW_POINT_SIZE)),
       _mm_sub_epi32(load_two(third + row_bytes + RG_NARROW_POINT_SIZE),
                     load_two(second + RG_NARROW_POINT_SIZE)),
       w_above, w_below);
   /* The steps of the plane are contiguous, too. */
-  const __m128i slopes = _mm_add_epi32(
+  const __m128i jacobian = _mm_add_epi32(
       _mm_loadu_si128((const __m128i*)(plane + RG_PLANE_COLUMN_STEP)),
       _mm_sra_epi32(_mm_unpacklo_epi64(across, down),
                     _mm_cvtsi32_si128(shift)));
@@ -199,9 +202,9 @@ void rg_find_slopes_avx2(const uint8_t* inverse, const rg_place* place,
       _mm_set_epi64x((int64_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_B) >> 1),
                      (int64_t)(rg_load_u32(inverse + RG_INVERSE_SCALE_A) >> 1));
   const __m128i half = _mm_set1_epi64x(INT64_C(0x80000000));
-  const __m128i a = _mm_mul_epi32(slopes, scale_q20);
-  const __m128i b = _mm_mul_epi32(_mm_srli_epi64(slopes, 32), scale_q20);
-  _mm_storeu_si128((__m128i*)slopes_q5,
+  const __m128i a = _mm_mul_epi32(jacobian, scale_q20);
+  const __m128i b = _mm_mul_epi32(_mm_srli_epi64(jacobian, 32), scale_q20);
+  _mm_storeu_si128((__m128i*)jacobian_q5,
                    _mm_blend_epi32(_mm_srli_epi64(_mm_add_epi64(a, half), 32),
                                    _mm_add_epi64(b, half), 0xa));
 }

@@ -2,8 +2,8 @@
 
 #include "kernel_name.h"
 
-rg_status rg_choose_ray_kernels(rg_camera* camera, const char* name) {
-  uint16_t surface = rg_best_surface();
+rg_status rg_select_ray_kernels(rg_camera* camera, const char* name) {
+  uint16_t surface = rg_select_surface();
   if (name && rg_is_name(name, "portable"))
     surface = RG_SURFACE_PORTABLE;
   else if (name &&

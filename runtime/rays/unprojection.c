@@ -6,38 +6,38 @@
 #include "raygrid.h"
 #include "rays/surface_choice.h"
 
-/* rg_direction_of(), not inlined where size matters. */
+/* rg_chart_to_direction(), not inlined where size matters. */
 static RG_SHARED void find_direction(int32_t a_q27, int32_t b_q27,
                                      rg_ray* ray) {
   const rg_chart_point point = {{a_q27, b_q27}};
-  rg_direction_of(&point, ray);
+  rg_chart_to_direction(&point, ray);
 }
 
 rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
-  rg_place place;
+  rg_grid_position grid_position;
   if (camera->line_points) return RG_ERR_NONCENTRAL;
   const rg_status status =
-      rg_find_in_grid(camera, pixel.x_q16, pixel.y_q16, &place);
+      rg_evaluate_grid(camera, pixel.x_q16, pixel.y_q16, &grid_position);
   if (status == RG_OK)
-    find_direction(place.value.q27[0], place.value.q27[1], ray);
+    find_direction(grid_position.value.q27[0], grid_position.value.q27[1], ray);
   return status;
 }
 
 /* (0, 0, 0) of a central camera. */
 static RG_INLINE void find_line_point(const rg_camera* camera,
-                                      const rg_place* place,
+                                      const rg_grid_position* grid_position,
                                       int32_t point_q28[3]) {
   int32_t sums_q26[3] = {0, 0, 0};
   if (camera->line_points) {
     const uint8_t* points =
-        camera->line_points + RG_LINE_POINT_SIZE * place->first;
-    const int32_t* row_weight = place->weights_q31[1];
+        camera->line_points + RG_LINE_POINT_SIZE * grid_position->first;
+    const int32_t* row_weight = grid_position->weights_q31[1];
     uint32_t rest_of_row =
         3 * (rg_load_u16(camera->grid + RG_GRID_COLUMNS) - 3u); /* words */
     RG_UNROLL
     do
-      points = RG_ADD_LINE_ROW(points, place->weights_q31[0], &row_weight,
-                               sums_q26) +
+      points = RG_ADD_LINE_ROW(points, grid_position->weights_q31[0],
+                               &row_weight, sums_q26) +
                4 * rest_of_row;
     while (rg_turn(&rest_of_row));
   }
@@ -49,12 +49,14 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
 
 rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
                             rg_line* line) {
-  rg_place place;
-  rg_status status = rg_find_in_grid(camera, pixel.x_q16, pixel.y_q16, &place);
+  rg_grid_position grid_position;
+  rg_status status =
+      rg_evaluate_grid(camera, pixel.x_q16, pixel.y_q16, &grid_position);
   if (status == RG_OK) {
-    find_direction(place.value.q27[0], place.value.q27[1], &line->direction);
+    find_direction(grid_position.value.q27[0], grid_position.value.q27[1],
+                   &line->direction);
     RG_IN_MEMORY(status);
-    find_line_point(camera, &place, line->point_q28);
+    find_line_point(camera, &grid_position, line->point_q28);
   }
   return status;
 }

@@ -21,7 +21,7 @@ class V4l2CaptureReader {
   /// Queries the device's controls. The device must outlive this object.
   explicit V4l2CaptureReader(V4l2Device* device);
 
-  bool tells_crops() const { return has_crop_; }
+  bool reports_crops() const { return has_crop_; }
   /// Sets the fields of a frame's info that the device currently provides.
   void Read(FrameInfo* info) const;
 

@@ -204,14 +204,14 @@ void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
 
 void V4l2Source::Push(const V4l2Filled& filled, const uint8_t* const planes[3],
                       uint32_t buffer, Clock::time_point arrived) {
-  if (has_changed_.exchange(false) || told_at_ == Clock::time_point() ||
-      arrived - told_at_ >= kTellingTime) {
-    reader_->Read(&told_);
-    told_at_ = arrived;
+  if (has_changed_.exchange(false) || reported_at_ == Clock::time_point() ||
+      arrived - reported_at_ >= kTellingTime) {
+    reader_->Read(&reported_);
+    reported_at_ = arrived;
   }
   CapturedFrame frame = {};
   frame.arrived = arrived;
-  frame.info = told_;
+  frame.info = reported_;
   frame.image = MakeImage(stream_.format, planes);
   frame.buffer = buffer;
   frame.info.sequence = filled.sequence;

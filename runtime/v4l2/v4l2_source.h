@@ -41,7 +41,7 @@ class V4l2Source : public FrameSource {
   ~V4l2Source() override { Stop(); }
 
   const StreamFormat& format() const override { return stream_.format; }
-  bool tells_crops() const override { return reader_->tells_crops(); }
+  bool reports_crops() const override { return reader_->reports_crops(); }
   std::string memory() const override;
   void Start() override;
   std::optional<CapturedFrame> Next(std::chrono::milliseconds timeout) override;
@@ -73,8 +73,8 @@ class V4l2Source : public FrameSource {
   std::unique_ptr<V4l2Buffers> buffers_;
   std::unique_ptr<V4l2CaptureReader> reader_;
   V4l2StateLock state_;
-  FrameInfo told_ = {};  // last values of the reader, in the thread
-  Clock::time_point told_at_;
+  FrameInfo reported_ = {};  // last values of the reader, in the thread
+  Clock::time_point reported_at_;
   std::atomic<bool> has_changed_{false};  // since the last reading
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
   // JPEGs only: decoded frames, and the queue of free ones.

@@ -107,7 +107,7 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
 }
 
 // The remedy for a name that no format of the device has.
-std::string RemedyOf(const std::string& name) {
+std::string DescribeRemedy(const std::string& name) {
   const std::string other = DescribeOtherName(name);
   return other.empty() ? "see --list" : other;
 }
@@ -124,7 +124,7 @@ v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
     throw V4l2Error(
         *device, "has no pixel format " +
                      (name.empty() ? "that can be undistorted" : name) + "; " +
-                     RemedyOf(name));
+                     DescribeRemedy(name));
   const auto choice = FindFormat(device, buffer_type, pixels, width, height);
   if (choice && choice->has_size) return choice->format;
   const auto other = FindFormat(device, buffer_type, jpegs, width, height);

@@ -109,7 +109,7 @@ EXPORT("select_remap") int32_t select_remap(uint32_t index) {
 }
 
 EXPORT("set_condition") int32_t set_condition(int32_t value_q16) {
-  return rg_set_condition(&camera, value_q16);
+  return rg_set_operating_point(&camera, value_q16);
 }
 
 /* view: projection, fx, fy, cx, cy, distorts, then the rotation. */

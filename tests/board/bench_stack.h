@@ -49,9 +49,11 @@ static rg_status open_stack(uint8_t part_log2, int is_between,
   read_narrow_grid(blob.bytes + blob.inverse, back_points, &back);
   const rg_remap_contents remaps[2] = {{&table, residuals[0]},
                                        {&other, residuals[1]}};
-  const rg_knot_contents knots[2] = {{0, 0, &there, &back, &remaps[0]},
-                                     {1 << 16, 0, &there, &back, &remaps[1]}};
-  const rg_stack_contents stack = {RG_CONDITION_LENS_POSITION, 2, knots};
+  const rg_stack_sample_contents samples[2] = {
+      {0, 0, &there, &back, &remaps[0]},
+      {1 << 16, 0, &there, &back, &remaps[1]}};
+  const rg_stack_contents stack = {RG_OPERATING_PARAMETER_LENS_POSITION, 2,
+                                   samples};
   const rg_blob_contents contents = {.camera = &identity,
                                      .grid = &grid,
                                      .narrow = &there,
@@ -64,7 +66,7 @@ static rg_status open_stack(uint8_t part_log2, int is_between,
   if (status == RG_OK) status = rg_camera_open(camera, bytes, sizeof(bytes));
   if (status == RG_OK) status = rg_select_remap(camera, 0);
   if (status != RG_OK) return status;
-  return rg_set_condition(camera, is_between ? 1 << 15 : 0);
+  return rg_set_operating_point(camera, is_between ? 1 << 15 : 0);
 }
 
 #endif /* RAYGRID_BENCH_STACK_H */

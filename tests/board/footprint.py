@@ -24,23 +24,23 @@ EVERYTHING = RAYS + (
     "rg_undistort_point", "rg_undistort_points", "rg_mode_to_calibrated",
     "rg_mode_from_calibrated", "rg_match", "rg_select_remap", "rg_remap_size", "rg_remap_view",
     "rg_frame_size", "rg_calibrated_size", "rg_remap_mode", "rg_remap", "rg_remap_source_rows",
-    "rg_remap_grey", "rg_choose_ray_kernels")
-# .text of what these need. rg_row_time() is a call more: of those who stabilize or track by rows.
+    "rg_remap_grey", "rg_select_ray_kernels")
+# .text of what these need. rg_line_delay() is a call more: of those who stabilize or track by rows.
 SETS = {"rays": RAYS, "grey": RAYS + ("rg_select_remap", "rg_remap_size", "rg_remap_grey"),
-        "everything": EVERYTHING, "slots": ("rg_choose_slot",)}
+        "everything": EVERYTHING, "slots": ("rg_select_slot",)}
 # Stack of these, each for itself, and the deepest of the others.
 STACKS = ("rg_camera_open", "rg_select_remap", "rg_unproject", "rg_unproject_line", "rg_project",
           "rg_undistort_point", "rg_remap_grey", "rg_remap", "rg_remap_source_rows", "rg_match")
 # Functions that call by a pointer that may be NULL, and then do not: with conditions of a stack,
-# what rg_set_condition() points to.
-MAY_CALL_NOTHING = ("do_part_by_rows", "rg_unproject", "rg_unproject_line", "find_pixel",
-                    "rg_project_batch", "next_part", "rg_select_remap")
-# Who calls what rg_set_condition() points to; other calls by pointers are of other functions.
+# what rg_set_operating_point() points to.
+MAY_CALL_NOTHING = ("process_tile_by_rows", "rg_unproject", "rg_unproject_line", "find_pixel",
+                    "rg_project_batch", "next_tile", "rg_select_remap")
+# Who calls what rg_set_operating_point() points to; other calls by pointers are of other functions.
 CALLERS_WITH_CONDITIONS = {
-    "find_in_grid": ("rg_unproject", "rg_unproject_line", "find_pixel", "rg_project_batch"),
-    "find_in_inverse": ("find_pixel", "rg_project_batch"),
+    "evaluate_grid": ("rg_unproject", "rg_unproject_line", "find_pixel", "rg_project_batch"),
+    "evaluate_inverse": ("find_pixel", "rg_project_batch"),
     # One of the two: the latter is for the small walk.
-    "check_vertices": ("rg_select_remap",), "rg_pass_blended_part": ("next_part",)}
+    "check_vertices": ("rg_select_remap",), "rg_next_blended_tile": ("next_tile",)}
 
 
 def parse_arguments():
@@ -204,12 +204,12 @@ def measure_texts(arguments, objects):
 def measure_conditions(arguments, objects, texts, bench):
     """What conditions of a stack cost: bytes of .text beside those of grey frames, bytes of the
     deepest stack of all calls, and the bench's figures."""
-    text = measure_text(arguments, objects, SETS["grey"] + ("rg_set_condition",)) - texts["grey"]
+    text = measure_text(arguments, objects, SETS["grey"] + ("rg_set_operating_point",)) - texts["grey"]
     stack, calls = read_call_graph(arguments.compiler, objects)
     missing = set(CALLERS_WITH_CONDITIONS) - set(map(name_of, stack))
-    if missing not in ({"check_vertices"}, {"rg_pass_blended_part"}):
+    if missing not in ({"check_vertices"}, {"rg_next_blended_tile"}):
         sys.exit(f"footprint: no functions {', '.join(sorted(missing))}; rename them here as well")
-    depth = max(deepest(entry, stack, calls) for entry in EVERYTHING + ("rg_set_condition",))
+    depth = max(deepest(entry, stack, calls) for entry in EVERYTHING + ("rg_set_operating_point",))
     print(f".text of conditions: {text} B\nstack of conditions: {depth} B")
     figures = {name: bench.pop(name) for name in list(bench) if name.startswith("stack_")}
     return {"text": text, "stack": depth, **figures}

@@ -153,8 +153,8 @@ static void measure_stack_frame(const char* name, uint8_t part_log2,
                                 int is_between) {
   rg_camera camera;
   rg_status status = open_stack(part_log2, is_between, &camera);
-  const rg_frame frame = {source, 160, 160, 120};
-  const rg_band band = {output, WIDTH, 0, HEIGHT, 0};
+  const rg_grey_image frame = {source, 160, 160, 120};
+  const rg_grey_target band = {output, WIDTH, 0, HEIGHT, 0};
   const uint32_t begin = read_clock();
   if (status == RG_OK) status = rg_remap_grey(&camera, &frame, &band);
   const uint32_t end = read_clock();

@@ -126,8 +126,8 @@ TEST(CaptureGuard, NothingIsComparedThatIsNotRecorded) {
   EXPECT_TRUE(idle.Check(other, false));
   idle.guard.Finish();
   EXPECT_TRUE(idle.lines.empty());
-  for (const uint8_t bit : {RG_KNOWS_LENS_POSITION, RG_KNOWS_CROP,
-                            RG_KNOWS_ZOOM, RG_KNOWS_ORIENTATION}) {
+  for (const uint8_t bit : {RG_CAPTURE_HAS_LENS_POSITION, RG_CAPTURE_HAS_CROP,
+                            RG_CAPTURE_HAS_ZOOM, RG_CAPTURE_HAS_ORIENTATION}) {
     Heard heard(Recorded(bit));
     EXPECT_TRUE(heard.Check(other, false));
     heard.guard.Finish();
@@ -148,7 +148,7 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
       heard.lines[0],
       "the camera does not report lens position, crop, zoom, orientation; "));
   // Few frames: at the end.
-  Heard few(Recorded(RG_KNOWS_LENS_POSITION));
+  Heard few(Recorded(RG_CAPTURE_HAS_LENS_POSITION));
   few.guard.Finish();
   EXPECT_TRUE(few.lines.empty());
   few.Check({});
@@ -156,7 +156,7 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
   ASSERT_EQ(few.lines.size(), 1u);
   EXPECT_TRUE(Has(few.lines[0], "does not report lens position; "));
   // A crop is enough.
-  Heard crop(Recorded(RG_KNOWS_CROP | RG_KNOWS_ZOOM));
+  Heard crop(Recorded(RG_CAPTURE_HAS_CROP | RG_CAPTURE_HAS_ZOOM));
   FrameInfo info = {};
   info.crop = kShown;
   crop.Check(info);
@@ -165,7 +165,7 @@ TEST(CaptureGuard, WhatIsNotToldIsSaidOnceAndCountsForNothing) {
 }
 
 TEST(CaptureGuard, AnotherTemperatureIsSaidOnceAndCountsForNothing) {
-  rg_capture_section recorded = Recorded(RG_KNOWS_TEMPERATURE);
+  rg_capture_section recorded = Recorded(RG_CAPTURE_HAS_TEMPERATURE);
   recorded.temperature_q16 = 35 << 16;
   Heard heard(recorded, true);
   FrameInfo info = {};
@@ -224,7 +224,7 @@ TEST(CaptureGuard, StrictHoldsFramesBackWhileACameraSettles) {
 }
 
 TEST(CaptureGuard, TablesOfMirroredModesWantMirroredFrames) {
-  Heard heard(Recorded(RG_KNOWS_ORIENTATION));
+  Heard heard(Recorded(RG_CAPTURE_HAS_ORIENTATION));
   rg_mode mode = {};
   mode.flip_x = mode.flip_y = 1;
   FrameInfo info = AsCalibrated();
@@ -276,7 +276,7 @@ TEST(Orientation, MirrorsMoveTheCorners) {
   EXPECT_FALSE(FlipsBetween(1, 6));
   EXPECT_FALSE(FlipsBetween(1, 0));
   EXPECT_EQ(Mirrored(9, true, false), 0);
-  EXPECT_EQ(OrientationText(0), "");
+  EXPECT_EQ(FormatOrientation(0), "");
 }
 
 // ---- With the guard of streams ----------------------------------------------
@@ -293,7 +293,7 @@ FrameInfo FocusedOn(const SensorCrop& crop) {
 
 TEST(RecordedCrop, OtherPartsAreSaidAndCounted) {
   const rg_camera camera = OpenLens();
-  Heard heard(Recorded(RG_KNOWS_CROP));
+  Heard heard(Recorded(RG_CAPTURE_HAS_CROP));
   StreamGuard guard(camera, GreyFormat(160, 120), StreamGuard::Use::kFrames, "",
                     std::nullopt, &heard.guard);
   guard.CheckFormat();
@@ -309,7 +309,7 @@ TEST(RecordedCrop, OtherPartsAreSaidAndCounted) {
 
 TEST(RecordedCrop, APartThatIsToldByHandIsBinding) {
   const rg_camera camera = OpenLens();
-  Heard heard(Recorded(RG_KNOWS_CROP));
+  Heard heard(Recorded(RG_CAPTURE_HAS_CROP));
   StreamGuard guard(camera, GreyFormat(160, 120), StreamGuard::Use::kFrames, "",
                     SensorCrop{0, 0, 320, 240}, &heard.guard);
   EXPECT_THROW(guard.Check(FocusedOn(kShown)), CameraError);
@@ -317,7 +317,7 @@ TEST(RecordedCrop, APartThatIsToldByHandIsBinding) {
 
 TEST(RecordedCrop, FramesOfAnotherSizeAreRefused) {
   const rg_camera camera = OpenLens();
-  Heard heard(Recorded(RG_KNOWS_CROP));
+  Heard heard(Recorded(RG_CAPTURE_HAS_CROP));
   StreamGuard guard(camera, GreyFormat(80, 60), StreamGuard::Use::kFrames, "",
                     std::nullopt, &heard.guard);
   EXPECT_THROW(guard.CheckFormat(), CameraError);
@@ -328,7 +328,7 @@ TEST(RecordedCrop, FramesOfATablesModeAreAsCalibrated) {
   rg_camera camera;
   ASSERT_EQ(rg_camera_open(&camera, kModesBlob, sizeof(kModesBlob)), RG_OK);
   ASSERT_EQ(rg_select_remap(&camera, 0), RG_OK);
-  Heard heard(Recorded(RG_KNOWS_CROP));
+  Heard heard(Recorded(RG_CAPTURE_HAS_CROP));
   StreamGuard guard(camera, GreyFormat(120, 100), StreamGuard::Use::kFrames, "",
                     std::nullopt, &heard.guard);
   EXPECT_TRUE(guard.Check(FocusedOn({180, 120, 240, 200})));
@@ -337,15 +337,15 @@ TEST(RecordedCrop, FramesOfATablesModeAreAsCalibrated) {
   EXPECT_EQ(heard.guard.num_not_as_calibrated(), 1u);
   // The second table's mode is mirrored: by the orientation it is known.
   const rg_capture_section recorded =
-      Recorded(RG_KNOWS_CROP | RG_KNOWS_ORIENTATION);
+      Recorded(RG_CAPTURE_HAS_CROP | RG_CAPTURE_HAS_ORIENTATION);
   Heard mirrored(recorded);
   FrameInfo info = FocusedOn(kShown);
   EXPECT_EQ(FindTable(camera, GreyFormat(160, 120), kShown, info.crop,
-                      mirrored.guard.FlipsOf(info)),
+                      mirrored.guard.GetFlips(info)),
             RG_NO_TABLE);
   info.orientation = 2;
   EXPECT_EQ(FindTable(camera, GreyFormat(160, 120), kShown, info.crop,
-                      mirrored.guard.FlipsOf(info)),
+                      mirrored.guard.GetFlips(info)),
             1u);
   ASSERT_EQ(rg_select_remap(&camera, 1), RG_OK);
   StreamGuard of_mirrored(camera, GreyFormat(160, 120),
@@ -365,7 +365,7 @@ TEST(RecordedCrop, NonsenseIsHarmless) {
        {SensorCrop{0, 0, 1, 1}, SensorCrop{-65536, 65536, 65536, 65536},
         SensorCrop{0, 0, 0, 0}, SensorCrop{INT32_MIN, INT32_MAX, 1, 1},
         SensorCrop{0, 0, UINT32_MAX, UINT32_MAX}}) {
-    rg_capture_section recorded = Recorded(RG_KNOWS_CROP);
+    rg_capture_section recorded = Recorded(RG_CAPTURE_HAS_CROP);
     recorded.crop_x = crop.x;
     recorded.crop_y = crop.y;
     recorded.crop_width = crop.width;

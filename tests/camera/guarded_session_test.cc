@@ -29,7 +29,7 @@ class ScriptedSource : public FrameSource {
         pixels_(format_.packed_size(), 100) {}
 
   const StreamFormat& format() const override { return format_; }
-  bool tells_crops() const override { return true; }
+  bool reports_crops() const override { return true; }
   void Start() override { next_ = Clock::now(); }
   std::optional<CapturedFrame> Next(
       std::chrono::milliseconds timeout) override {
@@ -179,13 +179,13 @@ TEST(CaptureSession, ACheckTellsTheWordsForPacking) {
   ScriptedSource source({AsCalibrated()}, 100, kNoTime);
   testing::internal::CaptureStdout();
   const Ended ended = RunSession(arguments, &source);
-  const std::string told = testing::internal::GetCapturedStdout();
+  const std::string report = testing::internal::GetCapturedStdout();
   EXPECT_EQ(ended.code, 0);
   EXPECT_EQ(ended.said, "");
   EXPECT_TRUE(
-      Has(told,
+      Has(report,
           "; capture settings: crop=0,0,640,480,lens=2,zoom=1,orientation=1\n"))
-      << told;
+      << report;
 }
 
 }  // namespace

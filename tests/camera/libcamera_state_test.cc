@@ -64,10 +64,10 @@ TEST(LibcameraState, IsFixedAtThatOfTheLastFrame) {
   const ControlInfoMap camera = Listed(AutomaticCamera());
   const LibcameraLock lock =
       MakeLibcameraLock(camera, ControlList(camera), Told());
-  EXPECT_EQ(lock.told.locked,
+  EXPECT_EQ(lock.report.locked,
             (LockTexts{"focus at 1.25 dioptres", "exposure 8.3 ms", "gain 2.1",
                        "white balance"}));
-  EXPECT_EQ(lock.told.open, LockTexts());
+  EXPECT_EQ(lock.report.open, LockTexts());
   EXPECT_EQ(lock.fixing.size(), 6u);
   EXPECT_EQ(lock.fixing.get(ids::AfMode), ids::AfModeManual);
   EXPECT_EQ(lock.fixing.get(ids::LensPosition), 1.25f);
@@ -102,7 +102,7 @@ TEST(LibcameraState, ExposureAndGainMayHaveModesOfTheirOwn) {
   const ControlInfoMap camera = Listed(controls);
   const LibcameraLock lock =
       MakeLibcameraLock(camera, ControlList(camera), Told());
-  EXPECT_EQ(lock.told.locked.size(), 4u);
+  EXPECT_EQ(lock.report.locked.size(), 4u);
   EXPECT_EQ(lock.fixing.get(kTimeMode.id()).get<int32_t>(), 1);
   EXPECT_EQ(lock.fixing.get(kGainMode.id()).get<int32_t>(), 1);
   EXPECT_EQ(lock.fixing.get(ids::ExposureTime), 8300);
@@ -117,7 +117,7 @@ TEST(LibcameraState, WhatTheCameraDoesNotTellStaysWhereItIs) {
       MakeLibcameraLock(camera, ControlList(camera), FrameInfo{});
   EXPECT_EQ(lock.fixing.size(), 3u);
   EXPECT_EQ(lock.fixing.get(ids::AeEnable), false);
-  EXPECT_EQ(lock.told.locked,
+  EXPECT_EQ(lock.report.locked,
             (LockTexts{"focus at a value the camera does not report",
                        "exposure at a value the camera does not report",
                        "gain at a value the camera does not report",
@@ -128,7 +128,7 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   const ControlInfoMap none = Listed({});
   LibcameraLock lock = MakeLibcameraLock(none, ControlList(none), Told());
   EXPECT_TRUE(lock.fixing.empty());
-  EXPECT_EQ(lock.told.open,
+  EXPECT_EQ(lock.report.open,
             NothingLocked("libcamera has no control for it").open);
 
   // Modes that it does not end, and values out of its range.
@@ -142,7 +142,7 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   EXPECT_EQ(lock.fixing.get(ids::ExposureTime), 5000);
   EXPECT_EQ(lock.fixing.get(ids::AnalogueGain), 4.0f);
   EXPECT_TRUE(lock.releasing.empty());
-  EXPECT_EQ(lock.told.open,
+  EXPECT_EQ(lock.report.open,
             (LockTexts{"focus: libcamera has no control for it",
                        "white balance: libcamera has no control for it"}));
 }

@@ -25,7 +25,7 @@ std::string Undistorted(const std::string& points,
   char* text = nullptr;
   size_t size = 0;
   std::FILE* const output = open_memstream(&text, &size);
-  StackFollower stack(&camera);
+  OperatingPointFollower stack(&camera);
   std::string result;
   try {
     UndistortPoints(camera, mode, in, output, Never, &stack);
@@ -94,7 +94,7 @@ TEST(Points, FollowTheLens) {
   std::string expected = "x,y,u,v\n";
   const auto expect_at = [&](int32_t value_q16) {
     rg_camera there = camera;
-    ASSERT_EQ(rg_set_condition(&there, value_q16), RG_OK);
+    ASSERT_EQ(rg_set_operating_point(&there, value_q16), RG_OK);
     rg_pixel to;
     ASSERT_EQ(rg_undistort_point(&there, {RG_PIXEL(40), RG_PIXEL(30)}, &to),
               RG_OK);

@@ -34,7 +34,7 @@ TEST(StreamFormat, OrdersAreThoseOfTheNames) {
     letters = letters.substr(0, letters.find_first_of("0123456789"));
     if (format.model == ColourModel::kBayer)
       letters.erase(0, 1);
-    else if (FindChannel(format.format, 0).lattice.num_channels > 1)
+    else if (FindChannel(format.format, 0).component.num_channels > 1)
       std::reverse(letters.begin(), letters.end());
     else
       continue;

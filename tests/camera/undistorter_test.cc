@@ -65,7 +65,7 @@ struct Pipeline {
       UndistortedFrame* const frame = undistorter.Take(kPatience);
       if (!frame) continue;
       look(*frame);
-      undistorter.GiveBack(frame);
+      undistorter.ReturnFrame(frame);
     }
   }
 

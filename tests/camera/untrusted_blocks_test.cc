@@ -1,5 +1,3 @@
-#include "untrusted_blocks.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "blob_layout.h"
 #include "camera_support.h"
+#include "invalid_blocks.h"
 #include "rg_blob.h"
 
 namespace raygrid {
@@ -151,13 +150,13 @@ std::vector<bool> FindUntrusted(const rg_camera& camera) {
   return blocks;
 }
 
-// Frames of every format in which UntrustedBlocks became border.
-std::vector<Output> HideUntrusted(const rg_camera& camera) {
+// Frames of every format in which InvalidBlocks became border.
+std::vector<Output> HideInvalidBlocks(const rg_camera& camera) {
   std::vector<Output> outputs;
   for (const PixelFormatInfo& format : PixelFormats()) {
     outputs.push_back(UndistortRecording(camera, format.name));
     const Output& output = outputs.back();
-    const UntrustedBlocks blocks(camera, output.format, output.target);
+    const InvalidBlocks blocks(camera, output.format, output.target);
     EXPECT_FALSE(blocks.are_all());
     blocks.FillWithBorder(output.target);
   }
@@ -168,7 +167,7 @@ void ExpectFramesOfATableThatLeavesThemOut(WideCamera* wide) {
   const std::vector<bool> untrusted = FindUntrusted(wide->camera());
   EXPECT_GE(std::count(untrusted.begin(), untrusted.end(), true), 3);
   EXPECT_GE(std::count(untrusted.begin(), untrusted.end(), false), 3);
-  const std::vector<Output> outputs = HideUntrusted(wide->camera());
+  const std::vector<Output> outputs = HideInvalidBlocks(wide->camera());
   wide->Empty(untrusted);
   for (const Output& output : outputs) {
     const std::string name = output.format.pixel_format->name;
@@ -177,25 +176,25 @@ void ExpectFramesOfATableThatLeavesThemOut(WideCamera* wide) {
   }
 }
 
-TEST(UntrustedBlocks, BecomeBorderAsByATableThatLeavesThemOut) {
+TEST(InvalidBlocks, BecomeBorderAsByATableThatLeavesThemOut) {
   WideCamera wide;
   wide.SetMask([](uint32_t x, uint32_t y) { return x == 5 && y > 2; });
   ExpectFramesOfATableThatLeavesThemOut(&wide);
 }
 
-TEST(UntrustedBlocks, AtTheEndOfRowsAreNotWhole) {
+TEST(InvalidBlocks, AtTheEndOfRowsAreNotWhole) {
   WideCamera wide;
   wide.SetSize(44, 34);
   wide.SetMask([](uint32_t x, uint32_t y) { return x < 5 && y < 4; });
   ExpectFramesOfATableThatLeavesThemOut(&wide);
 }
 
-TEST(UntrustedBlocks, AreAllWhereNothingIsTrusted) {
+TEST(InvalidBlocks, AreAllWhereNothingIsTrusted) {
   WideCamera wide;
   wide.SetMask([](uint32_t, uint32_t) { return false; });
   const StreamFormat format =
       MakeStreamFormat(*FindPixelFormat("NV12"), 48, 36, 0);
-  EXPECT_TRUE(UntrustedBlocks(wide.camera(), format, {}).are_all());
+  EXPECT_TRUE(InvalidBlocks(wide.camera(), format, {}).are_all());
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(V4l2Capture, FramesComeWithTheDriversCrop) {
   state.controls = {Told(V4L2_CID_HFLIP, 0, 1)};
   state.events = {Frame(7, 1)};
   const auto source = Open(&state);
-  EXPECT_TRUE(source->tells_crops());
+  EXPECT_TRUE(source->reports_crops());
   source->Start();
   const auto frame = source->Next(kSoon);
   ASSERT_TRUE(frame);

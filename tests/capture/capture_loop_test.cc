@@ -161,7 +161,7 @@ TEST_F(CaptureLoopTest, KeepsFramesOnceTheCameraIsLocked) {
   EXPECT_EQ(session_.frames[0].lens_position, 2);
   EXPECT_EQ(session_.locked, Words{"focus at 2 dioptres"});
   EXPECT_EQ(remarks_, Words{"locked: focus at 2 dioptres"});
-  EXPECT_EQ(CaptureOf(session_).lens_position, 2);
+  EXPECT_EQ(GetCaptureSettings(session_).lens_position, 2);
 }
 
 TEST_F(CaptureLoopTest, ASessionThatGoesOnHasTheFocusOfItsFirstFrame) {
@@ -207,7 +207,7 @@ TEST_F(CaptureLoopTest, KeepsNoFrameOfAnotherLensPosition) {
 // Two cameras, 0.1 m apart, before a board that stands still for two frames.
 class RigLoopTest : public CaptureLoopTest {
  protected:
-  void AddInstant(int index, bool is_seen_by_second, uint64_t apart_ns) {
+  void AddFrame(int index, bool is_seen_by_second, uint64_t apart_ns) {
     const Pose first = PoseOfView(index);
     const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
     const Pose aside{upright, {-0.1, 0, 0}};
@@ -262,10 +262,10 @@ class RigLoopTest : public CaptureLoopTest {
 };
 
 TEST_F(RigLoopTest, KeepsTheFramesOfAnInstantTogether) {
-  AddInstant(0, true, 0);
-  AddInstant(1, false, 4000000);
-  AddInstant(2, true, 4000000);  // undone
-  AddInstant(3, true, 0);
+  AddFrame(0, true, 0);
+  AddFrame(1, false, 4000000);
+  AddFrame(2, true, 4000000);  // undone
+  AddFrame(3, true, 0);
   Run();
   EXPECT_EQ(Kept(0),
             (Words{"frame-0001.png", "frame-0002.png", "frame-0004.png"}));

@@ -61,7 +61,7 @@ std::optional<std::vector<uint8_t>> CaptureOperator::Fill(const Json& outline) {
   Eigen::Matrix<double, 6, 1> off;
   for (int k = 0; k < 6; ++k)
     off[k] = random_.Normal() * (k < 3 ? kOffRad : kOffM);
-  const Eigen::Vector3d middle = MiddleOf(board_);
+  const Eigen::Vector3d middle = ComputeBoardCenter(board_);
   Pose held = *pose;
   held.rotation = RotationFromVector(off.head<3>()) * pose->rotation;
   held.translation = *pose * middle - held.rotation * middle + off.tail<3>();

@@ -63,13 +63,13 @@ PairedFrames Pair(std::unique_ptr<LiveFrames> left,
 std::string TakeTimes(PairedFrames* frames, int num_tries) {
   std::string text;
   for (int k = 0; k < num_tries; ++k) {
-    const auto instant = frames->Next();
-    if (!instant) continue;
+    const auto frame_set = frames->Next();
+    if (!frame_set) continue;
     const auto time_of = [](const std::optional<LiveFrame>& frame) {
       return frame ? std::to_string(frame->info.timestamp_ns / 1000000) : "-";
     };
-    text += (text.empty() ? "" : " ") + time_of((*instant)[0]) + ":" +
-            time_of((*instant)[1]);
+    text += (text.empty() ? "" : " ") + time_of((*frame_set)[0]) + ":" +
+            time_of((*frame_set)[1]);
   }
   return text;
 }
@@ -77,10 +77,10 @@ std::string TakeTimes(PairedFrames* frames, int num_tries) {
 std::string TakeNames(PairedFrames* frames) {
   std::string text;
   while (!frames->is_finished()) {
-    const auto instant = frames->Next();
-    if (!instant) continue;
+    const auto frame_set = frames->Next();
+    if (!frame_set) continue;
     text += text.empty() ? "" : " ";
-    for (const auto& frame : *instant)
+    for (const auto& frame : *frame_set)
       text += frame ? "[" + frame->name + "]" : "[-]";
   }
   return text;

@@ -14,7 +14,7 @@ static uint8_t edited[sizeof(kStackBlob)] __attribute__((aligned(16)));
 #define VIEW 100u
 #define MODE_TABLE 101u
 
-/* Bytes from a knot of the stack, and its value, to the next one. */
+/* Bytes from a sample of the stack, and its value, to the next one. */
 #define KNOT_SIZE 1448u
 
 /* A value of a field of the section of that type: in kNarrowBlob for the grid,

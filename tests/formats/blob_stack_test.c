@@ -12,7 +12,7 @@
 #define KNOTS 3u
 #define TABLES 3u
 
-/* The parts of the blob itself (number KNOTS) or of a knot, as they are given
+/* The parts of the blob itself (number KNOTS) or of a sample, as they are given
  * to the writer. */
 typedef struct knot_parts {
   rg_narrow_grid narrow, inverse_points;
@@ -24,7 +24,7 @@ typedef struct knot_parts {
 } knot_parts;
 
 static knot_parts parts[KNOTS + 1];
-static rg_knot_contents knots[KNOTS];
+static rg_stack_sample_contents samples[KNOTS];
 static rg_stack_contents stack;
 static rg_camera_section camera;
 static rg_grid_section grid;
@@ -58,17 +58,17 @@ static void take_apart(void) {
   rg_blob_grid(&blob, &grid);
   rg_blob_inverse(&blob, &inverse);
   rg_blob_stack(&blob, &section);
-  assert_int_equal(section.condition, RG_CONDITION_LENS_POSITION);
-  assert_int_equal(section.num_knots, KNOTS);
+  assert_int_equal(section.condition, RG_OPERATING_PARAMETER_LENS_POSITION);
+  assert_int_equal(section.num_samples, KNOTS);
   static const uint32_t kTypes[] = {RG_SECTION_CENTRAL_GRID, RG_SECTION_REMAP,
                                     RG_SECTION_REMAP, RG_SECTION_REMAP,
                                     RG_SECTION_INVERSE};
   for (uint32_t k = 0; k <= KNOTS; ++k) {
-    uint32_t at = k * section.knot_size;
+    uint32_t at = k * section.sample_size;
     for (uint32_t n = 0; n < 5; ++n) {
       const uint32_t index = kTypes[n] == RG_SECTION_REMAP ? n - 1 : 0;
       const uint8_t* const own = rg_find_section(kStackBlob, kTypes[n], index);
-      const uint8_t* const part = k == KNOTS ? own : section.knots + at;
+      const uint8_t* const part = k == KNOTS ? own : section.samples + at;
       if (n == 0)
         read_narrow_grid(part, parts[k].grid_residuals, &parts[k].narrow);
       else if (n == 4)
@@ -82,14 +82,17 @@ static void take_apart(void) {
       at += rg_load_u32(entry + RG_ENTRY_SIZE);
     }
     if (k == KNOTS) break;
-    assert_int_equal(at + RG_KNOT_VALUE_SIZE, (k + 1) * section.knot_size);
-    const rg_knot_contents knot = {.value_q16 = rg_knot_value(&section, k),
-                                   .narrow = &parts[k].narrow,
-                                   .inverse_points = &parts[k].inverse_points,
-                                   .remaps = parts[k].remaps};
-    knots[k] = knot;
+    assert_int_equal(at + RG_STACK_SAMPLE_VALUE_SIZE,
+                     (k + 1) * section.sample_size);
+    const rg_stack_sample_contents sample = {
+        .value_q16 = rg_stack_sample_value(&section, k),
+        .narrow = &parts[k].narrow,
+        .inverse_points = &parts[k].inverse_points,
+        .remaps = parts[k].remaps};
+    samples[k] = sample;
   }
-  const rg_stack_contents whole = {section.condition, section.num_knots, knots};
+  const rg_stack_contents whole = {section.condition, section.num_samples,
+                                   samples};
   stack = whole;
   const knot_parts* const own = &parts[KNOTS];
   const rg_blob_contents all = {.camera = &camera,
@@ -117,7 +120,7 @@ static void stack_is_written_byte_for_byte(void** state) {
   assert_memory_equal(written, kStackBlob, SIZE);
 }
 
-/* Sections that knots have no like of stand in front of the others. */
+/* Sections that samples have no like of stand in front of the others. */
 static void stack_stands_behind_all_else(void** state) {
   (void)state;
   static uint8_t large[sizeof(kStackBlob) + 64] GOLDEN_ALIGNED;
@@ -139,19 +142,19 @@ static void stack_stands_behind_all_else(void** state) {
 static void missing_parts_are_refused(void** state) {
   (void)state;
   take_apart();
-  knots[1].narrow = NULL;
+  samples[1].narrow = NULL;
   assert_int_equal(write_all(), RG_ERR_ARGUMENT);
   take_apart();
-  knots[2].inverse_points = NULL;
+  samples[2].inverse_points = NULL;
   assert_int_equal(write_all(), RG_ERR_ARGUMENT);
   take_apart();
-  knots[0].remaps = NULL;
+  samples[0].remaps = NULL;
   assert_int_equal(write_all(), RG_ERR_ARGUMENT);
   take_apart();
   parts[0].remaps[2].residuals = NULL;
   assert_int_equal(write_all(), RG_ERR_ARGUMENT);
   take_apart();
-  stack.knots = NULL;
+  stack.samples = NULL;
   assert_int_equal(write_all(), RG_ERR_ARGUMENT);
 }
 
@@ -193,7 +196,7 @@ static void stacks_of_lines_are_refused(void** state) {
   assert_int_equal(rg_blob_write(&contents, large, sizeof(large)), RG_OK);
 }
 
-/* A whole reader checks in each knot what no board does. */
+/* A whole reader checks in each sample what no board does. */
 static void values_beyond_their_limits_are_refused(void** state) {
   (void)state;
   take_apart();

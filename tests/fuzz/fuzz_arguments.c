@@ -148,14 +148,14 @@ static void try_choices(rg_camera* camera) {
   static const char* const kNames[] = {NULL, "portable", "avx2",
                                        "",   "avx",      "avx22"};
   const char* const name = kNames[below(6)];
-  rg_choose_ray_kernels(camera, name);
+  rg_select_ray_kernels(camera, name);
   (void)rg_find_kernels(name);
   const rg_camera before = *camera;
   const uint32_t index = below(4) == 0 ? draw() : below(5);
   const rg_status status = rg_select_remap(camera, index);
   require(status == RG_OK || is_same(&before, camera, sizeof(before)),
           "a failed call leaves its outputs alone");
-  if (below(2) == 0) rg_set_condition(camera, (int32_t)draw());
+  if (below(2) == 0) rg_set_operating_point(camera, (int32_t)draw());
   require(strlen(rg_status_text((rg_status)draw())) > 1,
           "every status has a text");
 }
@@ -167,7 +167,7 @@ static void try_sizes(const rg_camera* camera) {
   rg_frame_size(camera, &width, &height);
   rg_remap_size(camera, &width, &height);
   rg_remap_view(camera, &view);
-  rg_row_time(camera, &row_time_ns_q10, NULL);
+  rg_line_delay(camera, &row_time_ns_q10, NULL);
 }
 
 /* No number of bytes is beyond those that there are. */
@@ -203,15 +203,15 @@ static void try_slots(const uint8_t* blob, uint32_t num_bytes) {
     memcpy(second, slots, below(3) * 8u);
   }
   rg_slot newest;
-  require(rg_choose_slot(slots, second, slot_size, &newest) == RG_OK &&
+  require(rg_select_slot(slots, second, slot_size, &newest) == RG_OK &&
               newest.sequence == sequence && newest.num_bytes == num_bytes,
           "a whole slot is found");
   const uint32_t drawn = draw();
-  rg_choose_slot(slots, below(2) == 0 ? NULL : second,
+  rg_select_slot(slots, below(2) == 0 ? NULL : second,
                  drawn < slot_size ? drawn : slot_size, &newest);
   require(
-      rg_choose_slot(slots, slots + 2, draw(), &newest) == RG_ERR_MISALIGNED &&
-          rg_choose_slot(slots, slots, below(65), &newest) == RG_ERR_ARGUMENT &&
+      rg_select_slot(slots, slots + 2, draw(), &newest) == RG_ERR_MISALIGNED &&
+          rg_select_slot(slots, slots, below(65), &newest) == RG_ERR_ARGUMENT &&
           rg_make_slot_header(NULL, draw(), 0, (uint32_t*)(void*)slots) ==
               RG_ERR_ARGUMENT &&
           rg_make_slot_header(blob, 0, 0, (uint32_t*)(void*)slots) ==
@@ -303,11 +303,11 @@ static void try_frame(const rg_camera* camera) {
     const rg_status status = rg_remap(camera, &image, &target);
     require(status != RG_OK || !is_one_too_large,
             "rows lie less than 2^31 apart");
-    const rg_frame frame = {image.planes[0].data, image.planes[0].stride,
-                            image.width, image.height};
-    const rg_band band = {target.planes[0].data, target.planes[0].stride,
-                          target.first_row, target.num_rows,
-                          (uint8_t)target.border_values[0]};
+    const rg_grey_image frame = {image.planes[0].data, image.planes[0].stride,
+                                 image.width, image.height};
+    const rg_grey_target band = {target.planes[0].data, target.planes[0].stride,
+                                 target.first_row, target.num_rows,
+                                 (uint8_t)target.border_values[0]};
     const rg_status grey = rg_remap_grey(camera, &frame, &band);
     if (image.format == RG_FORMAT_GREY8 && image.ring_rows == 0 &&
         target.border == RG_BORDER_VALUE &&

@@ -10,23 +10,24 @@
 
 #define MAX_PLANE (1u << 20) /* larger ones only take time */
 
-static int find_plane(rg_format format, uint32_t plane, rg_lattice* lattice) {
-  for (uint32_t k = 0; rg_find_lattice(format, k, lattice); ++k)
-    if (lattice->plane == plane) return 1;
+static int find_plane(rg_format format, uint32_t plane,
+                      rg_component* component) {
+  for (uint32_t k = 0; rg_get_component(format, k, component); ++k)
+    if (component->plane == plane) return 1;
   return 0;
 }
 
 /* Rows of a plane of an image of so many. */
 static uint32_t plane_rows(rg_format format, uint32_t plane, uint32_t rows) {
-  rg_lattice lattice;
-  const int is_plane = find_plane(format, plane, &lattice);
-  return is_plane ? (rows >> lattice.log2[1]) * lattice.row_step : rows;
+  rg_component component;
+  const int is_plane = find_plane(format, plane, &component);
+  return is_plane ? (rows >> component.log2[1]) * component.row_step : rows;
 }
 
 static uint32_t row_bytes(rg_format format, uint32_t plane, uint32_t width) {
-  rg_lattice lattice;
-  const int is_plane = find_plane(format, plane, &lattice);
-  return is_plane ? rg_plane_row_bytes(&lattice, width) : 0;
+  rg_component component;
+  const int is_plane = find_plane(format, plane, &component);
+  return is_plane ? rg_plane_row_bytes(&component, width) : 0;
 }
 
 /* About as long as a row, mostly, or anything. */
@@ -122,10 +123,11 @@ static void remap(const rg_camera* camera, const uint8_t* data) {
       make_target(camera, data, image.format, &target)) {
     rg_remap(camera, &image, &target);
     if (image.format == RG_FORMAT_GREY8 && image.ring_rows == 0) {
-      const rg_frame frame = {image.planes[0].data, image.planes[0].stride,
-                              image.width, image.height};
-      const rg_band band = {target.planes[0].data, target.planes[0].stride,
-                            target.first_row, target.num_rows, data[44]};
+      const rg_grey_image frame = {image.planes[0].data, image.planes[0].stride,
+                                   image.width, image.height};
+      const rg_grey_target band = {target.planes[0].data,
+                                   target.planes[0].stride, target.first_row,
+                                   target.num_rows, data[44]};
       rg_remap_grey(camera, &frame, &band);
     }
   }
@@ -142,9 +144,10 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   rg_camera camera;
   if (rg_camera_open(&camera, bytes, blob_size) == RG_OK) {
     uint16_t first, num;
-    if (data[51] % 4 == 0) rg_set_condition(&camera, near_condition(data));
+    if (data[51] % 4 == 0)
+      rg_set_operating_point(&camera, near_condition(data));
     rg_select_remap(&camera, data[45] % 4);
-    if (data[51] % 4 > 1) rg_set_condition(&camera, near_condition(data));
+    if (data[51] % 4 > 1) rg_set_operating_point(&camera, near_condition(data));
     if (camera.remap) {
       rg_remap_source_rows(&camera,
                            (rg_format)(data[46] % (RG_NUM_FORMATS + 1)),

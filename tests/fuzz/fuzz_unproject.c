@@ -33,7 +33,7 @@ static void try_pixel(const rg_camera* camera, rg_pixel pixel) {
     require(is_unit(&line.direction), "a line's direction has unit length");
   if (rg_is_valid(camera, pixel)) rg_uncertainty(camera, pixel, &sigma_q12);
   rg_uncertainty(camera, pixel, &sigma_q12);
-  rg_row_time(camera, &row_time_ns_q10, &deviation_ns_q10);
+  rg_line_delay(camera, &row_time_ns_q10, &deviation_ns_q10);
   rg_undistort_point(camera, pixel, &other);
 }
 
@@ -97,7 +97,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   rg_camera camera;
   if (rg_camera_open(&camera, bytes, blob_size) == RG_OK) {
     rg_select_remap(&camera, 0);
-    if (data[2] % 2 != 0) rg_set_condition(&camera, near_condition(data));
+    if (data[2] % 2 != 0) rg_set_operating_point(&camera, near_condition(data));
     const rg_pixel pixel = {(int32_t)setting(data, 4),
                             (int32_t)setting(data, 8)};
     const rg_ray direction = {(int32_t)setting(data, 12),

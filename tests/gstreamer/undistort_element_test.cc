@@ -320,7 +320,7 @@ TEST(UndistortElement, TakesRowsAndPlanesWithGaps) {
 // A crop that begins at any pixel has such rows.
 TEST(UndistortElement, TakesRowsAtOddAddresses) {
   for (const PixelFormatInfo& pixel_format : FormatsOfGstreamer())
-    if (FindChannel(pixel_format.format, 0).lattice.kind == RG_SAMPLE_8)
+    if (FindChannel(pixel_format.format, 0).component.kind == RG_SAMPLE_8)
       CheckFormat(pixel_format, 3, "");
 }
 
@@ -665,14 +665,15 @@ std::vector<uint8_t> RemappedAt(std::optional<int32_t> value_q16,
   EXPECT_EQ(rg_camera_open(&camera, kStackBlob, sizeof(kStackBlob)), RG_OK);
   EXPECT_EQ(rg_select_remap(&camera, 0), RG_OK);
   if (value_q16) {
-    EXPECT_EQ(rg_set_condition(&camera, *value_q16), RG_OK);
+    EXPECT_EQ(rg_set_operating_point(&camera, *value_q16), RG_OK);
   }
   uint16_t frame_width, frame_height, width, height;
   rg_frame_size(&camera, &frame_width, &frame_height);
   rg_remap_size(&camera, &width, &height);
   std::vector<uint8_t> view(size_t{width} * height);
-  const rg_frame frame = {bytes.data(), frame_width, frame_width, frame_height};
-  const rg_band band = {view.data(), width, 0, height, 0};
+  const rg_grey_image frame = {bytes.data(), frame_width, frame_width,
+                               frame_height};
+  const rg_grey_target band = {view.data(), width, 0, height, 0};
   EXPECT_EQ(rg_remap_grey(&camera, &frame, &band), RG_OK);
   return view;
 }

@@ -24,7 +24,7 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   LensChoice.Counts*
   LensChoice.Measures*
   LensChoice.TakesTheFewest*
-  LensModels.FitACamera*
+  GetLensModels.FitACamera*
   LowContrast.NoiseTakes*
   MarkerBoards.AreToldApart*
   OutputFolder.Kills*
@@ -36,7 +36,7 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   PrintedInk.OfCharuco*
   PrintedInk.OfSix*
   RegularRegion.*
-  SelectKnots.*
+  SelectSamples.*
   StarDetector.FindsNearlyAll*
   StarDetector.FindsStarsIn*
   StarDetector.FindsStarsOfABoardWhoseTagIsCutOff*

@@ -1,7 +1,7 @@
 # Suites that take more than a CPU second. Chessboard and Formats (6 and 10 s) are quick tests all the same.
 set(NOT_QUICK
   RunBundleAdjustment OptimizeWithLearnedPrior BlobCamera BoardGuess CameraFrame CameraInformation
-  CaptureGuide Charuco SelectKnots ColmapFormat FeatureRefiner FitParametricModel FitRemapTable
+  CaptureGuide Charuco SelectSamples MakeColmapFormat FeatureRefiner FitParametricModel FitRemapTable
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest AssessBudget
   LargeEquations Lenses/InitializeFromThreeViewsOf Lenses/UnevenLensOf LowContrast MarkerBoards
   NextView OutputFolder PackCamera PackSupportedParts AssignByLayout PlainTagGrid PrintedFeatures

@@ -125,14 +125,14 @@ inline CentralGeneric FoldedFisheye(double radius_px, double mirror) {
 inline void ExpectProjectionIntoFold(const CameraModel& camera,
                                      double radius_px) {
   constexpr double kEdgePx = 15;
-  const Eigen::Vector2d middle = camera.area().center();
+  const Eigen::Vector2d center = camera.area().center();
   TestRandom random(12);
   int num_folded = 0;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(camera.area());
     const Eigen::Vector2d start = random.PixelIn(camera.area());
-    const double radius = (pixel - middle).norm();
-    const double start_radius = (start - middle).norm();
+    const double radius = (pixel - center).norm();
+    const double start_radius = (start - center).norm();
     if (std::abs(radius - radius_px) < kEdgePx ||
         std::abs(start_radius - radius_px) < kEdgePx)
       continue;
@@ -147,7 +147,7 @@ inline void ExpectProjectionIntoFold(const CameraModel& camera,
       EXPECT_LT((*projection - pixel).norm(), 1e-6);
     } else {
       ++num_folded;
-      EXPECT_TRUE(!projection || (*projection - middle).norm() < radius_px)
+      EXPECT_TRUE(!projection || (*projection - center).norm() < radius_px)
           << pixel.transpose();
     }
   }

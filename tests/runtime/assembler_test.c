@@ -7,7 +7,7 @@
 
 #include "cortex_m/grey_rows.h"
 #include "cortex_m/grid_rows.h"
-#include "cortex_m/part_corners.h"
+#include "cortex_m/tile_corners.h"
 #include "random_tables.h"
 
 #define NUM_CASES 2000u
@@ -72,21 +72,21 @@ static void rows_of_grids_have_the_same_sums(void** unused) {
 
 #endif
 
-/* ---- Corners of parts ---------------------------------------------------- */
+/* ---- Corners of tiles ---------------------------------------------------- */
 
 #if RG_CORNERS_IN_ASSEMBLER
 
 static void check_row(uint32_t log2, uint32_t j, uint32_t num_parts) {
-  rg_part_row a, b;
+  rg_tile_row a, b;
   memset(&a, 0, sizeof(a));
-  rg_start_part_row(SECTION, log2, log2, j, &a);
+  rg_init_tile_row(SECTION, log2, log2, j, &a);
   b = a;
   for (uint32_t k = 0; k < num_parts; ++k) {
     rg_position in_c[4], in_thumb2[4];
-    rg_find_block_of_part(&a, 0);
-    rg_pass_part_in_c(&a, in_c);
-    rg_find_block_of_part(&b, 0);
-    rg_pass_part_in_thumb2(&b, in_thumb2);
+    rg_find_tile_block(&a, 0);
+    rg_next_tile_in_c(&a, in_c);
+    rg_find_tile_block(&b, 0);
+    rg_next_tile_in_thumb2(&b, in_thumb2);
     assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
     assert_int_equal(a.spans[0].before, b.spans[0].before);
   }
@@ -131,56 +131,56 @@ static int32_t random_place(void) {
 
 /* A part of 32 x 32 pixels or less, all of which have their neighbours in the
  * source. */
-static rg_run random_run(void) {
-  rg_run run;
-  memset(&run, 0, sizeof(run));
-  run.block.width_log2 = (uint8_t)(3 + below(3));
-  run.block.height_log2 = (uint8_t)(3 + below(3));
-  const uint32_t height = 1u << run.block.height_log2;
-  run.first_row = (uint16_t)below(height);
-  run.num_rows = (uint16_t)(1 + below(height - run.first_row));
-  run.num_pixels = (uint16_t)(1 + below(1u << run.block.width_log2));
-  run.data = source;
-  run.stride = SIZE;
-  run.out_stride = 33 + below(7);
+static rg_span random_run(void) {
+  rg_span span;
+  memset(&span, 0, sizeof(span));
+  span.block.width_log2 = (uint8_t)(3 + below(3));
+  span.block.height_log2 = (uint8_t)(3 + below(3));
+  const uint32_t height = 1u << span.block.height_log2;
+  span.first_row = (uint16_t)below(height);
+  span.num_rows = (uint16_t)(1 + below(height - span.first_row));
+  span.num_pixels = (uint16_t)(1 + below(1u << span.block.width_log2));
+  span.data = source;
+  span.stride = SIZE;
+  span.out_stride = 33 + below(7);
   for (uint32_t k = 0; k < 4; ++k)
-    for (int c = 0; c < 2; ++c) run.block.corners[k].q12[c] = random_place();
-  return run;
+    for (int c = 0; c < 2; ++c) span.block.corners[k].q12[c] = random_place();
+  return span;
 }
 
-static rg_grey_rows start_rows(rg_run* run, uint32_t rounding) {
+static rg_grey_rows start_rows(rg_span* span, uint32_t rounding) {
   rg_grey_rows rows;
-  rows.corners = run->block.corners;
+  rows.corners = span->block.corners;
   rows.rounding = rounding;
-  rows.rest = run->num_rows;
-  rows.out = run->out;
-  rg_start_edges(run, rows.corners->q12, (uint32_t*)rows.corners->q12);
+  rows.rest = span->num_rows;
+  rows.out = span->out;
+  rg_start_edges(span, rows.corners->q12, (uint32_t*)rows.corners->q12);
   return rows;
 }
 
-static void check_blended_rows(const rg_run* run) {
+static void check_blended_rows(const rg_span* span) {
   static uint8_t in_c[40 * 40], in_thumb2[40 * 40];
-  rg_run a = *run, b = *run;
+  rg_span a = *span, b = *span;
   rg_block_row row;
   memset(in_c, 0xc3, sizeof(in_c));
   memset(in_thumb2, 0xc3, sizeof(in_thumb2));
   a.out = in_c;
   b.out = in_thumb2;
   rg_grey_rows rows_of_a = start_rows(&a, rg_first_rounding_in_c(&a));
-  assert_int_equal(rg_do_grey_rows_in_c(&rows_of_a, &row), 0);
+  assert_int_equal(rg_process_grey_rows_in_c(&rows_of_a, &row), 0);
   rg_grey_rows rows_of_b = start_rows(&b, rg_first_rounding_in_thumb2(&b));
-  assert_int_equal(rg_do_grey_rows_in_thumb2(&rows_of_b, &row), 0);
+  assert_int_equal(rg_process_grey_rows_in_thumb2(&rows_of_b, &row), 0);
   assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
   assert_int_equal(rows_of_a.out - in_c, rows_of_b.out - in_thumb2);
 }
 
-static void check_found_rows(const rg_run* run) {
-  rg_run a = *run, b = *run;
+static void check_found_rows(const rg_span* span) {
+  rg_span a = *span, b = *span;
   rg_grey_rows rows_of_a = start_rows(&a, 0), rows_of_b = start_rows(&b, 0);
-  for (uint32_t r = 0; r < run->num_rows; ++r) {
+  for (uint32_t r = 0; r < span->num_rows; ++r) {
     rg_block_row in_c, in_thumb2;
-    assert_int_equal(rg_do_grey_rows_in_c(&rows_of_a, &in_c), 1);
-    assert_int_equal(rg_do_grey_rows_in_thumb2(&rows_of_b, &in_thumb2), 1);
+    assert_int_equal(rg_process_grey_rows_in_c(&rows_of_a, &in_c), 1);
+    assert_int_equal(rg_process_grey_rows_in_thumb2(&rows_of_b, &in_thumb2), 1);
     assert_memory_equal(&in_c, &in_thumb2, sizeof(in_c));
   }
 }
@@ -191,9 +191,9 @@ static void rows_of_grey_pixels_are_the_same(void** unused) {
   for (uint32_t k = 0; k < sizeof(source); ++k)
     source[k] = (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
   for (uint32_t k = 0; k < NUM_CASES; ++k) {
-    const rg_run run = random_run();
-    check_blended_rows(&run);
-    check_found_rows(&run);
+    const rg_span span = random_run();
+    check_blended_rows(&span);
+    check_found_rows(&span);
   }
 }
 

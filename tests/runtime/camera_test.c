@@ -102,7 +102,7 @@ static void broken_table_is_refused_when_it_is_chosen(void** state) {
   assert_int_equal(rg_select_remap(&camera, 0), RG_ERR_REMAP_SHIFT);
   assert_int_equal(open_with(VERTICES - 42, 0x7000, &camera), RG_OK);
   assert_int_equal(rg_select_remap(&camera, 0),
-                   RG_FAST_WALK ? RG_ERR_REMAP_VERTEX : RG_OK);
+                   RG_FAST_TRAVERSAL ? RG_ERR_REMAP_VERTEX : RG_OK);
 }
 
 static void table_without_room_for_its_view_is_refused(void** state) {
@@ -167,44 +167,44 @@ static void captures_are_skipped(void** state) {
 static void row_time_is_that_of_the_blob(void** state) {
   (void)state;
   rg_camera camera;
-  int32_t row_time_ns_q10 = 1;
-  uint32_t deviation_ns_q10 = 1;
+  int32_t line_delay_ns_q10 = 1;
+  uint32_t std_dev_ns_q10 = 1;
   memcpy(blob, kRowTimeBlob, sizeof(kRowTimeBlob));
   assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
-  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, &deviation_ns_q10),
+  assert_int_equal(rg_line_delay(&camera, &line_delay_ns_q10, &std_dev_ns_q10),
                    RG_OK);
-  assert_int_equal(row_time_ns_q10, -20000 * 1024);
-  assert_int_equal(deviation_ns_q10, 31 * 1024);
-  row_time_ns_q10 = 1;
-  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL), RG_OK);
-  assert_int_equal(row_time_ns_q10, -20000 * 1024);
+  assert_int_equal(line_delay_ns_q10, -20000 * 1024);
+  assert_int_equal(std_dev_ns_q10, 31 * 1024);
+  line_delay_ns_q10 = 1;
+  assert_int_equal(rg_line_delay(&camera, &line_delay_ns_q10, NULL), RG_OK);
+  assert_int_equal(line_delay_ns_q10, -20000 * 1024);
   assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
                    RG_OK);
-  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, &deviation_ns_q10),
+  assert_int_equal(rg_line_delay(&camera, &line_delay_ns_q10, &std_dev_ns_q10),
                    RG_ERR_UNKNOWN);
-  assert_int_equal(row_time_ns_q10, -20000 * 1024);
+  assert_int_equal(line_delay_ns_q10, -20000 * 1024);
 }
 
 /* Opening skips the section, and its limits are checked on use. */
 static void row_time_beyond_its_limits_is_not_told(void** state) {
   (void)state;
   rg_camera camera;
-  int32_t row_time_ns_q10 = 1;
+  int32_t line_delay_ns_q10 = 1;
   memcpy(blob, kRowTimeBlob, sizeof(kRowTimeBlob));
   uint8_t* const section =
       blob + (rg_find_section(blob, RG_SECTION_ROW_TIME, 0) - blob);
   rg_store_u32(section, 0x80000000);
   repair_crcs(blob, sizeof(kRowTimeBlob));
   assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
-  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL),
+  assert_int_equal(rg_line_delay(&camera, &line_delay_ns_q10, NULL),
                    RG_ERR_ROW_TIME);
   rg_store_u32(section, 0);
   rg_store_u32(section + 4, (1u << 30) + 1);
   repair_crcs(blob, sizeof(kRowTimeBlob));
   assert_int_equal(rg_camera_open(&camera, blob, sizeof(kRowTimeBlob)), RG_OK);
-  assert_int_equal(rg_row_time(&camera, &row_time_ns_q10, NULL),
+  assert_int_equal(rg_line_delay(&camera, &line_delay_ns_q10, NULL),
                    RG_ERR_ROW_TIME);
-  assert_int_equal(row_time_ns_q10, 1);
+  assert_int_equal(line_delay_ns_q10, 1);
 }
 
 int main(void) {

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cortex_m/part_corners.h"
+#include "cortex_m/tile_corners.h"
 #include "golden_blobs.h"
 #include "raygrid.h"
 #include "rg_blob.h"
@@ -89,15 +89,15 @@ static void add_frame(const rg_camera* camera, image_error* error) {
       table.part_log2 != 0 ? table.part_log2 : table.block_log2;
   const uint32_t mask = (1u << log2) - 1;
   for (uint32_t y = 0; y < table.height; ++y) {
-    rg_part_row parts;
+    rg_tile_row parts;
     rg_block_row row;
     memset(&parts, 0, sizeof(parts));
-    rg_start_part_row(camera->remap, log2, log2, y >> log2, &parts);
+    rg_init_tile_row(camera->remap, log2, log2, y >> log2, &parts);
     for (uint32_t x = 0; x < table.width; ++x) {
       if ((x & mask) == 0) {
         rg_block block;
         rg_next_block(&parts, &block);
-        rg_find_block_row(&block, y & mask, &row);
+        rg_compute_block_row(&block, y & mask, &row);
       }
       const uint32_t pixel = y * table.width + x;
       const rg_position p = rg_row_position(&row, x & mask);
@@ -111,9 +111,9 @@ static void add_frame(const rg_camera* camera, image_error* error) {
 
 static void remap_picture(const rg_camera* camera, uint8_t border,
                           uint8_t* result) {
-  const rg_frame frame = {picture, camera->frame_width, camera->frame_width,
-                          camera->frame_height};
-  rg_band band = {result, 0, 0, 0, border};
+  const rg_grey_image frame = {picture, camera->frame_width,
+                               camera->frame_width, camera->frame_height};
+  rg_grey_target band = {result, 0, 0, 0, border};
   uint16_t width;
   assert_int_equal(rg_remap_size(camera, &width, &band.num_rows), RG_OK);
   band.stride = width;

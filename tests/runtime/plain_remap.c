@@ -41,7 +41,7 @@ static point vertex(const rg_remap_section* table, uint32_t i, uint32_t j) {
 }
 
 /* The bend of the edge that leads to vertex (i, j) from the left, or from
- * above, with 2^n parts along it. */
+ * above, with 2^n tiles along it. */
 static point bend(const rg_remap_section* table, uint32_t i, uint32_t j,
                   int from_above, uint32_t n) {
   const int8_t* const bytes =
@@ -59,8 +59,8 @@ static int64_t along(int64_t from, int64_t to, int64_t bend, int64_t k,
   return from + rounded((to - from + bend * rest) * k, n);
 }
 
-/* The corner common to parts (i - 1, j - 1) and (i, j), with 2^n parts along a
- * block's edge. Blocks without bends are their only part. */
+/* The corner common to tiles (i - 1, j - 1) and (i, j), with 2^n tiles along a
+ * block's edge. Blocks without bends are their only tile. */
 static point node(const rg_remap_section* table, uint32_t i, uint32_t j,
                   uint32_t n) {
   if (!has_bends(table)) return vertex(table, i, j);
@@ -84,34 +84,35 @@ static point node(const rg_remap_section* table, uint32_t i, uint32_t j,
 
 /* ---- From corners to a pixel's position ---------------------------------- */
 
-/* log2 of a part's size in output pixels. */
+/* log2 of a tile's size in output pixels. */
 static uint32_t part_log2(const rg_remap_section* table,
-                          plane_lattice lattice) {
+                          plane_lattice component) {
   if (!has_bends(table)) return table->block_log2;
-  return lattice.h == 1 && table->part_log2 == 3 ? 4 : table->part_log2;
+  return component.h == 1 && table->part_log2 == 3 ? 4 : table->part_log2;
 }
 
-/* Corner k of part (i, j), in pixels of the lattice: k is 0 at the top left, 1
- * at the top right, 2 and 3 below. */
-static point corner(const rg_remap_section* table, plane_lattice lattice,
+/* Corner k of tile (i, j), in pixels of the component: k is 0 at the top left,
+ * 1 at the top right, 2 and 3 below. */
+static point corner(const rg_remap_section* table, plane_lattice component,
                     uint32_t i, uint32_t j, uint32_t k) {
-  const uint32_t log2 = part_log2(table, lattice), n = table->block_log2 - log2;
+  const uint32_t log2 = part_log2(table, component),
+                 n = table->block_log2 - log2;
   const uint32_t x = i + (k & 1), y = j + (k >> 1);
   const point here = node(table, x, y, n);
   const point left = node(table, i, y, n), right = node(table, i + 1, y, n);
   const point top = node(table, x, j, n), bottom = node(table, x, j + 1, n);
   point q;
   for (int c = 0; c < 2; ++c) {
-    const int64_t half_pixels = (right.c[c] - left.c[c]) * lattice.h +
-                                (bottom.c[c] - top.c[c]) * lattice.h;
-    q.c[c] = rounded(
-        here.c[c] + rounded(half_pixels, log2 + 1) - 2048 * (int64_t)lattice.h,
-        lattice.l);
+    const int64_t half_pixels = (right.c[c] - left.c[c]) * component.h +
+                                (bottom.c[c] - top.c[c]) * component.h;
+    q.c[c] = rounded(here.c[c] + rounded(half_pixels, log2 + 1) -
+                         2048 * (int64_t)component.h,
+                     component.l);
   }
   return q;
 }
 
-/* The source position of pixel (x, y) of a part of 2^log2 lattice pixels with
+/* The source position of pixel (x, y) of a part of 2^log2 component pixels with
  * these corners. */
 static point position(const point* q, uint32_t x, uint32_t y, uint32_t log2) {
   point p;
@@ -126,20 +127,20 @@ static point position(const point* q, uint32_t x, uint32_t y, uint32_t log2) {
 
 /* ---- From a position to a value ------------------------------------------ */
 
-/* The positions that have a source, and the lattice's last pixel. */
+/* The positions that have a source, and the component's last pixel. */
 typedef struct limits {
   int64_t min[2], max[2], last[2];
 } limits;
 
-static limits find_limits(const rg_remap_section* table, plane_lattice lattice,
-                          const plain_source* source) {
-  const int64_t half = 2048 * (int64_t)lattice.h;
-  const limits found = {
-      {rounded(table->min_x_q12 - half, lattice.l),
-       rounded(table->min_y_q12 - half, lattice.l)},
-      {(table->max_x_q12 - half) >> lattice.l,
-       (table->max_y_q12 - half) >> lattice.l},
-      {(source->width >> lattice.l) - 1, (source->height >> lattice.l) - 1}};
+static limits find_limits(const rg_remap_section* table,
+                          plane_lattice component, const plain_source* source) {
+  const int64_t half = 2048 * (int64_t)component.h;
+  const limits found = {{rounded(table->min_x_q12 - half, component.l),
+                         rounded(table->min_y_q12 - half, component.l)},
+                        {(table->max_x_q12 - half) >> component.l,
+                         (table->max_y_q12 - half) >> component.l},
+                        {(source->width >> component.l) - 1,
+                         (source->height >> component.l) - 1}};
   return found;
 }
 
@@ -177,28 +178,28 @@ static void blend(const plain_source* source, uint32_t channels,
 
 /* ---- The plane ----------------------------------------------------------- */
 
-static int is_empty(const rg_remap_section* table, plane_lattice lattice,
+static int is_empty(const rg_remap_section* table, plane_lattice component,
                     uint32_t x, uint32_t y) {
-  const uint32_t log2 = table->block_log2 - lattice.l;
+  const uint32_t log2 = table->block_log2 - component.l;
   const uint32_t block = (y >> log2) * (table->columns - 1u) + (x >> log2);
   return (table->empty_blocks[block / 8] >> block % 8) & 1;
 }
 
-void remap_plainly(const rg_remap_section* table, plane_lattice lattice,
+void remap_plainly(const rg_remap_section* table, plane_lattice component,
                    const plain_source* source, const plain_target* target) {
-  const uint32_t n = lattice.channels;
-  const limits within = find_limits(table, lattice, source);
-  const uint32_t part = part_log2(table, lattice) - lattice.l;
+  const uint32_t n = component.channels;
+  const limits within = find_limits(table, component, source);
+  const uint32_t part = part_log2(table, component) - component.l;
   const uint32_t mask = (1u << part) - 1;
   point corners[4];
-  for (uint32_t y = 0; y < (uint32_t)table->height >> lattice.l; ++y) {
-    for (uint32_t x = 0; x < (uint32_t)table->width >> lattice.l; ++x) {
+  for (uint32_t y = 0; y < (uint32_t)table->height >> component.l; ++y) {
+    for (uint32_t x = 0; x < (uint32_t)table->width >> component.l; ++x) {
       uint8_t* const pixel = target->data + y * target->stride + n * x;
       for (uint32_t k = 0; k < 4 && (x & mask) == 0; ++k)
-        corners[k] = corner(table, lattice, x >> part, y >> part, k);
+        corners[k] = corner(table, component, x >> part, y >> part, k);
       const point p = position(corners, x & mask, y & mask, part);
       const int has_source =
-          !is_empty(table, lattice, x, y) && is_within(&within, p);
+          !is_empty(table, component, x, y) && is_within(&within, p);
       if (has_source || target->mode == RG_BORDER_CLAMP)
         blend(source, n, &within, clamp_position(&within, p, target->sampling),
               pixel);

@@ -1,6 +1,7 @@
 /* A remap that is to be read, not to be fast: formats/SPEC.md, "Remap
- * arithmetic", one pixel after the other, in 64 bits. The runtime's walks and
- * kernels are compared with it. plain_remap.c is read from its end upwards. */
+ * arithmetic", one pixel after the other, in 64 bits. The runtime's traversals
+ * and kernels are compared with it. plain_remap.c is read from its end upwards.
+ */
 #ifndef RAYGRID_PLAIN_REMAP_H
 #define RAYGRID_PLAIN_REMAP_H
 
@@ -9,7 +10,7 @@
 #include "raygrid.h"
 #include "rg_blob.h"
 
-/* A lattice of 8-bit samples: interleaved channels; a lattice pixel is 2^l
+/* A component of 8-bit samples: interleaved channels; a component pixel is 2^l
  * image pixels wide and high, and stands h half pixels right of and below the
  * first of them. NV12's chroma: {2, 1, 1}. */
 typedef struct plane_lattice {
@@ -17,7 +18,7 @@ typedef struct plane_lattice {
 } plane_lattice;
 
 /* A plane of the source image. width and height are the image's, in pixels,
- * also where the lattice is coarser. */
+ * also where the component is coarser. */
 typedef struct plain_source {
   const uint8_t* data;
   uint32_t stride; /* bytes */
@@ -36,7 +37,7 @@ typedef struct plain_target {
 
 /* Remaps one plane by a valid table, without or with bends. Nothing is checked.
  */
-void remap_plainly(const rg_remap_section* table, plane_lattice lattice,
+void remap_plainly(const rg_remap_section* table, plane_lattice component,
                    const plain_source* source, const plain_target* target);
 
 #endif /* RAYGRID_PLAIN_REMAP_H */

@@ -11,7 +11,7 @@
 static uint8_t memory[MEMORY_SIZE];
 
 /* Whether bytes of the rows of both are the same, byte by byte. */
-static int do_rows_meet(const rg_frame* frame, const rg_band* band,
+static int do_rows_meet(const rg_grey_image* frame, const rg_grey_target* band,
                         uint32_t row_bytes) {
   uint8_t is_in_frame[MEMORY_SIZE];
   memset(is_in_frame, 0, sizeof is_in_frame);
@@ -24,14 +24,14 @@ static int do_rows_meet(const rg_frame* frame, const rg_band* band,
   return 0;
 }
 
-static rg_status check_overlap(uint32_t row_bytes, const rg_frame* frame,
-                               const rg_band* band) {
+static rg_status check_overlap(uint32_t row_bytes, const rg_grey_image* frame,
+                               const rg_grey_target* band) {
   return rg_check_overlap(frame, band->data, band->stride,
                           row_bytes | (uint32_t)band->num_rows << 16);
 }
 
 /* Wherever the band lies. */
-static void check_places(const rg_frame* frame, rg_band band,
+static void check_places(const rg_grey_image* frame, rg_grey_target band,
                          uint32_t row_bytes) {
   for (band.data = memory; band.data < memory + MEMORY_SIZE / 2; ++band.data)
     assert_int_equal(
@@ -41,8 +41,8 @@ static void check_places(const rg_frame* frame, rg_band band,
 
 static void planes_of_one_stride_meet_where_rows_do(void** state) {
   (void)state;
-  rg_frame frame = {memory + MEMORY_SIZE / 4, 0, 0, 0};
-  rg_band band = {memory, 0, 0, 0, 0};
+  rg_grey_image frame = {memory + MEMORY_SIZE / 4, 0, 0, 0};
+  rg_grey_target band = {memory, 0, 0, 0, 0};
   for (uint32_t stride = 1; stride <= MAX_STRIDE; ++stride) {
     frame.stride = band.stride = stride;
     for (frame.height = 1; frame.height <= MAX_ROWS; ++frame.height)
@@ -56,8 +56,8 @@ static void planes_of_one_stride_meet_where_rows_do(void** state) {
 static void planes_of_two_strides_meet_where_their_ends_do(void** state) {
   (void)state;
   /* Bytes 10 to 19, and 5 wherever they lie. */
-  const rg_frame frame = {memory + 10, 4, 2, 3};
-  rg_band band = {memory, 3, 0, 2, 0};
+  const rg_grey_image frame = {memory + 10, 4, 2, 3};
+  rg_grey_target band = {memory, 3, 0, 2, 0};
   for (; band.data < memory + 30; ++band.data)
     assert_int_equal(check_overlap(2, &frame, &band),
                      band.data + 5 <= memory + 10 || band.data >= memory + 20

@@ -37,11 +37,11 @@ static int compare(const void* a, const void* b) {
   return (x > y) - (x < y);
 }
 
-static void print_median(const char* name, void (*run)(void)) {
+static void print_median(const char* name, void (*span)(void)) {
   double times_ns[NUM_RUNS];
   for (int k = 0; k < NUM_RUNS; ++k) {
     const double begin_ns = now_ns();
-    run();
+    span();
     times_ns[k] = (now_ns() - begin_ns) / NUM_POINTS;
   }
   qsort(times_ns, NUM_RUNS, sizeof(times_ns[0]), compare);

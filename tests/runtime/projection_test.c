@@ -124,7 +124,8 @@ static void projection_inverts_unprojection(void** state) {
 }
 
 /* How far the inverse grid's slopes lead for half a pixel along an axis. */
-static void check_slopes(const rg_place* from, const rg_place* to,
+static void check_slopes(const rg_grid_position* from,
+                         const rg_grid_position* to,
                          const int32_t slopes_q5[2][2], uint32_t along) {
   double found_px[2] = {0, 0};
   for (uint32_t c = 0; c < 2; ++c)
@@ -146,19 +147,19 @@ static void check_starts(const rg_camera* camera) {
     const rg_pixel pixel = {
         end_q16(camera, 0) + (width - 0x8000) / 50 * (k % 51),
         end_q16(camera, 1) + (height - 0x8000) / 40 * (k / 51)};
-    rg_place place, beside, start;
+    rg_grid_position place, beside, start;
     int32_t slopes_q5[2][2];
-    assert_int_equal(rg_find_place(grid, pixel.x_q16, pixel.y_q16, &place),
+    assert_int_equal(rg_evaluate_spline(grid, pixel.x_q16, pixel.y_q16, &place),
                      RG_OK);
-    assert_int_equal(rg_find_place(camera->inverse, place.value.q27[0],
-                                   place.value.q27[1], &start),
+    assert_int_equal(rg_evaluate_spline(camera->inverse, place.value.q27[0],
+                                        place.value.q27[1], &start),
                      RG_OK);
     const rg_pixel found = {2 * start.value.q27[0], 2 * start.value.q27[1]};
     assert_in_range(pixel_error(pixel, found), 0, 4096);
-    rg_find_slopes(camera->inverse, &start, slopes_q5);
-    rg_find_place(grid, pixel.x_q16 + 0x8000, pixel.y_q16, &beside);
+    rg_compute_jacobian(camera->inverse, &start, slopes_q5);
+    rg_evaluate_spline(grid, pixel.x_q16 + 0x8000, pixel.y_q16, &beside);
     check_slopes(&place, &beside, slopes_q5, 0);
-    rg_find_place(grid, pixel.x_q16, pixel.y_q16 + 0x8000, &beside);
+    rg_evaluate_spline(grid, pixel.x_q16, pixel.y_q16 + 0x8000, &beside);
     check_slopes(&place, &beside, slopes_q5, 1);
   }
 }

@@ -91,7 +91,7 @@ static inline int make_table(uint32_t style_index, uint32_t size_multiple) {
     table.max_x_q12 = between(table.min_x_q12, last_x);
     table.min_y_q12 = between(0, last_y / 2);
     table.max_y_q12 = between(table.min_y_q12, last_y);
-    /* a range without positions of the lattices of half as many pixels */
+    /* a range without positions of the components of half as many pixels */
     if (below(4) == 0) table.max_x_q12 = table.min_x_q12;
     if (below(4) == 0) table.max_y_q12 = table.min_y_q12;
   }

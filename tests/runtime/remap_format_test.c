@@ -54,7 +54,7 @@ static int open_table(const golden_table* table) {
   const int is_stack = table->blob == kStackBlob;
   return rg_camera_open(&wide, table->blob, table->blob_size) == RG_OK &&
                  rg_select_remap(&wide, table->index) == RG_OK &&
-                 rg_set_condition(&wide, GOLDEN_STACK_VALUE) ==
+                 rg_set_operating_point(&wide, GOLDEN_STACK_VALUE) ==
                      (is_stack ? RG_OK : RG_ERR_NO_STACK)
              ? 0
              : -1;
@@ -437,12 +437,14 @@ static void frames_of_every_view_are_the_golden_ones(void** state) {
   assert_int_equal(rg_camera_open(&camera, kViewsBlob, sizeof(kViewsBlob)),
                    RG_OK);
   make_test_frame(source[0], SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT);
-  const rg_frame frame = {source[0], SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT};
+  const rg_grey_image frame = {source[0], SOURCE_WIDTH, SOURCE_WIDTH,
+                               SOURCE_HEIGHT};
   for (uint32_t k = 0; k < sizeof(kViewsCrcs) / sizeof(kViewsCrcs[0]); ++k) {
     rg_view view;
     assert_int_equal(rg_select_remap(&camera, k), RG_OK);
     assert_int_equal(rg_remap_view(&camera, &view), RG_OK);
-    const rg_band band = {output[0], view.width, 0, view.height, GOLDEN_BORDER};
+    const rg_grey_target band = {output[0], view.width, 0, view.height,
+                                 GOLDEN_BORDER};
     assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
     const uint32_t size = (uint32_t)view.width * view.height;
     assert_int_equal(rg_crc32(0, output[0], size), kViewsCrcs[k]);
@@ -457,14 +459,14 @@ static void frames_of_every_mode_are_the_golden_ones(void** state) {
   assert_int_equal(rg_camera_open(&camera, kModesBlob, sizeof(kModesBlob)),
                    RG_OK);
   for (uint32_t k = 0; k < sizeof(kModesCrcs) / sizeof(kModesCrcs[0]); ++k) {
-    rg_frame frame = {frame_of_mode, 0, 0, 0};
+    rg_grey_image frame = {frame_of_mode, 0, 0, 0};
     uint16_t width, height;
     assert_int_equal(rg_select_remap(&camera, k), RG_OK);
     rg_frame_size(&camera, &frame.width, &frame.height);
     frame.stride = frame.width;
     make_test_frame(frame_of_mode, frame.width, frame.width, frame.height);
     assert_int_equal(rg_remap_size(&camera, &width, &height), RG_OK);
-    const rg_band band = {undistorted, width, 0, height, GOLDEN_BORDER};
+    const rg_grey_target band = {undistorted, width, 0, height, GOLDEN_BORDER};
     assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
     assert_int_equal(rg_crc32(0, undistorted, (uint32_t)width * height),
                      kModesCrcs[k]);

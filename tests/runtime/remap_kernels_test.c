@@ -66,11 +66,11 @@ static void check_frame(const frame_style* style) {
   target.sampling = below(4) == 0 ? RG_SAMPLING_NEAREST : RG_SAMPLING_BILINEAR;
   memcpy(target.border_values, kBorder, sizeof(kBorder));
   for (uint32_t k = 0; k < style->num_planes; ++k) {
-    const plane_lattice lattice = style->planes[k];
+    const plane_lattice component = style->planes[k];
     const uint32_t bytes =
-        ((uint32_t)camera.frame_width >> lattice.l) * lattice.channels;
+        ((uint32_t)camera.frame_width >> component.l) * component.channels;
     const uint32_t padding = below(3) == 0 ? below(40) : 0;
-    const uint32_t source_rows = (uint32_t)camera.frame_height >> lattice.l;
+    const uint32_t source_rows = (uint32_t)camera.frame_height >> component.l;
     const uint32_t size = (bytes + padding) * (source_rows - 1) + bytes;
     sources[k] = new_memory(size);
     uint8_t* const bytes_of_plane = sources[k].bytes;
@@ -79,7 +79,7 @@ static void check_frame(const frame_style* style) {
           (uint8_t)(below(3) == 0 ? 255 * below(2) : below(256));
     image.planes[k].data = bytes_of_plane;
     image.planes[k].stride = bytes + padding;
-    row_bytes[k] = ((uint32_t)width >> lattice.l) * lattice.channels;
+    row_bytes[k] = ((uint32_t)width >> component.l) * component.channels;
     target.planes[k].stride = row_bytes[k] + below(9);
     target.planes[k].data = output[k] + MARGIN;
     memset(expected[k], GUARD, sizeof(expected[k]));
@@ -88,7 +88,7 @@ static void check_frame(const frame_style* style) {
     const plain_target wanted = {expected[k] + MARGIN, target.planes[k].stride,
                                  target.border, target.sampling,
                                  kBorder + (style->num_planes == 1 ? 0 : k)};
-    remap_plainly(&table, lattice, &plain, &wanted);
+    remap_plainly(&table, component, &plain, &wanted);
   }
   for (uint32_t name = 0; name < NUM_NAMES; ++name) {
     target.kernels = rg_find_kernels(kNames[name]);
@@ -338,20 +338,20 @@ static int32_t edge_position(int32_t pixel) {
 }
 
 /* Lies in the source with its neighbours, and rows to spare. */
-static int is_inside(const rg_run* run) {
+static int is_inside(const rg_span* span) {
   for (uint32_t k = 0; k < 4; ++k)
     for (int c = 0; c < 2; ++c) {
       const int32_t size = c == 0 ? (int32_t)RUN_WIDTH : (int32_t)RUN_HEIGHT;
-      const int32_t q12 = run->block.corners[k].q12[c];
+      const int32_t q12 = span->block.corners[k].q12[c];
       if (q12 < 20 << 12 || q12 > (size - 20) << 12) return 0;
     }
   return 1;
 }
 
-static int make_run(rg_run* run) {
+static int make_run(rg_span* span) {
   const uint32_t log2 = 3 + below(3), size = 1u << log2;
   const int is_rising = below(2) == 0;
-  rg_position* const corners = run->block.corners;
+  rg_position* const corners = span->block.corners;
   int32_t step[2] = {limit_step(), limit_step()};
   if (is_rising) step[1] = -step[1];
   for (int c = 0; c < 2; ++c) {
@@ -366,27 +366,27 @@ static int make_run(rg_run* run) {
                              : is_rising   ? -4096 * between(0, 9)
                                            : 4096 * between(0, 9));
     for (int k = 0; k < 2; ++k) {
-      const int32_t span = step[c] * (int32_t)size;
+      const int32_t extent = step[c] * (int32_t)size;
       /* Half a step more or less, so that rounding decides, or anything. */
       const int32_t more = below(4) != 0
                                ? (int32_t)size / 2 - between(0, 2)
                                : between(-(int32_t)size, (int32_t)size) / 2;
       corners[2 * k + 1].q12[c] =
-          corners[2 * k].q12[c] + span + (below(8) == 0 ? -more : more);
+          corners[2 * k].q12[c] + extent + (below(8) == 0 ? -more : more);
     }
   }
-  run->block.width_log2 = run->block.height_log2 = (uint8_t)log2;
-  run->first_source_row = (uint16_t)below(4);
-  run->first_row = (uint8_t)below(size);
-  run->num_rows = (uint8_t)(1 + below(size - run->first_row));
-  run->first_pixel = (uint8_t)below(size);
-  run->num_pixels = (uint8_t)(1 + below(size - run->first_pixel));
+  span->block.width_log2 = span->block.height_log2 = (uint8_t)log2;
+  span->first_source_row = (uint16_t)below(4);
+  span->first_row = (uint8_t)below(size);
+  span->num_rows = (uint8_t)(1 + below(size - span->first_row));
+  span->first_pixel = (uint8_t)below(size);
+  span->num_pixels = (uint8_t)(1 + below(size - span->first_pixel));
   if (below(2) == 0) {
-    run->first_row = run->first_pixel = 0;
-    run->num_rows = run->num_pixels = (uint8_t)size;
+    span->first_row = span->first_pixel = 0;
+    span->num_rows = span->num_pixels = (uint8_t)size;
   }
-  run->out_pixel = (uint16_t)(below(3) + run->first_pixel);
-  return is_inside(run);
+  span->out_pixel = (uint16_t)(below(3) + span->first_pixel);
+  return is_inside(span);
 }
 
 static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
@@ -400,20 +400,20 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   state = 99;
   fill_source();
   for (uint32_t k = 0; k < NUM_RUNS; ++k) {
-    rg_run run;
-    if (!make_run(&run)) continue;
+    rg_span span;
+    if (!make_run(&span)) continue;
     const uint32_t channels = 1 + below(4);
-    run.data = source + (size_t)run.first_source_row * RUN_STRIDE;
-    run.stride = RUN_STRIDE;
-    run.out_stride = out_stride;
+    span.data = source + (size_t)span.first_source_row * RUN_STRIDE;
+    span.stride = RUN_STRIDE;
+    span.out_stride = out_stride;
     memset(expected[0], GUARD, 33 * out_stride);
-    run.out = expected[0];
-    kPortable[channels - 1](&run);
+    span.out = expected[0];
+    kPortable[channels - 1](&span);
     for (uint32_t n = 0; n < NUM_NAMES; ++n) {
       if (!kernels[n]) continue;
       memset(output[0], GUARD, 33 * out_stride);
-      run.out = output[0];
-      kernels[n]->blend[channels - 1](&run);
+      span.out = output[0];
+      kernels[n]->blend[channels - 1](&span);
       if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
         fail_msg("kernels %s, %u channels, run %u", kernels[n]->name,
                  (unsigned)channels, (unsigned)k);
@@ -424,7 +424,7 @@ static void runs_at_the_limits_are_as_the_portable_ones(void** unused) {
   assert_true(num_checked > NUM_RUNS / 20);
 }
 
-/* Lattices of one byte in each group of step; two of each 4. */
+/* Components of one byte in each group of step; two of each 4. */
 static void spread_runs_are_as_those_of_any_lattice(void** unused) {
   const uint32_t out_stride = 4 * 40;
   uint32_t num_checked = 0;
@@ -432,28 +432,28 @@ static void spread_runs_are_as_those_of_any_lattice(void** unused) {
   state = 77;
   fill_source();
   for (uint32_t k = 0; RG_CHOOSE_KERNELS && k < NUM_RUNS / 4; ++k) {
-    rg_run run;
-    if (!make_run(&run)) continue;
+    rg_span span;
+    if (!make_run(&span)) continue;
     const uint32_t step = 2u << below(2), first = below(2);
-    rg_lattice lattice = {RG_SAMPLE_8, 0, 0, (uint8_t)step, 1, {0, 0}, {0, 0},
-                          0,           1, 0};
-    run.data = source + (size_t)run.first_source_row * RUN_STRIDE;
-    run.stride = RUN_STRIDE;
-    run.out_stride = out_stride;
+    rg_component component = {
+        RG_SAMPLE_8, 0, 0, (uint8_t)step, 1, {0, 0}, {0, 0}, 0, 1, 0};
+    span.data = source + (size_t)span.first_source_row * RUN_STRIDE;
+    span.stride = RUN_STRIDE;
+    span.out_stride = out_stride;
     memset(expected[0], GUARD, 33 * out_stride);
-    run.out = expected[0];
+    span.out = expected[0];
     for (uint32_t sample = first; sample < step; sample += 2) {
-      lattice.first_sample = (uint8_t)sample;
-      rg_blend_lattice(&run, &lattice);
+      component.first_sample = (uint8_t)sample;
+      rg_blend_component(&span, &component);
     }
-    run.out = output[0];
+    span.out = output[0];
     for (uint32_t n = 0; n < NUM_NAMES; ++n) {
       const rg_kernels* const kernels = find_kernels(n);
       if (!kernels) continue;
       memset(output[0], GUARD, 33 * out_stride);
       for (uint32_t sample = first; sample < step; sample += 2) {
-        lattice.first_sample = (uint8_t)sample;
-        rg_blend_spread(kernels, &run, &lattice);
+        component.first_sample = (uint8_t)sample;
+        rg_blend_strided(kernels, &span, &component);
       }
       if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
         fail_msg("kernels %s, step %u, run %u", kernels->name, (unsigned)step,
@@ -468,8 +468,8 @@ static void spread_runs_are_as_those_of_any_lattice(void** unused) {
 
 /* How far 8 pixels and 8 rows lead, in q12, is about as far as 16 bits count.
  * Lies in so many rows of the source, 32 or 200. */
-static void make_block(rg_run* run, uint32_t num_rows) {
-  rg_position* const corners = run->block.corners;
+static void make_block(rg_span* span, uint32_t num_rows) {
+  rg_position* const corners = span->block.corners;
   const uint32_t log2 = num_rows == 32 ? 3 : 3 + below(3);
   const int32_t tiles = 1 << (log2 - 3);
   for (int c = 0; c < 2; ++c) {
@@ -485,20 +485,20 @@ static void make_block(rg_run* run, uint32_t num_rows) {
     corners[2].q12[c] = corners[0].q12[c] + down * tiles;
     corners[3].q12[c] = corners[2].q12[c] + across * tiles + turn;
   }
-  run->block.width_log2 = run->block.height_log2 = (uint8_t)log2;
-  run->num_pixels = run->num_rows = (uint8_t)(1u << log2);
+  span->block.width_log2 = span->block.height_log2 = (uint8_t)log2;
+  span->num_pixels = span->num_rows = (uint8_t)(1u << log2);
 }
 
-static void do_portably(const rg_run* run, uint32_t channels, int is_copy) {
+static void do_portably(const rg_span* span, uint32_t channels, int is_copy) {
   static rg_blend* const kPortable[4] = {rg_blend_1, rg_blend_2, rg_blend_3,
                                          rg_blend_4};
-  const rg_lattice lattice = {
+  const rg_component component = {
       RG_SAMPLE_8, 0, 0, (uint8_t)channels, (uint8_t)channels, {0, 0}, {0, 0},
       0,           1, 0};
   if (is_copy)
-    rg_copy_lattice(run, &lattice);
+    rg_copy_component(span, &component);
   else
-    kPortable[channels - 1](run);
+    kPortable[channels - 1](span);
 }
 
 static void blocks_are_as_their_rows(void** unused) {
@@ -510,22 +510,22 @@ static void blocks_are_as_their_rows(void** unused) {
     const uint32_t channels = 1 + below(4);
     const uint32_t num_rows = below(8) == 0 ? 32 : 200;
     const int is_copy = below(4) == 0;
-    rg_run run;
-    memset(&run, 0, sizeof(run));
-    make_block(&run, num_rows);
-    run.data = source;
-    run.stride = 1024 + below((uint32_t)sizeof(source) / num_rows - 1024);
-    run.out_stride = out_stride;
-    run.out_pixel = (uint16_t)below(3);
+    rg_span span;
+    memset(&span, 0, sizeof(span));
+    make_block(&span, num_rows);
+    span.data = source;
+    span.stride = 1024 + below((uint32_t)sizeof(source) / num_rows - 1024);
+    span.out_stride = out_stride;
+    span.out_pixel = (uint16_t)below(3);
     memset(expected[0], GUARD, 33 * out_stride);
     memset(output[0], GUARD, 33 * out_stride);
-    run.out = output[0];
-    do_portably(&run, channels, is_copy);
-    for (uint32_t r = 0; r < run.num_pixels; ++r) {
-      run.first_row = (uint8_t)r;
-      run.num_rows = 1;
-      run.out = expected[0] + r * out_stride;
-      do_portably(&run, channels, is_copy);
+    span.out = output[0];
+    do_portably(&span, channels, is_copy);
+    for (uint32_t r = 0; r < span.num_pixels; ++r) {
+      span.first_row = (uint8_t)r;
+      span.num_rows = 1;
+      span.out = expected[0] + r * out_stride;
+      do_portably(&span, channels, is_copy);
     }
     if (memcmp(output[0], expected[0], 33 * out_stride) != 0)
       fail_msg("%u channels, block %u", (unsigned)channels, (unsigned)k);

@@ -29,11 +29,11 @@ typedef struct plane_size {
 static plane_size size_of_plane(rg_format format, uint32_t plane,
                                 uint32_t width, uint32_t num_rows) {
   plane_size size = {0, 0};
-  rg_lattice lattice;
-  for (uint32_t k = 0; rg_find_lattice(format, k, &lattice); ++k) {
-    if (lattice.plane != plane) continue;
-    size.row_bytes = rg_plane_row_bytes(&lattice, width);
-    size.num_rows = (num_rows >> lattice.log2[1]) * lattice.row_step;
+  rg_component component;
+  for (uint32_t k = 0; rg_get_component(format, k, &component); ++k) {
+    if (component.plane != plane) continue;
+    size.row_bytes = rg_plane_row_bytes(&component, width);
+    size.num_rows = (num_rows >> component.log2[1]) * component.row_step;
   }
   return size;
 }
@@ -178,8 +178,8 @@ static void rounding_may_lead_before_a_ring(void** context) {
   for (uint32_t i = 0; i < sizeof(out); ++i) assert_int_equal(out[i], 10);
 }
 
-/* The chroma lattice of a table of one column has no pixels: there is no frame,
- * but its rows may be asked for. */
+/* The chroma component of a table of one column has no pixels: there is no
+ * frame, but its rows may be asked for. */
 static void lattice_of_no_pixels_needs_no_rows(void** context) {
   (void)context;
   rg_remap_section table = new_table(1, 2);

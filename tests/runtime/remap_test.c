@@ -25,17 +25,17 @@ static uint8_t source[(SOURCE_WIDTH + PADDING) * SOURCE_HEIGHT];
 static uint8_t whole[WIDTH * HEIGHT];
 static uint8_t output[2 * MARGIN + (WIDTH + PADDING) * HEIGHT];
 
-static rg_frame make_source(uint32_t stride) {
+static rg_grey_image make_source(uint32_t stride) {
   memset(source, GUARD, sizeof(source));
   make_test_frame(source, stride, SOURCE_WIDTH, SOURCE_HEIGHT);
-  const rg_frame frame = {source, stride, SOURCE_WIDTH, SOURCE_HEIGHT};
+  const rg_grey_image frame = {source, stride, SOURCE_WIDTH, SOURCE_HEIGHT};
   return frame;
 }
 
-static rg_status remap_rows(const rg_frame* frame, uint32_t first_row,
+static rg_status remap_rows(const rg_grey_image* frame, uint32_t first_row,
                             uint32_t num_rows, uint8_t* data) {
-  const rg_band band = {data, WIDTH, (uint16_t)first_row, (uint16_t)num_rows,
-                        GOLDEN_BORDER};
+  const rg_grey_target band = {data, WIDTH, (uint16_t)first_row,
+                               (uint16_t)num_rows, GOLDEN_BORDER};
   return rg_remap_grey(&lens, frame, &band);
 }
 
@@ -45,7 +45,7 @@ static int remap_whole_frame(void** state) {
   memset(output, GUARD, sizeof(output));
   const rg_status opened = rg_camera_open(&lens, kLensBlob, sizeof(kLensBlob));
   if (opened != RG_OK || rg_select_remap(&lens, 0) != RG_OK) return -1;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   return remap_rows(&frame, 0, HEIGHT, whole) == RG_OK ? 0 : -1;
 }
 
@@ -67,8 +67,8 @@ static void example_is_the_golden_one(void** state) {
                    RG_OK);
   assert_int_equal(rg_select_remap(&example, 0), RG_OK);
   make_test_frame(source, 64, 64, 48);
-  const rg_frame frame = {source, 64, 64, 48};
-  const rg_band band = {output, 16, 0, 8, GOLDEN_BORDER};
+  const rg_grey_image frame = {source, 64, 64, 48};
+  const rg_grey_target band = {output, 16, 0, 8, GOLDEN_BORDER};
   assert_int_equal(rg_remap_grey(&example, &frame, &band), RG_OK);
   assert_int_equal(rg_crc32(0, output, 16 * 8), GOLDEN_EXAMPLE_REMAP_CRC);
   check_guards(output + 16 * 8, output + sizeof(output));
@@ -76,7 +76,7 @@ static void example_is_the_golden_one(void** state) {
 
 static void bands_of_any_height_make_the_frame(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   for (uint32_t height = 1; height <= HEIGHT; ++height) {
     memset(output, GUARD, sizeof(output));
     for (uint32_t row = 0; row < HEIGHT; row += height) {
@@ -91,7 +91,7 @@ static void bands_of_any_height_make_the_frame(void** state) {
 
 static void bands_may_come_in_any_order(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   for (uint32_t k = 0; k < HEIGHT; ++k) {
     const uint32_t row = k * 37 % HEIGHT;
     assert_int_equal(remap_rows(&frame, row, 1, output + row * WIDTH), RG_OK);
@@ -101,7 +101,7 @@ static void bands_may_come_in_any_order(void** state) {
 
 static void band_writes_only_its_rows(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   uint8_t* band = output + MARGIN;
   assert_int_equal(remap_rows(&frame, 30, 11, band), RG_OK);
   check_guards(output, band);
@@ -111,9 +111,10 @@ static void band_writes_only_its_rows(void** state) {
 
 static void padding_between_rows_is_untouched(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH + PADDING);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH + PADDING);
   const uint32_t stride = WIDTH + PADDING;
-  const rg_band band = {output + MARGIN, stride, 0, HEIGHT, GOLDEN_BORDER};
+  const rg_grey_target band = {output + MARGIN, stride, 0, HEIGHT,
+                               GOLDEN_BORDER};
   assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_OK);
   check_guards(output, output + MARGIN);
   for (uint32_t y = 0; y < HEIGHT; ++y) {
@@ -126,7 +127,7 @@ static void padding_between_rows_is_untouched(void** state) {
 
 static void band_without_rows_writes_nothing(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   assert_int_equal(remap_rows(&frame, HEIGHT, 0, output), RG_OK);
   check_guards(output, output + sizeof(output));
 }
@@ -135,8 +136,9 @@ static void band_without_rows_writes_nothing(void** state) {
 static void border_value_is_the_callers(void** state) {
   (void)state;
   memset(source, 1, sizeof(source));
-  const rg_frame frame = {source, SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT};
-  const rg_band band = {output, WIDTH, 0, HEIGHT, 200};
+  const rg_grey_image frame = {source, SOURCE_WIDTH, SOURCE_WIDTH,
+                               SOURCE_HEIGHT};
+  const rg_grey_target band = {output, WIDTH, 0, HEIGHT, 200};
   assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_OK);
   uint32_t num_border = 0;
   for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
@@ -148,7 +150,8 @@ static void border_value_is_the_callers(void** state) {
 
 static void check_frame(uint32_t width, uint32_t height, uint32_t stride,
                         rg_status expected) {
-  const rg_frame frame = {source, stride, (uint16_t)width, (uint16_t)height};
+  const rg_grey_image frame = {source, stride, (uint16_t)width,
+                               (uint16_t)height};
   assert_int_equal(remap_rows(&frame, 0, HEIGHT, output), expected);
 }
 
@@ -167,10 +170,10 @@ static void strides_that_no_row_fits_are_refused(void** state) {
   (void)state;
   const uint32_t strides[] = {WIDTH - 1, UINT32_C(1) << 31, UINT32_MAX - WIDTH,
                               UINT32_MAX};
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   for (uint32_t k = 0; k < sizeof(strides) / sizeof(strides[0]); ++k) {
     check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, strides[k], RG_ERR_FRAME_SIZE);
-    const rg_band band = {output, strides[k], 0, HEIGHT, GOLDEN_BORDER};
+    const rg_grey_target band = {output, strides[k], 0, HEIGHT, GOLDEN_BORDER};
     assert_int_equal(rg_remap_grey(&lens, &frame, &band), RG_ERR_FRAME_SIZE);
   }
   check_frame(SOURCE_WIDTH, SOURCE_HEIGHT, SOURCE_WIDTH - 1, RG_ERR_FRAME_SIZE);
@@ -179,7 +182,7 @@ static void strides_that_no_row_fits_are_refused(void** state) {
 
 static void rows_below_the_output_are_refused(void** state) {
   (void)state;
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   assert_int_equal(remap_rows(&frame, 0, HEIGHT + 1, output), RG_ERR_ROWS);
   assert_int_equal(remap_rows(&frame, HEIGHT - 1, 2, output), RG_ERR_ROWS);
   assert_int_equal(remap_rows(&frame, 65535, 1, output), RG_ERR_ROWS);
@@ -207,7 +210,7 @@ static void blob_without_remap_says_so(void** state) {
   assert_int_equal(rg_remap_size(&lens, &width, &height), RG_ERR_NO_REMAP);
   assert_int_equal(width, 1);
   assert_int_equal(height, 2);
-  const rg_frame frame = make_source(SOURCE_WIDTH);
+  const rg_grey_image frame = make_source(SOURCE_WIDTH);
   assert_int_equal(remap_rows(&frame, 0, HEIGHT, output), RG_ERR_NO_REMAP);
   check_guards(output, output + sizeof(output));
 }
@@ -287,8 +290,9 @@ static void move_image(const rg_remap_section* table) {
   uint8_t* exact = malloc(MOVED_WIDTH * MOVED_HEIGHT);
   assert_non_null(exact);
   memcpy(exact, source, MOVED_WIDTH * MOVED_HEIGHT);
-  const rg_frame frame = {exact, MOVED_WIDTH, MOVED_WIDTH, MOVED_HEIGHT};
-  const rg_band band = {output, MOVED_WIDTH, 0, MOVED_HEIGHT, GOLDEN_BORDER};
+  const rg_grey_image frame = {exact, MOVED_WIDTH, MOVED_WIDTH, MOVED_HEIGHT};
+  const rg_grey_target band = {output, MOVED_WIDTH, 0, MOVED_HEIGHT,
+                               GOLDEN_BORDER};
   assert_int_equal(rg_remap_grey(&camera, &frame, &band), RG_OK);
   free(exact);
 }

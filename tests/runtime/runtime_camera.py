@@ -25,7 +25,7 @@ class Camera:
         status = library.rg_camera_open(self._camera, self._memory, len(data))
         assert status == 0, status
         if condition is not None:
-            status = library.rg_set_condition(self._camera, ctypes.c_int32(condition))
+            status = library.rg_set_operating_point(self._camera, ctypes.c_int32(condition))
             assert status in (0, EXTRAPOLATED), status
 
     def line(self, pixel):

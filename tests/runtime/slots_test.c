@@ -20,7 +20,7 @@ static uint8_t* slot_at(uint32_t index) {
 }
 
 static rg_status choose(rg_slot* newest) {
-  return rg_choose_slot(slot_at(0), slot_at(1), SLOT_SIZE, newest);
+  return rg_select_slot(slot_at(0), slot_at(1), SLOT_SIZE, newest);
 }
 
 static void put(uint32_t index, const uint8_t* blob, uint32_t num_bytes,
@@ -76,9 +76,9 @@ static void newest_blob_opens_in_place(void** state) {
   assert_int_equal(rg_camera_open(&camera, newest.blob, newest.num_bytes),
                    RG_OK);
   /* Without that slot, as after a refusal, the other one counts. */
-  assert_int_equal(rg_choose_slot(slot_at(0), 0, SLOT_SIZE, &newest), RG_OK);
+  assert_int_equal(rg_select_slot(slot_at(0), 0, SLOT_SIZE, &newest), RG_OK);
   assert_int_equal(newest.index, 0);
-  assert_int_equal(rg_choose_slot(0, slot_at(1), SLOT_SIZE, &newest), RG_OK);
+  assert_int_equal(rg_select_slot(0, slot_at(1), SLOT_SIZE, &newest), RG_OK);
   assert_int_equal(newest.index, 1);
 }
 
@@ -164,17 +164,17 @@ static void impossible_calls_are_refused(void** state) {
   rg_slot newest;
   uint32_t header[16];
   put_example(0, 1);
-  assert_int_equal(rg_choose_slot(0, 0, SLOT_SIZE, &newest), RG_ERR_NO_SLOT);
-  assert_int_equal(rg_choose_slot(slot_at(0), slot_at(1), SLOT_SIZE, 0),
+  assert_int_equal(rg_select_slot(0, 0, SLOT_SIZE, &newest), RG_ERR_NO_SLOT);
+  assert_int_equal(rg_select_slot(slot_at(0), slot_at(1), SLOT_SIZE, 0),
                    RG_ERR_ARGUMENT);
   for (uint32_t size = 0; size <= RG_SLOT_HEADER_SIZE; size += 32)
-    assert_int_equal(rg_choose_slot(slot_at(0), slot_at(1), size, &newest),
+    assert_int_equal(rg_select_slot(slot_at(0), slot_at(1), size, &newest),
                      RG_ERR_ARGUMENT);
   assert_int_equal(
-      rg_choose_slot(slot_at(0) + 2, slot_at(1), SLOT_SIZE, &newest),
+      rg_select_slot(slot_at(0) + 2, slot_at(1), SLOT_SIZE, &newest),
       RG_ERR_MISALIGNED);
   assert_int_equal(
-      rg_choose_slot(slot_at(0), slot_at(1) + 1, SLOT_SIZE, &newest),
+      rg_select_slot(slot_at(0), slot_at(1) + 1, SLOT_SIZE, &newest),
       RG_ERR_MISALIGNED);
   assert_int_equal(rg_make_slot_header(0, 4, 1, header), RG_ERR_ARGUMENT);
   assert_int_equal(rg_make_slot_header(kExampleBlob, 0, 1, header),

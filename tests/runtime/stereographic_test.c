@@ -68,8 +68,8 @@ static void chart_points_of_their_directions_come_back(void** state) {
          (int32_t)next_random(&random) >> (2 + i % 9)}};
     rg_ray ray;
     rg_chart_point back;
-    rg_direction_of(&point, &ray);
-    const int is_found = rg_chart_point_of(&ray, -(1 << 30), &back);
+    rg_chart_to_direction(&point, &ray);
+    const int is_found = rg_direction_to_chart(&ray, -(1 << 30), &back);
     const int64_t a = point.q27[0], b = point.q27[1];
     const int64_t beyond_q38 = (a * a + b * b - (INT64_C(15) << 54)) >> 16;
     if (is_found)
@@ -89,10 +89,10 @@ static void directions_beyond_the_limit_are_refused(void** state) {
   const rg_ray forward = {0, 0, 5}, aside = {3, -4, 0}, back = {1, 2, -9};
   rg_chart_point point;
   const int32_t one = 1 << 30;
-  assert_true(rg_chart_point_of(&forward, one - 1000, &point));
-  assert_false(rg_chart_point_of(&aside, 1000, &point));
-  assert_true(rg_chart_point_of(&aside, -1000, &point));
-  assert_false(rg_chart_point_of(&back, -one / 2, &point));
+  assert_true(rg_direction_to_chart(&forward, one - 1000, &point));
+  assert_false(rg_direction_to_chart(&aside, 1000, &point));
+  assert_true(rg_direction_to_chart(&aside, -1000, &point));
+  assert_false(rg_direction_to_chart(&back, -one / 2, &point));
 }
 
 int main(void) {

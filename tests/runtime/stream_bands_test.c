@@ -42,8 +42,9 @@ static void streamed_frame_is_the_whole_one(void** state) {
   assert_int_equal(rg_camera_open(&camera, kWideBlob, sizeof(kWideBlob)),
                    RG_OK);
   assert_int_equal(rg_select_remap(&camera, 0), RG_OK);
-  const rg_frame whole = {frame, SENSOR_WIDTH, SENSOR_WIDTH, SENSOR_HEIGHT};
-  const rg_band band = {expected, WIDTH, 0, HEIGHT, 0};
+  const rg_grey_image whole = {frame, SENSOR_WIDTH, SENSOR_WIDTH,
+                               SENSOR_HEIGHT};
+  const rg_grey_target band = {expected, WIDTH, 0, HEIGHT, 0};
   assert_int_equal(rg_remap_grey(&camera, &whole, &band), RG_OK);
   assert_int_equal(stream_frame(&camera), RG_OK);
   assert_int_equal(num_received, SENSOR_HEIGHT);

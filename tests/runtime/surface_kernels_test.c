@@ -1,5 +1,6 @@
-/* rg_find_place_avx2() and rg_find_slopes_avx2() have the bits of the portable
- * code: grids with any control points, even such that no camera has. */
+/* rg_evaluate_spline_avx2() and rg_compute_jacobian_avx2() have the bits of the
+ * portable code: grids with any control points, even such that no camera has.
+ */
 #include <string.h>
 
 #include "rays/surface_choice.h"
@@ -42,10 +43,11 @@ static random_grid make_grid(uint32_t fraction_bits, uint32_t* random) {
   return grid;
 }
 
-static void check_slopes(const uint8_t* inverse, const rg_place* place) {
+static void check_slopes(const uint8_t* inverse,
+                         const rg_grid_position* place) {
   int32_t slopes_q5[2][2], expected_q5[2][2];
-  rg_find_slopes_avx2(inverse, place, slopes_q5);
-  rg_find_slopes(inverse, place, expected_q5);
+  rg_compute_jacobian_avx2(inverse, place, slopes_q5);
+  rg_compute_jacobian(inverse, place, expected_q5);
   assert_memory_equal(slopes_q5, expected_q5, sizeof(slopes_q5));
 }
 
@@ -57,11 +59,11 @@ static void check_places(const random_grid* grid, int is_narrow,
         k == 0 ? SIZE_Q16 : (int32_t)(next_random(random) % 6700000u) - 50000;
     const int32_t y =
         k == 0 ? SIZE_Q16 : (int32_t)(next_random(random) % 6700000u) - 50000;
-    rg_place place, expected;
+    rg_grid_position place, expected;
     memset(&place, 0, sizeof(place));
     memset(&expected, 0, sizeof(expected));
-    const rg_status status = rg_find_place_avx2(grid->bytes, x, y, &place);
-    assert_int_equal(status, rg_find_place(grid->bytes, x, y, &expected));
+    const rg_status status = rg_evaluate_spline_avx2(grid->bytes, x, y, &place);
+    assert_int_equal(status, rg_evaluate_spline(grid->bytes, x, y, &expected));
     assert_memory_equal(&place, &expected, sizeof(place));
     if (status == RG_OK && is_narrow) check_slopes(grid->bytes, &place);
   }
@@ -70,7 +72,7 @@ static void check_places(const random_grid* grid, int is_narrow,
 static void test_has_the_portable_bits(void** state) {
   uint32_t random = 3;
   (void)state;
-  if (rg_best_surface() != RG_SURFACE_AVX2) skip(); /* no such processor */
+  if (rg_select_surface() != RG_SURFACE_AVX2) skip(); /* no such processor */
   for (int k = 0; k < NUM_GRIDS; ++k) {
     const random_grid wide = make_grid(RG_CONTROL_POINT_BITS, &random);
     const uint32_t bits =

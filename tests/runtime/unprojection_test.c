@@ -338,13 +338,13 @@ static void kernels_of_rays_can_be_chosen(void** state) {
   static const char* const kNames[] = {"avx2", "portable", NULL};
   (void)state;
   for (int k = 0; k < 3; ++k) {
-    const rg_status status = rg_choose_ray_kernels(&lens, kNames[k]);
-    assert_int_equal(rg_choose_ray_kernels(&narrow, kNames[k]), status);
+    const rg_status status = rg_select_ray_kernels(&lens, kNames[k]);
+    assert_int_equal(rg_select_ray_kernels(&narrow, kNames[k]), status);
     assert_int_equal(status,
                      k == 0 && status != RG_OK ? RG_ERR_ARGUMENT : RG_OK);
     assert_int_equal(crc_of_rays(), RAYS_CRC);
   }
-  assert_int_equal(rg_choose_ray_kernels(&lens, "avx"), RG_ERR_ARGUMENT);
+  assert_int_equal(rg_select_ray_kernels(&lens, "avx"), RG_ERR_ARGUMENT);
 }
 
 int main(void) {

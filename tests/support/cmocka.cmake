@@ -56,13 +56,13 @@ function(raygrid_c_test name)
   endif()
 endfunction()
 
-# The walk of small boards, in front of the library's in programs that link it.
+# The traversal of small boards, in front of the library's in programs that link it.
 if(RAYGRID_HOST)
-  add_library(raygrid_small_walk OBJECT)
-  foreach(source rays/camera rays/stack cortex_m/blended_corners frames/remap frames/remap_grey
-      frames/remap_source_rows frames/walk_fast frames/walk_small kernels/dispatch kernels/portable)
-    target_sources(raygrid_small_walk PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
+  add_library(raygrid_small_traversal OBJECT)
+  foreach(source rays/camera rays/operating_point cortex_m/blended_corners frames/remap frames/remap_grey
+      frames/remap_source_rows frames/traversal_fast frames/traversal_small kernels/dispatch kernels/portable)
+    target_sources(raygrid_small_traversal PRIVATE ${PROJECT_SOURCE_DIR}/runtime/${source}.c)
   endforeach()
-  target_compile_definitions(raygrid_small_walk PUBLIC RG_FAST_WALK=0)
-  target_link_libraries(raygrid_small_walk PRIVATE raygrid_runtime raygrid_warnings)
+  target_compile_definitions(raygrid_small_traversal PUBLIC RG_FAST_TRAVERSAL=0)
+  target_link_libraries(raygrid_small_traversal PRIVATE raygrid_runtime raygrid_warnings)
 endif()

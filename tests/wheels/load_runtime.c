@@ -38,14 +38,16 @@ int main(int argc, char** argv) {
   }
   rg_status (*open)(rg_camera*, const void*, uint32_t);
   rg_status (*select)(rg_camera*, uint32_t);
-  rg_status (*remap)(const rg_camera*, const rg_frame*, const rg_band*);
+  rg_status (*remap)(const rg_camera*, const rg_grey_image*,
+                     const rg_grey_target*);
   find(library, "rg_camera_open", &open);
   find(library, "rg_select_remap", &select);
   find(library, "rg_remap_grey", &remap);
   rg_camera lens;
   make_test_frame(source, SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT);
-  const rg_frame frame = {source, SOURCE_WIDTH, SOURCE_WIDTH, SOURCE_HEIGHT};
-  const rg_band band = {output, WIDTH, 0, HEIGHT, GOLDEN_BORDER};
+  const rg_grey_image frame = {source, SOURCE_WIDTH, SOURCE_WIDTH,
+                               SOURCE_HEIGHT};
+  const rg_grey_target band = {output, WIDTH, 0, HEIGHT, GOLDEN_BORDER};
   if (!open || !select || !remap ||
       open(&lens, kLensBlob, sizeof(kLensBlob)) != RG_OK ||
       select(&lens, 0) != RG_OK || remap(&lens, &frame, &band) != RG_OK)

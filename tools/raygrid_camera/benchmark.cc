@@ -13,15 +13,15 @@ constexpr size_t kOtherBytes = size_t{64} << 20;
 // Memory past the caches is slower than this.
 constexpr double kMaxSlowdown = 4;
 
-double InMilliseconds(Clock::duration time) {
+double ToMilliseconds(Clock::duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
 double Median(std::vector<double> values) {
   if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const auto median = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), median, values.end());
+  return *median;
 }
 
 // The time that copying the rows of a frame takes.
@@ -33,7 +33,7 @@ double CopyPlanes_ms(const StreamFormat& format, const rg_image& image,
     std::memcpy(to, image.planes[i].data, number);
     to += number;
   }
-  return InMilliseconds(Clock::now() - start);
+  return ToMilliseconds(Clock::now() - start);
 }
 
 size_t CopiedBytes(const StreamFormat& format) {
@@ -52,7 +52,7 @@ double CopyOther_ms(size_t number) {
   for (uint64_t k = 0; k < kNumTimed; ++k) {
     const Clock::time_point start = Clock::now();
     std::memcpy(to.data(), from.data() + place, number);
-    times_ms.push_back(InMilliseconds(Clock::now() - start));
+    times_ms.push_back(ToMilliseconds(Clock::now() - start));
     place += number;
     if (place + number > from.size()) place = 0;
   }
@@ -67,7 +67,7 @@ class Benchmark::TimedSource : public FrameSource {
       : source_(source), copy_(CopiedBytes(source->format()), 1) {}
 
   const StreamFormat& format() const override { return source_->format(); }
-  bool tells_crops() const override { return source_->tells_crops(); }
+  bool reports_crops() const override { return source_->reports_crops(); }
   std::string memory() const override { return source_->memory(); }
   void Start() override { source_->Start(); }
 
@@ -113,8 +113,8 @@ void Benchmark::Count(const UndistortedFrame& frame, Clock::duration output) {
   if (num_counted_ <= kNumSkipped || num_counted_ > kNumSkipped + kNumTimed)
     return;
   last_ = Clock::now();
-  remap_ms_.push_back(InMilliseconds(frame.remap_time));
-  output_ms_.push_back(InMilliseconds(output));
+  remap_ms_.push_back(ToMilliseconds(frame.remap_time));
+  output_ms_.push_back(ToMilliseconds(output));
 }
 
 std::string Benchmark::Describe() const {
@@ -126,7 +126,7 @@ std::string Benchmark::Describe() const {
                 "frames_per_second: %.2f\nreading_ms: %.3f\nremap_ms: %.3f\n"
                 "output_ms: %.3f\ncopying_ms: %.3f\nremap_per_copy: %.2f\n"
                 "memory: %s\ncached: %s\nthreads: %u\n",
-                1e3 * kNumTimed / InMilliseconds(last_ - first_), reading_ms,
+                1e3 * kNumTimed / ToMilliseconds(last_ - first_), reading_ms,
                 remap_ms, Median(output_ms_), copying_ms, remap_ms / copying_ms,
                 memory.empty() ? "this program's" : memory.c_str(),
                 reading_ms < kMaxSlowdown * copying_ms ? "yes" : "no",

@@ -275,7 +275,7 @@ void TakeOption(int which, CameraArguments* arguments) {
       arguments->as_png = true;
       break;
     case kOutside:
-      arguments->only_trusted = ParseOutside(optarg);
+      arguments->only_valid = ParseOutside(optarg);
       break;
     case kEveryFrame:
       arguments->every_frame = true;
@@ -335,7 +335,7 @@ void CheckTogether(const CameraArguments& arguments) {
   if (!arguments.points.empty() &&
       (!arguments.output.empty() || arguments.http.port != 0))
     FailUsage("--points cannot be combined with -o or --http");
-  if (!arguments.points.empty() && arguments.only_trusted)
+  if (!arguments.points.empty() && arguments.only_valid)
     FailUsage("--outside applies to frames, not to --points");
   if (arguments.is_benchmark &&
       (arguments.num_frames != 0 || !arguments.points.empty()))

@@ -26,7 +26,7 @@ struct CameraArguments {
   double frames_per_second = 30;  // rate of the recording
   std::string output;             // folder; "-": standard output
   bool as_png = false;
-  bool only_trusted = false;  // border outside the valid region
+  bool only_valid = false;  // border outside the valid region
   bool every_frame = false;
   bool is_strict = false;    // stop at frames not as calibrated
   unsigned num_threads = 0;  // 0: all processors but one

@@ -123,7 +123,7 @@ class FrameLoop {
     if (benchmark_) benchmark_->Count(*frame, Clock::now() - start);
     if (!arguments_.is_check) notice_.OnFrame();
     ++written_;
-    undistorter_->GiveBack(frame);
+    undistorter_->ReturnFrame(frame);
     patience_.Refresh();
   }
 
@@ -167,7 +167,7 @@ std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
 // Whether the first frame is to say which of the blob's tables is used.
 bool IsTableOpen(const CameraArguments& arguments, const FrameSource& source,
                  const rg_camera& camera) {
-  return !arguments.table && source.tells_crops() && HasTablesOfModes(camera);
+  return !arguments.table && source.reports_crops() && HasTablesOfModes(camera);
 }
 
 // Selects the blob's table for frames as this one; leaves the one in use where
@@ -178,7 +178,7 @@ void SelectTable(const CameraArguments& arguments, const FrameSource& source,
   const uint32_t table = FindTable(
       *camera, source.format(),
       arguments.calibrated_crop ? arguments.calibrated_crop : capture.crop(),
-      info.crop, capture.FlipsOf(info));
+      info.crop, capture.GetFlips(info));
   if (table != RG_NO_TABLE) rg_select_remap(camera, table);
 }
 
@@ -225,7 +225,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
     std::fprintf(stderr, "frame buffers: %s\n", source->memory().c_str());
   UndistorterOptions options;
   options.every_frame = arguments.every_frame;
-  options.only_trusted = arguments.only_trusted;
+  options.only_valid = arguments.only_valid;
   options.num_threads =
       arguments.num_threads > 0 ? arguments.num_threads : AllProcessorsButOne();
   std::unique_ptr<Benchmark> benchmark;
@@ -265,9 +265,9 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
   while (info && !guard.Check(*info)) info = WaitForFrame(arguments, source);
   source->Stop();
   capture->Finish();
-  StackFollower stack(&camera);
+  OperatingPointFollower stack(&camera);
   if (info) stack.Follow(*info);
-  if (stack.counts().untold > 0)
+  if (stack.counts().num_missing > 0)
     SayLine(
         "the frame does not report its operating point: using the reference of "
         "the blob, unless a point has a third number");

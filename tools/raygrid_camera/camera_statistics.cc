@@ -67,10 +67,10 @@ void CameraStatistics::Show(const SourceCounts& source,
                  Number(capture_.num_not_as_calibrated()));
   if (capture_.num_held_back() > 0)
     std::fprintf(stderr, " (%llu held back)", Number(capture_.num_held_back()));
-  const StackCounts& stack = statistics.stack;
-  if (stack.untold > 0)
+  const OperatingPointCounts& stack = statistics.stack;
+  if (stack.num_missing > 0)
     std::fprintf(stderr, ", operating point unknown: %llu frames",
-                 Number(stack.untold));
+                 Number(stack.num_missing));
   if (stack.outside > 0)
     std::fprintf(stderr, ", operating point out of range: %llu frames",
                  Number(stack.outside));

@@ -66,7 +66,7 @@ Blob OpenBlob(const CameraArguments& arguments) {
                       arguments.blob + ": table " + std::to_string(table) +
                           " is an inverse remap (distort); select a table that "
                           "undistorts with --table");
-  if (arguments.only_trusted) RequireMask(arguments.blob, blob.bytes);
+  if (arguments.only_valid) RequireMask(arguments.blob, blob.bytes);
   blob.capture = ReadCapture(arguments.blob, blob.bytes.data(),
                              static_cast<uint32_t>(blob.bytes.size()));
   if (arguments.is_strict && !blob.capture)

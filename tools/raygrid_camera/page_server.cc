@@ -159,10 +159,10 @@ class PageServer::Impl {
   MHD_Result AnswerStream(MHD_Connection* connection, NewestStream* stream);
 
  private:
-  static MHD_Result AnswerOf(void* server, MHD_Connection* connection,
-                             const char* path, const char* method,
-                             const char* version, const char* body,
-                             size_t* body_size, void** state);
+  static MHD_Result HandleRequest(void* server, MHD_Connection* connection,
+                                  const char* path, const char* method,
+                                  const char* version, const char* body,
+                                  size_t* body_size, void** state);
   MHD_Result Answer(MHD_Connection* connection, const std::string& path,
                     const std::string& method);
   sockaddr_storage ReachedAddress(MHD_Connection* connection) const;
@@ -200,7 +200,7 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
   if (parsed->ai_family == AF_INET6) flags |= MHD_USE_IPv6;
   const std::lock_guard<std::mutex> lock(opening_);
   daemon_ = MHD_start_daemon(
-      flags, address.port, nullptr, nullptr, &Impl::AnswerOf, this,
+      flags, address.port, nullptr, nullptr, &Impl::HandleRequest, this,
       MHD_OPTION_SOCK_ADDR, parsed->ai_addr, MHD_OPTION_CONNECTION_LIMIT,
       kMaxConnections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequest,
       MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s, MHD_OPTION_NOTIFY_CONNECTION,
@@ -218,10 +218,11 @@ PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
       std::make_unique<HostNames>(parsed->ai_addr, port_, address.more_names);
 }
 
-MHD_Result PageServer::Impl::AnswerOf(void* server, MHD_Connection* connection,
-                                      const char* path, const char* method,
-                                      const char*, const char*, size_t*,
-                                      void**) {
+MHD_Result PageServer::Impl::HandleRequest(void* server,
+                                           MHD_Connection* connection,
+                                           const char* path, const char* method,
+                                           const char*, const char*, size_t*,
+                                           void**) {
   Impl* const self = static_cast<Impl*>(server);
   { const std::lock_guard<std::mutex> lock(self->opening_); }
   return self->Answer(connection, path, method);

@@ -26,7 +26,7 @@ struct YuvToRgb {
   }
 };
 
-const YuvToRgb& ConversionOf(const StreamFormat& format) {
+const YuvToRgb& GetConversion(const StreamFormat& format) {
   static constexpr YuvToRgb kVideo = {16, 298, 409, 100, 208, 516};
   static constexpr YuvToRgb kFull = {0, 256, 359, 88, 183, 454};
   return format.is_full_range ? kFull : kVideo;
@@ -34,7 +34,7 @@ const YuvToRgb& ConversionOf(const StreamFormat& format) {
 
 // Converts a sample of the given number of bits to 8; shorter ones repeat their
 // high bits.
-uint8_t AsByte(uint32_t sample, int bits) {
+uint8_t ScaleToByte(uint32_t sample, int bits) {
   return static_cast<uint8_t>(bits >= 8 ? sample >> (bits - 8)
                                         : sample << (8 - bits) |
                                               sample >> (2 * bits - 8));
@@ -42,7 +42,7 @@ uint8_t AsByte(uint32_t sample, int bits) {
 
 // Bits of the channel's samples.
 int BitsOf(const PixelFormatInfo& pixel_format, const SampleChannel& channel) {
-  if (channel.lattice.kind != RG_SAMPLE_565) return pixel_format.bits;
+  if (channel.component.kind != RG_SAMPLE_565) return pixel_format.bits;
   return rg_field_mask(channel.first_sample) == 31 ? 5 : 6;
 }
 
@@ -50,22 +50,23 @@ int BitsOf(const PixelFormatInfo& pixel_format, const SampleChannel& channel) {
 void ReadChannel(const PixelFormatInfo& pixel_format, const rg_image& image,
                  uint32_t index, uint32_t row, uint8_t* rgb) {
   const SampleChannel channel = FindChannel(pixel_format.format, index);
-  const rg_lattice& lattice = channel.lattice;
-  const auto& plane = image.planes[lattice.plane];
+  const rg_component& component = channel.component;
+  const auto& plane = image.planes[component.plane];
   const uint32_t plane_row =
-      (row >> lattice.log2[1]) * lattice.row_step + lattice.first_row;
+      (row >> component.log2[1]) * component.row_step + component.first_row;
   const uint8_t* const bytes = plane.data + size_t{plane_row} * plane.stride;
-  const uint32_t shift = lattice.log2[0], step = lattice.sample_step;
+  const uint32_t shift = component.log2[0], step = component.sample_step;
   const uint32_t first = channel.first_sample;
-  if (lattice.kind == RG_SAMPLE_8) {
+  if (component.kind == RG_SAMPLE_8) {
     for (uint32_t x = 0; x < image.width; ++x)
       rgb[size_t{3} * x] = bytes[first + (x >> shift) * step];
     return;
   }
   const int bits = BitsOf(pixel_format, channel);
   for (uint32_t x = 0; x < image.width; ++x)
-    rgb[size_t{3} * x] = AsByte(
-        rg_load_sample(lattice.kind, bytes, first + (x >> shift) * step), bits);
+    rgb[size_t{3} * x] = ScaleToByte(
+        rg_load_sample(component.kind, bytes, first + (x >> shift) * step),
+        bits);
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ void ReadPictureRow(const StreamFormat& format, const rg_image& image,
   const bool is_grey = pixel_format.model == ColourModel::kGrey;
   for (int i = 0; i < (is_grey ? 1 : 3); ++i)
     ReadChannel(pixel_format, image, pixel_format.order[i], row, rgb + i);
-  const YuvToRgb& yuv = ConversionOf(format);
+  const YuvToRgb& yuv = GetConversion(format);
   for (uint32_t x = 0; x < image.width; ++x, rgb += 3) {
     if (is_grey) rgb[1] = rgb[2] = rgb[0];
     if (pixel_format.model == ColourModel::kYuv)

@@ -80,7 +80,7 @@ void UndistortPoints(const rg_camera& camera,
                      const std::optional<rg_mode>& mode,
                      const std::string& path, std::FILE* output,
                      const std::function<bool()>& is_stopped,
-                     StackFollower* stack) {
+                     OperatingPointFollower* stack) {
   const File file = Open(path);
   std::fputs("x,y,u,v\n", output);
   char line[256];

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "operating_point_follower.h"
 #include "raygrid.h"
-#include "stack_follower.h"
 
 namespace raygrid {
 
@@ -22,7 +22,7 @@ void UndistortPoints(const rg_camera& camera,
                      const std::optional<rg_mode>& mode,
                      const std::string& path, std::FILE* output,
                      const std::function<bool()>& is_stopped,
-                     StackFollower* stack);
+                     OperatingPointFollower* stack);
 
 }  // namespace raygrid
 

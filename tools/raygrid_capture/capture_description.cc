@@ -65,9 +65,9 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
   state->next.push_back(ShowView(camera, *next.board, next.camera_from_board));
   for (const LocatedBoard& located : guide.Locate(features)) {
     if (located.board->id != next.board->id) continue;
-    const Eigen::Vector3d middle = MiddleOf(*located.board);
-    const auto from = camera.Project(located.camera_from_board * middle);
-    const auto to = camera.Project(next.camera_from_board * middle);
+    const Eigen::Vector3d center = ComputeBoardCenter(*located.board);
+    const auto from = camera.Project(located.camera_from_board * center);
+    const auto to = camera.Project(next.camera_from_board * center);
     if (from && to) state->arrow = {*from, *to};
     if (state->hint.empty())
       state->hint = DescribeMove(camera, *next.board, located.camera_from_board,

@@ -19,7 +19,7 @@ double Rounded(double value) {
   return std::round(scale * value) / scale;
 }
 
-Json PixelsJson(const std::vector<Eigen::Vector2d>& pixels) {
+Json MakePixelsJson(const std::vector<Eigen::Vector2d>& pixels) {
   Json out = Json::array();
   for (const Eigen::Vector2d& pixel : pixels) {
     out.push_back(RoundedPixel(pixel.x()));
@@ -33,8 +33,8 @@ Json PixelsJson(const std::vector<Eigen::Vector2d>& pixels) {
 std::string CaptureJson(const CaptureState& state) {
   Json next = Json::array();
   for (const ViewShown& view : state.next)
-    next.push_back(
-        {{"outline", PixelsJson(view.outline)}, {"top", PixelsJson(view.top)}});
+    next.push_back({{"outline", MakePixelsJson(view.outline)},
+                    {"top", MakePixelsJson(view.top)}});
   Json places = Json::array();
   for (const PlaceShown& place : state.places) {
     places.push_back(RoundedPixel(place.pixel.x()));
@@ -59,9 +59,9 @@ std::string CaptureJson(const CaptureState& state) {
                      {"hint", state.hint},
                      {"done", state.is_done},
                      {"paused", state.is_paused},
-                     {"features", PixelsJson(state.features)},
+                     {"features", MakePixelsJson(state.features)},
                      {"next_views", next},
-                     {"arrow", PixelsJson(state.arrow)},
+                     {"arrow", MakePixelsJson(state.arrow)},
                      {"uncertainty_map", places},
                      {"uncertainty_px", Rounded(state.deviation_px)},
                      {"uncertainty_is_lower_bound", state.deviation_is_floor},

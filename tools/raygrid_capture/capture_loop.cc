@@ -101,8 +101,8 @@ void CaptureLoop::Run() {
   while (!IsFinished()) {
     ApplyRequests();
     TakeGuide(false);
-    if (const auto instant = frames_->Next()) {
-      ProcessFrameSet(*instant);
+    if (const auto frame_set = frames_->Next()) {
+      ProcessFrameSet(*frame_set);
       last = SteadyClock::now();
     } else if (frames_->is_live() && !frames_->is_finished() &&
                SecondsSince(last) > options_.timeout_s) {
@@ -228,13 +228,13 @@ void CaptureLoop::Resume() {
 }
 
 // Cameras are known by their first frames.
-void CaptureLoop::Begin(const FrameSet& instant) {
+void CaptureLoop::Begin(const FrameSet& frame_set) {
   if (!has_seen_frames_) Resume();
   has_seen_frames_ = true;
   bool is_new = false;
-  for (size_t c = 0; c < instant.size(); ++c) {
-    if (!instant[c]) continue;
-    const ImageSize& size = instant[c]->grey.size;
+  for (size_t c = 0; c < frame_set.size(); ++c) {
+    if (!frame_set[c]) continue;
+    const ImageSize& size = frame_set[c]->grey.size;
     RequireSize(session_->cameras()[c], size);
     is_new |= !guide_ || !guide_->guide(c);
     if (live_[c]) continue;
@@ -250,57 +250,57 @@ void CaptureLoop::Begin(const FrameSet& instant) {
 
 // ---- Instants ---------------------------------------------------------------
 
-void CaptureLoop::ProcessFrameSet(const FrameSet& instant) {
-  Begin(instant);
-  AssessedFrames judged_frames = Assess(instant);
-  if (IsRequested(judged_frames)) {
-    Forbid(&judged_frames);
-    if (IsRequested(judged_frames)) Save(&judged_frames);
+void CaptureLoop::ProcessFrameSet(const FrameSet& frame_set) {
+  Begin(frame_set);
+  AssessedFrames assessed_frames = Assess(frame_set);
+  if (IsRequested(assessed_frames)) {
+    Forbid(&assessed_frames);
+    if (IsRequested(assessed_frames)) Save(&assessed_frames);
   }
   CountFrameSet();
   SkipView();
-  Describe(judged_frames);
-  if (viewers_.show_picture && judged_frames[shown_].frame)
-    viewers_.show_picture(judged_frames[shown_].frame->grey);
+  Describe(assessed_frames);
+  if (viewers_.show_picture && assessed_frames[shown_].frame)
+    viewers_.show_picture(assessed_frames[shown_].frame->grey);
   if (viewers_.show) viewers_.show(state_);
 }
 
-AssessedFrames CaptureLoop::Assess(const FrameSet& instant) {
-  std::vector<std::future<DetectedFrame>> seen(instant.size());
-  for (size_t c = 1; c < instant.size(); ++c)
-    if (instant[c])
-      seen[c] = std::async(std::launch::async, [this, c, &instant] {
-        return cameras_[c].See(*instant[c]);
+AssessedFrames CaptureLoop::Assess(const FrameSet& frame_set) {
+  std::vector<std::future<DetectedFrame>> seen(frame_set.size());
+  for (size_t c = 1; c < frame_set.size(); ++c)
+    if (frame_set[c])
+      seen[c] = std::async(std::launch::async, [this, c, &frame_set] {
+        return cameras_[c].See(*frame_set[c]);
       });
-  AssessedFrames judged_frames(instant.size());
-  for (size_t c = 0; c < instant.size(); ++c) {
-    if (!instant[c]) continue;
-    AssessedFrame& judged = judged_frames[c];
-    judged.frame = &*instant[c];
-    judged.seen = c == 0 ? cameras_[c].See(*instant[c]) : seen[c].get();
+  AssessedFrames assessed_frames(frame_set.size());
+  for (size_t c = 0; c < frame_set.size(); ++c) {
+    if (!frame_set[c]) continue;
+    AssessedFrame& judged = assessed_frames[c];
+    judged.frame = &*frame_set[c];
+    judged.seen = c == 0 ? cameras_[c].See(*frame_set[c]) : seen[c].get();
     const FrameStatus word = cameras_[c].Assess(judged.seen, *guide_->guide(c));
     judged.word = GetStatusText(word);
     judged.hint = GetRemedy(word);
   }
-  return judged_frames;
+  return assessed_frames;
 }
 
 // For what a frame tells of its camera, or some together of the rig.
-bool CaptureLoop::IsRequested(const AssessedFrames& judged_frames) const {
-  std::vector<const ImageFeatures*> usable(judged_frames.size(), nullptr);
-  for (size_t c = 0; c < judged_frames.size(); ++c) {
-    if (!judged_frames[c].IsUsable()) continue;
-    usable[c] = &judged_frames[c].seen.features;
+bool CaptureLoop::IsRequested(const AssessedFrames& assessed_frames) const {
+  std::vector<const ImageFeatures*> usable(assessed_frames.size(), nullptr);
+  for (size_t c = 0; c < assessed_frames.size(); ++c) {
+    if (!assessed_frames[c].IsUsable()) continue;
+    usable[c] = &assessed_frames[c].seen.features;
     const bool is_needed =
-        judged_frames.size() == 1 || !guide_->guide(c)->is_done();
-    if (judged_frames[c].word == "kept" && is_needed) return true;
+        assessed_frames.size() == 1 || !guide_->guide(c)->is_done();
+    if (assessed_frames[c].word == "kept" && is_needed) return true;
   }
   return guide_->IsInformativeForLinks(usable);
 }
 
-void CaptureLoop::Forbid(AssessedFrames* judged_frames) {
-  for (size_t c = 0; c < judged_frames->size(); ++c) {
-    AssessedFrame& judged = (*judged_frames)[c];
+void CaptureLoop::Forbid(AssessedFrames* assessed_frames) {
+  for (size_t c = 0; c < assessed_frames->size(); ++c) {
+    AssessedFrame& judged = (*assessed_frames)[c];
     if (!judged.IsUsable()) continue;
     if (state_.is_paused) {
       judged.word = "paused";
@@ -335,14 +335,14 @@ void CaptureLoop::RecordLock(size_t camera) {
     lock_remarks_.push_back(start + "not locked: " + text);
 }
 
-void CaptureLoop::Save(AssessedFrames* judged_frames) {
+void CaptureLoop::Save(AssessedFrames* assessed_frames) {
   std::string name;
   std::vector<KeptFrame> frames;
   std::vector<const GreyImage*> greys;
-  std::vector<bool> changed(judged_frames->size(), false);
-  std::vector<ImageFeatures> images(judged_frames->size());
-  for (size_t c = 0; c < judged_frames->size(); ++c) {
-    AssessedFrame& judged = (*judged_frames)[c];
+  std::vector<bool> changed(assessed_frames->size(), false);
+  std::vector<ImageFeatures> images(assessed_frames->size());
+  for (size_t c = 0; c < assessed_frames->size(); ++c) {
+    AssessedFrame& judged = (*assessed_frames)[c];
     if (!judged.IsUsable()) continue;
     const LiveFrame& frame = *judged.frame;
     if (name.empty()) name = session_->NewName(frame.name);
@@ -406,16 +406,16 @@ void CaptureLoop::CountFrameSet() {
                                std::max(1e-6, SecondsSince(taken_.front()));
 }
 
-void CaptureLoop::Describe(const AssessedFrames& judged_frames) {
+void CaptureLoop::Describe(const AssessedFrames& assessed_frames) {
   state_.camera = frames_->name(shown_);
   state_.warnings = lock_remarks_;
-  const AssessedFrame& judged = judged_frames[shown_];
+  const AssessedFrame& judged = assessed_frames[shown_];
   if (judged.frame) DescribeFrame(judged, &state_);
   DescribeKnown(*guide_, shown_, &state_);
   if (judged.frame) DescribeNext(*guide_, judged.seen.features, &state_);
   if (judged.frame) AskForPattern(judged.seen.features);
-  if (judged_frames.size() > 1)
-    DescribeRig(*guide_, *frames_, judged_frames, shown_, &state_);
+  if (assessed_frames.size() > 1)
+    DescribeRig(*guide_, *frames_, assessed_frames, shown_, &state_);
 }
 
 void CaptureLoop::AskForPattern(const ImageFeatures& seen) {

@@ -84,9 +84,9 @@ class CaptureLoop {
   using Update = std::function<void(size_t camera, LiveCamera*)>;
 
   void Resume();
-  void Begin(const FrameSet& instant);
-  void ProcessFrameSet(const FrameSet& instant);
-  AssessedFrames Assess(const FrameSet& instant);
+  void Begin(const FrameSet& frame_set);
+  void ProcessFrameSet(const FrameSet& frame_set);
+  AssessedFrames Assess(const FrameSet& frame_set);
   bool IsRequested(const AssessedFrames& frames) const;
   void Forbid(AssessedFrames* frames);
   void Save(AssessedFrames* frames);

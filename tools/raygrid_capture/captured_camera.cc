@@ -9,7 +9,8 @@ namespace raygrid {
 namespace {
 
 // The board of the pattern with most features in an image; NULL without any.
-const Board* LargestBoard(const Pattern& pattern, const ImageFeatures& image) {
+const Board* FindLargestBoard(const Pattern& pattern,
+                              const ImageFeatures& image) {
   const Board* largest = nullptr;
   std::ptrdiff_t most = 0;
   for (const Board& board : pattern.boards) {
@@ -23,7 +24,7 @@ const Board* LargestBoard(const Pattern& pattern, const ImageFeatures& image) {
   return largest;
 }
 
-std::optional<double> Told(double value) {
+std::optional<double> FiniteOrNull(double value) {
   return value > 0 ? std::optional(value) : std::nullopt;
 }
 
@@ -84,7 +85,7 @@ DetectedFrame CapturedCamera::See(const LiveFrame& frame) const {
   seen.features = Detect("", frame.grey);
   seen.time_s = frame.time_s;
   if (frame.info.exposure_us) seen.exposure_s = *frame.info.exposure_us * 1e-6;
-  if (const Board* const board = LargestBoard(pattern_, seen.features)) {
+  if (const Board* const board = FindLargestBoard(pattern_, seen.features)) {
     std::vector<Feature> own;
     for (const Feature& feature : seen.features.features)
       if (feature.board == board->id) own.push_back(feature);
@@ -135,8 +136,8 @@ SessionFrame CapturedCamera::RecordOf(const LiveFrame& frame,
   SessionFrame record = StateOf(frame.info);
   record.image = seen.features.image;
   record.seconds = frame.time_s;
-  record.edge_spread_px = Told(seen.quality.most_spread_px);
-  record.white = Told(seen.quality.white);
+  record.edge_spread_px = FiniteOrNull(seen.quality.most_spread_px);
+  record.white = FiniteOrNull(seen.quality.white);
   record.variance_taken = judge_.gain();
   return record;
 }

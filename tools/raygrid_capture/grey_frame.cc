@@ -17,7 +17,7 @@ void TakeLuma(const PixelFormatInfo& info, const uint8_t* row, int width,
               uint8_t* grey) {
   const SampleChannel luma = FindChannel(info.format, info.order[0]);
   row += luma.first_sample;
-  for (int x = 0; x < width; ++x) grey[x] = row[x * luma.lattice.sample_step];
+  for (int x = 0; x < width; ++x) grey[x] = row[x * luma.component.sample_step];
 }
 
 // In the processor's order, as images in memory are.

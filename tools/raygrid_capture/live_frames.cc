@@ -80,7 +80,7 @@ class SourceFrames : public LiveFrames {
     frame.arrived = captured->arrived;
     source_->Release(*captured);
     frame.grey = MakeGreyImage(frame.image);
-    frame.time_s = TimeOf(frame.info);
+    frame.time_s = GetTime(frame.info);
     ++num_taken_;
     return frame;
   }
@@ -93,7 +93,7 @@ class SourceFrames : public LiveFrames {
 
  private:
   // Those of a file come as fast as they are taken.
-  double TimeOf(const FrameInfo& info) {
+  double GetTime(const FrameInfo& info) {
     constexpr double kFileFrameS = 1 / 30.0;
     if (!is_live_) return num_taken_ * kFileFrameS;
     if (!first_ns_) first_ns_ = info.timestamp_ns;

@@ -42,9 +42,9 @@ std::optional<FrameSet> PairedFrames::Next() {
   if (size() > 1) return is_live() ? NextLive() : NextOfFiles();
   auto frame = cameras_[0].frames->Next();
   if (!frame) return std::nullopt;
-  FrameSet instant;
-  instant.push_back(std::move(frame));
-  return instant;
+  FrameSet frame_set;
+  frame_set.push_back(std::move(frame));
+  return frame_set;
 }
 
 // False: a camera has none.
@@ -59,10 +59,10 @@ bool PairedFrames::FillPending() {
 }
 
 FrameSet PairedFrames::TakePending(const std::vector<bool>& taken) {
-  FrameSet instant(size());
+  FrameSet frame_set(size());
   for (size_t c = 0; c < size(); ++c)
-    if (taken[c]) instant[c].swap(pending_[c]);
-  return instant;
+    if (taken[c]) frame_set[c].swap(pending_[c]);
+  return frame_set;
 }
 
 std::optional<FrameSet> PairedFrames::NextLive() {

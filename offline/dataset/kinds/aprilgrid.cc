@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-void RequireTagFamily(const std::string& place, const Board& board) {
+void RequireTagFamily(const std::string& position, const Board& board) {
   const std::string& family = board.tag_family;
   if (family == "tag36h11" || family == "tag25h9" || family == "tag16h5")
     return;
@@ -15,12 +15,12 @@ void RequireTagFamily(const std::string& place, const Board& board) {
     throw InputError(
         fmt::format("{}: unsupported tag family '{}'; use tag36h11, tag25h9, "
                     "tag16h5 or a dictionary such as DICT_4X4_50",
-                    place, family));
+                    position, family));
   if (board.has_corner_squares)
     throw InputError(fmt::format(
         "{}: tag family '{}': dictionary markers are supported without corner "
         "squares only; set 'corner_squares: false' if there are none",
-        place, family));
+        position, family));
 }
 
 class AprilGridKind : public TargetKind {
@@ -41,7 +41,7 @@ class AprilGridKind : public TargetKind {
                           "boards, no-squares, border-cells,", "numbered-from"};
   }
 
-  double PlaceOf(const Board& board, int index) const override {
+  double GetPosition(const Board& board, int index) const override {
     return board.square_m * (index / 2 * (1 + board.spacing_ratio) + index % 2);
   }
 
@@ -158,35 +158,36 @@ class AprilGridKind : public TargetKind {
   }
 
  protected:
-  void ReadKeys(const std::string& place, const YAML::Node& node,
+  void ReadKeys(const std::string& position, const YAML::Node& node,
                 Board* board) const override {
     board->tag_family =
-        OptionalValue<std::string>(place, node, "tag_family", "tag36h11");
-    board->spacing_ratio = Value<double>(place, node, "spacing_ratio");
-    board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
-    SetCornerSquares(OptionalValue<bool>(place, node, "corner_squares", true),
-                     board);
+        OptionalValue<std::string>(position, node, "tag_family", "tag36h11");
+    board->spacing_ratio = Value<double>(position, node, "spacing_ratio");
+    board->first_marker = OptionalValue<int>(position, node, "first_marker", 0);
+    SetCornerSquares(
+        OptionalValue<bool>(position, node, "corner_squares", true), board);
     board->border_cells =
-        OptionalValue<int>(place, node, "border_cells", board->border_cells);
+        OptionalValue<int>(position, node, "border_cells", board->border_cells);
     const auto numbered_from = OptionalValue<std::string>(
-        place, node, "numbered_from",
+        position, node, "numbered_from",
         board->is_numbered_from_top ? "top" : "bottom");
     board->is_numbered_from_top = numbered_from == "top";
-    RequireTagFamily(place, *board);
+    RequireTagFamily(position, *board);
     if (numbered_from != "top" && numbered_from != "bottom")
       throw InputError(
           fmt::format("{}: numbered_from must be top or bottom, not '{}'",
-                      place, numbered_from));
+                      position, numbered_from));
     if (board->border_cells != 1 && board->border_cells != 2)
-      throw InputError(fmt::format("{}: 'border_cells' must be 1 or 2", place));
+      throw InputError(
+          fmt::format("{}: 'border_cells' must be 1 or 2", position));
     if (!(board->spacing_ratio > 0 && board->spacing_ratio < 10))
       throw InputError(
-          fmt::format("{}: 'spacing_ratio' must be positive", place));
+          fmt::format("{}: 'spacing_ratio' must be positive", position));
     if (board->columns % 2 != 0 || board->rows % 2 != 0)
       throw InputError(
           fmt::format("{}: columns and rows of an AprilGrid must be even, with "
                       "2 x 2 features per tag",
-                      place));
+                      position));
   }
 
   std::string FormatKeys(const Board& board) const override {

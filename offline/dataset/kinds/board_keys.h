@@ -13,21 +13,21 @@ namespace raygrid {
 
 /// A value of a board; throws with the board's number and the key.
 template <typename T>
-T Value(const std::string& place, const YAML::Node& node, const char* key) {
+T Value(const std::string& position, const YAML::Node& node, const char* key) {
   if (!node[key])
-    throw InputError(fmt::format("{}: missing key '{}'", place, key));
+    throw InputError(fmt::format("{}: missing key '{}'", position, key));
   try {
     return node[key].as<T>();
   } catch (const YAML::Exception&) {
     throw InputError(
-        fmt::format("{}: '{}' has a value of the wrong type", place, key));
+        fmt::format("{}: '{}' has a value of the wrong type", position, key));
   }
 }
 
 template <typename T>
-T OptionalValue(const std::string& place, const YAML::Node& node,
+T OptionalValue(const std::string& position, const YAML::Node& node,
                 const char* key, T otherwise) {
-  return node[key] ? Value<T>(place, node, key) : otherwise;
+  return node[key] ? Value<T>(position, node, key) : otherwise;
 }
 
 }  // namespace raygrid

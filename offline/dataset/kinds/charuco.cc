@@ -72,15 +72,15 @@ class CharucoKind : public TargetKind {
   }
 
  protected:
-  void ReadKeys(const std::string& place, const YAML::Node& node,
+  void ReadKeys(const std::string& position, const YAML::Node& node,
                 Board* board) const override {
-    board->marker_m = Value<double>(place, node, "marker_m");
-    board->dictionary = Value<std::string>(place, node, "dictionary");
-    board->is_legacy = OptionalValue<bool>(place, node, "legacy", false);
-    board->first_marker = OptionalValue<int>(place, node, "first_marker", 0);
+    board->marker_m = Value<double>(position, node, "marker_m");
+    board->dictionary = Value<std::string>(position, node, "dictionary");
+    board->is_legacy = OptionalValue<bool>(position, node, "legacy", false);
+    board->first_marker = OptionalValue<int>(position, node, "first_marker", 0);
     if (!(board->marker_m > 0 && board->marker_m < board->square_m))
-      throw InputError(
-          fmt::format("{}: 'marker_m' must be between 0 and square_m", place));
+      throw InputError(fmt::format(
+          "{}: 'marker_m' must be between 0 and square_m", position));
   }
 
   std::string FormatKeys(const Board& board) const override {

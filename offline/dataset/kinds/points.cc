@@ -16,16 +16,17 @@ class PointsKind : public TargetKind {
     points_key = "xyz";
   }
 
-  void Read(const std::string& place, const YAML::Node& node,
+  void Read(const std::string& position, const YAML::Node& node,
             Board* board) const override {
     const int count = static_cast<int>(node["xyz"].size());
     board->columns =
-        node["columns"] ? Value<int>(place, node, "columns") : count;
-    board->rows = node["rows"] ? Value<int>(place, node, "rows") : 1;
+        node["columns"] ? Value<int>(position, node, "columns") : count;
+    board->rows = node["rows"] ? Value<int>(position, node, "rows") : 1;
     if (std::min(board->columns, board->rows) < 0 ||
         static_cast<int64_t>(board->columns) * board->rows != count)
       throw InputError(fmt::format("{0}: expected {2} x {3} points, found {1}",
-                                   place, count, board->columns, board->rows));
+                                   position, count, board->columns,
+                                   board->rows));
   }
 
   std::string Format(const Board& board) const override {

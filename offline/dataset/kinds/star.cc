@@ -37,8 +37,8 @@ int NumTagRows(const StarBoardOptions& options) {
 
 // The first lattice position of tag k of count along a side with num_features.
 int TagStart(int num_features, int squares, int k, int count) {
-  const double middle = -1 + (num_features + 1) * (k + 0.5) / count;
-  return static_cast<int>(std::ceil(middle - squares / 2.0 - 0.5));
+  const double center = -1 + (num_features + 1) * (k + 0.5) / count;
+  return static_cast<int>(std::ceil(center - squares / 2.0 - 0.5));
 }
 
 std::vector<BoardTag> PlaceTags(const StarBoardOptions& options, int squares) {
@@ -94,16 +94,16 @@ void RequirePossible(const StarBoardOptions& options) {
   require(options.tag_id >= 0, "--tag-id must not be negative");
 }
 
-BoardTag ParseTag(const std::string& place, const YAML::Node& node) {
+BoardTag ParseTag(const std::string& position, const YAML::Node& node) {
   BoardTag tag;
-  tag.family = OptionalValue<std::string>(place, node, "family", tag.family);
-  tag.id = Value<int>(place, node, "id");
-  tag.column = Value<int>(place, node, "column");
-  tag.row = Value<int>(place, node, "row");
-  tag.squares = Value<int>(place, node, "squares");
+  tag.family = OptionalValue<std::string>(position, node, "family", tag.family);
+  tag.id = Value<int>(position, node, "id");
+  tag.column = Value<int>(position, node, "column");
+  tag.row = Value<int>(position, node, "row");
+  tag.squares = Value<int>(position, node, "squares");
   if (tag.family != "tag36h11")
     throw InputError(fmt::format(
-        "{}: unsupported tag family '{}'; use tag36h11", place, tag.family));
+        "{}: unsupported tag family '{}'; use tag36h11", position, tag.family));
   return tag;
 }
 
@@ -237,22 +237,22 @@ class StarKind : public TargetKind {
   }
 
  protected:
-  void ReadKeys(const std::string& place, const YAML::Node& node,
+  void ReadKeys(const std::string& position, const YAML::Node& node,
                 Board* board) const override {
-    board->segments = OptionalValue<int>(place, node, "segments", 16);
+    board->segments = OptionalValue<int>(position, node, "segments", 16);
     if (board->segments < 4 || board->segments > 64 || board->segments % 2 != 0)
       throw InputError(fmt::format(
-          "{}: 'segments' must be an even number from 4 to 64", place));
+          "{}: 'segments' must be an even number from 4 to 64", position));
     if (!node["tags"].IsSequence() || node["tags"].size() == 0)
       throw InputError(fmt::format(
-          "{}: 'tags' must list at least one tag for a star board", place));
+          "{}: 'tags' must list at least one tag for a star board", position));
     for (const YAML::Node& item : node["tags"]) {
-      const BoardTag tag = ParseTag(place, item);
+      const BoardTag tag = ParseTag(position, item);
       if (tag.squares < 1 || tag.column < -1 || tag.row < -1 ||
           tag.column + tag.squares > board->columns ||
           tag.row + tag.squares > board->rows)
         throw InputError(
-            fmt::format("{}: tag {} is outside the board", place, tag.id));
+            fmt::format("{}: tag {} is outside the board", position, tag.id));
       board->tags.push_back(tag);
     }
   }

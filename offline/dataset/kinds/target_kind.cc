@@ -26,21 +26,21 @@ std::string Corners(const Board& board) {
 
 }  // namespace
 
-void TargetKind::Read(const std::string& place, const YAML::Node& node,
+void TargetKind::Read(const std::string& position, const YAML::Node& node,
                       Board* board) const {
-  board->columns = Value<int>(place, node, "columns");
-  board->rows = Value<int>(place, node, "rows");
-  board->square_m = Value<double>(place, node, "square_m");
+  board->columns = Value<int>(position, node, "columns");
+  board->rows = Value<int>(position, node, "rows");
+  board->square_m = Value<double>(position, node, "square_m");
   if (std::min(board->columns, board->rows) < 2 ||
       std::max(board->columns, board->rows) > kMaxFeaturesAlongSide)
-    throw InputError(fmt::format("{}: columns and rows must be 2 to {}", place,
-                                 kMaxFeaturesAlongSide));
-  RequireFewPoints(place, board->num_points());
+    throw InputError(fmt::format("{}: columns and rows must be 2 to {}",
+                                 position, kMaxFeaturesAlongSide));
+  RequireFewPoints(position, board->num_points());
   if (!(board->square_m >= kMinSquareM && board->square_m <= kMaxSquareM))
     throw InputError(fmt::format(
-        "{}: square_m is {:g}, but must be 1e-6 (1 µm) to {:g} metres", place,
-        board->square_m, kMaxSquareM));
-  ReadKeys(place, node, board);
+        "{}: square_m is {:g}, but must be 1e-6 (1 µm) to {:g} metres",
+        position, board->square_m, kMaxSquareM));
+  ReadKeys(position, node, board);
   board->points = board->NominalPoints();
 }
 
@@ -51,7 +51,7 @@ std::string TargetKind::Format(const Board& board) const {
       FormatKeys(board));
 }
 
-double TargetKind::PlaceOf(const Board& board, int index) const {
+double TargetKind::GetPosition(const Board& board, int index) const {
   return index * board.square_m;
 }
 

@@ -79,13 +79,13 @@ class TargetKind {
   /// The key of estimated points.
   const char* points_key = "points";
   /// Reads what follows the id and the kind.
-  virtual void Read(const std::string& place, const YAML::Node& node,
+  virtual void Read(const std::string& position, const YAML::Node& node,
                     Board* board) const;
   /// The board as an item of the list.
   virtual std::string Format(const Board& board) const;
 
   // ---- Geometry, in metres: x along the columns, y down the rows
-  virtual double PlaceOf(const Board& board, int index) const;
+  virtual double GetPosition(const Board& board, int index) const;
   /// See Board::NumRotations().
   virtual int NumRotations(const Board&) const { return 1; }
 

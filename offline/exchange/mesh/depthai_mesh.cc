@@ -11,7 +11,7 @@ namespace {
 constexpr int kDepthAiStep = 16;
 constexpr MeshSides kDepthAiWidth = {16, 8192, 16}, kDepthAiHeight = {16, 8192};
 
-MeshLattice DepthAiLattice(const MeshRequest& request) {
+MeshLattice MakeDepthAiLattice(const MeshRequest& request) {
   RequireMeshSize("depthai-mesh", "view", request.size, kDepthAiWidth,
                   kDepthAiHeight);
   const int step = request.step.value_or(kDepthAiStep);
@@ -20,7 +20,7 @@ MeshLattice DepthAiLattice(const MeshRequest& request) {
                 fmt::format("--stride {}: must divide the view size of {} x {} "
                             "px for depthai-mesh",
                             step, request.size.width, request.size.height));
-  return RegularLattice(request.size, step, step);
+  return MakeRegularLattice(request.size, step, step);
 }
 
 float AppendFloat(double value, std::string* bytes) {
@@ -35,21 +35,21 @@ UnitMesh WriteDepthAi(const MeshTable& mesh) {
   UnitMesh unit;
   std::string bytes;
   for (const Eigen::Vector2d& vertex : mesh.vertices) {
-    const Eigen::Vector2d place = ToMeshUnit(vertex);
-    const float y = AppendFloat(place.y(), &bytes),
-                x = AppendFloat(place.x(), &bytes);
+    const Eigen::Vector2d position = ToMeshUnit(vertex);
+    const float y = AppendFloat(position.y(), &bytes),
+                x = AppendFloat(position.x(), &bytes);
     unit.vertices.push_back(FromMeshUnit({x, y}));
   }
   unit.files = {{mesh.path, bytes}};
-  unit.told =
+  unit.configuration =
       fmt::format("StereoDepth: setMeshStep({0}, {0})", mesh.lattice.x[1]);
   return unit;
 }
 
 }  // namespace
 
-TableFormat DepthAiMeshFormat() {
-  static const MeshUnit unit = {DepthAiLattice, WriteDepthAi, {}, ""};
+TableFormat MakeDepthAiMeshFormat() {
+  static const MeshUnit unit = {MakeDepthAiLattice, WriteDepthAi, {}, ""};
   return MakeMeshFormat(
       "depthai-mesh",
       "Luxonis: mesh for loadMeshFiles() of StereoDepth, as .bin",

@@ -26,17 +26,17 @@ size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
 Eigen::Vector2d PlaceByWeights(const MeshLattice& lattice,
                                const std::vector<Eigen::Vector2d>& vertices,
                                const MeshWeights& x, const MeshWeights& y) {
-  Eigen::Vector2d place(0, 0);
+  Eigen::Vector2d position(0, 0);
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
       const double weight = x.weights[i] * y.weights[j];
       if (weight != 0)
-        place +=
+        position +=
             weight *
             vertices[static_cast<size_t>(y.vertex + j) * lattice.columns() +
                      x.vertex + i];
     }
-  return place;
+  return position;
 }
 
 }  // namespace
@@ -56,12 +56,12 @@ std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
       all.push_back({step.vertex, {1 - step.part, step.part, 0}});
       continue;
     }
-    const int middle =
+    const int center =
         std::clamp(span == MeshSpan::kPatch ? step.vertex / 2 * 2 + 1
                                             : step.vertex + (step.part > 0.5),
                    1, last - 1);
-    const double t = step.vertex + step.part - middle;
-    all.push_back({middle - 1, {t * (t - 1) / 2, 1 - t * t, t * (t + 1) / 2}});
+    const double t = step.vertex + step.part - center;
+    all.push_back({center - 1, {t * (t - 1) / 2, 1 - t * t, t * (t + 1) / 2}});
   }
   return all;
 }
@@ -106,15 +106,15 @@ MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
   double sum = 0, worst = -1;
   for (int y = 0; y < mesh.size.height; ++y)
     for (int x = 0; x < mesh.size.width; ++x) {
-      const Eigen::Vector2d place =
+      const Eigen::Vector2d position =
           PlaceByWeights(mesh.lattice, unit.vertices, columns[x], rows[y]);
       const Eigen::Vector2d& source =
           mesh.sources[static_cast<size_t>(y) * mesh.size.width + x];
       if (!source.allFinite()) {
-        error.num_filled += image.Contains(place);
+        error.num_filled += image.Contains(position);
         continue;
       }
-      const double squared = (place - source).squaredNorm();
+      const double squared = (position - source).squaredNorm();
       sum += squared;
       ++error.num_pixels;
       if (squared <= worst) continue;
@@ -130,7 +130,7 @@ MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
   return error;
 }
 
-std::string MeshErrorText(const MeshError& error) {
+std::string FormatMeshError(const MeshError& error) {
   std::string text =
       fmt::format("error {:.2g} px max (at {}, {}), {:.2g} px RMS",
                   error.max_px, error.x, error.y, error.rms_px);
@@ -145,7 +145,7 @@ std::string MeshErrorText(const MeshError& error) {
   return text;
 }
 
-MeshLattice RegularLattice(const ImageSize& size, int step_x, int step_y) {
+MeshLattice MakeRegularLattice(const ImageSize& size, int step_x, int step_y) {
   MeshLattice lattice;
   for (int x = 0; x < size.width + step_x; x += step_x) lattice.x.push_back(x);
   for (int y = 0; y < size.height + step_y; y += step_y) lattice.y.push_back(y);

@@ -75,7 +75,7 @@ struct MeshTable {
 /// A mesh as a unit holds it.
 struct UnitMesh {
   std::vector<std::pair<std::string, std::string>> files;
-  std::string told;  ///< what the user needs besides the files
+  std::string configuration;  ///< what the user needs besides the files
   /// The places that the numbers in the files say, in raygrid's pixels.
   std::vector<Eigen::Vector2d> vertices;
   bool keeps_rows = false;  ///< y is not in the files
@@ -115,12 +115,12 @@ Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
 MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
                            MeshSpan span);
 /// "at most 0.051 px, 0.022 px (RMS) from the view", and what else is off.
-std::string MeshErrorText(const MeshError& error);
+std::string FormatMeshError(const MeshError& error);
 
 // ---- For units -------------------------------------------------------------
 
 /// The lattice of cells that begin at the first pixel and cover the view.
-MeshLattice RegularLattice(const ImageSize& size, int step_x, int step_y);
+MeshLattice MakeRegularLattice(const ImageSize& size, int step_x, int step_y);
 
 /// Throws Error(kUsage), naming the unit, if a side of a view or an image is
 /// not in a range, or no multiple.
@@ -136,8 +136,8 @@ void RequireMeshSize(const std::string& unit, const std::string& what,
 inline Eigen::Vector2d ToMeshUnit(const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kFirstPixelCenter, {}, pixel);
 }
-inline Eigen::Vector2d FromMeshUnit(const Eigen::Vector2d& place) {
-  return FromProgram(PixelOrigin::kFirstPixelCenter, {}, place);
+inline Eigen::Vector2d FromMeshUnit(const Eigen::Vector2d& position) {
+  return FromProgram(PixelOrigin::kFirstPixelCenter, {}, position);
 }
 
 /// A number in steps of 1 / scale, the nearest between two bounds.

@@ -23,13 +23,13 @@ inline TableFormat MakeMeshFormat(const char* name, const char* holds,
   return format;
 }
 
-TableFormat Dw100Format();
-TableFormat TiLdcFormat();
-TableFormat VpiFormat();
-TableFormat RockchipFecFormat();
-TableFormat RockchipLdchFormat();
-TableFormat HailoFormat();
-TableFormat DepthAiMeshFormat();
+TableFormat MakeDw100Format();
+TableFormat MakeTiLdcFormat();
+TableFormat MakeVpiFormat();
+TableFormat MakeRockchipFecFormat();
+TableFormat MakeRockchipLdchFormat();
+TableFormat MakeHailoFormat();
+TableFormat MakeDepthAiMeshFormat();
 
 }  // namespace raygrid
 

@@ -8,8 +8,11 @@ namespace {
 // Vertices of a lattice, and what is known of them.
 class VertexField {
  public:
-  VertexField(const MeshLattice& lattice, std::vector<Eigen::Vector2d>* places)
-      : columns_(lattice.columns()), rows_(lattice.rows()), places_(*places) {}
+  VertexField(const MeshLattice& lattice,
+              std::vector<Eigen::Vector2d>* positions)
+      : columns_(lattice.columns()),
+        rows_(lattice.rows()),
+        places_(*positions) {}
 
   // The place of an unknown vertex, as vertices that are known continue; the
   // mean of what all directions say.
@@ -32,9 +35,9 @@ class VertexField {
   const Eigen::Vector2d* Find(int column, int row) const {
     if (column < 0 || column >= columns_ || row < 0 || row >= rows_)
       return nullptr;
-    const Eigen::Vector2d& place =
+    const Eigen::Vector2d& position =
         places_[static_cast<size_t>(row) * columns_ + column];
-    return place.allFinite() ? &place : nullptr;
+    return position.allFinite() ? &position : nullptr;
   }
 
   int columns_, rows_;
@@ -76,15 +79,15 @@ void ExtrapolateVertices(const MeshLattice& lattice,
     std::vector<std::pair<size_t, Eigen::Vector2d>> ring;
     std::vector<size_t> rest;
     for (const size_t k : unknown) {
-      const auto place =
+      const auto position =
           field.Continued(static_cast<int>(k % lattice.columns()),
                           static_cast<int>(k / lattice.columns()));
-      if (place)
-        ring.emplace_back(k, *place);
+      if (position)
+        ring.emplace_back(k, *position);
       else
         rest.push_back(k);
     }
-    for (const auto& [k, place] : ring) (*vertices)[k] = place;
+    for (const auto& [k, position] : ring) (*vertices)[k] = position;
     unknown = std::move(rest);
   }
 }

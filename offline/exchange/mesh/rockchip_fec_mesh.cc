@@ -17,12 +17,12 @@ int FecAligned(int pixels) {
 }
 
 // The unit's output ends at a multiple of 32 pixels.
-MeshLattice FecLattice(const MeshRequest& request) {
+MeshLattice MakeFecLattice(const MeshRequest& request) {
   RequireMeshSize("rockchip-fec", "view", request.size, kFecSides, kFecSides);
   RequireMeshSize("rockchip-fec", "camera's image", request.source_size,
                   kFecSides, kFecSides);
   const bool is_small = request.size.width <= kFecSmallWidth;
-  return RegularLattice(
+  return MakeRegularLattice(
       {FecAligned(request.size.width), FecAligned(request.size.height)},
       is_small ? 16 : 32, is_small ? 8 : 16);
 }
@@ -48,9 +48,9 @@ UnitMesh WriteFec(const MeshTable& mesh) {
   UnitMesh unit;
   std::vector<std::array<int64_t, 2>> fixed;
   for (const Eigen::Vector2d& vertex : mesh.vertices) {
-    const Eigen::Vector2d place = ToMeshUnit(vertex);
-    fixed.push_back({FixedPoint(place.x(), kFecScale, 0, most[0]),
-                     FixedPoint(place.y(), kFecScale, 0, most[1])});
+    const Eigen::Vector2d position = ToMeshUnit(vertex);
+    fixed.push_back({FixedPoint(position.x(), kFecScale, 0, most[0]),
+                     FixedPoint(position.y(), kFecScale, 0, most[1])});
     unit.vertices.push_back(FromMeshUnit(
         Eigen::Vector2d(fixed.back()[0], fixed.back()[1]) / kFecScale));
   }
@@ -67,7 +67,7 @@ UnitMesh WriteFec(const MeshTable& mesh) {
     unit.files.emplace_back(PathWithSuffix(mesh.path, "_mesh" + name + "f"),
                             fraction);
   }
-  unit.told = fmt::format(
+  unit.configuration = fmt::format(
       "{} vertices in each of meshxi, meshxf, meshyi and "
       "meshyf",
       order.size());
@@ -76,8 +76,8 @@ UnitMesh WriteFec(const MeshTable& mesh) {
 
 }  // namespace
 
-TableFormat RockchipFecFormat() {
-  static const MeshUnit unit = {FecLattice, WriteFec, {}, ""};
+TableFormat MakeRockchipFecFormat() {
+  static const MeshUnit unit = {MakeFecLattice, WriteFec, {}, ""};
   return MakeMeshFormat(
       "rockchip-fec",
       "Rockchip RV1126, RK3588: the four meshes of the fisheye correction "

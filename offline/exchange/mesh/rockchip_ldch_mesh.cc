@@ -10,7 +10,7 @@ constexpr int kLdchStepX = 16, kLdchStepY = 8, kLdchScale = 16;
 constexpr MeshSides kLdchWidth = {32, 4096, kLdchStepX},
                     kLdchHeight = {16, 4096, kLdchStepY};
 
-MeshLattice LdchLattice(const MeshRequest& request) {
+MeshLattice MakeLdchLattice(const MeshRequest& request) {
   RequireMeshSize("rockchip-ldch", "view", request.size, kLdchWidth,
                   kLdchHeight);
   if (request.size != request.source_size)
@@ -19,7 +19,7 @@ MeshLattice LdchLattice(const MeshRequest& request) {
         fmt::format("--to rockchip-ldch: the unit cannot change the size of {} "
                     "x {} px; omit --size",
                     request.source_size.width, request.source_size.height));
-  return RegularLattice(request.size, kLdchStepX, kLdchStepY);
+  return MakeRegularLattice(request.size, kLdchStepX, kLdchStepY);
 }
 
 UnitMesh WriteLdch(const MeshTable& mesh) {
@@ -34,9 +34,9 @@ UnitMesh WriteLdch(const MeshTable& mesh) {
   const int64_t most = (mesh.source_size.width - 1) * kLdchScale;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const Eigen::Vector2d place = ToMeshUnit(
+      const Eigen::Vector2d position = ToMeshUnit(
           mesh.vertices[static_cast<size_t>(row) * columns + column]);
-      const int64_t x = FixedPoint(place.x(), kLdchScale, 0, most);
+      const int64_t x = FixedPoint(position.x(), kLdchScale, 0, most);
       AppendLittleEndian(x, 2, &bytes);
       // Rows of the output are those of the image.
       unit.vertices.push_back(FromMeshUnit(
@@ -45,14 +45,14 @@ UnitMesh WriteLdch(const MeshTable& mesh) {
     if (line > columns) AppendLittleEndian(0, 2, &bytes);
   }
   unit.files = {{mesh.path, bytes}};
-  unit.told = "x alone";
+  unit.configuration = "x alone";
   return unit;
 }
 
 }  // namespace
 
-TableFormat RockchipLdchFormat() {
-  static const MeshUnit unit = {LdchLattice, WriteLdch, 1.0,
+TableFormat MakeRockchipLdchFormat() {
+  static const MeshUnit unit = {MakeLdchLattice, WriteLdch, 1.0,
                                 "the unit displaces pixels along rows only; "
                                 "use rockchip-fec for both axes"};
   return MakeMeshFormat(

@@ -15,7 +15,7 @@ constexpr int kLdcLineVertices = 16;  // lines are multiples of so many
 constexpr MeshSides kLdcSides = {16, 8192, 2};
 constexpr int kLdcMaxPad = 15;
 
-MeshLattice LdcLattice(const MeshRequest& request) {
+MeshLattice MakeLdcLattice(const MeshRequest& request) {
   RequireMeshSize("ti-ldc", "view", request.size, kLdcSides, kLdcSides);
   RequireMeshSize("ti-ldc", "camera's image", request.source_size, kLdcSides,
                   kLdcSides);
@@ -25,7 +25,7 @@ MeshLattice LdcLattice(const MeshRequest& request) {
         ExitCode::kUsage,
         fmt::format("--stride {}: must be a power of 2 up to {} for ti-ldc",
                     step, kLdcMaxStep));
-  return RegularLattice(request.size, step, step);
+  return MakeRegularLattice(request.size, step, step);
 }
 
 // An offset of 16 bits, of which 3 are fraction.
@@ -44,7 +44,7 @@ int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
 // The pixels that places of a block lie beyond the box around the places of its
 // corners, at most.
 double LdcExcess(const MeshTable& mesh,
-                 const std::vector<Eigen::Vector2d>& places, int block_px) {
+                 const std::vector<Eigen::Vector2d>& positions, int block_px) {
   const int columns = mesh.lattice.columns(), rows = mesh.lattice.rows(),
             step = mesh.lattice.x[1], cells = std::max(block_px / step, 1);
   double excess = 0;
@@ -53,7 +53,7 @@ double LdcExcess(const MeshTable& mesh,
       const int right = std::min(column + cells, columns - 1),
                 below = std::min(row + cells, rows - 1);
       const auto at = [&](int i, int j) -> const Eigen::Vector2d& {
-        return places[static_cast<size_t>(j) * columns + i];
+        return positions[static_cast<size_t>(j) * columns + i];
       };
       Eigen::AlignedBox2d box(at(column, row));
       box.extend(at(right, row));
@@ -71,12 +71,12 @@ double LdcExcess(const MeshTable& mesh,
 // The properties of TI's GStreamer element, with the largest block whose pad
 // the unit has. A block within a cell needs none but the neighbours' pixel.
 std::string LdcProperties(const MeshTable& mesh,
-                          const std::vector<Eigen::Vector2d>& places) {
+                          const std::vector<Eigen::Vector2d>& positions) {
   const int step = mesh.lattice.x[1];
   int block_px = 64;
   double pad = 0;
   for (;; block_px /= 2) {
-    pad = std::ceil(LdcExcess(mesh, places, block_px)) + 1;
+    pad = std::ceil(LdcExcess(mesh, positions, block_px)) + 1;
     if (pad <= kLdcMaxPad) break;
   }
   return fmt::format(
@@ -107,14 +107,14 @@ UnitMesh WriteLdc(const MeshTable& mesh) {
       AppendLittleEndian(0, 4, &bytes);
   }
   unit.files = {{mesh.path, bytes}};
-  unit.told = LdcProperties(mesh, unit.vertices);
+  unit.configuration = LdcProperties(mesh, unit.vertices);
   return unit;
 }
 
 }  // namespace
 
-TableFormat TiLdcFormat() {
-  static const MeshUnit unit = {LdcLattice, WriteLdc, {}, ""};
+TableFormat MakeTiLdcFormat() {
+  static const MeshUnit unit = {MakeLdcLattice, WriteLdc, {}, ""};
   return MakeMeshFormat(
       "ti-ldc",
       "TI TDA4, AM62A, AM67A, AM68A: mesh of the lens distortion correction "

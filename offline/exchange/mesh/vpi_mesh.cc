@@ -23,7 +23,7 @@ std::vector<int> VpiPoints(int num_pixels, int tile, int step) {
 }
 
 // Every pixel, unless a step is given.
-MeshLattice VpiLattice(const MeshRequest& request) {
+MeshLattice MakeVpiLattice(const MeshRequest& request) {
   RequireMeshSize("vpi", "view", request.size, kVpiWidth, kVpiHeight);
   const int step = request.step.value_or(1);
   if (step > kVpiMaxStep || (step & (step - 1)) != 0)
@@ -46,9 +46,9 @@ UnitMesh WriteVpi(const MeshTable& mesh) {
   UnitMesh unit;
   std::vector<float> keypoints;
   for (const Eigen::Vector2d& vertex : mesh.vertices) {
-    const Eigen::Vector2d place = ToMeshUnit(vertex);
-    keypoints.push_back(static_cast<float>(place.x()));
-    keypoints.push_back(static_cast<float>(place.y()));
+    const Eigen::Vector2d position = ToMeshUnit(vertex);
+    keypoints.push_back(static_cast<float>(position.x()));
+    keypoints.push_back(static_cast<float>(position.y()));
     unit.vertices.push_back(
         FromMeshUnit({*(keypoints.end() - 2), keypoints.back()}));
   }
@@ -63,7 +63,7 @@ UnitMesh WriteVpi(const MeshTable& mesh) {
                               keypoints.data()),
                  MakeNpyArray("size", {2}, size),
                  MakeNpyArray("source_size", {2}, source_size)})}};
-  unit.told = fmt::format(
+  unit.configuration = fmt::format(
       "keypoints of vpi.WarpMap(vpi.WarpGrid(({}, {}), {})); its number of "
       "columns and rows may differ",
       mesh.size.width, mesh.size.height, mesh.lattice.x[1]);
@@ -72,9 +72,9 @@ UnitMesh WriteVpi(const MeshTable& mesh) {
 
 }  // namespace
 
-TableFormat VpiFormat() {
+TableFormat MakeVpiFormat() {
   static const MeshUnit unit = {
-      VpiLattice,
+      MakeVpiLattice,
       WriteVpi,
       {},
       "",

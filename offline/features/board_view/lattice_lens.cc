@@ -148,9 +148,9 @@ double ComputeMedianErrorPx(const std::vector<ReprojectionError>& errors,
   std::vector<double> lengths;
   for (const ReprojectionError& e : errors)
     lengths.push_back((SeenAt(parameters.data(), e.place) - e.pixel).norm());
-  const auto middle = lengths.begin() + lengths.size() / 2;
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  const auto median = lengths.begin() + lengths.size() / 2;
+  std::nth_element(lengths.begin(), median, lengths.end());
+  return *median;
 }
 
 void OptimizeCameras(const std::vector<ReprojectionError>& errors,

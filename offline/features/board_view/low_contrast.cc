@@ -37,7 +37,7 @@ double Quantile(std::vector<float> values, double part) {
 }
 
 // Between the darkest and the brightest pixels, but for a few.
-double ContrastOf(const GreyImage& image) {
+double ComputeContrast(const GreyImage& image) {
   constexpr double kFew = 0.01;
   return Quantile(image.levels, 1 - kFew) - Quantile(image.levels, kFew);
 }
@@ -154,7 +154,7 @@ GreyImage Denoise(const GreyImage& image) {
   // Compression and demosaicing leave noise that is wider than a pixel.
   const double noise =
       std::max(EstimateNoise(image), EstimateNoise(Halved(image))) *
-      std::max(1.0, kReadableContrast / ContrastOf(image));
+      std::max(1.0, kReadableContrast / ComputeContrast(image));
   if (!(noise > kMaxNoise)) return image;
   // A Gaussian leaves 1 / (2 sqrt(pi) sigma) of white noise.
   const double blur_px =
@@ -169,7 +169,7 @@ GreyImage Denoise(const GreyImage& image) {
 bool HasLowContrast(const GreyImage& image) {
   constexpr double kMinSteps = 8, kMinDeviations = 6;
   const double step = UsedLevelStep(image);
-  return ContrastOf(image) <
+  return ComputeContrast(image) <
          std::max(kMinSteps * step,
                   kMinDeviations * EstimateNoise(image, step));
 }

@@ -81,7 +81,7 @@ cv::Mat Brightened(const GreyImage& image) {
 }
 
 // libapriltag counts the rows and columns that it looks at in 15 bits.
-float LeastDecimation(const cv::Mat& image) {
+float ComputeMinDecimation(const cv::Mat& image) {
   constexpr int kMaxLookedAt = 32767;
   return static_cast<float>(1 + (std::max(image.cols, image.rows) - 1) /
                                     kMaxLookedAt);
@@ -124,7 +124,7 @@ TagDetector::~TagDetector() = default;
 std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
   if (!IsLargeEnough({image.cols, image.rows})) return {};
   data_->detector->quad_decimate =
-      std::max(data_->decimate, LeastDecimation(image));
+      std::max(data_->decimate, ComputeMinDecimation(image));
   image_u8_t view = {image.cols, image.rows, static_cast<int32_t>(image.step),
                      image.data};
   zarray_t* found = apriltag_detector_detect(data_->detector.get(), &view);
@@ -164,8 +164,8 @@ TagOptions OfStarBoards(float decimate) {
   return options;
 }
 
-std::vector<DetectedTag> DetectIn(const cv::Mat& image, TagFamily family,
-                                  float decimate) {
+std::vector<DetectedTag> DetectTagsInImage(const cv::Mat& image,
+                                           TagFamily family, float decimate) {
   return TagDetector({family}, OfStarBoards(decimate)).Detect(image);
 }
 
@@ -181,7 +181,7 @@ bool IsQuickSearchThorough(const ImageSize& size) {
 }
 
 std::vector<DetectedTag> DetectTags(const GreyImage& image, TagSearch search) {
-  return DetectIn(
+  return DetectTagsInImage(
       Brightened(image), TagFamily::k36h11,
       search == TagSearch::kThorough ? 1 : QuickDecimation(image.size));
 }
@@ -192,13 +192,14 @@ std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
   const cv::Mat view = Brightened(image);
   cv::Mat mirrored;
   cv::flip(view, mirrored, 1);
-  for (const DetectedTag& tag : DetectIn(mirrored, TagFamily::k36h11, decimate))
+  for (const DetectedTag& tag :
+       DetectTagsInImage(mirrored, TagFamily::k36h11, decimate))
     seen.push_back(fmt::format("mirrored tag {}", tag.id));
   const std::pair<const char*, TagFamily> others[] = {
       {"tag25h9", TagFamily::k25h9},
       {"tagStandard41h12", TagFamily::kStandard41h12}};
   for (const auto& [name, family] : others)
-    for (const DetectedTag& tag : DetectIn(view, family, decimate))
+    for (const DetectedTag& tag : DetectTagsInImage(view, family, decimate))
       seen.push_back(fmt::format("tag {} of family {}", tag.id, name));
   return seen;
 }

@@ -396,7 +396,7 @@ ImageDetection FeatureRefiner::Refine(
 
 std::vector<Feature> FeatureRefiner::RefineWith(
     const GreyImage& image, std::vector<Feature> features,
-    const MappingCallback& tell_mapping) const {
+    const MappingCallback& get_mapping) const {
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
@@ -407,7 +407,7 @@ std::vector<Feature> FeatureRefiner::RefineWith(
     round.tone = data_->Tone(image, lattice, EstimateNoise(image));
   }
   for (Feature& feature : features) {
-    const auto mapping = tell_mapping(feature);
+    const auto mapping = get_mapping(feature);
     if (!mapping) continue;
     const WindowFit result =
         data_->tag_corners

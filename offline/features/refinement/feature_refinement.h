@@ -33,7 +33,7 @@ class FeatureRefiner {
       std::function<std::optional<LocalMapping>(const Feature&)>;
   std::vector<Feature> RefineWith(const GreyImage& image,
                                   std::vector<Feature> features,
-                                  const MappingCallback& tell_mapping) const;
+                                  const MappingCallback& get_mapping) const;
 
  private:
   struct Data;

@@ -199,8 +199,9 @@ class ShiftedSamples {
 };
 
 // The whole-pixel shift with the highest correlation.
-Eigen::Vector2d BestShift(const GreyImage& image, const Rendering& rendering,
-                          const Eigen::Vector2d& start, int reach) {
+Eigen::Vector2d EstimateShift(const GreyImage& image,
+                              const Rendering& rendering,
+                              const Eigen::Vector2d& start, int reach) {
   const ShiftedSamples samples(image, rendering, start, reach);
   Eigen::Vector2d best = start;
   double best_correlation = -1;
@@ -297,7 +298,7 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
                            const Eigen::Vector2d& start, double search_px) {
   MatchingResult result;
   const Eigen::Vector2d first =
-      BestShift(image, rendering, start, static_cast<int>(search_px));
+      EstimateShift(image, rendering, start, static_cast<int>(search_px));
   result.center = first;
   const Matching matching(image, rendering, first);
   if (!matching.HasEnough()) return result;

@@ -116,7 +116,7 @@ SymmetryPatch::SymmetryPatch(const GreyImage& image, Refinement refinement,
   channels_.push_back(std::move(gx));
 }
 
-SymmetryPatch::Reflection SymmetryPatch::ReflectionOf(
+SymmetryPatch::Reflection SymmetryPatch::ComputeReflection(
     bool inverts_colors) const {
   switch (refinement_) {
     case Refinement::kGradientsXY:

@@ -36,7 +36,7 @@ class SymmetryPatch {
     bool has_middle;
   };
   /// Returns the reflection for a pattern whose colours it keeps or inverts.
-  Reflection ReflectionOf(bool inverts_colors) const;
+  Reflection ComputeReflection(bool inverts_colors) const;
 
  private:
   Refinement refinement_;

@@ -154,7 +154,7 @@ class Problem {
   Problem(const SymmetryPatch& patch, const Pairs& pairs, bool inverts_colors)
       : patch_(patch),
         pairs_(pairs),
-        reflection_(patch.ReflectionOf(inverts_colors)) {}
+        reflection_(patch.ComputeReflection(inverts_colors)) {}
 
   System<N> Evaluate(const LocalMapping& mapping) const {
     const Parameters parameters = InPatch(mapping);

@@ -134,7 +134,7 @@ class CornerProblem {
     CornerParameters p = CornerParameters::Zero();
     p[kLogSigma] = std::log(1.5 * kBlurPx);
     p[kTone] = tone_;
-    InkBlurrer blurred(quadrants_, BlurOf(p));
+    InkBlurrer blurred(quadrants_, GetBlur(p));
     double n = 0, q = 0, qq = 0, l = 0, ql = 0;
     for (const WindowPixel& s : samples_) {
       const double paper = 1 - blurred.At(s.place.x(), s.place.y()).ink;
@@ -152,7 +152,7 @@ class CornerProblem {
 
   CornerSystem Evaluate(const CornerParameters& p) const {
     CornerSystem system;
-    InkBlurrer blurred(quadrants_, BlurOf(p));
+    InkBlurrer blurred(quadrants_, GetBlur(p));
     for (const WindowPixel& s : samples_) {
       const Vector2d moved = s.place - inverse_ * p.head<2>() -
                              (p[kTurnU] * s.place.x() * turn_u_ +
@@ -190,7 +190,7 @@ class CornerProblem {
   size_t size() const { return samples_.size(); }
 
  private:
-  BoardBlur BlurOf(const CornerParameters& p) const {
+  BoardBlur GetBlur(const CornerParameters& p) const {
     const Vector2d by_u = inverse_.row(0), by_v = inverse_.row(1);
     const double sigma = std::exp(p[kLogSigma]);
     return {sigma * by_u.norm(), sigma * by_v.norm(),

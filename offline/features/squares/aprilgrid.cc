@@ -127,10 +127,10 @@ struct AprilGridLocator::Data {
   std::vector<DetectedMarker> OnBoard(const std::vector<DetectedTag>& tags,
                                       int quarter_turns) const;
   MarkerConstellation Constellation(const std::vector<DetectedTag>& tags) const;
-  void FindCornersOf(const GreyImage& image, const MarkerConstellation& tags,
-                     const DetectedMarker& tag, FeatureLattice* lattice) const;
+  void FindTagCorners(const GreyImage& image, const MarkerConstellation& tags,
+                      const DetectedMarker& tag, FeatureLattice* lattice) const;
   std::pair<int, int> FirstFeature(const DetectedMarker& tag) const;
-  void SetCornersOf(const DetectedMarker& tag, FeatureLattice* lattice) const;
+  void SetTagCorners(const DetectedMarker& tag, FeatureLattice* lattice) const;
   FeatureLattice FindCorners(const GreyImage& image,
                              const MarkerConstellation& tags) const;
   double pitch_m() const { return board.square_m * (1 + board.spacing_ratio); }
@@ -185,10 +185,10 @@ std::pair<int, int> AprilGridLocator::Data::FirstFeature(
           2 * static_cast<int>(std::lround(place.y()))};
 }
 
-void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
-                                           const MarkerConstellation& tags,
-                                           const DetectedMarker& tag,
-                                           FeatureLattice* lattice) const {
+void AprilGridLocator::Data::FindTagCorners(const GreyImage& image,
+                                            const MarkerConstellation& tags,
+                                            const DetectedMarker& tag,
+                                            FeatureLattice* lattice) const {
   const auto [left, top] = FirstFeature(tag);
   for (int row = top; row < top + 2; ++row) {
     for (int column = left; column < left + 2; ++column) {
@@ -204,8 +204,8 @@ void AprilGridLocator::Data::FindCornersOf(const GreyImage& image,
 
 // On white paper corners are those of the tags' outlines. What looks like one
 // may be a cell's corner: no others are sought.
-void AprilGridLocator::Data::SetCornersOf(const DetectedMarker& tag,
-                                          FeatureLattice* lattice) const {
+void AprilGridLocator::Data::SetTagCorners(const DetectedMarker& tag,
+                                           FeatureLattice* lattice) const {
   const auto [left, top] = FirstFeature(tag);
   lattice->Set(left, top, tag.corners_px[0]);
   lattice->Set(left + 1, top, tag.corners_px[1]);
@@ -217,11 +217,11 @@ FeatureLattice AprilGridLocator::Data::FindCorners(
     const GreyImage& image, const MarkerConstellation& tags) const {
   FeatureLattice lattice(board);
   if (!board.has_corner_squares) {
-    for (const DetectedMarker& tag : tags.seen()) SetCornersOf(tag, &lattice);
+    for (const DetectedMarker& tag : tags.seen()) SetTagCorners(tag, &lattice);
     return lattice;
   }
   for (const DetectedMarker& tag : tags.seen())
-    FindCornersOf(image, tags, tag, &lattice);
+    FindTagCorners(image, tags, tag, &lattice);
   for (const double min_correlation : kMinCorrelations)
     growth.Grow(image, {min_correlation}, &lattice);
   return lattice;

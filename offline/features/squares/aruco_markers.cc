@@ -6,7 +6,7 @@
 namespace raygrid {
 namespace {
 
-cv::Mat CodeOf(const MarkerBits& bits, int border_cells) {
+cv::Mat MakeCode(const MarkerBits& bits, int border_cells) {
   const int size = bits.size - 2 * border_cells;
   cv::Mat code(size, size, CV_8U);
   for (int row = 0; row < size; ++row)
@@ -25,7 +25,7 @@ cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
   const int num_bits = dictionary->markerSize * dictionary->markerSize;
   int least_distance = num_bits;
   for (const PlacedMarker& marker : markers) {
-    const cv::Mat code = CodeOf(marker.bits, border_cells);
+    const cv::Mat code = MakeCode(marker.bits, border_cells);
     if (!dictionary->bytesList.empty())
       for (int id = 0; id < dictionary->bytesList.rows; ++id)
         least_distance = std::min(least_distance,

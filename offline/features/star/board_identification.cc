@@ -257,11 +257,11 @@ class Identification {
     for (const VisibleTag& seen :
          FindVisibleTags(boards_[placement.board]->board, detected_)) {
       const auto& c = seen.corners;
-      const Eigen::Vector2d middle = (c[0] + c[1] + c[2] + c[3]) / 4;
+      const Eigen::Vector2d midpoint = (c[0] + c[1] + c[2] + c[3]) / 4;
       const Feature& star = *std::min_element(
           stars_.begin(), stars_.end(),
           [&](const Feature& s, const Feature& t) {
-            return (s.pixel - middle).norm() < (t.pixel - middle).norm();
+            return (s.pixel - midpoint).norm() < (t.pixel - midpoint).norm();
           });
       const auto on_board = CornersOnBoard(seen.tag);
       const Eigen::Vector2d offset =

@@ -36,12 +36,12 @@ Eigen::Vector2d PartOffset(int part) {
 enum class Shade : char { kUnsure, kWhite, kBlack };
 
 template <typename IsBlack>
-Shade ShadeOf(const Eigen::Vector2d& middle, const IsBlack& is_black_at) {
+Shade ShadeOf(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
   constexpr double kMargin = 0.045;  // squares
-  const bool is_black = is_black_at(middle);
+  const bool is_black = is_black_at(center);
   for (const double v : {-kMargin, kMargin})
     for (const double u : {-kMargin, kMargin})
-      if (is_black_at(middle + Eigen::Vector2d(u, v)) != is_black)
+      if (is_black_at(center + Eigen::Vector2d(u, v)) != is_black)
         return Shade::kUnsure;
   return is_black ? Shade::kBlack : Shade::kWhite;
 }

@@ -72,8 +72,8 @@ int Support(const Basis& linear, const std::vector<Eigen::Vector2d>& offsets) {
 
 // Pairs of neighbours that span a lattice that other candidates are on; the
 // smallest first.
-std::vector<Basis> BasesOf(const std::vector<Eigen::Vector2d>& offsets,
-                           size_t num_nearest) {
+std::vector<Basis> FindBases(const std::vector<Eigen::Vector2d>& offsets,
+                             size_t num_nearest) {
   constexpr double kMinSine = 0.4, kMaxStretch = 5;
   constexpr int kMinSupport = 4;
   const size_t count = std::min(num_nearest, offsets.size());
@@ -140,7 +140,7 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
   const int density = board_.segments <= kFewSegments ? kMoreJunctions : 1;
   const auto offsets =
       OffsetsAround(candidates, center, density * kNumNeighbors);
-  for (const Basis& basis : BasesOf(offsets, density * kNumNearest)) {
+  for (const Basis& basis : FindBases(offsets, density * kNumNearest)) {
     LocalMapping mapping;
     mapping.center = center;
     mapping.linear = basis;
@@ -203,12 +203,12 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSimilarStars(
 FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
                                             const Seed& seed,
                                             double alike) const {
-  const int middle = board_.columns / 2;
+  const int mid = board_.columns / 2;
   StarGrowth growth(image, board_, texture_, masks_, options_, {});
   growth.RequireAlike(alike);
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column)
-      growth.Try(middle + column, middle + row,
+      growth.Try(mid + column, mid + row,
                  Shifted(seed.mapping, Eigen::Vector2d(column, row)), 0.2,
                  kMinCorrelation);
   growth.Grow();

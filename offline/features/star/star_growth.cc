@@ -21,11 +21,11 @@ constexpr double kSmallestScale = 8;
 std::optional<Eigen::Matrix3d> Homography(
     const std::array<Eigen::Vector2d, 4>& from,
     const std::array<Eigen::Vector2d, 4>& to) {
-  const Eigen::Vector2d middle = (from[0] + from[1] + from[2] + from[3]) / 4;
+  const Eigen::Vector2d center = (from[0] + from[1] + from[2] + from[3]) / 4;
   Eigen::Matrix<double, 8, 8> a;
   Eigen::Matrix<double, 8, 1> b;
   for (int k = 0; k < 4; ++k) {
-    const double x = from[k].x() - middle.x(), y = from[k].y() - middle.y();
+    const double x = from[k].x() - center.x(), y = from[k].y() - center.y();
     const double u = to[k].x(), v = to[k].y();
     a.row(2 * k) << x, y, 1, 0, 0, 0, -u * x, -u * y;
     a.row(2 * k + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y;
@@ -35,9 +35,9 @@ std::optional<Eigen::Matrix3d> Homography(
   if (!h.allFinite()) return std::nullopt;
   Eigen::Matrix3d homography;
   homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1;
-  Eigen::Matrix3d from_middle = Eigen::Matrix3d::Identity();
-  from_middle.topRightCorner<2, 1>() = -middle;
-  return homography * from_middle;
+  Eigen::Matrix3d from_center = Eigen::Matrix3d::Identity();
+  from_center.topRightCorner<2, 1>() = -center;
+  return homography * from_center;
 }
 
 // A homography as a mapping of offsets from a place; nothing where it does not
@@ -307,8 +307,8 @@ bool StarGrowth::PredictFromTag(int column, int row,
   bool is_predicted = false;
   for (const VisibleTag& seen : tags_) {
     const double half = seen.tag.squares / 2.0;
-    const Eigen::Vector2d middle(seen.tag.column + half, seen.tag.row + half);
-    const double distance = (middle - place).norm();
+    const Eigen::Vector2d center(seen.tag.column + half, seen.tag.row + half);
+    const double distance = (center - place).norm();
     const auto predicted = MappingAt(seen.homography, place);
     if (distance > least_distance || !predicted) continue;
     LocalMapping moved = *predicted;

@@ -317,7 +317,7 @@ struct GridProblem {
     const CentralGeneric grid =
         FittedGrid(problem.state.camera(), knot_spacing_px);
     problem.state.SetCamera(grid);
-    prior.cameras = {SmoothnessPrior(grid, {})};
+    prior.cameras = {MakeSmoothnessPrior(grid, {})};
     prior.cameras[0].groups[0].weight = 1;
     prior.points_mean = problem.state.points;
     prior.points_precision = 1e5;

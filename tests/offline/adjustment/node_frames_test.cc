@@ -44,7 +44,7 @@ TEST(NodeFrames, AreLeftAsTheyAreEntered) {
     EXPECT_LT((frames.FromNodeFrames(inside) - vector).norm(), 1e-12);
     Eigen::SparseMatrix<double> form(layout.size, layout.size);
     for (int i = 0; i < layout.size; ++i) form.insert(i, i) = 1 + i % 7;
-    EXPECT_NEAR(inside.dot(frames.TransformForm(form) * inside),
+    EXPECT_NEAR(inside.dot(frames.TransformNodes(form) * inside),
                 vector.dot(form * vector), 1e-9);
   }
 }

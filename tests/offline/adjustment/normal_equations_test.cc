@@ -412,10 +412,10 @@ SmoothProblem MakeSmoothProblem(int num_sides, bool has_lines = false,
   const CentralGeneric grid = FittedGrid(state.camera(), knot_spacing_px);
   if (has_lines) {
     state.SetCamera(NonCentralGeneric(grid));
-    smooth.prior.cameras = {NonCentralPrior(grid, {}, 0.7)};
+    smooth.prior.cameras = {MakeNonCentralPrior(grid, {}, 0.7)};
   } else {
     state.SetCamera(grid);
-    smooth.prior.cameras = {SmoothnessPrior(grid, {})};
+    smooth.prior.cameras = {MakeSmoothnessPrior(grid, {})};
   }
   for (PriorGroup& group : smooth.prior.cameras[0].groups) group.weight = 0.1;
   smooth.prior.points_mean = state.points;

@@ -119,7 +119,7 @@ inline Eigen::MatrixXd WeightedPrecision(const CameraPrior& prior) {
 inline GaussianPrior PriorOf(const SmallProblem& problem) {
   GaussianPrior prior;
   for (const auto& camera : problem.state.cameras) {
-    CameraPrior distortion = DistortionPrior(
+    CameraPrior distortion = MakeDistortionPrior(
         dynamic_cast<const OpenCvModel&>(*camera), WholeImage({640, 480}), 0);
     distortion.mean = camera->Parameters();
     for (PriorGroup& group : distortion.groups) group.weight = 0.5;
@@ -172,7 +172,7 @@ inline SmallProblem MakeExactGridProblem(int num_views, int num_points) {
 
 /// Hardly any prior around the camera's grid.
 inline CameraPrior WeakGridPrior(const SmallProblem& problem) {
-  CameraPrior prior = SmoothnessPrior(
+  CameraPrior prior = MakeSmoothnessPrior(
       dynamic_cast<const CentralGeneric&>(problem.state.camera()), {});
   prior.groups[0].weight = 1e-6;
   return prior;

@@ -32,9 +32,9 @@ double GroupCost(const CameraPrior& prior, size_t group,
   return prior.groups[group].SquaredDistance(parameters - prior.mean);
 }
 
-TEST(SmoothnessPrior, LeavesTheLensFree) {
+TEST(MakeSmoothnessPrior, LeavesTheLensFree) {
   const CentralGeneric base = Base();
-  const CameraPrior prior = SmoothnessPrior(base, {});
+  const CameraPrior prior = MakeSmoothnessPrior(base, {});
   const PriorGroup& group = prior.groups[0];
   ASSERT_EQ(group.free.cols(), 7);
   TestRandom random(3);
@@ -47,11 +47,11 @@ TEST(SmoothnessPrior, LeavesTheLensFree) {
 }
 
 // What extrapolated corners do must not move the camera's frame.
-TEST(SmoothnessPrior, HoldsTheOrientationOfObservedPixels) {
+TEST(MakeSmoothnessPrior, HoldsTheOrientationOfObservedPixels) {
   const CentralGeneric base = Base();
   const BSplineSurface& grid = base.surface();
   const std::vector<Eigen::Vector2d> observed_px = {grid.area().center()};
-  const CameraPrior prior = SmoothnessPrior(base, observed_px);
+  const CameraPrior prior = MakeSmoothnessPrior(base, observed_px);
   const SplineSupport support = grid.Support(observed_px.front());
   constexpr double kTurn = 1e-3;
   Eigen::VectorXd observed = prior.mean, others = prior.mean;
@@ -72,8 +72,8 @@ TEST(SmoothnessPrior, HoldsTheOrientationOfObservedPixels) {
 }
 
 // b of covariance K - R R^T, from signs.
-TEST(SmoothnessPrior, ScattersAsItHolds) {
-  const CameraPrior prior = SmoothnessPrior(Base(), {});
+TEST(MakeSmoothnessPrior, ScattersAsItHolds) {
+  const CameraPrior prior = MakeSmoothnessPrior(Base(), {});
   const PriorGroup& group = prior.groups[0];
   const Eigen::MatrixXd k = Eigen::MatrixXd(group.precision);
   const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(k).matrixL();
@@ -112,13 +112,13 @@ BaseModel WithTiltPrecision(double precision) {
 }
 
 // Nearly: the surface beyond the area is not quite as the directions have it.
-TEST(SmoothnessPrior, FreesTheParametersOfItsLens) {
+TEST(MakeSmoothnessPrior, FreesTheParametersOfItsLens) {
   constexpr double kWeight = 10, kVariance = 0.01;
   const CentralGeneric base = Tilted(0);
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
   const auto group_with = [&](double precision) {
     PriorGroup group =
-        SmoothnessPrior(base, {}, WithTiltPrecision(precision)).groups[0];
+        MakeSmoothnessPrior(base, {}, WithTiltPrecision(precision)).groups[0];
     group.SetPrecision(kWeight, kVariance);
     return group;
   };
@@ -131,12 +131,12 @@ TEST(SmoothnessPrior, FreesTheParametersOfItsLens) {
 
 // A precision counts beside the residuals' variance, however much the group
 // weighs.
-TEST(SmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
+TEST(MakeSmoothnessPrior, HoldsATiltTheLessTheMoreItWeighs) {
   constexpr double kPrecision = 2e4, kVariance = 0.01;
   const CentralGeneric base = Tilted(0);
   const Eigen::VectorXd tilt = Tilted(1).Parameters() - base.Parameters();
   PriorGroup group =
-      SmoothnessPrior(base, {}, WithTiltPrecision(kPrecision)).groups[0];
+      MakeSmoothnessPrior(base, {}, WithTiltPrecision(kPrecision)).groups[0];
   group.SetPrecision(1, kVariance);
   const double with_weak = group.SquaredDistance(tilt);
   group.SetPrecision(1000, kVariance);
@@ -192,12 +192,12 @@ Eigen::VectorXd Displaced(const CentralGeneric& base, const CameraPrior& prior,
 // Units differ by a bump. It costs its factor's square, or what the smoothness
 // makes of it, or between them what is cheapest: 1 / (1 + 1 / smooth). The
 // smoothness alone is that of a spread of next to nothing.
-TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
+TEST(MakeSmoothnessPrior, HoldsASpreadByItsDeviation) {
   constexpr double kWeight = 10, kVariance = 0.01;
   const CentralGeneric base = Base();
   const BSplineSurface bump = Bump(base.area(), 0.5);
   const auto cost_with = [&](const BSplineSurface& spread, double times) {
-    const CameraPrior prior = SmoothnessPrior(base, {}, {}, {spread});
+    const CameraPrior prior = MakeSmoothnessPrior(base, {}, {}, {spread});
     PriorGroup group = prior.groups[0];
     group.SetPrecision(kWeight, kVariance);
     return kWeight / kVariance *
@@ -211,19 +211,19 @@ TEST(SmoothnessPrior, HoldsASpreadByItsDeviation) {
 }
 
 // A direction that moves nothing is no number that is none.
-TEST(SmoothnessPrior, TakesASpreadOfZeros) {
+TEST(MakeSmoothnessPrior, TakesASpreadOfZeros) {
   const CentralGeneric base = Base();
   const PriorGroup with =
-      SmoothnessPrior(base, {}, {}, {Bump(base.area(), 0)}).groups[0];
+      MakeSmoothnessPrior(base, {}, {}, {Bump(base.area(), 0)}).groups[0];
   EXPECT_TRUE(with.free.allFinite());
   EXPECT_TRUE(with.freed.allFinite());
 }
 
 // A grid is turned by 1e-3, and its corners, which hardly any pixel is seen
 // through, back by ten times as much: that is a turn all the same.
-TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
+TEST(MakeSmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
   const CentralGeneric base = Base();
-  const CameraPrior prior = SmoothnessPrior(base, {});
+  const CameraPrior prior = MakeSmoothnessPrior(base, {});
   const BSplineSurface& surface = base.surface();
   Eigen::VectorXd turned = prior.mean, but_corners = prior.mean;
   for (int k = 0; k < surface.num_points(); ++k) {
@@ -241,15 +241,15 @@ TEST(SmoothnessPrior, HoldsTheOrientationOfWhatIsSeen) {
             0.02 * error.norm());
 }
 
-TEST(NonCentralPrior, CostsNothingAtItsMean) {
-  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
+TEST(MakeNonCentralPrior, CostsNothingAtItsMean) {
+  const CameraPrior prior = MakeNonCentralPrior(Base(), {}, kDistance);
   ASSERT_EQ(prior.groups.size(), 2u);
   EXPECT_EQ(prior.mean, Start());
   EXPECT_EQ(prior.Cost(Start()), 0);
 }
 
-TEST(NonCentralPrior, EachGroupSeesItsOwnParameters) {
-  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
+TEST(MakeNonCentralPrior, EachGroupSeesItsOwnParameters) {
+  const CameraPrior prior = MakeNonCentralPrior(Base(), {}, kDistance);
   TestRandom random(1);
   Eigen::VectorXd directions = Start(), points = Start();
   for (Eigen::Index k = 0; k < directions.size(); k += 5) {
@@ -263,10 +263,10 @@ TEST(NonCentralPrior, EachGroupSeesItsOwnParameters) {
   EXPECT_EQ((prior.orientation.transpose() * (points - prior.mean)).norm(), 0);
 }
 
-TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
+TEST(MakeNonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
   const CentralGeneric base = Base();
-  const CameraPrior central = SmoothnessPrior(base, {});
-  const CameraPrior lines = NonCentralPrior(base, {}, kDistance);
+  const CameraPrior central = MakeSmoothnessPrior(base, {});
+  const CameraPrior lines = MakeNonCentralPrior(base, {}, kDistance);
   TestRandom random(2);
   Eigen::VectorXd central_parameters = base.Parameters();
   for (Eigen::Index k = 0; k < central_parameters.size(); ++k)
@@ -287,8 +287,8 @@ TEST(NonCentralPrior, HoldsDirectionsAsTheCentralOneDoes) {
 
 // K has full rank: parameters that observations do not see must be held. Focal
 // lengths and centre, which they do see, are held by little.
-TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
-  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
+TEST(MakeNonCentralPrior, LeavesNoParameterQuiteFree) {
+  const CameraPrior prior = MakeNonCentralPrior(Base(), {}, kDistance);
   Eigen::MatrixXd sum =
       Eigen::MatrixXd::Zero(prior.mean.size(), prior.mean.size());
   int rank = 0;
@@ -304,8 +304,8 @@ TEST(NonCentralPrior, LeavesNoParameterQuiteFree) {
   EXPECT_GT(factor.vectorD().minCoeff(), 1e-6);
 }
 
-TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
-  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
+TEST(MakeNonCentralPrior, PrefersPointsThatDoNotDrift) {
+  const CameraPrior prior = MakeNonCentralPrior(Base(), {}, kDistance);
   const auto cost = [&](const auto& point) {
     return GroupCost(prior, 1, WithPoints(point));
   };
@@ -325,8 +325,8 @@ TEST(NonCentralPrior, PrefersPointsThatDoNotDrift) {
 
 // Points that move by 2 mm from node to node: along the lines they cost far
 // more than across, where they are only rough.
-TEST(NonCentralPrior, HoldsPointsInTheirPlacesAlongLines) {
-  const CameraPrior prior = NonCentralPrior(Base(), {}, kDistance);
+TEST(MakeNonCentralPrior, HoldsPointsInTheirPlacesAlongLines) {
+  const CameraPrior prior = MakeNonCentralPrior(Base(), {}, kDistance);
   const auto sign = [](Eigen::Index k) { return k % 2 ? 0.001 : -0.001; };
   const auto along = WithPoints(
       [&](const Eigen::Vector3d& d, Eigen::Index k) -> Eigen::Vector3d {
@@ -339,12 +339,13 @@ TEST(NonCentralPrior, HoldsPointsInTheirPlacesAlongLines) {
   EXPECT_GT(GroupCost(prior, 1, along), 5 * GroupCost(prior, 1, across));
 }
 
-TEST(NonCentralPrior, CountsPointsInPixelsAtTheDistance) {
+TEST(MakeNonCentralPrior, CountsPointsInPixelsAtTheDistance) {
   const auto shifted = WithPoints([](const Eigen::Vector3d&, Eigen::Index) {
     return Eigen::Vector3d(0.001, 0, 0);
   });
-  const double near = GroupCost(NonCentralPrior(Base(), {}, 0.5), 1, shifted);
-  const double far = GroupCost(NonCentralPrior(Base(), {}, 1), 1, shifted);
+  const double near =
+      GroupCost(MakeNonCentralPrior(Base(), {}, 0.5), 1, shifted);
+  const double far = GroupCost(MakeNonCentralPrior(Base(), {}, 1), 1, shifted);
   EXPECT_NEAR(near, 4 * far, 1e-9 * near);
 }
 

@@ -30,10 +30,10 @@ bool LooksAlike(const Board& board, int turn) {
       // Squares are turned as the corners of a board one larger would be.
       Board squares = Chessboard(board.columns, board.rows);
       const Pose pose = ComputeRotation(squares, turn);
-      const Eigen::Vector3d middle =
+      const Eigen::Vector3d center =
           pose * (0.03 * Eigen::Vector3d(column - 0.5, row - 0.5, 0));
-      const int c = static_cast<int>(std::lround(middle.x() / 0.03 + 0.5));
-      const int r = static_cast<int>(std::lround(middle.y() / 0.03 + 0.5));
+      const int c = static_cast<int>(std::lround(center.x() / 0.03 + 0.5));
+      const int r = static_cast<int>(std::lround(center.y() / 0.03 + 0.5));
       if (c < 0 || r < 0 || c > board.columns || r > board.rows ||
           IsBlackSquare(c, r) != IsBlackSquare(column, row))
         return false;
@@ -168,12 +168,12 @@ TEST(CalibrateRotatedBoards, TurnsNoneThatNothingTellsOf) {
 TEST(CalibrateRotatedBoards, NamesAViewThatDoesNotTellItsTurn) {
   TurnedViews views = ViewsOf(ChessboardPattern(13, 9, 0.03), 0.00005, 20, 3);
   ImageFeatures& poor = views.turned.images[4];
-  std::vector<Feature> middle;
+  std::vector<Feature> center;
   for (const Feature& f : poor.features)
     if (f.column >= 5 && f.column <= 7 && f.row >= 3 && f.row <= 5)
-      middle.push_back(f);
-  poor.features = middle;
-  ASSERT_EQ(middle.size(), 9u);
+      center.push_back(f);
+  poor.features = center;
+  ASSERT_EQ(center.size(), 9u);
   CalibrationOptions options;
   options.knot_spacing_px = 160;
   options.num_threads = 2;
@@ -242,9 +242,9 @@ TEST(CalibrateRotatedBoards, HasNoMoreErrorOverOperatingPoints) {
 
 // ---- Rigs ------------------------------------------------------------------
 
-SimulatedRigObservations StereoViews(const Pattern& pattern, int num_instants) {
+SimulatedRigObservations StereoViews(const Pattern& pattern, int num_frames) {
   SimulationOptions simulation;
-  simulation.num_images = num_instants;
+  simulation.num_images = num_frames;
   simulation.features_per_image = 140;
   simulation.noise_px = 0.05;
   return SimulateRig(

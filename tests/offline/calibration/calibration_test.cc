@@ -302,11 +302,11 @@ TEST(Calibrate, TrustsNoCellThatTheImageCircleCuts) {
     const double distance_px = (mask.CellCenter(cell) - circle.center).norm();
     const double half_diagonal_px = mask.knot_spacing_px * std::sqrt(0.5);
     if (distance_px < 200 - half_diagonal_px) {
-      EXPECT_EQ(mask.is_trusted[cell], all.is_trusted[cell]);
+      EXPECT_EQ(mask.is_valid[cell], all.is_valid[cell]);
     }
     if (distance_px <= 200) continue;
-    EXPECT_FALSE(mask.is_trusted[cell]);
-    num_distrusted += all.is_trusted[cell];
+    EXPECT_FALSE(mask.is_valid[cell]);
+    num_distrusted += all.is_valid[cell];
   }
   EXPECT_GT(num_distrusted, 50);
 }
@@ -353,7 +353,7 @@ TEST(Calibrate, OnlyLinesExplainWhatIsSeenThroughGlass) {
 }
 
 TEST(Calibrate, AdjustsEveryModel) {
-  for (const std::string& model : CalibratedModels()) {
+  for (const std::string& model : ListCalibratedModels()) {
     const auto lens = MakeSimulatedLens(
         model == "opencv" ? "pinhole" : "fisheye", {640, 480});
     const CalibrationResult result = CalibrateSeenBy(*lens, model, 12);

@@ -73,7 +73,7 @@ void ExpectFrameOfTheNearestLens(const std::string& lens,
 }
 
 TEST(CameraFrames, AreThoseOfTheNearestLens) {
-  for (const std::string& model : CalibratedModels())
+  for (const std::string& model : ListCalibratedModels())
     ExpectFrameOfTheNearestLens("example", model);
   ExpectFrameOfTheNearestLens("wide", "central-generic");
   ExpectFrameOfTheNearestLens("glass", "noncentral-generic");

@@ -69,9 +69,9 @@ CalibrationOptions Quick() {
 }
 
 // Nothing is held out of these.
-CalibrationOptions QuickWithout(const std::string& instant) {
+CalibrationOptions QuickWithout(const std::string& frame) {
   CalibrationOptions options = Quick();
-  options.hold_out = {instant};
+  options.hold_out = {frame};
   return options;
 }
 

@@ -36,7 +36,7 @@ double Now() {
 struct Draw {
   std::vector<PixelUncertainty> predicted;
   std::vector<Eigen::Vector2d> errors;  // where predicted
-  std::vector<bool> trusted;
+  std::vector<bool> valid_region;
   double noise_px = 0, weight = 0, worst_px = 0;
   double seconds = 0, covariance_seconds = 0;
 };
@@ -75,7 +75,7 @@ Draw CalibrateDraw(const Pattern& pattern, const AdjustmentResult& start,
   const ValidityMask mask =
       EstimateUncertainty(adjusted, 0, {}, {}, 1).value().uncertainty.mask;
   for (const PixelUncertainty& p : draw.predicted)
-    draw.trusted.push_back(mask.IsValidAt(p.pixel));
+    draw.valid_region.push_back(mask.IsValidAt(p.pixel));
   const CameraModel& camera = adjusted.state.camera();
   const ModelDifference difference = CompareModels(truth, camera, 8);
   for (size_t i = 0; i < difference.pixels.size(); ++i)
@@ -111,7 +111,7 @@ void RunCells(int num_images, int num_draws, int seed, double knot_spacing_px) {
   double mean_sum = 0, scatter_sum = 0, expected_sum = 0;
   for (size_t i = 0; i < num_pixels; ++i) {
     int count = 0;
-    for (const Draw& draw : draws) count += draw.trusted[i];
+    for (const Draw& draw : draws) count += draw.valid_region[i];
     if (2 * count < num_draws) continue;
     ++num_trusted;
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -138,7 +138,7 @@ void RunCells(int num_images, int num_draws, int seed, double knot_spacing_px) {
     double own = 0, own_predicted = 0, own_stated = 0;
     std::vector<double> deviations;
     for (size_t i = 0; i < num_pixels; ++i) {
-      if (!draw.trusted[i]) continue;
+      if (!draw.valid_region[i]) continue;
       own += draw.errors[i].squaredNorm();
       ++num_errors;
       own_predicted += draw.predicted[i].noise_px2.trace();

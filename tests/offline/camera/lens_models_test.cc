@@ -33,26 +33,26 @@ Eigen::VectorXd ExampleOf(const LensModel& model) {
 // Calls test with each model and an example of it.
 template <typename Test>
 void ForEachModel(const Test& test) {
-  for (const LensModel& model : LensModels()) {
+  for (const LensModel& model : GetLensModels()) {
     SCOPED_TRACE(model.name);
     if (model.make) test(model, *LensOf(model, ExampleOf(model)));
   }
 }
 
-TEST(LensModels, ProjectionInvertsUnprojection) {
+TEST(GetLensModels, ProjectionInvertsUnprojection) {
   ForEachModel([](const LensModel&, const ParametricModel& lens) {
     ExpectRoundTrip(lens, 1e-6);
   });
 }
 
-TEST(LensModels, DerivativesAreThoseOfProjection) {
+TEST(GetLensModels, DerivativesAreThoseOfProjection) {
   ForEachModel([](const LensModel&, const ParametricModel& lens) {
     ExpectDerivativeByPoint(lens, 1e-6);
     ExpectDerivativeByParameter(lens, 1e-5, 1e-6);
   });
 }
 
-TEST(LensModels, LookStraightAheadInTheirCentreIfNotTilted) {
+TEST(GetLensModels, LookStraightAheadInTheirCentreIfNotTilted) {
   ForEachModel([](const LensModel& model, const ParametricModel& lens) {
     Eigen::VectorXd plain = lens.Parameters();
     const std::vector<int> orders = lens.DistortionOrders();
@@ -65,7 +65,7 @@ TEST(LensModels, LookStraightAheadInTheirCentreIfNotTilted) {
   });
 }
 
-TEST(LensModels, SeeNothingOutsideTheirArea) {
+TEST(GetLensModels, SeeNothingOutsideTheirArea) {
   ForEachModel([](const LensModel&, const ParametricModel& whole) {
     const auto lens = whole.CloneWithArea({100, 100, 300, 200});
     EXPECT_FALSE(lens->Unproject({99.9, 150}));
@@ -78,7 +78,7 @@ TEST(LensModels, SeeNothingOutsideTheirArea) {
   });
 }
 
-TEST(LensModels, FitACameraOfTheirKind) {
+TEST(GetLensModels, FitACameraOfTheirKind) {
   ForEachModel([](const LensModel& model, const ParametricModel& lens) {
     const FittedModel fit =
         FitParametricModel(model.name, lens, lens.area(), {});
@@ -112,14 +112,14 @@ void ExpectAgreementWithOpenCv(const LensModel& model) {
   EXPECT_GT(num_seen, 300);
 }
 
-TEST(LensModels, AgreeWithOpenCv) {
+TEST(GetLensModels, AgreeWithOpenCv) {
   for (const char* model : {"opencv", "opencv-14"})
     ExpectAgreementWithOpenCv(*FindLensModel(model));
 }
 
 // The unified model with alpha = xi / (1 + xi) and beta = 1, and the double
 // sphere without its first sphere, are one lens in three models.
-TEST(LensModels, AgreeWhereTheyAreOneLens) {
+TEST(GetLensModels, AgreeWhereTheyAreOneLens) {
   const double xi = 0.8, alpha = xi / (1 + xi), f = 250;
   const auto omni = LensOf(
       "omni-radtan", {f * (1 + xi), f * (1 + xi), 322, 236, xi, 0, 0, 0, 0});
@@ -137,7 +137,7 @@ TEST(LensModels, AgreeWhereTheyAreOneLens) {
 
 // alpha = 1 and beta = 1 shows a direction at the sine of its angle: nothing
 // beyond 90 degrees.
-TEST(LensModels, EndWhereTheRadiusStopsToGrow) {
+TEST(GetLensModels, EndWhereTheRadiusStopsToGrow) {
   const auto lens = LensOf("eucm", {200, 200, 322, 236, 1, 1});
   EXPECT_TRUE(lens->Project({1, 0, 0.1}, nullptr, 0));
   EXPECT_FALSE(lens->Project({1, 0, -0.1}, nullptr, 0));
@@ -145,7 +145,7 @@ TEST(LensModels, EndWhereTheRadiusStopsToGrow) {
   EXPECT_FALSE(lens->Project({0, 0, 0}));
 }
 
-TEST(LensModels, KnowNoOthers) {
+TEST(GetLensModels, KnowNoOthers) {
   EXPECT_FALSE(FindLensModel("central-radial")->make);
   EXPECT_EQ(FindLensModel("equidistant"), nullptr);
   EXPECT_TRUE(IsParametricModel("eucm"));

@@ -135,13 +135,13 @@ TEST(FitParametricModel, TiesFocalLengths) {
 TEST(FitParametricModel, FollowsTrustedPixels) {
   const auto bumpy = MakeSimulatedLens("wide", {640, 480});
   ValidityMask mask = ValidityMask::Over(bumpy->image_size());
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k) {
+  for (size_t k = 0; k < mask.is_valid.size(); ++k) {
     const Eigen::Vector2d at = mask.CellCenter(static_cast<int>(k));
-    mask.is_trusted[k] = std::abs(at.x() - 320) < 120 && at.y() < 160;
+    mask.is_valid[k] = std::abs(at.x() - 320) < 120 && at.y() < 160;
   }
   FitOptions options;
-  options.trusted = &mask;
-  const FittedModel trusted =
+  options.valid_region = &mask;
+  const FittedModel valid_region =
       FitParametricModel("opencv", *bumpy, bumpy->area(), options);
   const FittedModel all =
       FitParametricModel("opencv", *bumpy, bumpy->area(), {});
@@ -151,13 +151,14 @@ TEST(FitParametricModel, FollowsTrustedPixels) {
       const Eigen::Vector3d ray = bumpy->Unproject({x, y}).value();
       const Eigen::Vector2d pixel(x, y);
       sum_trusted +=
-          (trusted.model->Project(ray, nullptr, 99).value() - pixel).norm();
+          (valid_region.model->Project(ray, nullptr, 99).value() - pixel)
+              .norm();
       sum_all += (all.model->Project(ray, nullptr, 99).value() - pixel).norm();
     }
   }
   EXPECT_LT(sum_trusted, 0.7 * sum_all);
   // The rest of the image has the same lens, not any one.
-  EXPECT_LT(CompareModels(*bumpy, *trusted.model, 8).p99_px, 10);
+  EXPECT_LT(CompareModels(*bumpy, *valid_region.model, 8).p99_px, 10);
 }
 
 TEST(FitParametricModel, OpenCvHasNothingBehind) {

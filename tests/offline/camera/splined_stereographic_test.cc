@@ -140,8 +140,8 @@ TEST(SplinedStereographic, FitsHaveFewPointsAcrossNarrowImages) {
 TEST(SplinedStereographic, FitsFollowTrustedPixels) {
   const auto lens = MakeSimulatedLens("wide", kSplinedSize);
   ValidityMask mask = ValidityMask::Over(kSplinedSize);
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
-    mask.is_trusted[k] = static_cast<int>(k) % mask.columns < mask.columns / 2;
+  for (size_t k = 0; k < mask.is_valid.size(); ++k)
+    mask.is_valid[k] = static_cast<int>(k) % mask.columns < mask.columns / 2;
   const auto rms_px = [&](const SplinedStereographic& fit) {
     double sum = 0;
     for (int k = 0; k < 300; ++k) {

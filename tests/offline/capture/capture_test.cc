@@ -42,7 +42,7 @@ TEST(BoardView, PutsTheMiddleAtItsPixel) {
     const BoardView view = {{500, 130}, 300, tilt_rad, 1.1, 0.4};
     const auto pose = PoseOf(view, board, camera);
     ASSERT_TRUE(pose);
-    const auto pixel = camera.Project(*pose * MiddleOf(board));
+    const auto pixel = camera.Project(*pose * ComputeBoardCenter(board));
     ASSERT_TRUE(pixel);
     EXPECT_LT((*pixel - view.pixel).norm(), 1e-6);
   }
@@ -53,10 +53,10 @@ TEST(BoardView, ShowsTheBoardAsWideAsAsked) {
   const Board board = TestBoard().boards.front();
   const auto pose = PoseOf({{320, 240}, 100, 0, 0, 0}, board, camera);
   ASSERT_TRUE(pose);
-  const Eigen::Vector3d middle = MiddleOf(board);
+  const Eigen::Vector3d center = ComputeBoardCenter(board);
   const Eigen::Vector3d half = {(board.columns - 1) * board.square_m / 2, 0, 0};
-  const auto left = camera.Project(*pose * (middle - half));
-  const auto right = camera.Project(*pose * (middle + half));
+  const auto left = camera.Project(*pose * (center - half));
+  const auto right = camera.Project(*pose * (center + half));
   ASSERT_TRUE(left && right);
   EXPECT_NEAR((*right - *left).norm(), 100, 3);
 }

@@ -110,7 +110,7 @@ TEST(CameraFile, RoundTripKeepsTheCamera) {
 // Every model of named parameters comes back to the bit, if all digits are
 // asked for.
 TEST(CameraFile, HoldsEveryLensModelExactly) {
-  for (const LensModel& model : LensModels()) {
+  for (const LensModel& model : GetLensModels()) {
     if (!model.make) continue;
     Eigen::VectorXd parameters = model.starts(700.0 / 3, 319, 241).front();
     for (Eigen::Index k = 0; k < parameters.size(); ++k)
@@ -352,8 +352,7 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   EXPECT_EQ(lattice.deviation_px[5], 0.25);
   EXPECT_TRUE(std::isnan(lattice.deviation_px[4]));
   EXPECT_EQ(read.uncertainty->mask.knot_spacing_px, 16);
-  EXPECT_EQ(read.uncertainty->mask.is_trusted,
-            file.uncertainty->mask.is_trusted);
+  EXPECT_EQ(read.uncertainty->mask.is_valid, file.uncertainty->mask.is_valid);
   EXPECT_EQ(read.uncertainty->max_deviation_px, 0.025);
   EXPECT_EQ(read.uncertainty->modes.columns, 2);
   EXPECT_EQ(read.uncertainty->modes.rest_px, 0.004);
@@ -374,8 +373,7 @@ TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
   const CameraFile read = ReadCameraText(text);
   ASSERT_TRUE(read.uncertainty);
   EXPECT_FALSE(read.uncertainty->HasDeviations());
-  EXPECT_EQ(read.uncertainty->mask.is_trusted,
-            file.uncertainty->mask.is_trusted);
+  EXPECT_EQ(read.uncertainty->mask.is_valid, file.uncertainty->mask.is_valid);
   EXPECT_EQ(FormatCameraFile(read), text);
   // A file that was cut has lost its uncertainty.
   std::string cut = text;

@@ -25,8 +25,8 @@ inline CameraUncertainty ExampleUncertainty() {
   CameraUncertainty uncertainty;
   uncertainty.lattice = {3, 2, {0.01, 0.02, 0.03, 0.04, NAN, 0.25}};
   uncertainty.mask = ValidityMask::Over({640, 480});
-  for (size_t k = 0; k < uncertainty.mask.is_trusted.size(); k += 3)
-    uncertainty.mask.is_trusted[k] = true;
+  for (size_t k = 0; k < uncertainty.mask.is_valid.size(); k += 3)
+    uncertainty.mask.is_valid[k] = true;
   uncertainty.max_deviation_px = 0.025;
   uncertainty.modes = {2,
                        2,

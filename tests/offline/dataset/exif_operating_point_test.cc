@@ -143,21 +143,21 @@ TEST(ReadExifParameter, AnotherTypeTellsNothing) {
 // file that is refused.
 TEST(ReadExifParameter, DamageIsHarmless) {
   const std::string exif = ExifOf(false, kSubjectDistance, kRational, 1, 3);
-  int num_told = 0;
+  int num_reported = 0;
   for (size_t k = 0; k < exif.size(); ++k) {
     for (const int flip : {1, 0x80, 0xff}) {
       std::string damaged = exif;
       damaged[k] = static_cast<char>(damaged[k] ^ flip);
-      num_told += ReadExifParameter("a", PngWith(damaged),
-                                    OperatingParameter::kLensPosition)
-                      .has_value();
+      num_reported += ReadExifParameter("a", PngWith(damaged),
+                                        OperatingParameter::kLensPosition)
+                          .has_value();
     }
     EXPECT_EQ(ReadExifParameter("a", PngWith(exif.substr(0, k)),
                                 OperatingParameter::kLensPosition),
               std::nullopt)
         << k;
   }
-  EXPECT_GT(num_told, 20);  // of numbers that are others
+  EXPECT_GT(num_reported, 20);  // of numbers that are others
   const std::string jpeg = JpegWith(exif);
   for (size_t size = 0; size < 120; ++size) {
     try {

@@ -19,11 +19,10 @@ LensSpread SpreadOfFocalLengths() {
   LensSpread spread;
   spread.columns = 17;
   spread.rows = 13;
-  const SimulatedCamera middle = LensFamily::Middle();
+  const SimulatedCamera mean = LensFamily::Mean();
   auto& field = spread.displacements_px.emplace_back();
-  for (const auto& displacement :
-       ComputeDisplacements(middle, LensFamily::Longer(kFocalScatter),
-                            spread.Places(middle.area())))
+  for (const auto& displacement : ComputeDisplacements(
+           mean, LensFamily::Longer(kFocalScatter), spread.Places(mean.area())))
     field.push_back(displacement.value());
   return spread;
 }
@@ -42,7 +41,7 @@ const Area kWhole = {0, 0, 639, 479}, kCorner = {330, 250, 630, 470};
 
 FleetDistance DistanceOf(const CameraModel& camera, const Area& part = kWhole,
                          const UncertaintyLattice* deviations = nullptr) {
-  return MeasureFleetDistance(LensFamily::Middle(), SpreadOfFocalLengths(),
+  return MeasureFleetDistance(LensFamily::Mean(), SpreadOfFocalLengths(),
                               camera, deviations, PixelsIn(part))
       .value();
 }
@@ -76,9 +75,9 @@ TEST(FleetDistance, KnowsNoTurns) {
 }
 
 TEST(FleetDistance, CountsWhatACameraStatesOfItself) {
-  const double units_px = DistanceOf(LensFamily::Middle()).units_px;
+  const double units_px = DistanceOf(LensFamily::Mean()).units_px;
   const UncertaintyLattice stated = {2, 2, {3, 3, 3, 3}};
-  EXPECT_NEAR(DistanceOf(LensFamily::Middle(), kWhole, &stated).units_px,
+  EXPECT_NEAR(DistanceOf(LensFamily::Mean(), kWhole, &stated).units_px,
               std::hypot(units_px, 3 * std::sqrt(2)), 1e-6);
 }
 
@@ -92,9 +91,8 @@ TEST(FleetDistance, IsLargeWhereTheMiddleSeesNothing) {
 }
 
 TEST(FleetDistance, IsNoneBesideTheMiddlesArea) {
-  EXPECT_FALSE(MeasureFleetDistance(LensFamily::Middle(),
-                                    SpreadOfFocalLengths(),
-                                    LensFamily::Middle(), nullptr, {{700, 9}}));
+  EXPECT_FALSE(MeasureFleetDistance(LensFamily::Mean(), SpreadOfFocalLengths(),
+                                    LensFamily::Mean(), nullptr, {{700, 9}}));
 }
 
 // Cameras that agree to what no one sees are of one kind.

@@ -35,7 +35,7 @@ TEST(MeasureFoldOver, FindsAFoldedEdge) {
   EXPECT_EQ(MeasureFoldOver(camera, &mask).valid_part, 0);
   EXPECT_EQ(MeasureFoldOver(camera, nullptr).valid_part, 0);
   // The upper half.
-  std::fill_n(mask.is_trusted.begin(), mask.columns * mask.rows / 2, true);
+  std::fill_n(mask.is_valid.begin(), mask.columns * mask.rows / 2, true);
   EXPECT_NEAR(MeasureFoldOver(camera, &mask).valid_part, 0.1, 0.01);
 }
 

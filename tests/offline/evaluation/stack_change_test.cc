@@ -1,6 +1,5 @@
-#include "evaluation/stack_change.h"
-
 #include "camera/lens_models.h"
+#include "evaluation/operating_point_change.h"
 #include "support.h"
 
 namespace raygrid {

@@ -19,7 +19,7 @@ template <typename IsBeyond>
 ValidityMask SupportedBut(const IsBeyond& is_beyond) {
   ValidityMask mask = ValidityMask::Over(kSummarySize);
   for (int cell = 0; cell < mask.columns * mask.rows; ++cell)
-    mask.is_trusted[cell] = !is_beyond(mask.CellCenter(cell));
+    mask.is_valid[cell] = !is_beyond(mask.CellCenter(cell));
   return mask;
 }
 

@@ -52,15 +52,15 @@ WriteRequest RequestOf(const ExchangeContents& contents) {
   return request;
 }
 
-TEST(BasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
+TEST(MakeBasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
   const ExchangeContents contents = ParseBasalt(kBasalt);
   ASSERT_TRUE(contents.IsRig());
   const ReadLens &first = contents.cameras[0], &second = contents.cameras[1];
   EXPECT_EQ(first.name, "cam0");
-  EXPECT_EQ(first.lens.form->name, "ds");
+  EXPECT_EQ(first.lens.external_model->name, "ds");
   EXPECT_EQ(first.lens.Value("xi"), -0.25);
   EXPECT_EQ(first.lens.size, (ImageSize{752, 480}));
-  EXPECT_EQ(second.lens.form->name, "pinhole-radtan8");
+  EXPECT_EQ(second.lens.external_model->name, "pinhole-radtan8");
   EXPECT_EQ(second.lens.Value("p2"), 6.1e-05);
   EXPECT_EQ(second.lens.Value("k6"), 0.03);
   EXPECT_TRUE(first.camera_from_rig->translation.isZero(0));
@@ -72,7 +72,7 @@ TEST(BasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
       1e-12);
 }
 
-TEST(BasaltFormat, SaysWhatItDoesNotTake) {
+TEST(MakeBasaltFormat, SaysWhatItDoesNotTake) {
   const ExchangeContents contents = ParseBasalt(kBasalt);
   ASSERT_EQ(contents.warnings.size(), 3u);
   EXPECT_EQ(contents.warnings[0], "ignored: vignette, calib_accel_bias");
@@ -80,11 +80,11 @@ TEST(BasaltFormat, SaysWhatItDoesNotTake) {
   EXPECT_NE(contents.warnings[2].find("IMU"), std::string::npos);
 }
 
-TEST(BasaltFormat, WritesWhatItReads) {
+TEST(MakeBasaltFormat, WritesWhatItReads) {
   ExchangeContents contents = ParseBasalt(kBasalt);
   contents.cameras[0].name = "le\"ft";
   contents.cameras[1].serial = "12";
-  const std::string text = BasaltFormat().write(RequestOf(contents));
+  const std::string text = MakeBasaltFormat().write(RequestOf(contents));
   const ExchangeContents again = ParseBasalt(text);
   ASSERT_TRUE(again.IsRig());
   EXPECT_TRUE(again.warnings.empty());
@@ -97,7 +97,7 @@ TEST(BasaltFormat, WritesWhatItReads) {
                       contents.cameras[c].camera_from_rig->Inverse();
     EXPECT_LT(step.translation.norm() + step.rotation.vec().norm(), 1e-15);
   }
-  EXPECT_EQ(BasaltFormat().write(RequestOf(again)), text);
+  EXPECT_EQ(MakeBasaltFormat().write(RequestOf(again)), text);
   // A calibration begins with cereal's name, and has all of its keys.
   EXPECT_EQ(text.rfind("{\n    \"value0\": {\n        \"T_imu_cam\"", 0), 0u);
   for (const char* key :
@@ -107,10 +107,10 @@ TEST(BasaltFormat, WritesWhatItReads) {
     EXPECT_NE(text.find("\"" + std::string(key) + "\": "), std::string::npos);
 }
 
-TEST(BasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
+TEST(MakeBasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
   const std::string ucm =
       TextWith(TextWith(kBasalt, "\"ds\"", "\"ucm\""), "\"xi\": -0.25,", "");
-  const ConvertedLens lens = ParseBasalt(ucm).cameras[0].lens;
+  const ConvertedCamera lens = ParseBasalt(ucm).cameras[0].lens;
   const auto model = MakeLens(lens);
   EXPECT_EQ(model->Name(), "double-sphere");
   // x / (alpha d + (1 - alpha) z), d = 3
@@ -129,7 +129,7 @@ TEST(BasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
             0.04);
 }
 
-TEST(BasaltFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeBasaltFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,

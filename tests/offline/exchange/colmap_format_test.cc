@@ -49,13 +49,13 @@ std::string ColmapBinary(const std::string& cameras = kColmapCameras) {
   return EncodeColmapCameras(ParseColmapCameras("", cameras));
 }
 
-TEST(ColmapFormat, ReadsWhatColmapWrites) {
+TEST(MakeColmapFormat, ReadsWhatColmapWrites) {
   for (const std::string& file :
        {std::string(kColmapCameras), ColmapBinary()}) {
     const ExchangeContents contents = ParseColmap(file);
     ASSERT_EQ(contents.cameras.size(), 2u);
-    const ConvertedLens& lens = contents.cameras[0].lens;
-    EXPECT_EQ(lens.form->name, "OPENCV");
+    const ConvertedCamera& lens = contents.cameras[0].lens;
+    EXPECT_EQ(lens.external_model->name, "OPENCV");
     EXPECT_EQ(lens.size, (ImageSize{640, 480}));
     EXPECT_EQ(contents.cameras[1].name, "camera2");
     EXPECT_FALSE(contents.IsRig());
@@ -67,7 +67,7 @@ TEST(ColmapFormat, ReadsWhatColmapWrites) {
 }
 
 // A model that no lens of raygrid has is read as the nearest grid.
-TEST(ColmapFormat, ReadsThePrismFisheyeOfAria) {
+TEST(MakeColmapFormat, ReadsThePrismFisheyeOfAria) {
   const auto contents = ParseColmap(
       "1 RAD_TAN_THIN_PRISM_FISHEYE 640 480 300 301 322 241 0.05 -0.02 0.005 "
       "-0.003 0.001 -0.0005 0.001 -0.002 0.0005 -0.0004 0.0002 -0.0003\n");
@@ -92,19 +92,19 @@ TEST(ColmapFormat, ReadsThePrismFisheyeOfAria) {
     }
 }
 
-TEST(ColmapFormat, TakesLinesThatEndAsOnWindows) {
+TEST(MakeColmapFormat, TakesLinesThatEndAsOnWindows) {
   const std::string text =
       "\r\n# Name of camera 3: front\r\n3 PINHOLE 640 480 500 500 320 240\r\n";
   EXPECT_EQ(ParseColmap(text).cameras[0].name, "front");
 }
 
-TEST(ColmapFormat, TakesACommentThatEndsBeforeTheNumber) {
+TEST(MakeColmapFormat, TakesACommentThatEndsBeforeTheNumber) {
   const std::string text =
       "# Name of camera \n3 PINHOLE 640 480 500 500 320 240\n";
   EXPECT_EQ(ParseColmap(text).cameras.size(), 1u);
 }
 
-TEST(ColmapFormat, NumbersModelsAsColmapDoes) {
+TEST(MakeColmapFormat, NumbersModelsAsColmapDoes) {
   const std::string bytes = ColmapBinary();
   ASSERT_EQ(bytes.size(), 8u + 24 + 8 * 8 + 24 + 4 * 8);
   EXPECT_EQ(bytes.substr(0, 32), std::string("\2\0\0\0\0\0\0\0"
@@ -113,13 +113,13 @@ TEST(ColmapFormat, NumbersModelsAsColmapDoes) {
                                              "\xe0\1\0\0\0\0\0\0",
                                              32));
   EXPECT_EQ(ColmapModelNames()[10], "THIN_PRISM_FISHEYE");
-  for (const LensForm& form : ColmapFormat().forms)
-    EXPECT_EQ(NumColmapParameters(form.name),
-              static_cast<int>(form.parameters.size()))
-        << form.name;
+  for (const ExternalModel& external_model : MakeColmapFormat().external_models)
+    EXPECT_EQ(NumColmapParameters(external_model.name),
+              static_cast<int>(external_model.parameters.size()))
+        << external_model.name;
 }
 
-TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
+TEST(MakeColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
   const ExchangeContents rig = ParseColmap(kColmapCameras, kColmapRigs);
   ASSERT_TRUE(rig.IsRig());
   EXPECT_EQ(rig.cameras[1].camera_from_rig->translation,
@@ -132,7 +132,7 @@ TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
     lenses[c].camera_from_rig =
         *rig.cameras[c].camera_from_rig * rig_from_other;
   }
-  const Format format = ColmapFormat();
+  const Format format = MakeColmapFormat();
   for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
     const std::vector<CompanionFile> beside =
         format.write_beside({path, lenses});
@@ -148,7 +148,7 @@ TEST(ColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
   }
 }
 
-TEST(ColmapFormat, HasPosesOfOneWorld) {
+TEST(MakeColmapFormat, HasPosesOfOneWorld) {
   for (const std::string& images :
        {std::string(kColmapImages),
         EncodeColmapImages(ParseColmapImages("", kColmapImages))}) {
@@ -166,11 +166,11 @@ TEST(ColmapFormat, HasPosesOfOneWorld) {
   }
 }
 
-TEST(ColmapFormat, WritesImagesAndNoPoints) {
+TEST(MakeColmapFormat, WritesImagesAndNoPoints) {
   WrittenLens camera;
   camera.lens = ParseColmap(kColmapCameras).cameras[0].lens;
   camera.poses = {{"a.png", 3, {RotationFromVector({1, 2, 0.5}), {1, 2, 3}}}};
-  const Format format = ColmapFormat();
+  const Format format = MakeColmapFormat();
   for (const char* path : {"m/cameras.txt", "m/cameras.bin"}) {
     const std::vector<CompanionFile> beside =
         format.write_beside({path, {camera}});
@@ -199,7 +199,7 @@ TEST(ColmapFormat, WritesImagesAndNoPoints) {
   EXPECT_EQ(format.write_beside({"m/cameras.bin", {camera}}).size(), 2u);
 }
 
-TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
+TEST(MakeColmapFormat, SaysWhichPosesItLeavesOut) {
   EXPECT_EQ(ParseColmap(ColmapBinary(), kBinaryRig).warnings.size(), 1u);
   EXPECT_FALSE(ParseColmap(ColmapBinary(), kBinaryRig).IsRig());
   // A model without rigs has one for each camera.
@@ -226,7 +226,7 @@ TEST(ColmapFormat, SaysWhichPosesItLeavesOut) {
   });
 }
 
-TEST(ColmapFormat, RefusesInOneLine) {
+TEST(MakeColmapFormat, RefusesInOneLine) {
   const std::string text = kColmapCameras;
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {TextWith(text, "OPENCV", "CRAZY"),
@@ -251,10 +251,10 @@ TEST(ColmapFormat, RefusesInOneLine) {
     });
 }
 
-TEST(ColmapFormat, RefusesEveryTruncation) {
+TEST(MakeColmapFormat, RefusesEveryTruncation) {
   const std::string cameras = ColmapBinary(),
                     rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
-  const Format format = ColmapFormat();
+  const Format format = MakeColmapFormat();
   for (size_t size = 0; size < cameras.size(); ++size)
     ExpectError(ExitCode::kInput, {"cameras.txt", "truncated after"}, [&] {
       ReadExchangeFile(&format,
@@ -265,9 +265,9 @@ TEST(ColmapFormat, RefusesEveryTruncation) {
                 [&] { ParseColmap(cameras, rigs.substr(0, size)); });
 }
 
-TEST(ColmapFormat, TakesDamagedBytesForNothingElse) {
+TEST(MakeColmapFormat, TakesDamagedBytesForNothingElse) {
   TestRandom random(4);
-  const Format format = ColmapFormat();
+  const Format format = MakeColmapFormat();
   const std::string rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
   for (int k = NumMutants(2000); k-- > 0;) {
     std::string cameras = ColmapBinary(), beside = rigs,

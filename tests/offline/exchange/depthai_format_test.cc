@@ -41,7 +41,7 @@ std::string Replaced(std::string text, const std::string& from,
   return text.replace(at, from.size(), to);
 }
 
-TEST(DepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
+TEST(MakeDepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
   const ExchangeContents contents = ParseDevice(kDevice);
   ASSERT_EQ(contents.cameras.size(), 3u);
   ASSERT_TRUE(contents.IsRig());
@@ -49,13 +49,13 @@ TEST(DepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
   const ReadLens &right = contents.cameras[0], &left = contents.cameras[1],
                  &middle = contents.cameras[2];
   EXPECT_EQ(right.name, "CAM_C");
-  EXPECT_EQ(right.lens.form->name, "perspective8");
+  EXPECT_EQ(right.lens.external_model->name, "perspective8");
   EXPECT_EQ(right.lens.Value("k6"), 0.6);
   EXPECT_EQ(right.lens.Value("fy"), 798.5);
   EXPECT_EQ(left.name, "CAM_B");
-  EXPECT_EQ(left.lens.form->name, "fisheye");
+  EXPECT_EQ(left.lens.external_model->name, "fisheye");
   EXPECT_EQ(left.lens.Value("k4"), 0.4);
-  EXPECT_EQ(middle.lens.form->name, "perspective");
+  EXPECT_EQ(middle.lens.external_model->name, "perspective");
   EXPECT_EQ(middle.lens.size, (ImageSize{1920, 1080}));
   // The rig's frame is that of the first camera, lengths are in metres.
   EXPECT_TRUE(right.camera_from_rig->translation.isZero(0));
@@ -72,7 +72,7 @@ TEST(DepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
             1e-12);
 }
 
-TEST(DepthAiFormat, WritesTheRotationsOfAPair) {
+TEST(MakeDepthAiFormat, WritesTheRotationsOfAPair) {
   WriteRequest request = {"f.json", {}};
   for (const ReadLens& read : ParseDevice(kDevice).cameras) {
     if (request.cameras.size() == 2) break;
@@ -84,14 +84,14 @@ TEST(DepthAiFormat, WritesTheRotationsOfAPair) {
     camera.rectified->p(0, 3) = request.cameras.empty() ? -60 : 0;
     request.cameras.push_back(camera);
   }
-  const std::string text = DepthAiFormat().write(request);
+  const std::string text = MakeDepthAiFormat().write(request);
   for (const char* words :
        {"\"leftCameraSocket\": 1", "\"rightCameraSocket\": 2",
         "\"rectifiedRotationLeft\": [", "\"version\": 7"})
     EXPECT_NE(text.find(words), std::string::npos) << words;
 }
 
-TEST(DepthAiFormat, SaysWhatItDoesNotTake) {
+TEST(MakeDepthAiFormat, SaysWhatItDoesNotTake) {
   const auto refused = [](const std::vector<std::string>& words,
                           const std::string& from, const std::string& to) {
     ExpectError(ExitCode::kInput, words,
@@ -111,7 +111,7 @@ TEST(DepthAiFormat, SaysWhatItDoesNotTake) {
   refused({"width"}, "\"width\": 1280", "\"width\": 0");
 }
 
-TEST(DepthAiFormat, CamerasWithoutLinksAreNoRig) {
+TEST(MakeDepthAiFormat, CamerasWithoutLinksAreNoRig) {
   const ExchangeContents contents = ParseDevice(
       Replaced(kDevice, "\"toCameraSocket\": 0", "\"toCameraSocket\": -1"));
   EXPECT_FALSE(contents.IsRig());

@@ -18,31 +18,31 @@ namespace {
 constexpr ImageSize kExampleImage = {640, 480};
 
 // A lens of a form, every parameter at work, with digits to lose.
-ConvertedLens ExampleOf(const LensForm& form) {
+ConvertedCamera ExampleOf(const ExternalModel& external_model) {
   const Eigen::Vector2d center =
-      ToProgram(form.origin, kExampleImage, {958.0 / 3, 721.0 / 3});
+      ToProgram(external_model.origin, kExampleImage, {958.0 / 3, 721.0 / 3});
   const std::map<std::string, double> values = {
       {"f", 700.0 / 3},   {"fx", 700.0 / 3},  {"fy", 701.0 / 3},
       {"cx", center.x()}, {"cy", center.y()}, {"xi", -0.7 / 3},
       {"alpha", 1.8 / 3}, {"beta", 3.1 / 3}};
-  ConvertedLens lens = {&form, kExampleImage, {}};
+  ConvertedCamera lens = {&external_model, kExampleImage, {}};
   const ThinPrismFisheye fisheye(kExampleImage, WholeImage(kExampleImage),
                                  {233, 234, 319, 240, 0.02, -0.01});
-  if (form.IsSpline()) {
+  if (external_model.IsSpline()) {
     lens.spline = FitSplinedStereographic(fisheye, nullptr);
     return lens;
   }
-  if (form.fit_grid) {
-    lens.grid = form.fit_grid(fisheye, nullptr).camera;
+  if (external_model.fit_grid) {
+    lens.grid = external_model.fit_grid(fisheye, nullptr).camera;
     return lens;
   }
-  if (form.IsGrid()) {
+  if (external_model.IsGrid()) {
     lens.grid = std::make_shared<UnitGrid>(
-        FitUnitGrid(FittedGrid(fisheye, 80), form.HasLines()));
+        FitUnitGrid(FittedGrid(fisheye, 80), external_model.HasLines()));
     return lens;
   }
   double next = 0.01 / 3;
-  for (const std::string& parameter : form.parameters) {
+  for (const std::string& parameter : external_model.parameters) {
     const auto known = values.find(parameter);
     lens.values.push_back(known != values.end() ? known->second : next);
     if (known == values.end()) next /= -1.7;
@@ -54,32 +54,32 @@ ConvertedLens ExampleOf(const LensForm& form) {
 std::vector<std::pair<WrittenLens, std::string>> Examples(
     const Format& format) {
   std::vector<std::pair<WrittenLens, std::string>> examples;
-  for (const LensForm& form : format.forms) {
+  for (const ExternalModel& external_model : format.external_models) {
     WrittenLens camera;
     camera.name = "front";
-    camera.lens = ExampleOf(form);
-    camera.trusted = ValidityMask::Over(kExampleImage);
-    camera.trusted->is_trusted[70] = true;
+    camera.lens = ExampleOf(external_model);
+    camera.valid_region = ValidityMask::Over(kExampleImage);
+    camera.valid_region->is_valid[70] = true;
     examples.emplace_back(camera, format.write({"front.yaml", {camera}}));
   }
   return examples;
 }
 
-TEST(Formats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
+TEST(GetFormats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
   std::map<std::string, int> names;
-  for (const Format& format : Formats()) {
+  for (const Format& format : GetFormats()) {
     EXPECT_EQ(names[format.name]++, 0) << format.name;
     EXPECT_FALSE(format.holds.empty());
     EXPECT_TRUE(format.read || format.write) << format.name;
-    for (const LensForm& form : format.forms) {
-      if (form.IsSpline() || form.IsGrid()) continue;
-      const LensModel* model = FindLensModel(form.model);
-      ASSERT_NE(model, nullptr) << form.model;
-      for (const std::string& parameter : form.parameters)
+    for (const ExternalModel& external_model : format.external_models) {
+      if (external_model.IsSpline() || external_model.IsGrid()) continue;
+      const LensModel* model = FindLensModel(external_model.model);
+      ASSERT_NE(model, nullptr) << external_model.model;
+      for (const std::string& parameter : external_model.parameters)
         EXPECT_TRUE(parameter == "f" ||
                     std::count(model->parameters.begin(),
                                model->parameters.end(), parameter) == 1)
-            << form.name << ": " << parameter;
+            << external_model.name << ": " << parameter;
     }
   }
   ExpectError(ExitCode::kUsage, {"--to", "none", "opencv"},
@@ -95,16 +95,17 @@ std::optional<ImageSize> SizeToSay(const Format& format) {
 // Lengths there are parts of the image, so the last bits of parameters differ.
 const std::set<std::string> kOfParts = {"opensfm", "lensfun"};
 
-TEST(Formats, ReadWhatTheyWriteToTheBit) {
+TEST(GetFormats, ReadWhatTheyWriteToTheBit) {
   constexpr double kLastBits = 1e-13;
-  for (const Format& format : Formats()) {
+  for (const Format& format : GetFormats()) {
     if (!format.read || !format.write) continue;
     for (const auto& [camera, text] : Examples(format)) {
-      SCOPED_TRACE(format.name + " " + camera.lens.form->name);
+      SCOPED_TRACE(format.name + " " + camera.lens.external_model->name);
       const ExchangeContents read = ReadExchangeFile(
           nullptr, {"front.yaml", text, "", SizeToSay(format)});
       ASSERT_EQ(read.cameras.size(), 1u);
-      if (camera.lens.form->IsGrid()) continue;  // nearly, as its test says
+      if (camera.lens.external_model->IsGrid())
+        continue;  // nearly, as its test says
       const Eigen::VectorXd parameters =
           MakeLens(read.cameras[0].lens)->Parameters();
       const Eigen::VectorXd expected = MakeLens(camera.lens)->Parameters();
@@ -114,17 +115,19 @@ TEST(Formats, ReadWhatTheyWriteToTheBit) {
         EXPECT_EQ(parameters, expected);
       EXPECT_EQ(read.cameras[0].lens.size, kExampleImage);
       EXPECT_TRUE(read.warnings.empty());
-      ASSERT_EQ(read.cameras[0].trusted.has_value(), format.supports_region);
+      ASSERT_EQ(read.cameras[0].valid_region.has_value(),
+                format.supports_region);
       if (!format.supports_region) continue;
-      EXPECT_EQ(read.cameras[0].trusted->is_trusted,
-                camera.trusted->is_trusted);
+      EXPECT_EQ(read.cameras[0].valid_region->is_valid,
+                camera.valid_region->is_valid);
     }
   }
 }
 
-TEST(Formats, AreReadBehindAByteOrderMark) {
-  for (const Format& format : Formats()) {
-    if (!format.read || !format.write || format.forms.front().IsGrid())
+TEST(GetFormats, AreReadBehindAByteOrderMark) {
+  for (const Format& format : GetFormats()) {
+    if (!format.read || !format.write ||
+        format.external_models.front().IsGrid())
       continue;
     const auto [camera, text] = Examples(format).front();
     SCOPED_TRACE(format.name);
@@ -135,11 +138,11 @@ TEST(Formats, AreReadBehindAByteOrderMark) {
   }
 }
 
-TEST(Formats, AreToldApart) {
-  for (const Format& format : Formats()) {
+TEST(GetFormats, AreToldApart) {
+  for (const Format& format : GetFormats()) {
     if (!format.write) continue;
     for (const auto& [camera, text] : Examples(format)) {
-      for (const Format& other : Formats()) {
+      for (const Format& other : GetFormats()) {
         EXPECT_EQ(other.recognizes && other.recognizes(text), &other == &format)
             << text << " for " << other.name;
         if (&other == &format) continue;
@@ -191,8 +194,8 @@ const std::set<std::string> kWithoutKeys = {"colmap", "ros-ini", "calib-line",
 
 // A key that is not known is named; one that elsewhere selects a model, or is a
 // number of one, is an error, unless it is the format's own for that.
-TEST(Formats, LeaveNoKeyOutWithoutAWord) {
-  for (const Format& format : Formats()) {
+TEST(GetFormats, LeaveNoKeyOutWithoutAWord) {
+  for (const Format& format : GetFormats()) {
     if (!format.read || !format.write || kWithoutKeys.count(format.name) > 0)
       continue;
     ASSERT_EQ(kPlaces.count(format.name), 1u) << format.name;
@@ -226,22 +229,24 @@ TEST(Formats, LeaveNoKeyOutWithoutAWord) {
 }
 
 // An option adds to a file, and replaces nothing that the file says.
-TEST(Formats, RefuseOptionsAgainstTheFile) {
-  for (const Format& format : Formats()) {
+TEST(GetFormats, RefuseOptionsAgainstTheFile) {
+  for (const Format& format : GetFormats()) {
     if (!format.read || !format.write || format.requires_image_size) continue;
     const auto [camera, text] = Examples(format).back();
     SCOPED_TRACE(format.name);
-    const auto read_with = [&, &text = text](const std::string& form,
+    const auto read_with = [&, &text = text](const std::string& external_model,
                                              std::optional<ImageSize> size) {
-      return ReadExchangeFile(nullptr, {"front.yaml", text, form, size});
+      return ReadExchangeFile(nullptr,
+                              {"front.yaml", text, external_model, size});
     };
     ExpectError(ExitCode::kInput,
                 {"front.yaml", "320x240", "640x480", "--mode"}, [&] {
                   read_with("", ImageSize{320, 240});
                 });
     EXPECT_EQ(read_with("", kExampleImage).cameras[0].lens.size, kExampleImage);
-    for (const LensForm& other : format.forms)
-      if (FindLensModel(other.model) && other.model != camera.lens.form->model)
+    for (const ExternalModel& other : format.external_models)
+      if (FindLensModel(other.model) &&
+          other.model != camera.lens.external_model->model)
         ExpectError(ExitCode::kInput, {"front.yaml", "--model " + other.name},
                     [&] { read_with(other.name, {}); });
   }
@@ -249,15 +254,17 @@ TEST(Formats, RefuseOptionsAgainstTheFile) {
 
 // Grids are fitted, which takes longer: usually a quarter.
 int NumMutantsOf(const Format& format) {
-  const LensForm& form = format.forms.front();
-  return NumMutants(form.fit_grid ? 20 : form.IsGrid() ? 100 : 400);
+  const ExternalModel& external_model = format.external_models.front();
+  return NumMutants(external_model.fit_grid   ? 20
+                    : external_model.IsGrid() ? 100
+                                              : 400);
 }
 
 // Each is refused with one line, or is a camera of numbers.
-TEST(Formats, TakeDamagedFilesForNothingElse) {
+TEST(GetFormats, TakeDamagedFilesForNothingElse) {
   TestRandom random(5);
   int num_refused = 0, num_read = 0;
-  for (const Format& format : Formats()) {
+  for (const Format& format : GetFormats()) {
     if (!format.read || !format.write) continue;
     const auto examples = Examples(format);
     for (int k = NumMutantsOf(format); k-- > 0; ++num_read) {

@@ -24,14 +24,14 @@ ExchangeContents ParseKalibr(const std::string& text) {
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
 }
 
-TEST(KalibrFormat, ReadsAChain) {
+TEST(MakeKalibrFormat, ReadsAChain) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   ASSERT_TRUE(contents.IsRig());
   const ReadLens &first = contents.cameras[0], &second = contents.cameras[1];
   EXPECT_EQ(first.name, "cam0");
-  EXPECT_EQ(first.lens.form->name, "pinhole-radtan");
+  EXPECT_EQ(first.lens.external_model->name, "pinhole-radtan");
   EXPECT_EQ(first.lens.Value("p2"), 1.7e-05);
-  EXPECT_EQ(second.lens.form->name, "ds-none");
+  EXPECT_EQ(second.lens.external_model->name, "ds-none");
   EXPECT_EQ(second.lens.Value("xi"), -0.2);
   EXPECT_EQ(second.lens.Value("fy"), 301.5);
   EXPECT_EQ(second.lens.size, (ImageSize{752, 480}));
@@ -42,7 +42,7 @@ TEST(KalibrFormat, ReadsAChain) {
 }
 
 // DSEC has the chain in a map, with rectified cameras beside.
-TEST(KalibrFormat, ReadsTheChainOfDsec) {
+TEST(MakeKalibrFormat, ReadsTheChainOfDsec) {
   std::string chain = "\n" + std::string(kCamchain);
   while (chain.find("  intrinsics:") != std::string::npos)
     chain = TextWith(chain, "  intrinsics:", "  camera_matrix:");
@@ -59,7 +59,7 @@ TEST(KalibrFormat, ReadsTheChainOfDsec) {
   EXPECT_EQ(contents.cameras[1].lens.Value("fy"), 301.5);
 }
 
-TEST(KalibrFormat, ChainsPoses) {
+TEST(MakeKalibrFormat, ChainsPoses) {
   const std::string third = TextWith(
       std::string(kCamchain).substr(std::string(kCamchain).find("cam1:")),
       "cam1:", "cam2:");
@@ -75,7 +75,7 @@ TEST(KalibrFormat, ChainsPoses) {
   EXPECT_EQ(contents.cameras[2].name, "cam2");
 }
 
-TEST(KalibrFormat, WritesWhatItReads) {
+TEST(MakeKalibrFormat, WritesWhatItReads) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   WriteRequest request = {"f.yaml", {}};
   for (const ReadLens& camera : contents.cameras)
@@ -88,7 +88,7 @@ TEST(KalibrFormat, WritesWhatItReads) {
                                {}});
   request.cameras[0].name = "left";
   request.cameras[1].name = "right";
-  const ExchangeContents again = ParseKalibr(KalibrFormat().write(request));
+  const ExchangeContents again = ParseKalibr(MakeKalibrFormat().write(request));
   ASSERT_TRUE(again.IsRig());
   EXPECT_EQ(again.cameras[0].name, "left");
   EXPECT_EQ(again.cameras[1].name, "right");
@@ -102,7 +102,7 @@ TEST(KalibrFormat, WritesWhatItReads) {
 }
 
 // The chain, or poses in the IMU, whichever way around; all say one rig.
-TEST(KalibrFormat, FindsTheRigInPosesOfTheImu) {
+TEST(MakeKalibrFormat, FindsTheRigInPosesOfTheImu) {
   const std::string chain = kCamchain;
   const std::string pose = chain.substr(
       chain.find("  T_cn_cnm1:"),
@@ -128,7 +128,7 @@ TEST(KalibrFormat, FindsTheRigInPosesOfTheImu) {
 }
 
 // Programs leave the end of the last line out. Only a number there may be cut.
-TEST(KalibrFormat, ReadsALastLineWithoutItsEnd) {
+TEST(MakeKalibrFormat, ReadsALastLineWithoutItsEnd) {
   std::string text = kCamchain;
   text.pop_back();
   EXPECT_TRUE(ParseKalibr(text).IsRig());
@@ -138,7 +138,7 @@ TEST(KalibrFormat, ReadsALastLineWithoutItsEnd) {
   EXPECT_NE(cut.warnings[0].find("truncated"), std::string::npos);
 }
 
-TEST(KalibrFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeKalibrFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-TEST(KeyedFormats, ReadCamodocal) {
+TEST(MakeKeyedFormats, ReadCamodocal) {
   const std::string head =
       "%YAML:1.0\n---\nmodel_type: MODEL\ncamera_name: front\n"
       "image_width: 640\nimage_height: 480\n";
@@ -54,7 +54,7 @@ TEST(KeyedFormats, ReadCamodocal) {
               [&] { Read(TextWith(mei, "xi:", "other:")); });
 }
 
-TEST(KeyedFormats, ReadOrbSlam) {
+TEST(MakeKeyedFormats, ReadOrbSlam) {
   const std::string old =
       "%YAML:1.0\n\nCamera.fx: 410.\nCamera.fy: 411.5\nCamera.cx: 322.5\n"
       "Camera.cy: 238.\nCamera.k1: -0.21\nCamera.k2: 0.06\nCamera.p1: 0.001\n"
@@ -70,7 +70,8 @@ TEST(KeyedFormats, ReadOrbSlam) {
                "Camera.p2: -0.002",
                "Camera.k4: -0.001\nCamera.model: \"fisheye\"\n"
                "Camera.cols: 640\nCamera.rows: 480");
-  EXPECT_EQ(Read(fisheye).cameras.at(0).lens.form->model, "thin-prism-fisheye");
+  EXPECT_EQ(Read(fisheye).cameras.at(0).lens.external_model->model,
+            "thin-prism-fisheye");
   ExpectError(ExitCode::kInput, {"f: ", "equirectangular"}, [&] {
     Read(TextWith(fisheye, "\"fisheye\"", "equirectangular"));
   });
@@ -102,7 +103,7 @@ TEST(KeyedFormats, ReadOrbSlam) {
       1e-12);
 }
 
-TEST(KeyedFormats, ReadEurocAndOkvis) {
+TEST(MakeKeyedFormats, ReadEurocAndOkvis) {
   const std::string pose =
       "[0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]";
   const std::string euroc =
@@ -143,7 +144,7 @@ TEST(KeyedFormats, ReadEurocAndOkvis) {
   ExpectLens(rig.cameras[1], kFisheyeLens, &Lens::Fisheye);
 }
 
-TEST(KeyedFormats, ReadGyroflow) {
+TEST(MakeKeyedFormats, ReadGyroflow) {
   const std::string text =
       "{\"name\": \"a\", \"camera_model\": \"HERO fisheye\", "
       "\"calib_dimension\": {\"w\": 640, \"h\": 480}, "
@@ -164,7 +165,7 @@ TEST(KeyedFormats, ReadGyroflow) {
                 [&, &o = old, &b = by] { Read(TextWith(text, o, b)); });
 }
 
-TEST(KeyedFormats, ReadAnipose) {
+TEST(MakeKeyedFormats, ReadAnipose) {
   const std::string text =
       "[cam_0] # left\nname = \"A\"\nsize = [ 640, 480,]\n"
       "matrix = [ [ 410, 0.0, 322.5,],\n  [ 0.0, 411.5, 238.0,],\n"
@@ -191,7 +192,7 @@ TEST(KeyedFormats, ReadAnipose) {
               [&] { Read(TextWith(text, "[ 640, 480,]", "[ 640")); });
 }
 
-TEST(KeyedFormats, ReadOpenSfm) {
+TEST(MakeKeyedFormats, ReadOpenSfm) {
   // Lengths are parts of the longer side, from the image's middle.
   const auto part = [](double px) { return px / 640; };
   const std::string text = fmt::format(
@@ -221,7 +222,7 @@ TEST(KeyedFormats, ReadOpenSfm) {
              &Lens::Pinhole);
 }
 
-TEST(KeyedFormats, ReadCalibTexts) {
+TEST(MakeKeyedFormats, ReadCalibTexts) {
   const auto raw = Read(
       "calib_time: 09-Jan-2012 13:57:47\nS_00: 6.4e+02 4.8e+02\n"
       "K_00: 410 0 322.5 0 411.5 238 0 0 1\nD_00: -0.21 0.06 0.001 -0.002 0\n"
@@ -286,7 +287,7 @@ TEST(KeyedFormats, ReadCalibTexts) {
 }
 
 // One camera a map, and its pose beside it.
-TEST(KeyedFormats, ReadCamerasOfSvo) {
+TEST(MakeKeyedFormats, ReadCamerasOfSvo) {
   const auto camera = [](const std::string& label, const std::string& lens,
                          const std::string& type, const std::string& numbers,
                          const std::string& x) {
@@ -327,7 +328,7 @@ TEST(KeyedFormats, ReadCamerasOfSvo) {
 }
 
 // Parameters of ROS 2 are in maps of maps, and have shorter names.
-TEST(KeyedFormats, ReadVikit) {
+TEST(MakeKeyedFormats, ReadVikit) {
   const std::string text =
       "cam_model: Pinhole\ncam_width: 640\ncam_height: 480\nscale: 0.5\n"
       "cam_fx: 410\ncam_fy: 411.5\ncam_cx: 322.5\ncam_cy: 238\n"
@@ -355,7 +356,7 @@ TEST(KeyedFormats, ReadVikit) {
               [&] { Read(text + "k1: 0.3\n"); });
 }
 
-TEST(KeyedFormats, ReadAssignments) {
+TEST(MakeKeyedFormats, ReadAssignments) {
   const std::string text =
       "% Intrinsic and Extrinsic Camera Parameters\n\n%-- Focal length:\n"
       "fc = [ 410.0 ; 411.5 ];\ncc = [ 322.5 ; 238.0 ];\nalpha_c = 0.000;\n"
@@ -398,7 +399,7 @@ TEST(KeyedFormats, ReadAssignments) {
 }
 
 // Settings of a pair that the program rectifies have another model beside.
-TEST(KeyedFormats, ReadRectifiedCamerasOfStella) {
+TEST(MakeKeyedFormats, ReadRectifiedCamerasOfStella) {
   const auto read = Read(
       "Camera.setup: \"stereo\"\nCamera.model: \"perspective\"\n"
       "Camera.fx: 410\nCamera.fy: 411.5\nCamera.cx: 322.5\nCamera.cy: 238\n"
@@ -413,7 +414,7 @@ TEST(KeyedFormats, ReadRectifiedCamerasOfStella) {
 }
 
 // Poses of TUM have eight numbers a line, too, of which four are a rotation.
-TEST(KeyedFormats, TellLinesOfNumbersFromPoses) {
+TEST(MakeKeyedFormats, TellLinesOfNumbersFromPoses) {
   const auto is_tum = [](const std::string& text) {
     const TableFormat* table = RecognizeTable(text);
     return table && table->name == "tum";
@@ -428,7 +429,7 @@ TEST(KeyedFormats, TellLinesOfNumbersFromPoses) {
 }
 
 // Both would be cameras of another image.
-TEST(KeyedFormats, JudgeLengthsByTheImage) {
+TEST(MakeKeyedFormats, JudgeLengthsByTheImage) {
   ExpectError(ExitCode::kInput, {"f: ", "fx 0.64", "fractions"},
               [] { Read("0.64 0.86 0.5 0.5\n", kImage); });
   const std::string line = "410 411.5 322.5 238\n";
@@ -441,7 +442,7 @@ TEST(KeyedFormats, JudgeLengthsByTheImage) {
 }
 
 // Each is refused with one line, or is a camera of numbers.
-TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
+TEST(MakeKeyedFormats, TakeDamagedFilesForNothingElse) {
   const std::vector<std::string> texts = {
       "%YAML:1.0\n---\nmodel_type: MEI\nimage_width: 640\nimage_height: 480\n"
       "mirror_parameters:\n   xi: 1.25\ndistortion_parameters:\n   k1: -0.1\n"
@@ -491,7 +492,7 @@ TEST(KeyedFormats, TakeDamagedFilesForNothingElse) {
 }
 
 // A line of the camera matrix, and of coefficients if there are any.
-TEST(KeyedFormats, WriteLinesOfNumbers) {
+TEST(MakeKeyedFormats, WriteLinesOfNumbers) {
   const auto written = [](const std::string& line) {
     WrittenLens camera;
     camera.lens = Read(line, kImage).cameras.at(0).lens;
@@ -506,14 +507,14 @@ TEST(KeyedFormats, WriteLinesOfNumbers) {
 }
 
 // P = K [I t]: cameras beside each other, which are not turned.
-TEST(KeyedFormats, WriteProjectionsOfKitti) {
+TEST(MakeKeyedFormats, WriteProjectionsOfKitti) {
   const Format& format = FindFormat("--to", "kitti-rectified");
   EXPECT_TRUE(format.supports_rigs);
   WriteRequest request = {"calib.txt", {{}, {}}};
   const auto read = Read("410 410 322.5 238", kImage);
   for (WrittenLens& camera : request.cameras) {
     camera.lens = read.cameras.at(0).lens;
-    camera.lens.form = &format.forms.front();
+    camera.lens.external_model = &format.external_models.front();
     camera.lens.values.resize(4);
     camera.camera_from_rig = Pose{};
   }

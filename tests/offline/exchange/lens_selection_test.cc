@@ -1,6 +1,6 @@
 #include "exchange/lens_selection.h"
 
-#include "exchange/opencv_forms.h"
+#include "exchange/opencv_model_list.h"
 #include "support.h"
 
 namespace raygrid {
@@ -10,20 +10,22 @@ constexpr ImageSize kChoiceImage = {640, 480};
 
 class LensChoice : public ::testing::Test {
  protected:
-  const LensForm four_ = OpenCvForm("four", 4), five_ = OpenCvForm("five", 5),
-                 eight_ = OpenCvForm("eight", 8),
-                 fisheye_ = OpenCvFisheyeForm("fisheye");
-  const std::vector<const LensForm*> all_ = {&eight_, &five_, &four_,
-                                             &fisheye_};
+  const ExternalModel four_ = MakeOpenCvModel("four", 4),
+                      five_ = MakeOpenCvModel("five", 5),
+                      eight_ = MakeOpenCvModel("eight", 8),
+                      fisheye_ = MakeOpenCvFisheyeModel("fisheye");
+  const std::vector<const ExternalModel*> all_ = {&eight_, &five_, &four_,
+                                                  &fisheye_};
 };
 
 TEST_F(LensChoice, IsTheCameraItselfInTheShortestForm) {
   const OpenCvModel lens(kChoiceImage, WholeImage(kChoiceImage),
                          {510, 515, 322, 236, -0.15, 0.06, 0, 0, 0, 0, 0, 0});
   const SelectedLens chosen = SelectLens(all_, lens, nullptr);
-  EXPECT_EQ(chosen.lens.form->name, "four");
+  EXPECT_EQ(chosen.lens.external_model->name, "four");
   EXPECT_FALSE(chosen.fit);
-  EXPECT_EQ(SelectLens(all_, ExampleLens(), nullptr).lens.form->name, "eight");
+  EXPECT_EQ(SelectLens(all_, ExampleLens(), nullptr).lens.external_model->name,
+            "eight");
 }
 
 // A grid that an OpenCV lens with five coefficients is behind.
@@ -33,7 +35,7 @@ TEST_F(LensChoice, TakesTheFewestCoefficientsThatDo) {
       {510, 515, 322, 236, -0.25, 0.1, 0.05, 0, 0, 0, 1e-3, 2e-3});
   const CentralGeneric grid = FittedGrid(lens, 20);
   const SelectedLens chosen = SelectLens(all_, grid, nullptr);
-  EXPECT_EQ(chosen.lens.form->name, "five");
+  EXPECT_EQ(chosen.lens.external_model->name, "five");
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.02);
   EXPECT_FALSE(chosen.fit->IsTurned());
@@ -45,7 +47,8 @@ TEST_F(LensChoice, TakesTheFewestCoefficientsThatDo) {
 
 // Fits of a double sphere start with xi; a unified camera has none.
 TEST_F(LensChoice, FitsAFormWithoutAParameterOfEveryStart) {
-  const LensForm unified = MakeForm("unified", "double-sphere", {"alpha"});
+  const ExternalModel unified =
+      MakeExternalModel("unified", "double-sphere", {"alpha"});
   const auto lens =
       MakeLens({&unified, kChoiceImage, {250, 251, 322, 236, 0.6}});
   const SelectedLens chosen =
@@ -80,7 +83,7 @@ TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
 TEST_F(LensChoice, CountsWhatLiesBeyondAForm) {
   const auto lens = MakeSimulatedLens("fisheye190", kChoiceImage);
   const SelectedLens chosen = SelectLens(all_, *lens, nullptr);
-  EXPECT_EQ(chosen.lens.form->name, "fisheye");
+  EXPECT_EQ(chosen.lens.external_model->name, "fisheye");
   EXPECT_GT(chosen.fit->num_beyond, 1000u);
   EXPECT_GT(chosen.fit->widest_rad, 95 * M_PI / 180);
   EXPECT_NE(FormatLensFit(*chosen.fit).find("degrees off axis"),
@@ -90,14 +93,14 @@ TEST_F(LensChoice, CountsWhatLiesBeyondAForm) {
 TEST_F(LensChoice, ComparesTrustedPixelsAlone) {
   const auto wide = MakeSimulatedLens("wide", kChoiceImage);
   ValidityMask mask = ValidityMask::Over(kChoiceImage);
-  for (size_t k = 0; k < mask.is_trusted.size(); ++k)
-    mask.is_trusted[k] = mask.CellCenter(static_cast<int>(k)).x() < 320;
+  for (size_t k = 0; k < mask.is_valid.size(); ++k)
+    mask.is_valid[k] = mask.CellCenter(static_cast<int>(k)).x() < 320;
   const LensFit half = *SelectLens({&eight_}, *wide, &mask).fit;
   const LensFit all = *SelectLens({&eight_}, *wide, nullptr).fit;
   EXPECT_NEAR(static_cast<double>(half.num_pixels),
               static_cast<double>(all.num_pixels) / 2, 0.05 * all.num_pixels);
   EXPECT_LT(half.rms_px, all.rms_px);
-  EXPECT_TRUE(half.is_of_trusted);
+  EXPECT_TRUE(half.has_valid_region);
 }
 
 TEST_F(LensChoice, RefusesCamerasOfLines) {

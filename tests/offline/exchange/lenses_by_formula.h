@@ -17,8 +17,8 @@ using Numbers = std::vector<double>;
 
 inline ExchangeContents Read(const std::string& text,
                              std::optional<ImageSize> size = {},
-                             const std::string& form = "") {
-  return ReadExchangeFile(nullptr, {"f", text, form, size});
+                             const std::string& external_model = "") {
+  return ReadExchangeFile(nullptr, {"f", text, external_model, size});
 }
 
 // k1, k2, p1, p2, k3 to k6 as OpenCV has them.

@@ -24,10 +24,10 @@ ReadLens ParseTuning(std::string text, const std::string& from = "",
       .cameras.at(0);
 }
 
-TEST(LibcameraFormat, ReadsTheModuleOfATuningFile) {
+TEST(MakeLibcameraFormat, ReadsTheModuleOfATuningFile) {
   EXPECT_EQ(RecognizeFormat(kTuning)->name, "libcamera");
   const ReadLens camera = ParseTuning(kTuning);
-  EXPECT_EQ(camera.lens.form->name, "dewarp5");
+  EXPECT_EQ(camera.lens.external_model->name, "dewarp5");
   EXPECT_EQ(camera.lens.Value("fy"), 1501.5);
   EXPECT_EQ(camera.lens.Value("cx"), 959.25);
   EXPECT_EQ(camera.lens.Value("p2"), -0.002);
@@ -37,7 +37,7 @@ TEST(LibcameraFormat, ReadsTheModuleOfATuningFile) {
   });
 }
 
-TEST(LibcameraFormat, SaysWhatItDoesNotTake) {
+TEST(MakeLibcameraFormat, SaysWhatItDoesNotTake) {
   const auto refused = [](const std::vector<std::string>& words,
                           const std::string& from, const std::string& to) {
     ExpectError(ExitCode::kInput, words,
@@ -48,12 +48,12 @@ TEST(LibcameraFormat, SaysWhatItDoesNotTake) {
   refused({"coefficients", "6 coefficients"}, "0.05,", "0.05, 0.1,");
 }
 
-TEST(LibcameraFormat, KeepsTheNameAndTheSize) {
+TEST(MakeLibcameraFormat, KeepsTheNameAndTheSize) {
   WrittenLens camera;
   camera.name = "front";
   camera.serial = "A 1";
   camera.lens = ParseTuning(kTuning).lens;
-  const std::string text = LibcameraFormat().write({"f.yaml", {camera}});
+  const std::string text = MakeLibcameraFormat().write({"f.yaml", {camera}});
   const ReadLens back =
       ReadExchangeFile(nullptr, {"f.yaml", text, "", {}}).cameras.at(0);
   EXPECT_EQ(back.name, "front");

@@ -24,11 +24,11 @@ std::string FisheyeCalibration() {
                   "</k3><k4>-0.01</k4>");
 }
 
-TEST(MetashapeFormat, ReadsAFrame) {
+TEST(MakeMetashapeFormat, ReadsAFrame) {
   const ExchangeContents contents = ParseMetashape(kMetashape);
   ASSERT_EQ(contents.cameras.size(), 1u);
   EXPECT_TRUE(contents.warnings.empty());
-  const ConvertedLens& lens = contents.cameras[0].lens;
+  const ConvertedCamera& lens = contents.cameras[0].lens;
   EXPECT_EQ(lens.size, (ImageSize{4096, 3072}));
   const auto model = MakeLens(lens);
   EXPECT_EQ(model->Name(), "opencv");
@@ -39,7 +39,7 @@ TEST(MetashapeFormat, ReadsAFrame) {
   EXPECT_EQ(model->Parameters(), expected);
 }
 
-TEST(MetashapeFormat, ReadsAFisheye) {
+TEST(MakeMetashapeFormat, ReadsAFisheye) {
   for (const char* name : {"fisheye", "equidistant_fisheye"}) {
     const ExchangeContents contents =
         ParseMetashape(TextWith(FisheyeCalibration(), "fisheye", name));
@@ -53,13 +53,14 @@ TEST(MetashapeFormat, ReadsAFisheye) {
   }
 }
 
-TEST(MetashapeFormat, WritesWhatItReads) {
+TEST(MakeMetashapeFormat, WritesWhatItReads) {
   for (const std::string& text :
        {std::string(kMetashape), FisheyeCalibration()}) {
     WrittenLens camera;
     camera.lens = ParseMetashape(text).cameras[0].lens;
     camera.fit = LensFit{};
-    const std::string written = MetashapeFormat().write({"f.xml", {camera}});
+    const std::string written =
+        MakeMetashapeFormat().write({"f.xml", {camera}});
     EXPECT_EQ(ParseMetashape(written).cameras[0].lens.values,
               camera.lens.values);
     EXPECT_NE(written.find("<b1>2.5</b1>"), std::string::npos);
@@ -69,7 +70,7 @@ TEST(MetashapeFormat, WritesWhatItReads) {
 }
 
 // The document of "Export Cameras": sensors, with what Metashape began with.
-TEST(MetashapeFormat, ReadsTheSensorsOfADocument) {
+TEST(MakeMetashapeFormat, ReadsTheSensorsOfADocument) {
   const std::string begin =
       "<calibration type=\"frame\" class=\"initial\"><resolution "
       "width=\"4096\" height=\"3072\"/><f>3000</f></calibration>\n";
@@ -96,7 +97,7 @@ TEST(MetashapeFormat, ReadsTheSensorsOfADocument) {
 }
 
 // b2 is a skew: x + b2 y.
-TEST(MetashapeFormat, ReadsASkewAsAGrid) {
+TEST(MakeMetashapeFormat, ReadsASkewAsAGrid) {
   const auto read = ParseMetashape(TextWith(kMetashape, "<b2>0", "<b2>-4.25"));
   const auto grid = MakeLens(read.cameras.at(0).lens);
   const auto straight = MakeLens(ParseMetashape(kMetashape).cameras[0].lens);
@@ -109,7 +110,7 @@ TEST(MetashapeFormat, ReadsASkewAsAGrid) {
   }
 }
 
-TEST(MetashapeFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeMetashapeFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,

@@ -20,7 +20,7 @@ ExchangeContents ParseMrcalCorners(const std::string& text,
                           {"f", text, "", {}, {}, board});
 }
 
-TEST(MrcalCornersFormat, ReadsCornersRowByRow) {
+TEST(MakeMrcalCornersFormat, ReadsCornersRowByRow) {
   const ExchangeContents contents =
       ParseMrcalCorners(kMrcalCorners, ImageSize{4, 3});
   EXPECT_TRUE(contents.cameras.empty());
@@ -38,7 +38,7 @@ TEST(MrcalCornersFormat, ReadsCornersRowByRow) {
   EXPECT_NE(contents.warnings[2].find(": 1 corner"), std::string::npos);
 }
 
-TEST(MrcalCornersFormat, LeavesOutCornersWithoutWeight) {
+TEST(MakeMrcalCornersFormat, LeavesOutCornersWithoutWeight) {
   const std::string text =
       "# filename x y weight\na 1 1 0\na 2 1 0.5\n"
       "a 1 2 1\na 2 2 -\n";
@@ -46,7 +46,7 @@ TEST(MrcalCornersFormat, LeavesOutCornersWithoutWeight) {
             2u);
 }
 
-TEST(MrcalCornersFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeMrcalCornersFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words, [&] {

@@ -29,11 +29,11 @@ std::string MrcalWith(const std::string& old, const std::string& by) {
   return TextWith(kMrcal, old, by);
 }
 
-TEST(MrcalFormat, ReadsWhatMrcalWrites) {
+TEST(MakeMrcalFormat, ReadsWhatMrcalWrites) {
   const ExchangeContents contents = ParseMrcal(kMrcal);
   ASSERT_EQ(contents.cameras.size(), 1u);
   const ReadLens& camera = contents.cameras[0];
-  EXPECT_EQ(camera.lens.form->name, "LENSMODEL_OPENCV5");
+  EXPECT_EQ(camera.lens.external_model->name, "LENSMODEL_OPENCV5");
   EXPECT_EQ(camera.lens.values,
             (std::vector<double>{500, 501, 320, 240, 0.1, 0.01, 0.001, 0.002,
                                  0.003}));
@@ -43,16 +43,16 @@ TEST(MrcalFormat, ReadsWhatMrcalWrites) {
                 RotationFromVector({0.1, 0.2, 0.3})),
             1e-12);
   EXPECT_TRUE(contents.warnings.empty());
-  ASSERT_TRUE(camera.trusted);
-  EXPECT_TRUE(camera.trusted->IsValidAt({500, 200}));
-  EXPECT_FALSE(camera.trusted->IsValidAt({200, 300}));
-  EXPECT_FALSE(camera.trusted->IsValidAt({630, 200}));
+  ASSERT_TRUE(camera.valid_region);
+  EXPECT_TRUE(camera.valid_region->IsValidAt({500, 200}));
+  EXPECT_FALSE(camera.valid_region->IsValidAt({200, 300}));
+  EXPECT_FALSE(camera.valid_region->IsValidAt({630, 200}));
   const CameraFile file = MakeCameraFile(camera);
-  EXPECT_EQ(file.uncertainty->mask.is_trusted, camera.trusted->is_trusted);
+  EXPECT_EQ(file.uncertainty->mask.is_valid, camera.valid_region->is_valid);
   EXPECT_FALSE(file.uncertainty->HasDeviations());
 }
 
-TEST(MrcalFormat, ReadsTheNamesOfOldVersions) {
+TEST(MakeMrcalFormat, ReadsTheNamesOfOldVersions) {
   const std::string old = MrcalWith("'lensmodel':  'LENSMODEL_",
                                     "'distortion_model':  'DISTORTION_");
   EXPECT_EQ(ParseMrcal(old).cameras.at(0).lens.values,
@@ -60,15 +60,15 @@ TEST(MrcalFormat, ReadsTheNamesOfOldVersions) {
   EXPECT_TRUE(ParseMrcal(old).warnings.empty());
   const std::string none = TextWith(TextWith(old, "OPENCV5", "NONE"),
                                     "0.1, 0.01, 0.001, 0.002, 0.003,", "");
-  EXPECT_EQ(ParseMrcal(none).cameras.at(0).lens.form->name,
+  EXPECT_EQ(ParseMrcal(none).cameras.at(0).lens.external_model->name,
             "LENSMODEL_PINHOLE");
   ExpectError(ExitCode::kInput, {"CAHVOR"},
               [&] { ParseMrcal(TextWith(old, "OPENCV5", "CAHVOR")); });
 }
 
-TEST(MrcalFormat, TellsWhatCanBeTrusted) {
+TEST(MakeMrcalFormat, TellsWhatCanBeTrusted) {
   const std::string key = "'valid_intrinsics_region'";
-  EXPECT_FALSE(ParseMrcal(MrcalWith(key, "'other'")).cameras[0].trusted);
+  EXPECT_FALSE(ParseMrcal(MrcalWith(key, "'other'")).cameras[0].valid_region);
   WrittenLens camera;
   camera.lens = ParseMrcal(kMrcal).cameras[0].lens;
   const auto written = [&] {
@@ -76,16 +76,16 @@ TEST(MrcalFormat, TellsWhatCanBeTrusted) {
   };
   EXPECT_EQ(written().find(key), std::string::npos);
   ValidityMask mask = ValidityMask::Over({640, 480});
-  for (const size_t num_trusted : {size_t{0}, mask.is_trusted.size() / 2}) {
-    std::fill_n(mask.is_trusted.begin(), num_trusted, true);
-    camera.trusted = mask;
+  for (const size_t num_trusted : {size_t{0}, mask.is_valid.size() / 2}) {
+    std::fill_n(mask.is_valid.begin(), num_trusted, true);
+    camera.valid_region = mask;
     const ReadLens read = ParseMrcal(written()).cameras[0];
-    ASSERT_TRUE(read.trusted);
-    EXPECT_EQ(read.trusted->is_trusted, mask.is_trusted);
+    ASSERT_TRUE(read.valid_region);
+    EXPECT_EQ(read.valid_region->is_valid, mask.is_valid);
   }
 }
 
-TEST(MrcalFormat, PrefersThePoseThatLaterVersionsAdd) {
+TEST(MakeMrcalFormat, PrefersThePoseThatLaterVersionsAdd) {
   const ExchangeContents contents = ParseMrcal(
       MrcalWith("    'imagersize'",
                 "    'rt_cam_ref': (0, 0, 0, 4, 5, 6),\n    'imagersize'"));
@@ -94,7 +94,7 @@ TEST(MrcalFormat, PrefersThePoseThatLaterVersionsAdd) {
 }
 
 // mrcal has the lens before the control points, raygrid behind them.
-TEST(MrcalFormat, ReadsSplines) {
+TEST(MakeMrcalFormat, ReadsSplines) {
   std::string numbers = "300, 301, 320, 240";
   for (int k = 0; k < 32; ++k) numbers += ", 0.0" + std::to_string(10 + k);
   const std::string text =
@@ -102,7 +102,7 @@ TEST(MrcalFormat, ReadsSplines) {
       "'LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=4_Ny=4_fov_x_deg=150',\n"
       "'intrinsics': [" +
       numbers + "], 'imagersize': [640, 480]}\n";
-  const ConvertedLens lens = ParseMrcal(text).cameras[0].lens;
+  const ConvertedCamera lens = ParseMrcal(text).cameras[0].lens;
   ASSERT_TRUE(lens.spline);
   EXPECT_EQ(lens.spline->grid().fov_x_deg, 150);
   EXPECT_EQ(lens.spline->surface().points()[1], Eigen::Vector2d(0.012, 0.013));
@@ -122,7 +122,7 @@ TEST(MrcalFormat, ReadsSplines) {
   refused("300", "-300", {"focal length"});
 }
 
-TEST(MrcalFormat, RefusesInOneLine) {
+TEST(MakeMrcalFormat, RefusesInOneLine) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {MrcalWith("OPENCV5", "CAHVOR"),
        {"a.cameramodel", "LENSMODEL_CAHVOR", "LENSMODEL_OPENCV8"}},

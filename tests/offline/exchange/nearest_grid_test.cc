@@ -14,7 +14,7 @@ namespace raygrid {
 namespace {
 
 // OCamCalib: rows are x, columns y, and the polynomial of the radius is z.
-TEST(OcamCalibFormat, IsReadAsItsGrid) {
+TEST(MakeOcamCalibFormat, IsReadAsItsGrid) {
   const std::string text =
       "#polynomial coefficients for the DIRECT mapping function (ocam_model.ss "
       "in MATLAB). These are used by cam2world\n\n4 -180.0 0.0 0.0016 1e-06 "
@@ -41,7 +41,7 @@ TEST(OcamCalibFormat, IsReadAsItsGrid) {
 
 // The file's numbers by the formulas of OCamCalib's cam2world() and world2cam()
 // against the camera that was exported.
-TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
+TEST(MakeOcamCalibFormat, WritesTheNearestPolynomial) {
   const Lens lens = {{290, 291.5, 322.5, 238}, {0.03, -0.01, 0.004, -0.001}};
   const auto camera = FindLensModel("thin-prism-fisheye")
                           ->make(kImage, WholeImage(kImage),
@@ -50,7 +50,7 @@ TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
                                      .finished());
   const Format& format = FindFormat("--to", "ocamcalib");
   const SelectedLens chosen =
-      SelectLens(format.FindForms(""), *camera, nullptr);
+      SelectLens(format.FindModels(""), *camera, nullptr);
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.05);
   EXPECT_EQ(chosen.fit->num_beyond, 0u);
@@ -98,7 +98,7 @@ TEST(OcamCalibFormat, WritesTheNearestPolynomial) {
   ExpectLens(Read(text).cameras.at(0), lens, &Lens::Fisheye, 0.1);
 }
 
-TEST(DsoFormat, WritesItsModels) {
+TEST(MakeDsoFormat, WritesItsModels) {
   const Format& format = FindFormat("--to", "dso");
   const auto written = [&](const std::string& line) {
     const auto read = Read(line + "\n640 480\ncrop\n640 480\n");
@@ -114,7 +114,7 @@ TEST(DsoFormat, WritesItsModels) {
             "Pinhole 400.0 360.0 319.5 239.5 0.0\n640 480\nnone\n640 480\n");
 }
 
-TEST(DsoFormat, ReadsItsModels) {
+TEST(MakeDsoFormat, ReadsItsModels) {
   const auto lens = [](const std::string& line) {
     return Read(line + "\n640 480\ncrop\n640 480\n").cameras.at(0);
   };
@@ -142,7 +142,7 @@ TEST(FitNearestGrid, StandsForALensWithASkew) {
   const auto check = [](const std::string& text, const Lens& lens,
                         Formula formula) {
     const auto read = Read(text, kImage);
-    EXPECT_EQ(read.cameras.at(0).lens.form->model, "central-generic");
+    EXPECT_EQ(read.cameras.at(0).lens.external_model->model, "central-generic");
     ASSERT_FALSE(read.warnings.empty());
     EXPECT_NE(read.warnings.back().find("fit error RMS 0.00"),
               std::string::npos)

@@ -32,25 +32,25 @@ std::string FisheyeTransforms() {
                   "OPENCV", "OPENCV_FISHEYE");
 }
 
-TEST(NerfstudioFormat, ReadsACameraWhosePixelsBeginAtTheCorner) {
+TEST(MakeNerfstudioFormat, ReadsACameraWhosePixelsBeginAtTheCorner) {
   const ExchangeContents contents = ParseNerfstudio(kTransforms);
   ASSERT_EQ(contents.cameras.size(), 1u);
   EXPECT_TRUE(contents.warnings.empty());
-  const ConvertedLens& lens = contents.cameras[0].lens;
-  EXPECT_EQ(lens.form->name, "OPENCV");
+  const ConvertedCamera& lens = contents.cameras[0].lens;
+  EXPECT_EQ(lens.external_model->name, "OPENCV");
   EXPECT_EQ(lens.size, (ImageSize{640, 480}));
   EXPECT_EQ(lens.Value("p2"), -0.002);
   EXPECT_EQ(lens.Value("k3"), 0);
   EXPECT_EQ(Eigen::Vector4d(MakeLens(lens)->Parameters().head<4>()),
             Eigen::Vector4d(500.25, 501.5, 319.5, 240));
-  const ConvertedLens fisheye =
+  const ConvertedCamera fisheye =
       ParseNerfstudio(FisheyeTransforms()).cameras[0].lens;
-  EXPECT_EQ(fisheye.form->name, "OPENCV_FISHEYE");
+  EXPECT_EQ(fisheye.external_model->name, "OPENCV_FISHEYE");
   EXPECT_EQ(fisheye.Value("k4"), -0.002);
 }
 
 // instant-ngp says a fisheye by a flag.
-TEST(NerfstudioFormat, ReadsTheFlagOfFisheyes) {
+TEST(MakeNerfstudioFormat, ReadsTheFlagOfFisheyes) {
   const std::string fisheye = FisheyeTransforms();
   const std::string without =
       TextWith(fisheye, "    \"camera_model\": \"OPENCV_FISHEYE\",\n", "");
@@ -64,14 +64,14 @@ TEST(NerfstudioFormat, ReadsTheFlagOfFisheyes) {
   EXPECT_EQ(ParseNerfstudio(TextWith(kTransforms, "\"frames\"",
                                      "\"is_fisheye\": false, \"frames\""))
                 .cameras.at(0)
-                .lens.form->name,
+                .lens.external_model->name,
             "OPENCV");
   ExpectError(ExitCode::kInput, {"f: ", "is_fisheye", "OPENCV"}, [&] {
     ParseNerfstudio(with("\"is_fisheye\": true, \"camera_model\": \"OPENCV\""));
   });
 }
 
-TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
+TEST(MakeNerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
   const std::string frame =
       "{\"fl_x\": 50, \"fl_y\": 51, \"cx\": 32, \"cy\": "
       "24, \"w\": 64, \"h\": 48, \"file_path\": \"a\"}";
@@ -80,7 +80,7 @@ TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
       "[" +
       frame + ", " + frame + "]}";
   const ExchangeContents contents = ParseNerfstudio(text);
-  EXPECT_EQ(contents.cameras[0].lens.form->name, "PINHOLE");
+  EXPECT_EQ(contents.cameras[0].lens.external_model->name, "PINHOLE");
   EXPECT_EQ(contents.cameras[0].lens.Value("fy"), 51);
   ASSERT_EQ(contents.warnings.size(), 1u);
   EXPECT_NE(contents.warnings[0].find("frames[0]: transform_matrix"),
@@ -93,7 +93,7 @@ TEST(NerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
 }
 
 // The camera looks along -z of its own axes there, with y up.
-TEST(NerfstudioFormat, ReadsPlacesOfFrames) {
+TEST(MakeNerfstudioFormat, ReadsPlacesOfFrames) {
   const std::vector<BoardPose> poses =
       ParseNerfstudio(kTransforms).cameras[0].poses;
   ASSERT_EQ(poses.size(), 2u);
@@ -112,13 +112,13 @@ TEST(NerfstudioFormat, ReadsPlacesOfFrames) {
             1e-12);
 }
 
-TEST(NerfstudioFormat, WritesWhatItReads) {
+TEST(MakeNerfstudioFormat, WritesWhatItReads) {
   const ExchangeContents contents = ParseNerfstudio(kTransforms);
   WrittenLens camera;
   camera.name = "front";
   camera.lens = contents.cameras[0].lens;
   camera.poses = contents.cameras[0].poses;
-  const std::string text = NerfstudioFormat().write({"f.json", {camera}});
+  const std::string text = MakeNerfstudioFormat().write({"f.json", {camera}});
   const ReadLens again = ParseNerfstudio(text).cameras[0];
   EXPECT_EQ(again.name, "front");
   EXPECT_EQ(again.lens.values, camera.lens.values);
@@ -132,15 +132,15 @@ TEST(NerfstudioFormat, WritesWhatItReads) {
   EXPECT_NE(text.find("\"k4\": 0.0,"), std::string::npos);
   camera.poses[1].board = 3;
   ExpectError(ExitCode::kInput, {"--poses", "boards 0 and 3"}, [&] {
-    NerfstudioFormat().write({"f.json", {camera}});
+    MakeNerfstudioFormat().write({"f.json", {camera}});
   });
   camera.poses.clear();
   EXPECT_NE(
-      NerfstudioFormat().write({"f.json", {camera}}).find("\"frames\": []"),
+      MakeNerfstudioFormat().write({"f.json", {camera}}).find("\"frames\": []"),
       std::string::npos);
 }
 
-TEST(NerfstudioFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeNerfstudioFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& text, const std::string& old,
                          const std::string& by,
                          const std::vector<std::string>& words) {

@@ -29,17 +29,19 @@ constexpr char kXml[] =
     "    1.0000000000000000e-03 -2.0000000000000000e-03 0.25</data>"
     "</distCoeffs>\n</opencv_storage>\n";
 
-ExchangeContents Parse(const std::string& text, const std::string& form = "",
+ExchangeContents Parse(const std::string& text,
+                       const std::string& external_model = "",
                        std::optional<ImageSize> size = {}) {
-  return ReadExchangeFile(RecognizeFormat(text), {"f", text, form, size});
+  return ReadExchangeFile(RecognizeFormat(text),
+                          {"f", text, external_model, size});
 }
 
 TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
   for (const char* text : {kYaml, kXml}) {
     const ExchangeContents contents = Parse(text);
     ASSERT_EQ(contents.cameras.size(), 1u);
-    const ConvertedLens& lens = contents.cameras[0].lens;
-    EXPECT_EQ(lens.form->name, "opencv5");
+    const ConvertedCamera& lens = contents.cameras[0].lens;
+    EXPECT_EQ(lens.external_model->name, "opencv5");
     EXPECT_EQ(lens.size, (ImageSize{640, 480}));
     EXPECT_EQ(lens.values,
               (std::vector<double>{500.12345678899999, 501, 320, 240, -0.3, 0.1,
@@ -50,18 +52,19 @@ TEST(OpenCvFormat, ReadsWhatOpenCvWrites) {
 TEST(OpenCvFormat, TellsModelsApart) {
   const std::string four =
       TextWith(TextWith(kYaml, ", 0.25", ""), "cols: 5", "cols: 4");
-  EXPECT_EQ(Parse(four).cameras[0].lens.form->name, "opencv4");
+  EXPECT_EQ(Parse(four).cameras[0].lens.external_model->name, "opencv4");
   EXPECT_EQ(Parse(four).warnings.size(), 1u);
-  EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.form->name, "fisheye");
+  EXPECT_EQ(Parse(four, "fisheye").cameras[0].lens.external_model->name,
+            "fisheye");
   EXPECT_TRUE(Parse(four, "fisheye").warnings.empty());
   const ExchangeContents column = Parse(
       TextWith(TextWith(four, "rows: 1", "rows: 4"), "cols: 4", "cols: 1"));
-  EXPECT_EQ(column.cameras[0].lens.form->name, "fisheye");
+  EXPECT_EQ(column.cameras[0].lens.external_model->name, "fisheye");
   EXPECT_EQ(column.warnings.size(), 1u);
   for (const char* key :
        {"fisheye_model: 1\n", "distortion_model: fisheye\n"}) {
     const ExchangeContents said = Parse(four + key);
-    EXPECT_EQ(said.cameras[0].lens.form->model, "thin-prism-fisheye");
+    EXPECT_EQ(said.cameras[0].lens.external_model->model, "thin-prism-fisheye");
     EXPECT_TRUE(said.warnings.empty());
   }
 }
@@ -72,8 +75,9 @@ TEST(OpenCvFormat, TakesZerosForWhatIsNotThere) {
     return TextWith(TextWith(kYaml, "0.25 ]", "0.25, 0.1, 0, 0, " + more + "]"),
                     "cols: 5", "cols: 14");
   };
-  EXPECT_EQ(Parse(with("0,0,0,0,0,0")).cameras[0].lens.form->model, "opencv");
-  EXPECT_EQ(Parse(with("0,0,0,0,0,1e-3")).cameras[0].lens.form->name,
+  EXPECT_EQ(Parse(with("0,0,0,0,0,0")).cameras[0].lens.external_model->model,
+            "opencv");
+  EXPECT_EQ(Parse(with("0,0,0,0,0,1e-3")).cameras[0].lens.external_model->name,
             "opencv14");
   // Of programs that have omnidir, too; the size is a matrix there.
   const ExchangeContents generic =
@@ -81,7 +85,7 @@ TEST(OpenCvFormat, TakesZerosForWhatIsNotThere) {
                      "image_height", "another") +
             "xi: 0.\nresolution: !!opencv-matrix\n   rows: 2\n   cols: 1\n"
             "   dt: i\n   data: [ 640, 480 ]\n");
-  EXPECT_EQ(generic.cameras.at(0).lens.form->model, "opencv");
+  EXPECT_EQ(generic.cameras.at(0).lens.external_model->model, "opencv");
   EXPECT_EQ(generic.cameras[0].lens.size, (ImageSize{640, 480}));
 }
 
@@ -165,7 +169,7 @@ TEST(OpenCvFormat, ReadsPairs) {
     ExchangeContents apart = Parse("%YAML:1.0\n---\n" + cameras, "", size);
     ASSERT_EQ(apart.cameras.size(), 2u) << m1;
     EXPECT_FALSE(apart.IsRig());
-    EXPECT_EQ(apart.cameras[0].lens.form->name, "opencv8");
+    EXPECT_EQ(apart.cameras[0].lens.external_model->name, "opencv8");
     EXPECT_EQ(apart.cameras[1].lens.Value("fy"), 511);
     const ExchangeContents alone = Parse("%YAML:1.0\n---\n" + pose);
     AssignPairPose(alone.second_from_first, "f", &apart.cameras);

@@ -29,7 +29,7 @@ ExchangeContents ParsePhotonVision(const std::string& text) {
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
 }
 
-TEST(PhotonVisionFormat, ReadsCameraCornersAndPoses) {
+TEST(MakePhotonVisionFormat, ReadsCameraCornersAndPoses) {
   const ExchangeContents contents = ParsePhotonVision(kPhotonVision);
   EXPECT_TRUE(contents.warnings.empty());
   ASSERT_EQ(contents.cameras.size(), 1u);
@@ -56,7 +56,7 @@ TEST(PhotonVisionFormat, ReadsCameraCornersAndPoses) {
 }
 
 // Settings of a camera have a calibration for each size of its images.
-TEST(PhotonVisionFormat, ReadsSettings) {
+TEST(MakePhotonVisionFormat, ReadsSettings) {
   const std::string other =
       TextWith(TextWith(kPhotonVision, "640.0", "1280.0"), "480.0", "960.0");
   const ExchangeContents contents =
@@ -70,14 +70,15 @@ TEST(PhotonVisionFormat, ReadsSettings) {
   EXPECT_EQ(contents.cameras[1].features.size(), 1u);
 }
 
-TEST(PhotonVisionFormat, WritesWhatItReads) {
+TEST(MakePhotonVisionFormat, WritesWhatItReads) {
   WrittenLens camera;
   camera.lens = ParsePhotonVision(kPhotonVision).cameras[0].lens;
-  const std::string text = PhotonVisionFormat().write({"front.json", {camera}});
+  const std::string text =
+      MakePhotonVisionFormat().write({"front.json", {camera}});
   EXPECT_EQ(ParsePhotonVision(text).cameras[0].lens.values, camera.lens.values);
 }
 
-TEST(PhotonVisionFormat, TakesDamagedFilesForNothingElse) {
+TEST(MakePhotonVisionFormat, TakesDamagedFilesForNothingElse) {
   TestRandom random(7);
   int num_refused = 0;
   const int count = NumMutants(400);

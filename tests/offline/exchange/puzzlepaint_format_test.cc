@@ -24,10 +24,11 @@ ThinPrismFisheye GridLens() {
 
 // The camera in the form that it takes, as a file and a lens.
 std::pair<std::string, SelectedLens> WrittenGrid(const CameraModel& camera) {
-  std::vector<const LensForm*> forms;
-  static const Format format = PuzzlepaintFormat();
-  for (const LensForm& form : format.forms) forms.push_back(&form);
-  SelectedLens chosen = SelectLens(forms, camera, nullptr);
+  std::vector<const ExternalModel*> external_models;
+  static const Format format = MakePuzzlepaintFormat();
+  for (const ExternalModel& external_model : format.external_models)
+    external_models.push_back(&external_model);
+  SelectedLens chosen = SelectLens(external_models, camera, nullptr);
   WrittenLens written;
   written.name = "front";
   written.lens = chosen.lens;
@@ -47,7 +48,7 @@ NonCentralGeneric LinesOf(const CameraModel& lens) {
   return {kGridImage, grid.surface(), points};
 }
 
-TEST(PuzzlepaintFormat, HasTheFormulaOfTheProgram) {
+TEST(MakePuzzlepaintFormat, HasTheFormulaOfTheProgram) {
   // 5 x 4 control points: 2 cells, of 10 pixels each, beside one another.
   std::vector<Eigen::Vector3d> directions;
   for (int k = 0; k < 20; ++k)
@@ -68,10 +69,10 @@ TEST(PuzzlepaintFormat, HasTheFormulaOfTheProgram) {
   ExpectRoundTrip(grid, 1e-6);
 }
 
-TEST(PuzzlepaintFormat, WritesTheNearestGrid) {
+TEST(MakePuzzlepaintFormat, WritesTheNearestGrid) {
   const ThinPrismFisheye lens = GridLens();
   const auto [text, chosen] = WrittenGrid(lens);
-  EXPECT_EQ(chosen.lens.form->name, "CentralGenericModel");
+  EXPECT_EQ(chosen.lens.external_model->name, "CentralGenericModel");
   EXPECT_GT(chosen.fit->max_px, 0);
   EXPECT_LT(chosen.fit->max_px, 0.01);
   EXPECT_NE(text.find("type : CentralGenericModel\nwidth : 320\nheight : 240\n"
@@ -102,10 +103,10 @@ TEST(PuzzlepaintFormat, WritesTheNearestGrid) {
         0.01);
 }
 
-TEST(PuzzlepaintFormat, HoldsLines) {
+TEST(MakePuzzlepaintFormat, HoldsLines) {
   const NonCentralGeneric lines = LinesOf(GridLens());
   const auto [text, chosen] = WrittenGrid(lines);
-  EXPECT_EQ(chosen.lens.form->name, "NoncentralGenericModel");
+  EXPECT_EQ(chosen.lens.external_model->name, "NoncentralGenericModel");
   EXPECT_LT(chosen.fit->max_px, 0.02);
   EXPECT_LT(text.find("point_grid : ["), text.find("direction_grid : ["));
   ExpectRoundTrip(*chosen.lens.grid, 1e-5);
@@ -123,7 +124,7 @@ TEST(PuzzlepaintFormat, HoldsLines) {
           0.02);
 }
 
-TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakePuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
   const std::string text = WrittenGrid(GridLens()).first;
   const auto expect = [&](const std::string& old, const std::string& by,
                           const std::vector<std::string>& words) {
@@ -144,7 +145,7 @@ TEST(PuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
   EXPECT_EQ(ParsePuzzlepaint(TextWith(text, "GenericModel\nwidth",
                                       "GenericBSplineModel\nwidth"))
                 .cameras[0]
-                .lens.form->name,
+                .lens.external_model->name,
             "CentralGenericModel");
 }
 
@@ -155,7 +156,7 @@ constexpr char kOnePose[] =
     "  - index: 1\n    tx: 0.5\n    ty: -0.25\n    tz: 2\n"
     "    qx: 0\n    qy: 0.8\n    qz: 0\n    qw: 0.6\n";
 
-TEST(PuzzlepaintFormat, ReadsPosesOfImagesThatWereUsed) {
+TEST(MakePuzzlepaintFormat, ReadsPosesOfImagesThatWereUsed) {
   const PuzzlepaintPoses poses = ParsePuzzlepaintPoses("f", kOnePose);
   EXPECT_EQ(poses.count, 3);
   ASSERT_EQ(poses.poses.size(), 1u);
@@ -170,7 +171,7 @@ TEST(PuzzlepaintFormat, ReadsPosesOfImagesThatWereUsed) {
             poses.poses.at(1).rotation.coeffs());
 }
 
-TEST(PuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
+TEST(MakePuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words, [&] {
@@ -214,7 +215,7 @@ std::map<int, Pose> WrittenPoses(const std::vector<std::string>& images,
   return ParsePuzzlepaintPoses("f", files[1].text).poses;
 }
 
-TEST(PuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
+TEST(MakePuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
   std::vector<WrittenLens> cameras = PosedCameras({"a.png"});
   cameras[0].camera_from_rig =
       Pose{Eigen::Quaterniond(0.6, 0, 0.8, 0), {0.5, -0.25, 0.125}};
@@ -231,7 +232,7 @@ TEST(PuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
             1e-14);
 }
 
-TEST(PuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
+TEST(MakePuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
   PuzzlepaintDataset dataset;
   dataset.image_sizes = {{64, 48}};
   for (const char* name : {"c.png", "a.png", "b.png"})
@@ -251,7 +252,7 @@ TEST(PuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
               [&] { WrittenPoses({"d.png"}, bytes); });
 }
 
-TEST(PuzzlepaintFormat, WritesPointsThatReplaceNone) {
+TEST(MakePuzzlepaintFormat, WritesPointsThatReplaceNone) {
   PuzzlepaintDataset dataset;
   dataset.image_sizes = {{64, 48}};
   dataset.imagesets = {{"a.png", {{}}}};
@@ -266,14 +267,14 @@ TEST(PuzzlepaintFormat, WritesPointsThatReplaceNone) {
             Eigen::Vector3d(0.06, 0.03, 0));
 }
 
-TEST(PuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
+TEST(MakePuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
   std::vector<WrittenLens> cameras = PosedCameras({"a.png", "b.png"});
   ExpectError(ExitCode::kUsage, {"front.yaml", "intrinsics0.yaml"}, [&] {
-    PuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
+    MakePuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
   });
   cameras[0].poses[1].board = 3;
   ExpectError(ExitCode::kInput, {"boards 0 and 3", "puzzlepaint"}, [&] {
-    PuzzlepaintFormat().write_beside({"s/intrinsics0.yaml", cameras});
+    MakePuzzlepaintFormat().write_beside({"s/intrinsics0.yaml", cameras});
   });
 }
 

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
+TEST(MakePythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
   const std::string k = "[[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]";
   const std::string d = "[[-0.21, 0.06, 0.001, -0.002, 0.0]]";
   for (const auto& [matrix, distortion] :
@@ -44,7 +44,7 @@ TEST(PythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
   ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
 }
 
-TEST(PythonFormat, ReadsToml) {
+TEST(MakePythonFormat, ReadsToml) {
   const std::string lens =
       "camera_matrix = [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]\n"
       "distortion = [-0.21, 0.06, 0.001, -0.002, 0.0]\nsize = [640, 480]\n";
@@ -56,7 +56,7 @@ TEST(PythonFormat, ReadsToml) {
 }
 
 // Cameras stand in maps of maps, in lists with names, and in pairs.
-TEST(PythonFormat, FindsCameras) {
+TEST(MakePythonFormat, FindsCameras) {
   const std::string lens =
       "\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
       "[-0.21, 0.06, 0.001, -0.002, 0]";
@@ -92,7 +92,7 @@ TEST(PythonFormat, FindsCameras) {
 }
 
 // Those that are missing are 0; k3 and k4 are no tangential ones.
-TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
+TEST(MakePythonFormat, ReadsCoefficientsByTheirNames) {
   const auto with = [](const std::string& coefficients) {
     return Read("{\"fx\": 410, \"fy\": 411.5, \"cx\": 322.5, \"cy\": 238, " +
                 coefficients + ", \"width\": 640, \"height\": 480}");
@@ -122,7 +122,7 @@ TEST(PythonFormat, ReadsCoefficientsByTheirNames) {
   });
 }
 
-TEST(PythonFormat, ReadsIntrinsicsAsFourNumbers) {
+TEST(MakePythonFormat, ReadsIntrinsicsAsFourNumbers) {
   const auto read = Read(
       "intrinsics: [410, 411.5, 322.5, 238]\nresolution: [640, 480]\n"
       "distortion: [-0.21, 0.06, 0.001, -0.002, 0]\n");
@@ -130,7 +130,7 @@ TEST(PythonFormat, ReadsIntrinsicsAsFourNumbers) {
 }
 
 // A sensor's or renderer's camera, row by row or column by column.
-TEST(PythonFormat, TakesCamerasWithoutDistortion) {
+TEST(MakePythonFormat, TakesCamerasWithoutDistortion) {
   for (const char* text :
        {"{\"fx\": 410, \"fy\": 411.5, \"ppx\": 322.5, \"ppy\": 238, "
         "\"width\": 640, \"height\": 480}",
@@ -153,7 +153,7 @@ TEST(PythonFormat, TakesCamerasWithoutDistortion) {
 }
 
 // Names of makers are no models, and numbers may be repeated.
-TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
+TEST(MakePythonFormat, KnowsWhatSaysNothingOfTheLens) {
   const std::string text =
       "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], \"dist\": "
       "[-0.21, 0.06, 0.001, -0.002, 0], \"width\": 640, \"height\": 480, "
@@ -172,7 +172,7 @@ TEST(PythonFormat, KnowsWhatSaysNothingOfTheLens) {
 }
 
 // A column of 4, as cv2.fisheye alone returns it.
-TEST(PythonFormat, TellsFisheyes) {
+TEST(MakePythonFormat, TellsFisheyes) {
   const std::string text =
       "{\"K\": [[290, 0, 322.5], [0, 291.5, 238], [0, 0, 1]], \"D\": [[0.03], "
       "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
@@ -181,13 +181,16 @@ TEST(PythonFormat, TellsFisheyes) {
   EXPECT_EQ(read.warnings.size(), 2u);  // and "dim" is not known
   const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
                                    "[0.03, -0.01, 0.004, -0.001]");
-  EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.form->name, "opencv4");
-  EXPECT_EQ(Read(row, kImage, "fisheye").cameras.at(0).lens.form->name,
-            "fisheye");
+  EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.external_model->name,
+            "opencv4");
+  EXPECT_EQ(
+      Read(row, kImage, "fisheye").cameras.at(0).lens.external_model->name,
+      "fisheye");
   for (const char* key : {"model", "type", "lens_type", "distortion_type"}) {
     const std::string said = TextWith(
         row, "\"dim\"", fmt::format("\"{}\": \"fisheye\", \"d\"", key));
-    EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.form->name, "fisheye");
+    EXPECT_EQ(Read(said, kImage).cameras.at(0).lens.external_model->name,
+              "fisheye");
   }
 }
 

@@ -31,10 +31,10 @@ ExchangeContents ParseRos(const std::string& text) {
   return ReadExchangeFile(RecognizeFormat(text), {"f", text, "", {}});
 }
 
-TEST(RosFormat, ReadsFiles) {
+TEST(MakeRosFormat, ReadsFiles) {
   const ReadLens camera = ParseRos(kCameraInfo).cameras.at(0);
   EXPECT_EQ(camera.name, "narrow_stereo/left");
-  EXPECT_EQ(camera.lens.form->name, "plumb_bob");
+  EXPECT_EQ(camera.lens.external_model->name, "plumb_bob");
   EXPECT_EQ(camera.lens.size, (ImageSize{640, 480}));
   EXPECT_EQ(camera.lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, -0.3, 0.1, 0.001,
@@ -42,10 +42,10 @@ TEST(RosFormat, ReadsFiles) {
   EXPECT_FALSE(camera.rectified->IsBeside());
 }
 
-TEST(RosFormat, ReadsMessages) {
+TEST(MakeRosFormat, ReadsMessages) {
   const ExchangeContents contents = ParseRos(kMessage);
-  const ConvertedLens& lens = contents.cameras.at(0).lens;
-  EXPECT_EQ(lens.form->name, "rational_polynomial");
+  const ConvertedCamera& lens = contents.cameras.at(0).lens;
+  EXPECT_EQ(lens.external_model->name, "rational_polynomial");
   EXPECT_EQ(lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, 0.1, 0.2, 0.001,
                                  0.002, 0.3, 0.4, 0.5, 0.6}));
@@ -55,11 +55,11 @@ TEST(RosFormat, ReadsMessages) {
   EXPECT_EQ(ParseRos(binned).warnings.size(), 1u);
 }
 
-TEST(RosFormat, KnowsWhatDriversWrite) {
+TEST(MakeRosFormat, KnowsWhatDriversWrite) {
   const auto form_with = [](const std::string& model, const std::string& d) {
     const std::string text = TextWith(TextWith(kCameraInfo, "plumb_bob", model),
                                       "-0.3, 0.1, 0.001, -0.002, 0]", d + "]");
-    return *ParseRos(text).cameras.at(0).lens.form;
+    return *ParseRos(text).cameras.at(0).lens.external_model;
   };
   EXPECT_EQ(form_with("plumb_bob", "").parameters.size(), 4u);
   EXPECT_EQ(form_with("plumb_bob", "0,0,0,0").parameters.size(), 8u);
@@ -69,7 +69,7 @@ TEST(RosFormat, KnowsWhatDriversWrite) {
 }
 
 // Single cameras, and files of drivers that fill what they do not use.
-TEST(RosFormat, ReadsWhatNeedNotBeThere) {
+TEST(MakeRosFormat, ReadsWhatNeedNotBeThere) {
   const auto read = [](const std::string& text) {
     return ParseRos(text).cameras.at(0);
   };
@@ -80,7 +80,7 @@ TEST(RosFormat, ReadsWhatNeedNotBeThere) {
   for (const char* none : {"none", "''", "\"\""}) {
     const std::string plain = TextWith(TextWith(text, "plumb_bob", none),
                                        "-0.3, 0.1, 0.001, -0.002, 0]", "]");
-    EXPECT_EQ(read(plain).lens.form->parameters.size(), 4u) << none;
+    EXPECT_EQ(read(plain).lens.external_model->parameters.size(), 4u) << none;
   }
   for (const char* zeros : {", 0, 0, 0]", ", 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]"})
     EXPECT_EQ(read(TextWith(text, ", 0]\nrect", std::string(zeros) + "\nrect"))
@@ -89,7 +89,7 @@ TEST(RosFormat, ReadsWhatNeedNotBeThere) {
   const std::string rational =
       TextWith(TextWith(text, "plumb_bob", "rational_polynomial"), "-0.002, 0]",
                "-0.002, 0, 1, 2, 3, 0, 0, 0, 0, 0, 0]");
-  EXPECT_EQ(read(rational).lens.form->model, "opencv");
+  EXPECT_EQ(read(rational).lens.external_model->model, "opencv");
   // No size: the option says it.
   const std::string unsized = TextWith(TextWith(text, "image_width: 640\n", ""),
                                        "image_height: 480\n", "");
@@ -102,13 +102,13 @@ TEST(RosFormat, ReadsWhatNeedNotBeThere) {
 }
 
 // Early files say the model as camera_model; some drivers say fisheye.
-TEST(RosFormat, KnowsFisheyesByTheirOlderNames) {
+TEST(MakeRosFormat, KnowsFisheyesByTheirOlderNames) {
   const std::string fisheye =
       TextWith(kCameraInfo, ", -0.002, 0]", ", -0.002]");
   const auto model_of = [&](const std::string& line) {
     return ParseRos(TextWith(fisheye, "distortion_model: plumb_bob", line))
         .cameras.at(0)
-        .lens.form->name;
+        .lens.external_model->name;
   };
   EXPECT_EQ(model_of("distortion_model: fisheye"), "equidistant");
   EXPECT_EQ(model_of("camera_model: fisheye"), "equidistant");
@@ -121,7 +121,7 @@ TEST(RosFormat, KnowsFisheyesByTheirOlderNames) {
     ExpectError(ExitCode::kInput, {"f: "}, [&] { model_of(against); });
 }
 
-TEST(RosFormat, SaysWhatIsMissingOrWrong) {
+TEST(MakeRosFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
     ExpectError(ExitCode::kInput, words,
@@ -137,7 +137,7 @@ TEST(RosFormat, SaysWhatIsMissingOrWrong) {
 }
 
 // Two views with one K, 0.1 m apart, of cameras that are turned.
-TEST(RosFormat, FindsThePosesOfAPair) {
+TEST(MakeRosFormat, FindsThePosesOfAPair) {
   std::vector<ReadLens> pair(2);
   const Eigen::AngleAxisd first(0.1, Eigen::Vector3d::UnitY()),
       second(-0.2, Eigen::Vector3d::UnitX());
@@ -165,12 +165,12 @@ TEST(RosFormat, FindsThePosesOfAPair) {
   EXPECT_FALSE(pair[0].camera_from_rig);
 }
 
-TEST(RosFormat, WritesNumbersThatPythonTakesForSuch) {
+TEST(MakeRosFormat, WritesNumbersThatPythonTakesForSuch) {
   WrittenLens camera;
   camera.lens = ParseRos(kCameraInfo).cameras[0].lens;
   camera.lens.values[4] = 1e-7;
   camera.lens.values[0] = 500;
-  const std::string text = RosFormat().write({"f.yaml", {camera}});
+  const std::string text = MakeRosFormat().write({"f.yaml", {camera}});
   EXPECT_NE(text.find("[500.0, 0.0,"), std::string::npos) << text;
   EXPECT_NE(text.find("[1.0e-07,"), std::string::npos) << text;
 }

@@ -12,15 +12,15 @@ constexpr ImageSize kRegionImage = {22, 14};
 
 ValidityMask MaskOf(const std::vector<std::string>& rows) {
   ValidityMask mask = ValidityMask::Over(kRegionImage);
-  mask.is_trusted.clear();
+  mask.is_valid.clear();
   for (const std::string& row : rows)
-    for (const char cell : row) mask.is_trusted.push_back(cell == '#');
+    for (const char cell : row) mask.is_valid.push_back(cell == '#');
   return mask;
 }
 
 std::vector<bool> ThereAndBack(const ValidityMask& mask) {
   return MakeValidityMask(ComputeValidRegion(mask, kRegionImage), kRegionImage)
-      .is_trusted;
+      .is_valid;
 }
 
 TEST(ValidRegion, GoesAlongTheEdgesOfCells) {
@@ -44,7 +44,7 @@ TEST(ValidRegion, EndsWithTheImage) {
                                                                 {21.5, 13.5},
                                                                 {-0.5, 13.5},
                                                                 {-0.5, -0.5}}));
-  EXPECT_EQ(ThereAndBack(all), all.is_trusted);
+  EXPECT_EQ(ThereAndBack(all), all.is_valid);
 }
 
 TEST(ValidRegion, OfOnePartComesBack) {
@@ -55,7 +55,7 @@ TEST(ValidRegion, OfOnePartComesBack) {
         // The outline meets itself at a corner.
         {"..###.", "..#.#.", ".#.##.", ".###.."}}) {
     const ValidityMask mask = MaskOf(rows);
-    EXPECT_EQ(ThereAndBack(mask), mask.is_trusted) << rows[0];
+    EXPECT_EQ(ThereAndBack(mask), mask.is_valid) << rows[0];
     const RegionLoss loss = ComputeRegionLoss(mask, kRegionImage);
     EXPECT_EQ(loss.num_left_out + loss.num_held, 0);
   }
@@ -70,7 +70,7 @@ TEST(ValidRegion, IsThatOfTheLargestPartWithoutItsHoles) {
                                         ".####.",  //
                                         "..###.",  //
                                         "......"})
-                                    .is_trusted);
+                                    .is_valid);
   const RegionLoss loss = ComputeRegionLoss(mask, kRegionImage);
   EXPECT_EQ(loss.num_left_out, 2);
   EXPECT_EQ(loss.num_held, 1);
@@ -79,17 +79,16 @@ TEST(ValidRegion, IsThatOfTheLargestPartWithoutItsHoles) {
 TEST(ValidRegion, HasNoPointIfNothingIsTrusted) {
   const ValidityMask none = MaskOf({"......", "......", "......", "......"});
   EXPECT_TRUE(ComputeValidRegion(none, kRegionImage).empty());
-  EXPECT_EQ(ThereAndBack(none), none.is_trusted);
+  EXPECT_EQ(ThereAndBack(none), none.is_valid);
 }
 
 // mrcal draws the whole image so.
 TEST(ValidRegion, FromPixelToPixelIsTheWholeImage) {
   ValidRegion region = {{0, 0}, {21, 0}, {21, 13}, {0, 13}};
   for (int k = 0; k < 2; ++k) {
-    EXPECT_FALSE(MakeValidityMask(region, kRegionImage).is_trusted.empty());
-    for (const bool is_trusted :
-         MakeValidityMask(region, kRegionImage).is_trusted)
-      EXPECT_TRUE(is_trusted);
+    EXPECT_FALSE(MakeValidityMask(region, kRegionImage).is_valid.empty());
+    for (const bool is_valid : MakeValidityMask(region, kRegionImage).is_valid)
+      EXPECT_TRUE(is_valid);
     region.push_back(region.front());
   }
 }

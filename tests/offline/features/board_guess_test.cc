@@ -15,7 +15,7 @@ namespace raygrid {
 namespace {
 
 Pattern PatternOf(const Board& board) {
-  return ParsePattern("the pattern", BoardsYaml({board}));
+  return ParsePattern("the pattern", MakeBoardsYaml({board}));
 }
 
 // Printed pages, seen from the front.
@@ -24,7 +24,7 @@ class BoardGuess : public testing::Test {
   void Photograph(const Board& board, bool is_mirrored = false,
                   bool is_negative = false) {
     const BoardSheets sheets = PlanBoardSheets({board}, ParsePage("A4"));
-    const std::string png = SheetPng(sheets, board, 100);
+    const std::string png = RenderSheetPng(sheets, board, 100);
     const std::vector<char> bytes(png.begin(), png.end());
     cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (is_mirrored) cv::flip(image, image, 1);

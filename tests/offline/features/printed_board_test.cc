@@ -133,7 +133,7 @@ Eigen::Vector2d FirstFeatureMm(const std::string& yaml) {
 void ExpectFeaturesInPlace(const Board& drawn) {
   constexpr int kDpi = 600;
   const BoardSheets sheets = PlanBoardSheets({drawn}, {101.6, 101.6});
-  const std::string yaml = SheetsYaml(sheets);
+  const std::string yaml = MakeSheetsYaml(sheets);
   const Pattern pattern = ParsePattern("sheet", yaml);
   const Board& board = pattern.boards[0];
   const cv::Mat page = Rasterised(SheetsPdf(sheets), kDpi);

@@ -29,7 +29,7 @@ std::vector<CameraFile> Units() {
 TEST(ComputeMeanCamera, IsTheMeanOfWhatDiffersSmoothly) {
   const auto mean = ComputeMeanCamera(Units());
   ASSERT_TRUE(mean.has_value());
-  EXPECT_LT(CompareModels(LensFamily::Middle(), *mean->camera, kStepPx).p99_px,
+  EXPECT_LT(CompareModels(LensFamily::Mean(), *mean->camera, kStepPx).p99_px,
             0.03);
 }
 
@@ -39,7 +39,7 @@ TEST(ComputeMeanCamera, LeavesOutWhereAUnitGoesAstray) {
   units[1] = FileOf(LensFamily::Astray({600, 450}, {40, 0}, 60));
   const auto mean = ComputeMeanCamera(units);
   ASSERT_TRUE(mean.has_value());
-  EXPECT_LT(CompareModels(LensFamily::Middle(), *mean->camera, kStepPx).p99_px,
+  EXPECT_LT(CompareModels(LensFamily::Mean(), *mean->camera, kStepPx).p99_px,
             0.15);
 }
 

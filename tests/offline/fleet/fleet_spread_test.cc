@@ -47,8 +47,7 @@ double RmsPx(const std::vector<Eigen::Vector2d>& field) {
 // Far below that come the curvature of what a focal length does, and what
 // polynomials leave of bumps.
 TEST(EstimateSpread, IsOneDirectionIfOneFigureDiffers) {
-  const auto spread =
-      EstimateSpread(LensFamily::Middle(), LongerAndShorter(60));
+  const auto spread = EstimateSpread(LensFamily::Mean(), LongerAndShorter(60));
   ASSERT_TRUE(spread.has_value());
   const auto& fields = spread->displacements_px;
   ASSERT_GE(fields.size(), 1u);
@@ -65,9 +64,9 @@ TEST(EstimateSpread, IsOneDirectionIfOneFigureDiffers) {
 // what is found, and with a n-th of it for the middle's errors.
 TEST(EstimateSpread, IsLessWhatFilesSay) {
   constexpr int kCount = 60;
-  const SimulatedCamera middle = LensFamily::Middle();
+  const SimulatedCamera mean = LensFamily::Mean();
   std::vector<CameraFile> units = LongerAndShorter(kCount);
-  const auto all = EstimateSpread(middle, units);
+  const auto all = EstimateSpread(mean, units);
   ASSERT_TRUE(all.has_value());
   CameraUncertainty stated;
   stated.modes.columns = all->columns;
@@ -76,11 +75,11 @@ TEST(EstimateSpread, IsLessWhatFilesSay) {
   stated.modes.rest_px = 0.1;
   auto& mode = stated.modes.displacements_px.emplace_back();
   for (const auto& displacement :
-       ComputeDisplacements(middle, LensFamily::Longer(0.7 * kFocalPart),
-                            all->Places(middle.area())))
+       ComputeDisplacements(mean, LensFamily::Longer(0.7 * kFocalPart),
+                            all->Places(mean.area())))
     mode.push_back(displacement.value());
   for (CameraFile& unit : units) unit.uncertainty = stated;
-  const auto left = EstimateSpread(middle, units);
+  const auto left = EstimateSpread(mean, units);
   ASSERT_TRUE(left.has_value());
   constexpr double kComesOff = (kCount + 1.0) / (kCount - 1) - 1.0 / kCount;
   const double expected_px =
@@ -91,10 +90,10 @@ TEST(EstimateSpread, IsLessWhatFilesSay) {
 }
 
 TEST(EstimateSpread, IsNoneOfFewUnits) {
-  EXPECT_FALSE(EstimateSpread(LensFamily::Middle(), LongerAndShorter(7)));
+  EXPECT_FALSE(EstimateSpread(LensFamily::Mean(), LongerAndShorter(7)));
 }
 
-double P99Of(const CameraModel& lens, const CameraFile& middle,
+double P99Of(const CameraModel& lens, const CameraFile& mean,
              std::shared_ptr<const LensSpread> spread) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
@@ -104,7 +103,7 @@ double P99Of(const CameraModel& lens, const CameraFile& middle,
   const Dataset dataset =
       SimulateObservations(lens, pattern, simulation).dataset;
   CalibrationOptions options;
-  options.like = middle.camera;
+  options.like = mean.camera;
   options.prior_spread = std::move(spread);
   options.hold_out = {dataset.images.back().image};
   options.knot_spacing_px = kUnitSize.width / 8.0;
@@ -120,12 +119,12 @@ TEST(EstimateSpread, ServesAUnitOfFewImages) {
   for (int u = 0; u < 30; ++u)
     units.push_back(
         UnitFile(DecentredFamilyLens(kUnitSize, kUnitArea, {}, &random)));
-  const auto middle = ComputeMeanCamera(units);
-  ASSERT_TRUE(middle && middle->spread);
+  const auto mean = ComputeMeanCamera(units);
+  ASSERT_TRUE(mean && mean->spread);
   const DecentredFamilyLens unit(kUnitSize, kUnitArea, {}, &random);
   const double with_spread =
-      P99Of(unit, *middle, std::make_shared<LensSpread>(*middle->spread));
-  EXPECT_LT(with_spread, 0.7 * P99Of(unit, *middle, nullptr));
+      P99Of(unit, *mean, std::make_shared<LensSpread>(*mean->spread));
+  EXPECT_LT(with_spread, 0.7 * P99Of(unit, *mean, nullptr));
 }
 
 }  // namespace

@@ -80,8 +80,8 @@ class Family {
 
 std::vector<int> UnusualUnits(const FleetStatistics& statistics) {
   std::vector<int> units;
-  for (const OutlierUnit& unusual : statistics.unusual)
-    units.push_back(unusual.unit);
+  for (const OutlierUnit& outliers : statistics.outliers)
+    units.push_back(outliers.unit);
   return units;
 }
 
@@ -191,7 +191,7 @@ TEST(FleetStatistics, SeldomGivesAnAlarmWhereNothingIsUnusual) {
     std::vector<FamilyLens> lenses;
     for (int u = 0; u < 100; ++u) lenses.push_back(family.Draw(800));
     const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
-    num_alarms += !statistics.unusual.empty();
+    num_alarms += !statistics.outliers.empty();
     num_changes += !statistics.jumps.empty() || !statistics.drifts.empty();
     EXPECT_GE(statistics.num_directions, 2);
     EXPECT_LE(statistics.num_directions, 8);
@@ -208,7 +208,7 @@ TEST(FleetStatistics, HasNoLimitsOfAFewUnits) {
   const std::vector<FamilyLens> lenses(kMinFleetUnits - 1);
   const FleetStatistics statistics = FindOutliers(family.MakeFleet(lenses));
   EXPECT_TRUE(statistics.charts.empty());
-  EXPECT_TRUE(statistics.unusual.empty());
+  EXPECT_TRUE(statistics.outliers.empty());
   EXPECT_TRUE(statistics.jumps.empty());
 }
 
@@ -226,9 +226,9 @@ TEST(FleetStatistics, LeavesOutWhatIsNotKnown) {
   temperature.values[31] = 60;
   fleet.metrics.push_back(temperature);
   const FleetStatistics statistics = FindOutliers(fleet);
-  ASSERT_EQ(statistics.unusual.size(), 1u);
-  EXPECT_EQ(statistics.unusual[0].unit, 31);
-  EXPECT_EQ(statistics.unusual[0].charts,
+  ASSERT_EQ(statistics.outliers.size(), 1u);
+  EXPECT_EQ(statistics.outliers[0].unit, 31);
+  EXPECT_EQ(statistics.outliers[0].charts,
             std::vector<std::string>{"sensor_temperature_c"});
 }
 

@@ -25,7 +25,7 @@ class LensFamily {
   LensFamily(const FamilyScatter& scatter, uint64_t seed)
       : scatter_(scatter), random_(seed) {}
 
-  static SimulatedCamera Middle() { return Make(Parameters(), {}); }
+  static SimulatedCamera Mean() { return Make(Parameters(), {}); }
 
   SimulatedCamera Draw() {
     std::vector<double> p = Parameters();

@@ -29,7 +29,7 @@ TEST(MeanChanges, TellsADriftFromAJump) {
     const MeanChanges drift = FindMeanChanges(drifting, 0.05);
     ASSERT_EQ(drift.drifts.size(), 1u) << seed;
     EXPECT_TRUE(drift.jumps.empty()) << seed;
-    const std::vector<double> line = MiddleOf(drifting[0], drift);
+    const std::vector<double> line = ComputeCenterLine(drifting[0], drift);
     EXPECT_NEAR(line.back() - line.front(), 1, 0.4) << seed;
 
     const UnitSeries jumping =
@@ -38,8 +38,8 @@ TEST(MeanChanges, TellsADriftFromAJump) {
     ASSERT_EQ(jump.jumps.size(), 1u) << seed;
     EXPECT_TRUE(jump.drifts.empty()) << seed;
     EXPECT_NEAR(jump.jumps[0].unit, 120, 5) << seed;
-    const std::vector<double> middle = MiddleOf(jumping[0], jump);
-    EXPECT_NEAR(middle.back() - middle.front(), 1.5, 0.35) << seed;
+    const std::vector<double> center_line = ComputeCenterLine(jumping[0], jump);
+    EXPECT_NEAR(center_line.back() - center_line.front(), 1.5, 0.35) << seed;
   }
 }
 

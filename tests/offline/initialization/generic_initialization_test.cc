@@ -102,12 +102,12 @@ TEST(InitializeFromThreeViews, HasItsAxesAsTheImage) {
   const auto start = InitializeFromThreeViews(observations.dataset,
                                               observations.true_pattern, {});
   ASSERT_TRUE(start);
-  const Eigen::Vector2d middle = start->camera.area().center();
-  const Eigen::Vector3d here = *start->camera.Unproject(middle);
+  const Eigen::Vector2d center = start->camera.area().center();
+  const Eigen::Vector3d here = *start->camera.Unproject(center);
   const Eigen::Vector3d right =
-      *start->camera.Unproject(middle + Eigen::Vector2d(20, 0)) - here;
+      *start->camera.Unproject(center + Eigen::Vector2d(20, 0)) - here;
   const Eigen::Vector3d down =
-      *start->camera.Unproject(middle + Eigen::Vector2d(0, 20)) - here;
+      *start->camera.Unproject(center + Eigen::Vector2d(0, 20)) - here;
   EXPECT_GT(here.z(), 0.95);
   EXPECT_GT(right.normalized().x(), 0.95);
   EXPECT_GT(down.normalized().y(), 0.95);

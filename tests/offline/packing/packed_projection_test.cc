@@ -107,10 +107,10 @@ CameraFile FisheyeWithCorner(double times) {
   CameraUncertainty& known = file.uncertainty.emplace();
   known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
   known.mask = ValidityMask::Over(lens.image_size());
-  const Eigen::Vector2d middle(320, 240);
-  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
-    known.mask.is_trusted[k] =
-        (known.mask.CellCenter(static_cast<int>(k)) - middle).norm() < 230;
+  const Eigen::Vector2d center(320, 240);
+  for (size_t k = 0; k < known.mask.is_valid.size(); ++k)
+    known.mask.is_valid[k] =
+        (known.mask.CellCenter(static_cast<int>(k)) - center).norm() < 230;
   return file;
 }
 
@@ -137,12 +137,12 @@ TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
   CameraFile file = FisheyeWithCorner(10);
   ExpectTrustedRoundTrips(file);
   EXPECT_EQ(PackCamera(file, PackOptions()).left_out_part, 0);
-  file.uncertainty->mask.is_trusted[0] = true;
-  const PackedCamera trusted = PackCamera(file, PackOptions());
-  EXPECT_GT(trusted.left_out_part, 0);
-  EXPECT_LT(trusted.left_out_part, 0.002);
+  file.uncertainty->mask.is_valid[0] = true;
+  const PackedCamera valid_region = PackCamera(file, PackOptions());
+  EXPECT_GT(valid_region.left_out_part, 0);
+  EXPECT_LT(valid_region.left_out_part, 0.002);
   EXPECT_FALSE(
-      BlobCamera("corner", trusted.blob).GetValidityMask()->is_trusted[0]);
+      BlobCamera("corner", valid_region.blob).GetValidityMask()->is_valid[0]);
   file.uncertainty.reset();
   const PackedCamera whole = PackCamera(file, PackOptions());
   EXPECT_GT(whole.left_out_part, 0);
@@ -155,11 +155,11 @@ TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
 }
 
 // Every pixel of the area, there and back, of those that count.
-void ExpectAllFound(const FoundPixels& pixels) {
+void ExpectAllFound(const ProjectedPixels& pixels) {
   EXPECT_GT(pixels.num_pixels, 1000);
-  EXPECT_EQ(pixels.num_unfindable, 0);
-  EXPECT_EQ(pixels.num_lost, 0);
-  EXPECT_EQ(pixels.num_off, 0);
+  EXPECT_EQ(pixels.num_not_invertible, 0);
+  EXPECT_EQ(pixels.num_not_found, 0);
+  EXPECT_EQ(pixels.num_inaccurate, 0);
   EXPECT_LE(pixels.worst_px, 0.002);
 }
 
@@ -171,8 +171,8 @@ CameraFile HardlyTrusted(std::shared_ptr<const CameraModel> camera) {
   CameraUncertainty& known = file.uncertainty.emplace();
   known.lattice = {2, 2, {0.01, 0.01, 0.01, 0.01}};
   known.mask = ValidityMask::Over(file.camera->image_size());
-  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
-    known.mask.is_trusted[k] =
+  for (size_t k = 0; k < known.mask.is_valid.size(); ++k)
+    known.mask.is_valid[k] =
         (known.mask.CellCenter(static_cast<int>(k)) - Eigen::Vector2d(350, 210))
             .norm() < 50;
   return file;
@@ -186,7 +186,7 @@ TEST(PackCamera, FindsTheWholeAreaAgainThoughHardlyAnyOfItIsTrusted) {
     const PackedCamera packed = PackCamera(file, PackOptions());
     EXPECT_TRUE(packed.warnings.empty());
     ASSERT_TRUE(packed.projection);
-    ExpectAllFound(packed.projection->trusted);
+    ExpectAllFound(packed.projection->valid_region);
     ExpectAllFound(packed.projection->others);
     ExpectRoundTrips(BlobCamera("hardly trusted", packed.blob), *camera);
   }
@@ -210,8 +210,8 @@ TEST(PackCamera, RoughCamerasGetFinerInverseGrids) {
   const PackedCamera smooth = PackCamera(RoughFile(0), PackOptions());
   const PackedCamera rough = PackCamera(RoughFile(0.01), PackOptions());
   ASSERT_TRUE(smooth.projection && rough.projection);
-  ExpectAllFound(smooth.projection->trusted);
-  ExpectAllFound(rough.projection->trusted);
+  ExpectAllFound(smooth.projection->valid_region);
+  ExpectAllFound(rough.projection->valid_region);
   EXPECT_TRUE(rough.warnings.empty());
   EXPECT_GT(rough.blob.size(), smooth.blob.size());
 }
@@ -220,15 +220,17 @@ TEST(PackCamera, SaysWhatProjectionMisses) {
   const CameraFile file = RoughFile(0.2);
   const PackedCamera packed = PackCamera(file, PackOptions());
   ASSERT_TRUE(packed.projection);
-  EXPECT_GT(packed.projection->trusted.MissedFraction(), 0);
-  EXPECT_GT(packed.projection->trusted.num_unfindable, 0);
+  EXPECT_GT(packed.projection->valid_region.FailedFraction(), 0);
+  EXPECT_GT(packed.projection->valid_region.num_not_invertible, 0);
   ASSERT_EQ(packed.warnings.size(), 1u);
   EXPECT_NE(packed.warnings[0].find("do not converge"), std::string::npos);
   // The figures are the runtime's.
   const BlobCamera blob("rough", packed.blob);
   const ProjectionError again = MeasureProjection(blob, nullptr, 1e6, 1);
-  EXPECT_EQ(again.trusted.num_lost, packed.projection->trusted.num_lost);
-  EXPECT_EQ(again.trusted.worst_px, packed.projection->trusted.worst_px);
+  EXPECT_EQ(again.valid_region.num_not_found,
+            packed.projection->valid_region.num_not_found);
+  EXPECT_EQ(again.valid_region.worst_px,
+            packed.projection->valid_region.worst_px);
 }
 
 TEST(PackCamera, HoldsCamerasThatNoInverseGridLeadsBackTo) {

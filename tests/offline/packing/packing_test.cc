@@ -195,8 +195,8 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
   for (int i = 0; i < 20; ++i)
     known.lattice.deviation_px.push_back(random.Uniform(0.001, 0.1));
   known.mask = ValidityMask::Over({640, 480});
-  for (size_t k = 0; k < known.mask.is_trusted.size(); ++k)
-    known.mask.is_trusted[k] = random.Uniform(0, 1) < 0.5;
+  for (size_t k = 0; k < known.mask.is_valid.size(); ++k)
+    known.mask.is_valid[k] = random.Uniform(0, 1) < 0.5;
   const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
 
   const Area& area = file.camera->area();
@@ -215,12 +215,12 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
 TEST(PackCamera, MaskMayStandAlone) {
   CameraFile file = GenericFile();
   ValidityMask mask = ValidityMask::Over({640, 480});
-  mask.is_trusted[mask.CellIndex({320, 240})] = true;
+  mask.is_valid[mask.CellIndex({320, 240})] = true;
   file.uncertainty = CameraUncertainty::FromMask(mask);
   const BlobCamera opened("blob", PackCamera(file, PackOptions()).blob);
   EXPECT_EQ(opened.blob().uncertainty, 0u);
   ASSERT_TRUE(opened.GetValidityMask());
-  EXPECT_EQ(opened.GetValidityMask()->is_trusted, mask.is_trusted);
+  EXPECT_EQ(opened.GetValidityMask()->is_valid, mask.is_valid);
 }
 
 TEST(PackCamera, RowTimeComesOutOfTheBlob) {

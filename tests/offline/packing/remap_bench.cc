@@ -23,10 +23,10 @@
 
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
-#include "cortex_m/part_corners.h"
+#include "cortex_m/tile_corners.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "frames/lattice_map.h"
+#include "frames/component_map.h"
 #include "frames/pixel_formats.h"
 #include "kernels/kernel_list.h"
 #include "packing/remap_fitting.h"
@@ -108,28 +108,28 @@ RemapTable FitTable(const BenchedCamera& view, const VirtualView& target) {
 
 // The source positions of a lattice's pixels, as the runtime has them; far
 // outside where they have no source.
-cv::Mat2f Positions(const uint8_t* section, const rg_lattice& lattice,
+cv::Mat2f Positions(const uint8_t* section, const rg_component& lattice,
                     const ImageSize& output) {
   const rg_range range_x = rg_source_range(section, &lattice, 0);
   const rg_range range_y = rg_source_range(section, &lattice, 1);
   const int width = output.width >> lattice.log2[0];
   const int height = output.height >> lattice.log2[1];
   cv::Mat2f positions(height, width);
-  const uint32_t part_log2[2] = {rg_part_log2(section, &lattice, 0),
-                                 rg_part_log2(section, &lattice, 1)};
+  const uint32_t part_log2[2] = {rg_tile_log2(section, &lattice, 0),
+                                 rg_tile_log2(section, &lattice, 1)};
   const int log2_x = part_log2[0] - lattice.log2[0];
   const int log2_y = part_log2[1] - lattice.log2[1];
   for (int y = 0; y < height; ++y) {
-    rg_part_row parts;
-    rg_start_part_row(section, part_log2[0], part_log2[1], y >> log2_y, &parts);
+    rg_tile_row parts;
+    rg_init_tile_row(section, part_log2[0], part_log2[1], y >> log2_y, &parts);
     rg_block_row row;
     for (int x = 0; x < width; ++x) {
       const int in_block = x & ((1 << log2_x) - 1);
       if (in_block == 0) {
         rg_block block;
         rg_next_block(&parts, &block);
-        rg_lattice_block(&lattice, &block);
-        rg_find_block_row(&block, y & ((1 << log2_y) - 1), &row);
+        rg_transform_block(&lattice, &block);
+        rg_compute_block_row(&block, y & ((1 << log2_y) - 1), &row);
       }
       const rg_position p = rg_row_position(&row, in_block);
       const bool valid =
@@ -282,9 +282,9 @@ void RunView(const BenchedCamera& view, const ImageSize& size,
   bench.camera.frame_height = static_cast<uint16_t>(size.height);
   bench.camera.remap = section;
 
-  rg_lattice lattices[2];
+  rg_component lattices[2];
   for (uint32_t k = 0; k < 2; ++k)
-    rg_find_lattice(RG_FORMAT_NV12, k, &lattices[k]);
+    rg_get_component(RG_FORMAT_NV12, k, &lattices[k]);
   const cv::Mat2f luma_positions = Positions(section, lattices[0], size);
   const FixedMap luma = MakeFixedMap(luma_positions);
   const cv::Mat2f chroma_positions = Positions(section, lattices[1], size);

@@ -11,7 +11,7 @@
 #include "camera/central_generic.h"
 #include "camera/opencv.h"
 #include "camera/thin_prism_fisheye.h"
-#include "cortex_m/part_corners.h"
+#include "cortex_m/tile_corners.h"
 #include "packed_cameras.h"
 #include "packing/source_map.h"
 #include "packing/view.h"
@@ -142,14 +142,14 @@ double WorstError(const CameraModel& camera, const OutputImage& target,
                       std::min(area.x1, whole.x1), std::min(area.y1, whole.y1)};
   double worst = 0;
   for (int y = 0; y < target.size.height; ++y) {
-    rg_part_row parts;
-    rg_start_part_row(bytes, log2, log2, y >> log2, &parts);
+    rg_tile_row parts;
+    rg_init_tile_row(bytes, log2, log2, y >> log2, &parts);
     rg_block block;
     std::optional<Eigen::Vector2d> exact;
     for (int x = 0; x < target.size.width; ++x) {
       if (x % part == 0) rg_next_block(&parts, &block);
       rg_block_row row;
-      rg_find_block_row(&block, y % part, &row);
+      rg_compute_block_row(&block, y % part, &row);
       const rg_position p = rg_row_position(&row, x % part);
       const Eigen::Vector2d position(p.q12[0] / 4096.0, p.q12[1] / 4096.0);
       const bool is_taken = !parts.is_empty && image.Contains(position);

@@ -88,14 +88,14 @@ TEST(ComputeValidOutline, GoesAroundTrustedCells) {
   mask.knot_spacing_px = 16;
   mask.columns = 3;
   mask.rows = 2;
-  mask.is_trusted = {false, true, false, false, false, false};
+  mask.is_valid = {false, true, false, false, false, false};
   const auto one = ComputeValidOutline(mask, {40, 30});
   ASSERT_EQ(one.size(), 4u);
   for (const PixelCurve& edge : one)
     for (const Eigen::Vector2d& pixel : edge)
       EXPECT_TRUE((Area{15.5, -0.5, 31.5, 15.5}.Contains(pixel)));
   // The last cells end with the image.
-  mask.is_trusted.assign(6, true);
+  mask.is_valid.assign(6, true);
   double right = 0, low = 0;
   const auto all = ComputeValidOutline(mask, {40, 30});
   EXPECT_EQ(all.size(), 10u);
@@ -106,7 +106,7 @@ TEST(ComputeValidOutline, GoesAroundTrustedCells) {
     }
   EXPECT_EQ(right, 39.5);
   EXPECT_EQ(low, 29.5);
-  mask.is_trusted.assign(6, false);
+  mask.is_valid.assign(6, false);
   EXPECT_TRUE(ComputeValidOutline(mask, {40, 30}).empty());
 }
 

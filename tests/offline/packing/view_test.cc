@@ -283,20 +283,20 @@ TEST(VirtualView, IsTurnedToTheRightThenUpThenClockwise) {
     request.rotate_deg = Eigen::Vector3d(yaw, pitch, roll);
     return MakeView(Example(), request);
   };
-  const Eigen::Vector2d middle(159.5, 119.5), right(259.5, 119.5);
+  const Eigen::Vector2d center(159.5, 119.5), right(259.5, 119.5);
   const double s = std::sqrt(0.5);
   EXPECT_LT(
-      (*turned(45, 0, 0).Direction(middle) - Eigen::Vector3d(s, 0, s)).norm(),
+      (*turned(45, 0, 0).Direction(center) - Eigen::Vector3d(s, 0, s)).norm(),
       1e-12);
   EXPECT_LT(
-      (*turned(0, 45, 0).Direction(middle) - Eigen::Vector3d(0, -s, s)).norm(),
+      (*turned(0, 45, 0).Direction(center) - Eigen::Vector3d(0, -s, s)).norm(),
       1e-12);
   // Its right is below, so what it shows is turned the other way.
   const Eigen::Vector3d rolled = *turned(0, 0, 90).Direction(right);
   EXPECT_NEAR(rolled.x(), 0, 1e-12);
   EXPECT_GT(rolled.y(), 0.3);
   // Yaw is around the camera's own vertical axis.
-  EXPECT_LT((*turned(90, 30, 0).Direction(middle) -
+  EXPECT_LT((*turned(90, 30, 0).Direction(center) -
              Eigen::Vector3d(std::sqrt(0.75), -0.5, 0))
                 .norm(),
             1e-12);

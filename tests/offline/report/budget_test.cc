@@ -37,7 +37,7 @@ bool HasText(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(BudgetJson, IsReadAsItWasWritten) {
+TEST(MakeBudgetJson, IsReadAsItWasWritten) {
   const nlohmann::ordered_json json = ExampleBudget();
   EXPECT_EQ(json["limited_by"], "per-view deformation");
   EXPECT_EQ(json["causes"][2]["cause"], "per-view deformation");
@@ -47,7 +47,7 @@ TEST(BudgetJson, IsReadAsItWasWritten) {
   EXPECT_EQ(nlohmann::ordered_json(json.get<ResidualBudget>()), json);
 }
 
-TEST(BudgetJson, SaysWhyNothingIsTold) {
+TEST(MakeBudgetJson, SaysWhyNothingIsTold) {
   ResidualBudget budget;
   budget.unobservable_reason = "3 features, at least 200 required";
   const nlohmann::ordered_json json = budget;
@@ -57,11 +57,11 @@ TEST(BudgetJson, SaysWhyNothingIsTold) {
   EXPECT_EQ(nlohmann::ordered_json(json.get<ResidualBudget>()), json);
 }
 
-TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
+TEST(MakeBudgetSection, SaysWhatLimitsAndWhatToDo) {
   ResidualBudget budget = ExampleBudget();
-  const std::string html = BudgetSection(budget);
+  const std::string html = MakeBudgetSection(budget);
   budget.facts.mixed_cameras = false;
-  EXPECT_TRUE(HasText(BudgetSection(budget), "Remedy: mount the pattern"));
+  EXPECT_TRUE(HasText(MakeBudgetSection(budget), "Remedy: mount the pattern"));
   EXPECT_TRUE(HasText(html, "<h2>What limits this calibration</h2>"));
   EXPECT_TRUE(HasText(html, "<b>Out-of-plane target deformation"));
   EXPECT_TRUE(HasText(html, "Remedy: calibrate the images of the two"));
@@ -71,10 +71,10 @@ TEST(BudgetSection, SaysWhatLimitsAndWhatToDo) {
   EXPECT_FALSE(HasText(html, "column"));
 }
 
-TEST(BudgetSection, IsASentenceWhereNothingIsTold) {
+TEST(MakeBudgetSection, IsASentenceWhereNothingIsTold) {
   ResidualBudget budget;
   budget.unobservable_reason = "3 features, at least 200 required";
-  const std::string html = BudgetSection(budget);
+  const std::string html = MakeBudgetSection(budget);
   EXPECT_TRUE(HasText(html, "Not observable: 3 features"));
   EXPECT_FALSE(HasText(html, "<table>"));
 }

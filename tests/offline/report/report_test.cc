@@ -151,8 +151,8 @@ std::string FirstPicture(const std::string& html) {
 TEST(HtmlReport, PicturesAreWholePngs) {
   const CalibrationResult result = ExampleResult();
   EXPECT_EQ(FirstPicture(ExampleReport()),
-            EncodePng(CoveragePicture(result.training, {640, 480},
-                                      result.camera.camera->area())));
+            EncodePng(DrawCoveragePicture(result.training, {640, 480},
+                                          result.camera.camera->area())));
 }
 
 TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {

@@ -180,7 +180,7 @@ using MakeWrong = std::function<void(std::mt19937_64*, std::vector<double>*)>;
 // suffer.
 int CountTold(const Clip& clip, int num_seeds, double dropped_part,
               const MakeWrong& make_wrong) {
-  int num_told = 0;
+  int num_reported = 0;
   for (int seed = 1; seed <= num_seeds; ++seed) {
     Recording recording = Record(clip, 100 + seed);
     std::mt19937_64 random(seed);
@@ -198,13 +198,13 @@ int CountTold(const Clip& clip, int num_seeds, double dropped_part,
       recording.times[images[i]] = times_s[i];
     const LineDelayEstimate found = EstimateLineDelay(recording.Views());
     if (!found.IsDetermined()) continue;
-    ++num_told;
+    ++num_reported;
     EXPECT_LT(std::abs(found.value.seconds - clip.line_delay_us * 1e-6),
               5 * found.value.deviation_s)
         << "seed " << seed << ": " << found.value.seconds << " +- "
         << found.value.deviation_s;
   }
-  return num_told;
+  return num_reported;
 }
 
 void CountFrames(std::mt19937_64* /*random*/, std::vector<double>* times_s) {

@@ -59,9 +59,9 @@ INSTANTIATE_TEST_SUITE_P(Lenses, UnevenLensOf,
 
 TEST(AnamorphicLens, HasTwiceTheFocalLengthVertically) {
   const auto lens = MakeSimulatedLens("anamorphic", kUnevenSize);
-  LinearizedProjection middle;
-  ASSERT_TRUE(lens->Linearize({0, 0, 1}, nullptr, 0, &middle));
-  EXPECT_NEAR(middle.J_point(1, 1) / middle.J_point(0, 0), 2, 1e-6);
+  LinearizedProjection center;
+  ASSERT_TRUE(lens->Linearize({0, 0, 1}, nullptr, 0, &center));
+  EXPECT_NEAR(center.J_point(1, 1) / center.J_point(0, 0), 2, 1e-6);
 }
 
 TEST(OffAxisLens, LooksAlongItsAxisAThirdOfTheImageFromTheMiddle) {

@@ -31,7 +31,7 @@ BoardSheets ChessboardSheet(int columns, int rows, double square_mm) {
 BoardSheets A4Sheet() { return ChessboardSheet(9, 6, 25); }
 
 TEST(BoardSheets, ChessboardsYamlIsThePattern) {
-  const std::string yaml = SheetsYaml(A4Sheet());
+  const std::string yaml = MakeSheetsYaml(A4Sheet());
   EXPECT_NE(yaml.find("  - {id: 0, kind: chessboard, columns: 9, rows: 6, "
                       "square_m: 0.025}\n"),
             std::string::npos)
@@ -47,7 +47,7 @@ TEST(BoardSheets, YamlKeepsAllThatABoardIs) {
   stars.num_boards = 3;
   stars.tag_squares = 3;
   const BoardSheets sheets = PlanBoardSheets(StarBoards(stars), {200, 200});
-  const Pattern pattern = ParsePattern("sheet", SheetsYaml(sheets));
+  const Pattern pattern = ParsePattern("sheet", MakeSheetsYaml(sheets));
   ASSERT_EQ(pattern.boards.size(), 3u);
   for (int b = 0; b < 3; ++b) {
     const Board& board = pattern.boards[b];
@@ -69,16 +69,15 @@ TEST(BoardSheets, YamlKeepsMarkers) {
   charuco.is_legacy = true;
   charuco.first_marker = 3;
   Board board =
-      ParsePattern("c", SheetsYaml(PlanBoardSheets({charuco}, {300, 300})))
+      ParsePattern("c", MakeSheetsYaml(PlanBoardSheets({charuco}, {300, 300})))
           .boards[0];
   EXPECT_NEAR(board.marker_m, 0.015, 1e-12);
   EXPECT_EQ(board.dictionary, "DICT_4X4_50");
   EXPECT_TRUE(board.is_legacy);
   EXPECT_EQ(board.first_marker, 3);
-  board =
-      ParsePattern(
-          "a", SheetsYaml(PlanBoardSheets({AprilGrid(6, 5, 24)}, {300, 300})))
-          .boards[0];
+  board = ParsePattern("a", MakeSheetsYaml(PlanBoardSheets(
+                                {AprilGrid(6, 5, 24)}, {300, 300})))
+              .boards[0];
   EXPECT_EQ(board.columns, 12);
   EXPECT_EQ(board.spacing_ratio, 0.3);
   EXPECT_EQ(board.tag_family, "tag36h11");
@@ -89,10 +88,10 @@ TEST(BoardSheets, YamlKeepsBoardsOfAllKinds) {
     if (!kind->is_drawable) continue;
     const Pattern pattern = ParseBoardSpec(kind->specification);
     EXPECT_EQ(pattern.boards[0].kind, kind->name);
-    const std::string yaml =
-        SheetsYaml(PlanBoardSheets(pattern.boards, ParsePage("5000x5000mm")));
-    EXPECT_EQ(BoardsYaml(ParsePattern("sheet", yaml).boards),
-              BoardsYaml(pattern.boards));
+    const std::string yaml = MakeSheetsYaml(
+        PlanBoardSheets(pattern.boards, ParsePage("5000x5000mm")));
+    EXPECT_EQ(MakeBoardsYaml(ParsePattern("sheet", yaml).boards),
+              MakeBoardsYaml(pattern.boards));
   }
 }
 
@@ -101,7 +100,8 @@ TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
       PlanBoardSheets({Charuco(6, 4, 20)}, ParsePage("A4"));
   ASSERT_EQ(sheets.ruler_mm, 200);
   Board board =
-      ParsePattern("m", SheetsYaml(sheets, ComputePrintScale(sheets, 198, 199)))
+      ParsePattern("m",
+                   MakeSheetsYaml(sheets, ComputePrintScale(sheets, 198, 199)))
           .boards[0];
   EXPECT_NEAR(board.square_m, 0.01985, 1e-9);
   EXPECT_NEAR(board.marker_m, 0.75 * 0.01985, 1e-9);
@@ -110,7 +110,7 @@ TEST(BoardSheets, MeasuredPrintsHaveTheirOwnLattice) {
                 .norm(),
             1e-8);
   const std::string uniform =
-      SheetsYaml(sheets, ComputePrintScale(sheets, 198, 198));
+      MakeSheetsYaml(sheets, ComputePrintScale(sheets, 198, 198));
   EXPECT_EQ(uniform.find("points"), std::string::npos);
   EXPECT_NEAR(ParsePattern("m", uniform).boards[0].square_m, 0.0198, 1e-12);
 }
@@ -231,9 +231,9 @@ ImageDetection SeenTogether(const std::vector<Board>& boards) {
   const BoardSurface left(boards[0]), right(boards[1]);
   const double width_m = left.paper_m().width();
   const auto pose = [&](double x_m) {
-    const Eigen::Vector2d middle = left.paper_m().center();
+    const Eigen::Vector2d center = left.paper_m().center();
     return Pose{Eigen::Quaterniond::Identity(),
-                {x_m - middle.x(), -middle.y(), 1.75 * width_m}};
+                {x_m - center.x(), -center.y(), 1.75 * width_m}};
   };
   const RenderedImage image =
       RenderImage(PixelRays(*camera, 1),
@@ -302,12 +302,12 @@ bool StartsWith(const std::string& text, const std::string& start) {
 TEST(BoardSheets, PagesAreOfTheirFormat) {
   const BoardSheets sheets = A4Sheet();
   EXPECT_TRUE(StartsWith(SheetsPdf(sheets), "%PDF-"));
-  const std::string svg = SheetSvg(sheets, sheets.boards[0]);
+  const std::string svg = MakeSheetSvg(sheets, sheets.boards[0]);
   EXPECT_TRUE(StartsWith(svg, "<?xml"));
   EXPECT_NE(svg.find("width=\"297mm\""), std::string::npos);
   EXPECT_NE(svg.find("viewBox=\"0 0 297 210\""), std::string::npos);
   EXPECT_TRUE(
-      StartsWith(SheetPng(sheets, sheets.boards[0], 50), "\x89PNG\r\n"));
+      StartsWith(RenderSheetPng(sheets, sheets.boards[0], 50), "\x89PNG\r\n"));
 }
 
 TEST(BoardSheets, PagesAreTheSameEachTime) {
@@ -317,16 +317,18 @@ TEST(BoardSheets, PagesAreTheSameEachTime) {
       PlanBoardSheets(StarBoards(options), ParsePage("A4"));
   const Board& board = sheets.boards[1];
   EXPECT_TRUE(SheetsPdf(sheets) == SheetsPdf(sheets));
-  EXPECT_TRUE(SheetSvg(sheets, board) == SheetSvg(sheets, board));
-  EXPECT_TRUE(SheetPng(sheets, board, 50) == SheetPng(sheets, board, 50));
-  EXPECT_FALSE(SheetSvg(sheets, board) == SheetSvg(sheets, sheets.boards[0]));
+  EXPECT_TRUE(MakeSheetSvg(sheets, board) == MakeSheetSvg(sheets, board));
+  EXPECT_TRUE(RenderSheetPng(sheets, board, 50) ==
+              RenderSheetPng(sheets, board, 50));
+  EXPECT_FALSE(MakeSheetSvg(sheets, board) ==
+               MakeSheetSvg(sheets, sheets.boards[0]));
 }
 
 TEST(BoardSheets, ImpossibleResolutionsAreRefused) {
   const BoardSheets sheets = A4Sheet();
   for (const double dpi : {0.0, -100.0, 1e6, double{NAN}})
     ExpectError(ExitCode::kUsage, {"--dpi"},
-                [&] { SheetPng(sheets, sheets.boards[0], dpi); });
+                [&] { RenderSheetPng(sheets, sheets.boards[0], dpi); });
 }
 
 // The vertices of the first path that is filled black.
@@ -347,7 +349,7 @@ std::vector<Eigen::Vector2d> InkVertices(const std::string& svg) {
 
 TEST(BoardSheets, SvgIsInMillimetres) {
   const BoardSheets sheets = ChessboardSheet(7, 5, 12.3);
-  const auto vertices = InkVertices(SheetSvg(sheets, sheets.boards[0]));
+  const auto vertices = InkVertices(MakeSheetSvg(sheets, sheets.boards[0]));
   EXPECT_EQ(vertices.size(), 4u * 24);
   for (const Eigen::Vector2d& p : vertices) {
     const Eigen::Vector2d square =
@@ -393,7 +395,7 @@ TEST(BoardSheets, TagsAreSeenWhereTheyStand) {
   const BoardSheets sheets =
       PlanBoardSheets(StarBoards(options), ParsePage("A4"));
   constexpr double kDpi = 150;
-  const auto seen = DrawnTags(SheetPng(sheets, sheets.boards[0], kDpi));
+  const auto seen = DrawnTags(RenderSheetPng(sheets, sheets.boards[0], kDpi));
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].id, 42);
   const BoardTag& tag = sheets.boards[0].tags[0];
@@ -415,7 +417,7 @@ TEST(ScreenBoards, SquaresAreWholePixels) {
   const ScreenBoards plan =
       PlanScreenBoards(StarBoards(Stars(16, 9, 10)), {1920, 1080});
   EXPECT_EQ(plan.square_px, 98);
-  const std::string png = ScreenPng(plan, plan.boards[0]);
+  const std::string png = RenderScreenPng(plan, plan.boards[0]);
   const std::vector<uint8_t> bytes(png.begin(), png.end());
   const cv::Mat image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   EXPECT_EQ(image.size(), cv::Size(1920, 1080));
@@ -426,7 +428,7 @@ TEST(ScreenBoards, SquaresAreWholePixels) {
 TEST(ScreenBoards, LengthsFollowThePixelPitch) {
   const ScreenBoards plan = WithPixelPitch(
       PlanScreenBoards({Charuco(8, 5, 10)}, {1920, 1080}), 101.6);
-  const Pattern pattern = ParsePattern("screen", ScreenYaml(plan));
+  const Pattern pattern = ParsePattern("screen", MakeScreenYaml(plan));
   EXPECT_NEAR(pattern.boards[0].square_m, plan.square_px * 0.00025, 1e-9);
   EXPECT_NEAR(pattern.boards[0].marker_m, 0.75 * plan.square_px * 0.00025,
               1e-9);

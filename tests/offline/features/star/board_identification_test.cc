@@ -54,7 +54,7 @@ class Drawing {
     for (const TaggedBoard& board : tagged) pointers.push_back(&board);
     return IdentifyBoard(image_, lattice_, {}, pointers);
   }
-  std::optional<LatticePlacement> PlaceOn(const Board& board) const {
+  std::optional<LatticePlacement> LocateInLattice(const Board& board) const {
     return AssignByLayout(image_, lattice_, board);
   }
   // Whether a placement is the true one.
@@ -162,7 +162,7 @@ TEST(AssignByLayout, IsNeverWrongAndOftenSure) {
   constexpr int kNumTrials = 150;
   for (int trial = 0; trial < kNumTrials; ++trial) {
     const Area area = RandomCut(board, &random);
-    const auto placement = Drawing(board, area).PlaceOn(board);
+    const auto placement = Drawing(board, area).LocateInLattice(board);
     if (!placement) continue;
     ++num_sure;
     EXPECT_TRUE(Drawing::IsTrue(*placement))
@@ -177,19 +177,19 @@ TEST(AssignByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
   board.columns = board.rows = 15;
   Area corner = Whole(board);
   corner.x1 = corner.y1 = 4.6 * kSpacingPx;  // before the tag
-  EXPECT_FALSE(Drawing(board, corner).PlaceOn(board).has_value());
+  EXPECT_FALSE(Drawing(board, corner).LocateInLattice(board).has_value());
 }
 
 TEST(AssignByLayout, SaysNothingInTheMidstOfStars) {
   const Board board = BoardWithTag(0);
   const Area midst = {10.6 * kSpacingPx, 0, 15.4 * kSpacingPx, 14 * kSpacingPx};
-  EXPECT_FALSE(Drawing(board, midst).PlaceOn(board).has_value());
+  EXPECT_FALSE(Drawing(board, midst).LocateInLattice(board).has_value());
 }
 
 TEST(AreOnBoard, ButNotBesideIt) {
   const Board board = BoardWithTag(0);
   const Drawing drawing = CutAtLeft(board, 180);
-  const LatticePlacement placement = *drawing.PlaceOn(board);
+  const LatticePlacement placement = *drawing.LocateInLattice(board);
   const auto row_of_stars = [](double x) {
     std::vector<Feature> stars;
     for (int k = 0; k < 5; ++k)

@@ -1,0 +1,92 @@
+#ifndef RAYGRID_EXCHANGE_EXTERNAL_MODEL_H
+#define RAYGRID_EXCHANGE_EXTERNAL_MODEL_H
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera/camera_uncertainty.h"
+#include "camera/parametric_model.h"
+#include "camera/splined_stereographic.h"
+#include "exchange/pixel_origin.h"
+
+namespace raygrid {
+
+/// A grid camera of another program that approximates one of raygrid's, with
+/// the rotation between their frames.
+struct ExternalGrid {
+  std::shared_ptr<const CameraModel> camera;
+  Eigen::Quaterniond camera_from_given = Eigen::Quaterniond::Identity();
+};
+
+/// A camera model of another program: one of raygrid's models
+/// (camera/lens_models.h) with a subset of its parameters, in the program's
+/// order. Missing parameters are 0.
+struct ExternalModel {
+  std::string name;                     ///< the program's own: "plumb_bob"
+  std::string model;                    ///< raygrid's: "opencv"
+  std::vector<std::string> parameters;  ///< "fx", "cx", "k1"; "f" is fx and fy
+  PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
+  /// Maximum angle between ray and optical axis that the program supports.
+  double reach_rad = M_PI;
+  /// Used in exports only if requested by name.
+  bool is_explicit_only = false;
+  /// For grids: fits the program's grid camera to a camera. Null for other
+  /// models, and for puzzlepaint's grids.
+  ExternalGrid (*fit_grid)(const CameraModel& camera,
+                           const ValidityMask* valid_region) = nullptr;
+
+  /// Returns whether the number of parameters is variable (a spline).
+  bool IsSpline() const { return model == models::kSplinedStereographic; }
+  /// Returns whether it is another program's grid, an approximation.
+  bool IsGrid() const { return model == models::kCentralGeneric || HasLines(); }
+  bool HasLines() const { return model == models::kNonCentralGeneric; }
+  bool Has(const std::string& parameter) const;
+  /// Returns the model's parameters that the program does not have.
+  std::vector<std::string> Missing() const;
+};
+
+/// Makes the most common kind of form: fx, fy, cx, cy and coefficients.
+ExternalModel MakeExternalModel(const std::string& name,
+                                const std::string& model,
+                                const std::vector<std::string>& coefficients);
+
+/// A camera as parameters of a form, in the form's order, with the program's
+/// pixel convention.
+struct ConvertedCamera {
+  const ExternalModel* external_model = nullptr;
+  ImageSize size;
+  std::vector<double> values;
+  /// For a spline form: the spline model, without values; otherwise null.
+  std::shared_ptr<const SplinedStereographic> spline = nullptr;
+  /// For a grid form: the grid camera, raygrid's if it was read, the program's
+  /// if it is to be written; otherwise null.
+  std::shared_ptr<const CameraModel> grid = nullptr;
+
+  /// Shift in x at y = 1 by the skew of the camera matrix, which no model of
+  /// raygrid has: such a camera is read as a grid (exchange/nearest_grid.h).
+  double skew_px = 0;
+
+  /// Throws std::out_of_range if the form has no such parameter.
+  double Value(const std::string& parameter) const;
+  /// Returns the values from index `first`, such as the coefficients of forms
+  /// made by MakeExternalModel().
+  std::vector<double> ValuesFrom(size_t first) const;
+};
+
+/// Makes the camera over the whole image, or its grid. Throws InputError for
+/// invalid parameters, such as non-finite numbers or zero focal lengths.
+std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens);
+
+/// Returns the fraction of the area without rays, from 64 x 64 samples.
+double ComputeUndefinedFraction(const CameraModel& lens);
+
+/// Converts a camera to a form; nullopt if it is not exact, as for grid forms.
+std::optional<ConvertedCamera> ConvertToExternalModel(
+    const ExternalModel& external_model, const CameraModel& lens);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXCHANGE_EXTERNAL_MODEL_H
