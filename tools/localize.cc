@@ -264,8 +264,8 @@ nlohmann::ordered_json ToJson(const Evaluation& evaluation) {
 nlohmann::ordered_json ToJson(const FixedRig& rig, const Pattern& pattern,
                               const TargetLocalization& localization,
                               const LocalizationSummary& summary) {
-  nlohmann::ordered_json json = {{"poses", localization.poses.size()},
-                                 {"frames", summary.num_frames}};
+  nlohmann::ordered_json json = {{"num_poses", localization.poses.size()},
+                                 {"num_frames", summary.num_frames}};
   json.update(nlohmann::ordered_json(summary.errors));
   json["noise_px"] = localization.noise_px;
   json["rotation_sd_rad"] = summary.rotation_sd_rad;

@@ -49,7 +49,7 @@ class Localize(CommandTest):
         summary = json.loads(result.stdout)
         self.assertEqual(set(os.listdir(self.path("poses"))), FILES)
         poses = rows(self.path("poses/poses.csv"))
-        self.assertEqual((summary["poses"], summary["frames"], len(poses)), (12, 12, 12))
+        self.assertEqual((summary["num_poses"], summary["num_frames"], len(poses)), (12, 12, 12))
         self.assertEqual([key for key in poses[0] if key.startswith("cov_")],
                          [f"cov_{a}_{b}" for k, a in enumerate(AXES) for b in AXES[k:]])
         self.assert_near_truth(poses, rows(self.path("one/true_poses.csv")))
