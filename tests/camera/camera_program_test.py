@@ -323,7 +323,7 @@ class CameraProgram(unittest.TestCase):
                 (b"", 2, b"is empty", ("--format", "YUYV")),
                 (b"nonsense", 2, b"--format", ()),
                 (b"nonsense", 1, b"NV13", ("--format", "NV13")),
-                (b"nonsense", 1, b"GREY is not supported; R8", ("--format", "GREY")),
+                (b"nonsense", 1, b"GREY is not supported; use R8", ("--format", "GREY")),
                 (b"nonsense", 2, b"ended within a frame", ("--format", "YUYV"))):
             result = self.run_with_input(data, *arguments, "--quiet")
             self.assertEqual(result.returncode, code, result.stderr)
