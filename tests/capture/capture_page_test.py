@@ -181,7 +181,7 @@ class Page(unittest.TestCase):
         self.tell("keep lost.png")
         self.shows("num-kept", "5")
         self.browser.click("#kept li:nth-child(1) .open")
-        self.shows("look-text", "This frame cannot be read.")
+        self.shows("look-text", "Cannot read this frame.")
         self.browser.complaints[:] = [complaint for complaint in self.browser.complaints
                                       if "lost.png" not in complaint]
         self.assertEqual(self.browser.complaints, [])
