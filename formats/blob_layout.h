@@ -279,19 +279,19 @@ enum rg_slot_field {
 
 /* ---- Remap -------------------------------------------------------------- */
 
-enum rg_direction {
+enum rg_remap_direction {
   RG_UNDISTORT, /* frames of the camera become the view */
   RG_DISTORT    /* frames of the view become those that the camera would see */
 };
 #define RG_HAS_VIEW 0x80u
-#define RG_BEND_SHIFT_BITS 0xfu /* of that byte, the shift itself */
+#define RG_BEND_SHIFT_MASK 0xfu /* of that byte, the shift itself */
 
 /* From the rectangle's lower end on an axis to its upper one. */
 #define RG_REMAP_MIN_TO_MAX (RG_REMAP_MAX_X - RG_REMAP_MIN_X)
 
 /* The shift of a remap section's bends. */
 static inline uint32_t rg_bend_shift(const uint8_t* section) {
-  return section[RG_REMAP_BEND_SHIFT] & RG_BEND_SHIFT_BITS;
+  return section[RG_REMAP_BEND_SHIFT] & RG_BEND_SHIFT_MASK;
 }
 
 /* Whether a remap section says that it has the fields of a view. */

@@ -112,7 +112,7 @@ typedef struct rg_remap_section {
   uint8_t has_view;   /* 0: pinhole in camera axes, frames as calibrated */
   uint8_t projection; /* rg_projection; up to rotation: with a view */
   uint8_t mode;       /* 1-based mode of the frames; 0: as calibrated */
-  uint8_t direction;  /* rg_direction */
+  uint8_t direction;  /* rg_remap_direction */
   uint16_t source_width, source_height; /* source size, pixels */
   int32_t rotation_q30[9];              /* camera_from_view, row-major */
   uint32_t bound_upx;          /* requested geometric error, micropixels */

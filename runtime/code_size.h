@@ -37,7 +37,7 @@
  * the length left discards these bits. Saves 12 bytes, 8 instructions of an
  * unprojection with 16-bit control points, 12 of an observation line, and 20
  * bytes of stack in two functions. */
-static RG_INLINE int rg_turn(uint32_t* length) {
+static RG_INLINE int rg_next_iteration(uint32_t* length) {
   *length += UINT32_C(1) << 30;
   return *length >= UINT32_C(1) << 30;
 }

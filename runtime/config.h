@@ -19,9 +19,9 @@
  * | RG_CORNERS_IN_ASSEMBLER | cortex_m/tile_corners_thumb2.c      | the above |
  * | RG_ALL_BUILT_IN         | Helium or RVV kernels are built in  | the above |
  * | RG_GREY_ROW_IN_ASSEMBLER| cortex_m/grey_rows_thumb2.h         | the above |
- * | RG_CHOOSE_KERNELS       | kernels are selected at run time    | the above |
+ * | RG_SELECT_KERNELS       | kernels are selected at run time    | the above |
  * | RG_HAS_TILE_KERNELS     | kernels that process several tiles  | the above |
- * | RG_CHOOSE_SURFACE       | AVX2 code for rays is selected at   | the above |
+ * | RG_SELECT_SURFACE       | AVX2 code for rays is selected at   | the above |
  * |                         | run time                            |           |
  * | RG_HAS_TILES            | kernels/tiles.c                     | the above |
  * | RG_BLENDS_WORDS         | RGB565: all fields of a word at once| the above |
@@ -155,14 +155,14 @@
 #if RG_FAST_TRAVERSAL && !RG_PORTABLE_KERNELS &&                           \
     ((defined(__x86_64__) && defined(__SSE2__)) || defined(__aarch64__) || \
      (defined(__linux__) && (defined(__arm__) || defined(__riscv))))
-#define RG_CHOOSE_KERNELS 1
+#define RG_SELECT_KERNELS 1
 #else
-#define RG_CHOOSE_KERNELS 0
+#define RG_SELECT_KERNELS 0
 #endif
 
 /* Only the AVX-512 kernels process several tiles at once: at most
  * RG_TILES_AT_ONCE. */
-#if RG_CHOOSE_KERNELS && defined(__x86_64__)
+#if RG_SELECT_KERNELS && defined(__x86_64__)
 #define RG_HAS_TILE_KERNELS 1
 #else
 #define RG_HAS_TILE_KERNELS 0
@@ -172,9 +172,9 @@
 /* AVX2 is detected when a camera is opened. */
 #if defined(__x86_64__) && defined(__SSE2__) && defined(__GNUC__) && \
     !RG_PORTABLE_KERNELS && !RG_MULTIPLY_IN_PARTS
-#define RG_CHOOSE_SURFACE 1
+#define RG_SELECT_SURFACE 1
 #else
-#define RG_CHOOSE_SURFACE 0
+#define RG_SELECT_SURFACE 0
 #endif
 
 /* GCC 12 is the first version that vectorizes these loops. */

@@ -410,8 +410,8 @@ int ComputeExitCode(const std::vector<UnitRow>& rows) {
 }
 
 std::optional<size_t> ParseUnitNumber(const std::string& text) {
-  constexpr size_t kMostDigits = 9;
-  if (text.empty() || text.size() > kMostDigits ||
+  constexpr size_t kMaxDigits = 9;
+  if (text.empty() || text.size() > kMaxDigits ||
       text.find_first_not_of("0123456789") != std::string::npos)
     return std::nullopt;
   return std::stoul(text);
@@ -453,7 +453,7 @@ std::vector<std::string> ImageFolders(const BatchUnit& unit) {
 }
 
 // A result among images would be one of the inputs that it is of.
-void RequireResultsApart(const std::vector<UnitJob>& jobs) {
+void RequireSeparateResultFolders(const std::vector<UnitJob>& jobs) {
   std::error_code ignored;
   for (const UnitJob& job : jobs) {
     const fs::path result =
@@ -477,7 +477,7 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
       ParseBatchPlan(arguments.plan, ReadFile(arguments.plan));
   const std::vector<UnitJob> jobs = MakeJobs(plan, arguments);
   const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.units);
-  RequireResultsApart(jobs);
+  RequireSeparateResultFolders(jobs);
   RequireWritableFolder(arguments.output);
   const auto output = [&](const char* name) {
     return (fs::path(arguments.output) / name).string();

@@ -30,7 +30,7 @@
 namespace raygrid {
 namespace {
 
-double ParseCellPx(const std::string& text) {
+double ParseKnotSpacingPx(const std::string& text) {
   if (text == "auto") return 0;
   char* end;
   const double value = std::strtod(text.c_str(), &end);
@@ -405,7 +405,7 @@ Measurements DetectAll(const std::vector<std::string>& images,
   measurements.skipped = SayAndList(detection.skipped);
   measurements.left_out = SayAndList(found.left_out);
   if (const auto other =
-          GuessOtherBoard(detection, pattern, pattern_name, common.threads))
+          SuggestOtherBoard(detection, pattern, pattern_name, common.threads))
     throw Error(ExitCode::kTooFew, *other);
   if (!common.quiet) {
     for (const std::string& warning : SummarizeWarnings(detection))
@@ -466,7 +466,7 @@ CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
       arguments.model == "auto" && !arguments.condition.empty();
   options.model = is_stack ? models::kCentralGeneric : arguments.model;
   options.allow_noncentral = arguments.allow_noncentral;
-  options.knot_spacing_px = ParseCellPx(arguments.knot_spacing_px);
+  options.knot_spacing_px = ParseKnotSpacingPx(arguments.knot_spacing_px);
   options.area = arguments.area == "features" ? AreaChoice::kFeatures
                                               : AreaChoice::kWholeImage;
   if (!arguments.like.empty()) {

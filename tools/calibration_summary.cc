@@ -38,17 +38,17 @@ void PrintSize(const CalibrationResult& result) {
 
 // Rejected images, by reason.
 void PrintUnusedImages(const CalibrationResult& result) {
-  constexpr size_t kMostNames = 20;
+  constexpr size_t kMaxNames = 20;
   std::map<std::string, std::vector<std::string>> names;
   for (const RejectedImage& image : result.rejected_images)
     names[image.reason].push_back(image.image);
   for (auto& [reason, images] : names) {
     const size_t count = images.size();
-    images.resize(std::min(count, kMostNames));
+    images.resize(std::min(count, kMaxNames));
     fmt::print("  rejected: {}{} ({})\n",
                Printable(fmt::format("{}", fmt::join(images, ", "))),
-               count > kMostNames
-                   ? fmt::format(" and {} more", count - kMostNames)
+               count > kMaxNames
+                   ? fmt::format(" and {} more", count - kMaxNames)
                    : std::string(),
                Printable(reason));
   }

@@ -62,9 +62,9 @@ FixedOperatingPoint ValuesFor(const std::string& path,
 
 // A stack's camera at values, in place of that in the middle. Returns the
 // stack's ranges.
-std::vector<OperatingRange> TakeAt(const std::string& path,
-                                   const RequestedOperatingPoint& at,
-                                   Reading reading, CameraFile* file) {
+std::vector<OperatingRange> SelectOperatingPoint(
+    const std::string& path, const RequestedOperatingPoint& at, Reading reading,
+    CameraFile* file) {
   if (!file->stack) return {};
   const std::vector<OperatingRange> ranges = file->stack->cameras.ranges();
   if (at.IsGiven())
@@ -91,7 +91,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
     const Format* format = RecognizeCamera(path, bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
-    input.ranges = TakeAt(path, at, reading, &input.file);
+    input.ranges = SelectOperatingPoint(path, at, reading, &input.file);
     return input;
   }
   input.blob.emplace(path, bytes);

@@ -36,8 +36,8 @@ std::vector<char*> TextsOf(std::string* name,
 // In the new process: a signal for a terminal's processes is its parent's.
 // The program is the very one that runs, also if another version took its
 // place.
-[[noreturn]] void BecomeChild(const std::vector<std::string>& arguments,
-                              pid_t parent, int errors) {
+[[noreturn]] void ExecChildProgram(const std::vector<std::string>& arguments,
+                                   pid_t parent, int errors) {
   std::string name = "raygrid";
   const std::vector<char*> texts = TextsOf(&name, arguments);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -56,9 +56,9 @@ std::vector<char*> TextsOf(std::string* name,
 constexpr int kNotFound = 127;  // as shells have it
 
 // In the new process.
-[[noreturn]] void BecomeProgram(std::string name,
-                                const std::vector<std::string>& arguments,
-                                int output) {
+[[noreturn]] void ExecProgram(std::string name,
+                              const std::vector<std::string>& arguments,
+                              int output) {
   const std::vector<char*> texts = TextsOf(&name, arguments);
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
@@ -118,7 +118,7 @@ ChildEnd RunChild(const std::vector<std::string>& arguments) {
   const pid_t parent = getpid();
   std::string text;
   const int status = RunToEnd(
-      [&](int errors) { BecomeChild(arguments, parent, errors); }, &text);
+      [&](int errors) { ExecChildProgram(arguments, parent, errors); }, &text);
   ChildEnd end;
   end.last_error = LastLine(text);
   if (WIFSIGNALED(status))
@@ -132,7 +132,7 @@ ProgramEnd RunProgram(const std::string& name,
                       const std::vector<std::string>& arguments) {
   std::string text;
   const int status = RunToEnd(
-      [&](int output) { BecomeProgram(name, arguments, output); }, &text);
+      [&](int output) { ExecProgram(name, arguments, output); }, &text);
   ProgramEnd end;
   constexpr int kSignal = 128;
   end.exit_code =

@@ -99,7 +99,7 @@ void PrintAllWarnings(const FolderDetection& found) {
 }
 
 // Names the images without features, or the first of many.
-void NameThoseWithoutFeatures(const FolderDetection& found) {
+void PrintImagesWithoutFeatures(const FolderDetection& found) {
   constexpr size_t kMaxNames = 20;
   std::vector<std::string> names;
   for (size_t i = 0; i < found.images.size(); ++i)
@@ -190,11 +190,11 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
     overlays.Commit();  // they show why nothing was found, too
   }
   if (const auto other =
-          GuessOtherBoard(found, pattern, arguments.pattern, common.threads))
+          SuggestOtherBoard(found, pattern, arguments.pattern, common.threads))
     throw Error(ExitCode::kTooFew, *other);
   RequireFeatures(found, pattern, arguments);
   if (!common.quiet) {
-    NameThoseWithoutFeatures(found);
+    PrintImagesWithoutFeatures(found);
     PrintAllWarnings(found);
   }
   WriteFile(arguments.output, FormatFeatures(found.dataset));

@@ -69,15 +69,15 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
   const Residuals flexed =
       EvaluateWithDeformation(alone.model, {dataset}, pattern, common.threads)
           .front();
-  std::optional<ErrorMetrics> as_bodies;
+  std::optional<ErrorMetrics> as_rigid_targets;
   if (!pattern.rigid_targets.empty())
-    as_bodies = ComputeErrorMetrics(
+    as_rigid_targets = ComputeErrorMetrics(
         EvaluateRigidTargets(alone.model, dataset, pattern, common.threads)
             .residuals);
   if (common.json) {
     nlohmann::ordered_json json = ToJson(evaluation, flexed);
-    if (as_bodies) {
-      json["with_rigid_targets"] = *as_bodies;
+    if (as_rigid_targets) {
+      json["with_rigid_targets"] = *as_rigid_targets;
       json["rigid_targets"] = MakeRigidTargetsJson(pattern);
     }
     PrintCommandJson(json);
@@ -85,9 +85,9 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
   }
   if (pattern.boards.size() > 1) fmt::print("one pose per board: ");
   Print(evaluation, flexed);
-  if (as_bodies)
+  if (as_rigid_targets)
     fmt::print("{}: {}\n", FormatRigidTargets(pattern),
-               FormatErrorMetrics(*as_bodies));
+               FormatErrorMetrics(*as_rigid_targets));
 }
 
 void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
@@ -99,20 +99,20 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
   const std::vector<Evaluation> evaluations =
       EvaluateRig(with_bodies, datasets, pattern, common.threads);
   Evaluation all;
-  Residuals all_flexed;
+  Residuals all_deformed;
   nlohmann::ordered_json json;
   for (size_t c = 0; c < rig.names.size(); ++c) {
     const Evaluation& own = evaluations[c];
     all.residuals.insert(all.residuals.end(), own.residuals.begin(),
                          own.residuals.end());
     all.outside_area += own.outside_area;
-    all_flexed.insert(all_flexed.end(), flexed[c].begin(), flexed[c].end());
+    all_deformed.insert(all_deformed.end(), flexed[c].begin(), flexed[c].end());
     json.push_back({{"name", rig.names[c]}});
     json.back().update(ToJson(own, flexed[c]));
   }
   RequireLocalized(all.residuals.size());
   if (common.json) {
-    nlohmann::ordered_json whole = ToJson(all, all_flexed);
+    nlohmann::ordered_json whole = ToJson(all, all_deformed);
     whole.erase("rejected_images");
     whole["rigid_targets"] = MakeRigidTargetsJson(pattern);
     whole["cameras"] = json;
@@ -125,7 +125,7 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
     Print(evaluations[c], flexed[c]);
   }
   fmt::print("all: ");
-  Print(all, all_flexed);
+  Print(all, all_deformed);
 }
 
 void Run(const EvaluateArguments& arguments, const CommonOptions& common) {

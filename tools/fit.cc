@@ -50,7 +50,7 @@ std::string NamesOfModels() {
 
 // COLUMNSxROWS, or COLUMNSxROWS,fov=DEGREES; an angle of 0 is not told.
 SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
-  constexpr int kFewest = 4, kMost = 200, kMostDeg = 359;
+  constexpr int kFewest = 4, kMost = 200, kMaxDeg = 359;
   static const std::regex words(
       "([0-9]{1,3})x([0-9]{1,3})(,fov=([0-9]{1,3}))?");
   std::smatch found;
@@ -58,8 +58,8 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
     SplinedStereographic::Grid grid = {std::stoi(found[1]), std::stoi(found[2]),
                                        0};
     if (found[4].matched) grid.fov_x_deg = std::stoi(found[4]);
-    const bool has_fov = !found[4].matched ||
-                         (grid.fov_x_deg >= 1 && grid.fov_x_deg <= kMostDeg);
+    const bool has_fov =
+        !found[4].matched || (grid.fov_x_deg >= 1 && grid.fov_x_deg <= kMaxDeg);
     if (std::min(grid.columns, grid.rows) >= kFewest &&
         std::max(grid.columns, grid.rows) <= kMost && has_fov)
       return grid;
@@ -67,7 +67,7 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
   throw Error(ExitCode::kUsage,
               fmt::format("--spline {}: expected COLUMNSxROWS control points, "
                           "{} to {} each, optionally with ,fov=DEG of 1 to {}",
-                          text, kFewest, kMost, kMostDeg));
+                          text, kFewest, kMost, kMaxDeg));
 }
 
 // grid is that of a spline, if it is told.

@@ -37,14 +37,14 @@ using Json = nlohmann::ordered_json;
 // ---- Blobs -----------------------------------------------------------------
 
 // Figures that are not known are left out.
-void AddFigure(const char* key, uint32_t metric, double unit, Json* json) {
+void AddMetric(const char* key, uint32_t metric, double unit, Json* json) {
   if (metric != RG_UNKNOWN_METRIC) (*json)[key] = metric * unit;
 }
 void AddFinite(const char* key, double value, Json* json) {
   if (std::isfinite(value)) (*json)[key] = value;
 }
 void AddPixels(const char* key, uint32_t upx, Json* json) {
-  AddFigure(key, upx, 1e-6, json);
+  AddMetric(key, upx, 1e-6, json);
 }
 
 Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
@@ -97,8 +97,8 @@ void AddQuality(const rg_blob& blob, Json* json) {
       Figures(quality.held_out_median_upx, quality.held_out_rms_upx,
               quality.held_out_max_upx, quality.held_out_count));
   Json packing = Json::object();
-  AddFigure("max_px", quality.packing_error_npx, 1e-9, &packing);
-  AddFigure("max_rad", quality.packing_error_prad, 1e-12, &packing);
+  AddMetric("max_px", quality.packing_error_npx, 1e-9, &packing);
+  AddMetric("max_rad", quality.packing_error_prad, 1e-12, &packing);
   add("packing_error", packing);
 }
 

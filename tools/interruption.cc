@@ -15,7 +15,7 @@ static_assert(std::atomic<int>::is_always_lock_free &&
                   std::atomic<bool>::is_always_lock_free,
               "a signal handler may write it");
 
-void EndUnheard(int) {
+void StopWithoutListener(int) {
   if (!is_heard) raise(interruption);
 }
 
@@ -36,7 +36,7 @@ void InstallInterruptHandler() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  action.sa_handler = EndUnheard;
+  action.sa_handler = StopWithoutListener;
   sigaction(SIGALRM, &action, nullptr);
 }
 

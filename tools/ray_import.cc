@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-std::vector<std::string> RemarksOn(const RayGrid& grid) {
+std::vector<std::string> FormatGridWarnings(const RayGrid& grid) {
   if (grid.part_without_rays == 0) return {};
   return {
       fmt::format("{:.1f} % of the pixels have no ray; gaps are interpolated",
@@ -42,7 +42,7 @@ void ImportRays(const RayTable& rays, const std::string& format,
                 const CommonOptions& common) {
   RequireNoInputReplaced({rays.path}, {output});
   RayGrid grid = FitRayGrid(rays, model, common.threads);
-  const std::vector<std::string> warnings = RemarksOn(grid);
+  const std::vector<std::string> warnings = FormatGridWarnings(grid);
   const nlohmann::ordered_json told = MakeGridJson(grid, format);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points; fit error {:.2g} px RMS, "

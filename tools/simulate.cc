@@ -374,10 +374,11 @@ void RequireInputsStay(const SimulateArguments& arguments) {
 void Run(SimulateArguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
   arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
-  arguments.simulation.board_flex_m = arguments.board_flex_mm / 1000;
+  arguments.simulation.board_deformation_m =
+      arguments.board_deformation_mm / 1000;
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)
     throw Error(ExitCode::kUsage, "--min-square-px exceeds --max-square-px");
-  if (arguments.render && arguments.board_flex_mm > 0)
+  if (arguments.render && arguments.board_deformation_mm > 0)
     throw Error(ExitCode::kUsage,
                 "--per-view-deformation-mm cannot be combined with --render; "
                 "use --target-deformation-mm");
@@ -387,7 +388,8 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
                 "simulates pixel noise");
   if (arguments.moving &&
       (arguments.render || arguments.cameras > 1 || arguments.fixed_boards ||
-       arguments.simulation.num_shots > 1 || arguments.board_flex_mm > 0))
+       arguments.simulation.num_shots > 1 ||
+       arguments.board_deformation_mm > 0))
     throw Error(ExitCode::kUsage,
                 "--moving cannot be combined with --render, --cameras, "
                 "--fixed-boards, --repeats or --per-view-deformation-mm");
@@ -400,7 +402,7 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
   if (arguments.fixed_boards && MakePattern(arguments).boards.size() < 2)
     throw Error(ExitCode::kUsage,
                 "--fixed-boards requires a pattern with at least two boards");
-  arguments.fixed.turn_rad = arguments.board_turn_deg * M_PI / 180;
+  arguments.fixed.turn_rad = arguments.board_rotation_deg * M_PI / 180;
   arguments.fixed.move_m = arguments.move_board_mm / 1000;
   RequireInputsStay(arguments);
   const SimulatedObservations observations =

@@ -52,7 +52,7 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->check(CLI::Range(-1000.0, 1000.0))
       ->capture_default_str();
   command
-      ->add_option("--per-view-deformation-mm", arguments->board_flex_mm,
+      ->add_option("--per-view-deformation-mm", arguments->board_deformation_mm,
                    "additional smooth random deformation per view, without "
                    "--render: deflection, 1 σ")
       ->option_text("MM")
@@ -114,7 +114,7 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
       ->needs(fixed)
       ->capture_default_str();
   command
-      ->add_option("--board-turn-deg", arguments->board_turn_deg,
+      ->add_option("--board-turn-deg", arguments->board_rotation_deg,
                    "angle between neighbouring fixed boards")
       ->option_text("DEG")
       ->check(CLI::Range(-180.0, 180.0))

@@ -19,7 +19,7 @@ struct SimulateArguments {
   PoseOptions poses;
   std::string pattern, lens = "example", camera, size = "640x480", output;
   bool render = false;
-  double max_tilt_deg = 50, board_bend_mm = 0, board_flex_mm = 0;
+  double max_tilt_deg = 50, board_bend_mm = 0, board_deformation_mm = 0;
   double image_circle_px = 0;
   std::optional<int> features_per_image;
   int bits = 8;
@@ -27,7 +27,7 @@ struct SimulateArguments {
   double baseline_m = 0.1;
   bool fixed_boards = false;
   FixedBoards fixed;
-  double board_turn_deg = 15, move_board_mm = 0;
+  double board_rotation_deg = 15, move_board_mm = 0;
   bool moving = false;
   HandMotion motion;
   double line_delay_us = 0, frames_per_second = 30;

@@ -161,13 +161,13 @@ int NumDisparities(double largest_px, int length_px) {
 // All of both images, unless that stretches them too much.
 Rectification RectifyForPicture(const StereoCamera& first,
                                 const StereoCamera& second) {
-  constexpr double kMostDeg = 120;
+  constexpr double kMaxDeg = 120;
   RectificationRequest request;
   request.size = PictureSize(first.camera.image_size());
   try {
     request.alpha = 1;
     const Rectification all = Rectify(first, second, request);
-    if (all.views[0].HorizontalFieldOfViewDeg() < kMostDeg) return all;
+    if (all.views[0].HorizontalFieldOfViewDeg() < kMaxDeg) return all;
   } catch (const Error&) {
     // Some is not shown by any pinhole.
   }

@@ -121,7 +121,7 @@ ViewTable TableOfView(const TableFormat& format,
 }
 
 // The first of every so many pixels along an axis, and the last one.
-std::vector<double> PlacesAlong(int count, int every) {
+std::vector<double> SampleAlong(int count, int every) {
   std::vector<double> places;
   for (int k = 0; k + 1 < count; k += every) places.push_back(k);
   places.push_back(count - 1);
@@ -149,8 +149,8 @@ RayTable TableOfRays(const TableArguments& arguments,
   RayTable table;
   table.path = arguments.output;
   table.image_size = camera.image_size();
-  table.x = PlacesAlong(table.image_size.width, every);
-  table.y = PlacesAlong(table.image_size.height, every);
+  table.x = SampleAlong(table.image_size.width, every);
+  table.y = SampleAlong(table.image_size.height, every);
   const Eigen::Vector3d none(NAN, NAN, NAN);
   table.directions.resize(table.x.size() * table.y.size(), none);
   if (!camera.IsCentral()) table.origins = table.directions;
@@ -190,7 +190,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
                             const TableArguments& arguments,
                             const CommonOptions& common,
                             nlohmann::ordered_json* json) {
-  CameraTable table;
+  ExportedCamera table;
   table.path = arguments.output;
   table.model = ModelOf(format, arguments.model);
   const CameraInput input = ReadCamera(arguments.input, common.at);

@@ -168,8 +168,8 @@ SheetTile TileBefore(const ViewedCamera& viewed,
   tile.caption = {
       fmt::format("{} x {} px, {}, field of view {:.1f}° x {:.1f}°{}",
                   camera.image_size().width, camera.image_size().height,
-                  camera.Name(), SeenAngleDeg(camera, 0),
-                  SeenAngleDeg(camera, 1),
+                  camera.Name(), ComputeVisibleAngleDeg(camera, 0),
+                  ComputeVisibleAngleDeg(camera, 1),
                   file.name.empty() ? "" : ", " + Printable(file.name)),
       viewed.mask ? fmt::format("valid region: {:.0f} % of the image",
                                 100 * ValidFraction(*viewed.mask, camera))

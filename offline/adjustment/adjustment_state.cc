@@ -38,10 +38,10 @@ void AdjustmentState::SetCamera(const CameraModel& camera) {
 }
 
 Pose AdjustmentState::ComputeCameraFromPattern(const View& view) const {
-  const Pose camera_from_body =
+  const Pose camera_from_target =
       camera_from_rig[view.camera] * rig_from_pattern[view.pose];
-  return view.place < 0 ? camera_from_body
-                        : camera_from_body * target_from_board[view.place];
+  return view.place < 0 ? camera_from_target
+                        : camera_from_target * target_from_board[view.place];
 }
 
 void AdjustmentState::ApplyStaticDeformation() {

@@ -59,15 +59,15 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
 // The result of a step.
 struct StepEffect {
   double decrease = 0;          // relative decrease of the cost
-  double moved_deviations = 0;  // see MovedDeviations()
+  double moved_deviations = 0;  // see ComputeStepInDeviations()
 };
 
 // The displacement of the observed points' projections by a step, relative to
 // their standard deviation by the noise (D. Bates, D. Watts, "A Relative Offset
 // Orthogonality Convergence Criterion for Nonlinear Least Squares", 1981).
-double MovedDeviations(const std::vector<Residual>& before,
-                       const std::vector<Residual>& after, double huber_px,
-                       double num_parameters) {
+double ComputeStepInDeviations(const std::vector<Residual>& before,
+                               const std::vector<Residual>& after,
+                               double huber_px, double num_parameters) {
   double moved = 0;
   for (size_t i = 0; i < before.size(); ++i)
     if (before[i].valid && after[i].valid)
@@ -115,8 +115,8 @@ StepEffect TakeStep(const NormalEquations& equations,
     if (losses == Losses::kRefused && costs.num_common < num_before) continue;
     const ParameterLayout layout(*state,
                                  {options.fix_cameras, options.fix_points});
-    const double moved = MovedDeviations(*residuals, next_residuals,
-                                         options.huber_px, layout.size);
+    const double moved = ComputeStepInDeviations(*residuals, next_residuals,
+                                                 options.huber_px, layout.size);
     *state = std::move(next);
     *residuals = std::move(next_residuals);
     *lambda = std::max(*lambda / 10, kMinLambda);
@@ -172,12 +172,12 @@ AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
 }
 
 // A damping that is negligible as prior information.
-constexpr double kLearningLambda = 1e-6;
+constexpr double kEvidenceLambda = 1e-6;
 
 // Moves the mean per-view deformation of each board from the flex and its mean
 // to the points and their mean, which changes no residual.
-void MoveMeanBends(const std::vector<View>& views, GaussianPrior* prior,
-                   AdjustmentState* state) {
+void MoveMeanDeformation(const std::vector<View>& views, GaussianPrior* prior,
+                         AdjustmentState* state) {
   const DeformationModes& modes = state->modes;
   if (!state->HasPerViewDeformation()) return;
   std::vector<int> board_of_pose(state->flex.size(), -1);
@@ -218,10 +218,11 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
 // Initializes precisions that are 0: residuals, second differences and
 // deformation have the same variance, and points the variance that their
 // observations leave together.
-void GuessWeights(const std::vector<CameraGroup>& groups,
-                  const std::vector<Residual>& residuals, double huber_px,
-                  int num_points, double square_metres_per_pixel,
-                  GaussianPrior* prior) {
+void InitializePrecisions(const std::vector<CameraGroup>& groups,
+                          const std::vector<Residual>& residuals,
+                          double huber_px, int num_points,
+                          double square_metres_per_pixel,
+                          GaussianPrior* prior) {
   const double variance = ResidualVariance(residuals, huber_px, 0);
   for (const CameraGroup& group : groups)
     if (group.group->weight == 0) group.group->SetPrecision(1, variance);
@@ -235,8 +236,8 @@ void GuessWeights(const std::vector<CameraGroup>& groups,
 }
 
 // The effective number of parameters of all groups.
-double NumEffectiveParameters(const PriorEvidence& evidence,
-                              const ParameterLayout& layout) {
+double ComputeEffectiveParameters(const PriorEvidence& evidence,
+                                  const ParameterLayout& layout) {
   double count = layout.first_shape + 6.0 * layout.num_poses;
   for (const GroupEvidence& group : evidence.groups)
     count += group.effective_parameters - group.count;
@@ -273,10 +274,10 @@ bool ExcludeUndetermined(const PriorEvidence& evidence, double variance,
 
 // Updates the prior precisions iteratively. Updates return the maximum change
 // of their logarithms.
-class PriorUpdate {
+class PrecisionUpdater {
  public:
-  PriorUpdate(const std::vector<CameraGroup>& groups,
-              double square_metres_per_pixel)
+  PrecisionUpdater(const std::vector<CameraGroup>& groups,
+                   double square_metres_per_pixel)
       : groups_(groups),
         negligible_m2_(kNegligiblePx2 * square_metres_per_pixel),
         of_groups_(groups.size()) {}
@@ -349,22 +350,22 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
   constexpr int kMaxRounds = 30;
   constexpr double kStableChange = 0.05;  // of a weight's logarithm
   constexpr double kStableCost = 1e-4;
-  constexpr double kGoodEnoughToStart = 0.1;  // decrease of the cost
+  constexpr double kMinInitialDecrease = 0.1;  // decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;
   const std::vector<CameraGroup> groups = MakeCameraGroups(prior);
   const double square_metres_per_pixel =
       SquaredMetresPerPixel(*state, views, options);
   std::vector<Residual> residuals =
       ComputeResiduals(*state, views, options.num_threads);
-  GuessWeights(groups, residuals, options.huber_px,
-               CountObservedPoints(views, state->points.size()),
-               square_metres_per_pixel, prior);
+  InitializePrecisions(groups, residuals, options.huber_px,
+                       CountObservedPoints(views, state->points.size()),
+                       square_metres_per_pixel, prior);
 
-  PriorUpdate update(groups, square_metres_per_pixel);
+  PrecisionUpdater update(groups, square_metres_per_pixel);
   AdjustmentOptions fixed = options;
   double variance = 0, num_effective = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
-  double lambda = kLearningLambda;
+  double lambda = kEvidenceLambda;
   bool is_asked = !options.should_accept, should_accept = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
     // One step, then the evidence from its normal equations.
@@ -378,12 +379,12 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
         TakeStep(*equations, views, *prior, fixed, Losses::kAllowed, &lambda,
                  state, &residuals)
             .decrease;
-    if (!fixed.fix_points) MoveMeanBends(views, prior, state);
+    if (!fixed.fix_points) MoveMeanDeformation(views, prior, state);
     Report(options, round, residuals);
     const std::optional<PriorEvidence> evidence = ComputeEvidence(
         groups, *prior, views, *equations, layout, tried_lambda, *state);
     if (!evidence) break;
-    num_effective = NumEffectiveParameters(*evidence, layout);
+    num_effective = ComputeEffectiveParameters(*evidence, layout);
     variance = ResidualVariance(residuals, options.huber_px, num_effective);
     double change = update.UpdateCameras(*evidence, variance);
     if (ExcludeUndetermined(*evidence, variance, *prior, &fixed.fix_points,
@@ -400,12 +401,12 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
       if (should_accept) break;
     }
     if (change < kStableChange && decrease < kStableCost) break;
-    if (options.is_initialization && decrease < kGoodEnoughToStart) break;
+    if (options.is_initialization && decrease < kMinInitialDecrease) break;
   }
   if (options.is_initialization || should_accept) fixed.max_iterations = 0;
   AdjustmentSummary summary =
       OptimizeCameras(views, *prior, fixed, lambda, &builder, state);
-  if (!fixed.fix_points) MoveMeanBends(views, prior, state);
+  if (!fixed.fix_points) MoveMeanDeformation(views, prior, state);
   summary.noise_px = std::sqrt(variance);
   summary.num_effective = num_effective;
   return summary;

@@ -99,7 +99,7 @@ struct JointCovariances {
 };
 
 // The 2 x 2 block of one pixel.
-Eigen::Matrix2d OfPixel(const Eigen::MatrixXd& joint, size_t pixel) {
+Eigen::Matrix2d GetPixelBlock(const Eigen::MatrixXd& joint, size_t pixel) {
   return joint.block<2, 2>(2 * static_cast<Eigen::Index>(pixel),
                            2 * static_cast<Eigen::Index>(pixel));
 }
@@ -272,8 +272,8 @@ std::vector<PixelUncertainty> EstimateProjectionUncertainty(
   if (joint_px2) *joint_px2 = joint.by_noise + joint.by_prior;
   for (size_t i = 0; i < pixels.size(); ++i) {
     PixelUncertainty& pixel = pixels[i];
-    pixel.noise_px2 = OfPixel(joint.by_noise, i);
-    pixel.total_px2 = pixel.noise_px2 + OfPixel(joint.by_prior, i);
+    pixel.noise_px2 = GetPixelBlock(joint.by_noise, i);
+    pixel.total_px2 = pixel.noise_px2 + GetPixelBlock(joint.by_prior, i);
     pixel.smoothing_px =
         joint.smoothing_px.segment<2>(2 * static_cast<Eigen::Index>(i));
     const auto row = 2 * static_cast<Eigen::Index>(i);

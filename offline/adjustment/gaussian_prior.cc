@@ -8,22 +8,23 @@
 namespace raygrid {
 
 void PriorGroup::Free(const UnpenalizedDirections& freer) {
-  freer_ = freer;
+  relaxed_ = freer;
   full_rank_ = rank;
-  ApplyHolds(freer.holds + freer.precision_floor);
+  ApplyRelativePrecisions(freer.holds + freer.precision_floor);
 }
 
 void PriorGroup::SetPrecision(double new_weight, double residual_variance) {
   weight = new_weight;
-  if (freer_.directions.cols() == 0 || freer_.precision_floor.isZero(0)) return;
-  ApplyHolds(freer_.holds +
-             freer_.precision_floor * (residual_variance / weight));
+  if (relaxed_.directions.cols() == 0 || relaxed_.precision_floor.isZero(0))
+    return;
+  ApplyRelativePrecisions(relaxed_.holds + relaxed_.precision_floor *
+                                               (residual_variance / weight));
 }
 
-void PriorGroup::ApplyHolds(const Eigen::VectorXd& holds) {
+void PriorGroup::ApplyRelativePrecisions(const Eigen::VectorXd& holds) {
   // K integrated over the directions' factors is
   // K - K D0 (D0^T K D0 + holds)^-1 D0^T K, and D = D0 L^-T with L L^T between.
-  const Eigen::MatrixXd& directions = freer_.directions;
+  const Eigen::MatrixXd& directions = relaxed_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
   square.diagonal() += holds;
   // Parameters of a model may be nearly dependent.
@@ -35,7 +36,7 @@ void PriorGroup::ApplyHolds(const Eigen::VectorXd& holds) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(free.transpose() *
                                                             precision * free);
   free = free * turn.eigenvectors();
-  const double part = 1 - kHeld * kHeld;
+  const double part = 1 - kRelaxedScale * kRelaxedScale;
   freed = std::sqrt(part) * (precision * free);
   // (I - m K d d^T) b has the covariance K - (2 m - m^2 d^T K d) K d d^T K.
   rank = full_rank_;
@@ -47,9 +48,9 @@ void PriorGroup::ApplyHolds(const Eigen::VectorXd& holds) {
   }
 }
 
-Eigen::VectorXd ProjectOutFree(const Eigen::MatrixXd& free,
-                               const Eigen::MatrixXd& freed,
-                               const Eigen::VectorXd& random) {
+Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
+                                  const Eigen::MatrixXd& freed,
+                                  const Eigen::VectorXd& random) {
   if (free.cols() == 0) return random;
   return random - freed * (free.transpose() * random);
 }

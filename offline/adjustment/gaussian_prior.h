@@ -17,9 +17,9 @@ namespace raygrid {
 /// Directions of a group in which its prior is relaxed.
 struct UnpenalizedDirections {
   Eigen::MatrixXd directions;  ///< one column per direction
-  /// Relative precisions: cost hold / 2 x^2 times the weight; 0: unpenalized.
+  /// Relative precisions h: cost weight * h / 2 x^2; 0: unpenalized.
   Eigen::VectorXd holds;
-  /// Absolute precisions, relative to the residual variance: firmness / 2 x^2.
+  /// Absolute precisions p, relative to the residual variance: cost p / 2 x^2.
   Eigen::VectorXd precision_floor;
 };
 
@@ -28,7 +28,8 @@ struct UnpenalizedDirections {
 /// R R^T, with R = sqrt(1 - kHeld^2) K D. D^T K D is diagonal: 1 for
 /// unpenalized directions, less for those with a remaining precision.
 struct PriorGroup {
-  static constexpr double kHeld = 1e-3;  ///< remaining in these directions
+  static constexpr double kRelaxedScale =
+      1e-3;  ///< remaining in these directions
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;       ///< rank of K minus unpenalized directions
@@ -55,16 +56,16 @@ struct PriorGroup {
   }
 
  private:
-  void ApplyHolds(const Eigen::VectorXd& holds);
+  void ApplyRelativePrecisions(const Eigen::VectorXd& holds);
 
-  UnpenalizedDirections freer_;
+  UnpenalizedDirections relaxed_;
   int full_rank_ = 0;
 };
 
 /// Projects a random vector of covariance K to one of covariance K - R R^T.
-Eigen::VectorXd ProjectOutFree(const Eigen::MatrixXd& free,
-                               const Eigen::MatrixXd& freed,
-                               const Eigen::VectorXd& random);
+Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
+                                  const Eigen::MatrixXd& freed,
+                                  const Eigen::VectorXd& random);
 
 /// The base model of a grid. Its parameters are estimated together with the
 /// grid, unpenalized except for the precision with which they were fitted to

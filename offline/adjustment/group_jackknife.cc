@@ -45,8 +45,8 @@ Remaining WithoutGroup(const std::vector<View>& views,
 }
 
 // Errors of a group of poses, and zeros.
-ViewErrors OfGroup(const LinearResponse& response, ViewErrors errors, int group,
-                   int num_groups) {
+ViewErrors SelectGroupErrors(const LinearResponse& response, ViewErrors errors,
+                             int group, int num_groups) {
   for (size_t v = 0; v < errors.size(); ++v)
     if (!IsInGroup(response.jacobians()[v].pose, group, num_groups))
       errors[v].setZero();
@@ -140,7 +140,9 @@ GroupJackknife::GroupJackknife(const LinearResponse& response,
                     x;
     for (int k = 0; k <= num_draws; ++k)
       right.col(k).head(size) =
-          response.Gradient(OfGroup(response, residuals[k], group, num_groups))
+          response
+              .Gradient(
+                  SelectGroupErrors(response, residuals[k], group, num_groups))
               .head(size);
     if (!without.Solve(right, &x)) return;
     changes.push_back(noise_px * x.topRows(size));

@@ -408,7 +408,7 @@ bool LargeEquations::SolveColumns(const System& system, bool is_started,
   Memory& memory = *memory_;
   const bool is_new =
       !memory.preconditioner ||
-      memory.last_iterations_ > 2 * memory.iterations_when_new + kMaxWorse;
+      memory.last_iterations_ > 2 * memory.fresh_iterations_ + kMaxWorse;
   if (is_new) {
     memory.preconditioner = std::make_unique<Preconditioner>();
     if (!MakePreconditioner(system, memory.preconditioner.get())) {
@@ -421,8 +421,7 @@ bool LargeEquations::SolveColumns(const System& system, bool is_started,
   const bool is_solved =
       ConjugateGradients<kNum>(system, is_started, &columns, &solution);
   if (is_new)
-    memory.iterations_when_new =
-        is_started ? kMaxWorse : memory.last_iterations_;
+    memory.fresh_iterations_ = is_started ? kMaxWorse : memory.last_iterations_;
   sides->middleCols<kNum>(first) = columns;
   x->middleCols<kNum>(first) = solution;
   return is_solved;

@@ -154,7 +154,7 @@ class LargeEquations::Memory {
   Eigen::VectorXd diagonal;           // diagonal of H without the prior
   Eigen::SparseMatrix<double> local;  // LocalMatrix() of the current equations
   std::unique_ptr<Preconditioner> preconditioner;
-  int iterations_when_new = 0, last_iterations_ = 0;
+  int fresh_iterations_ = 0, last_iterations_ = 0;
   Eigen::MatrixXd last_solution;  // result of SolveWithResidual()
 };
 

@@ -85,8 +85,8 @@ Eigen::VectorXd LinearResponse::SamplePrior(std::mt19937* random_bits) const {
       RandomSigns(prior_.root.cols(), random_bits);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
   gradient.head(layout_.size) =
-      ProjectOutFree(prior_.free, prior_.freed,
-                     prior_root_.Times(root_signs, layout_.size)) +
+      ProjectOutRelaxed(prior_.free, prior_.freed,
+                        prior_root_.Times(root_signs, layout_.size)) +
       prior_.root * other_signs;
   return gradient;
 }

@@ -17,7 +17,7 @@ struct Determined {
 };
 
 // The index of a mode's coefficient among the parameters, and its order.
-struct FlexRow {
+struct DeformationCoefficient {
   int row;
   DeformationOrder order;
 };
@@ -31,9 +31,9 @@ bool IsDetermined(const DeformationModes& modes, int board, int mode) {
 }
 
 // The coefficients of all poses, or of all observed boards.
-std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
-                              const std::vector<View>& views,
-                              const AdjustmentState& state) {
+std::vector<DeformationCoefficient> ListDeformationCoefficients(
+    const ParameterLayout& layout, const std::vector<View>& views,
+    const AdjustmentState& state) {
   const DeformationModes& modes = state.modes;
   std::set<int> poses, boards;
   for (const View& view : views) {
@@ -41,7 +41,7 @@ std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
     if (layout.has_shapes() && !view.observations.empty())
       boards.insert(modes.boards[view.observations[0].point]);
   }
-  std::vector<FlexRow> rows;
+  std::vector<DeformationCoefficient> rows;
   for (const int pose : poses)
     for (int mode = 0; mode < modes.count(); ++mode)
       rows.push_back({layout.Pose(pose) + 6 + mode, modes.orders[mode]});
@@ -52,22 +52,23 @@ std::vector<FlexRow> FlexRows(const ParameterLayout& layout,
   return rows;
 }
 
-double NumOfOrder(const std::vector<FlexRow>& rows, DeformationOrder order) {
+double NumOfOrder(const std::vector<DeformationCoefficient>& rows,
+                  DeformationOrder order) {
   return static_cast<double>(std::count_if(
-      rows.begin(), rows.end(),
-      [order](const FlexRow& row) { return row.order == order; }));
+      rows.begin(), rows.end(), [order](const DeformationCoefficient& row) {
+        return row.order == order;
+      }));
 }
 
 // The number of a group's parameters less the trace of the prior's part of H
 // times H's inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
 // b = sqrt(weight) B z of random signs z. For all groups at once: they are
 // independent. Nothing if the system is singular.
-std::optional<Determined> NumDetermined(const NormalEquations& equations,
-                                        const ParameterLayout& layout,
-                                        const std::vector<CameraGroup>& groups,
-                                        const GaussianPrior& prior,
-                                        const std::vector<FlexRow>& flex_rows,
-                                        int num_seen_points, double lambda) {
+std::optional<Determined> NumDetermined(
+    const NormalEquations& equations, const ParameterLayout& layout,
+    const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
+    const std::vector<DeformationCoefficient>& deformation_coefficients,
+    int num_seen_points, double lambda) {
   const int num_samples = equations.MaxNumRightSides();
   std::mt19937 random_bits(1);  // the standard fixes its sequence
   std::vector<Eigen::MatrixXd> shares;
@@ -80,7 +81,7 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     for (int k = 0; k < num_samples; ++k)
       share.col(k) =
           std::sqrt(group.group->weight) *
-          ProjectOutFree(
+          ProjectOutRelaxed(
               group.group->free, group.group->freed,
               group.root.Times(RandomSigns(group.root.size(), &random_bits),
                                size));
@@ -91,7 +92,7 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
     right.col(k).segment(layout.first_point, 3 * layout.num_points) =
         std::sqrt(prior.points_precision) *
         RandomSigns(3 * layout.num_points, &random_bits);
-  for (const FlexRow& flex : flex_rows)
+  for (const DeformationCoefficient& flex : deformation_coefficients)
     right.row(flex.row) = std::sqrt(prior.DeformationPrecision(flex.order)) *
                           RandomSigns(num_samples, &random_bits).transpose();
   Eigen::MatrixXd solution, rest;
@@ -124,19 +125,21 @@ std::optional<Determined> NumDetermined(const NormalEquations& equations,
             right.middleRows(layout.first_point, 3 * layout.num_points)) -
           3 * num_unseen * num_samples);
   std::array<double, kNumDeformationOrders> flex = {};
-  for (const auto& [row, order] : flex_rows)
+  for (const auto& [row, order] : deformation_coefficients)
     flex[static_cast<int>(order)] +=
         solution.row(row).dot(right.row(row) + rest.row(row));
   for (int k = 0; k < kNumDeformationOrders; ++k)
     result.flex[k] = effective_parameters(
-        NumOfOrder(flex_rows, static_cast<DeformationOrder>(k)), flex[k]);
+        NumOfOrder(deformation_coefficients, static_cast<DeformationOrder>(k)),
+        flex[k]);
   return result;
 }
 
 // The sum of squared coefficients of an order. Views that deviate far from the
 // others show another board or camera, rather than a deformation: they are
 // clipped. Static deformation is not, since a single board may be deformed.
-double SquaredFlex(const AdjustmentState& state, DeformationOrder order) {
+double SumSquaredDeformation(const AdjustmentState& state,
+                             DeformationOrder order) {
   constexpr double kTimesMedian = 9;
   std::vector<double> squares;
   for (const DeformationModes::Coefficients& flex : state.flex) {
@@ -158,12 +161,11 @@ double SquaredFlex(const AdjustmentState& state, DeformationOrder order) {
   return sum;
 }
 
-PriorEvidence EvaluateEvidence(const std::vector<CameraGroup>& groups,
-                               const GaussianPrior& prior,
-                               const Determined& effective_parameters,
-                               const std::vector<FlexRow>& flex_rows,
-                               int num_seen_points,
-                               const AdjustmentState& state) {
+PriorEvidence EvaluateEvidence(
+    const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
+    const Determined& effective_parameters,
+    const std::vector<DeformationCoefficient>& deformation_coefficients,
+    int num_seen_points, const AdjustmentState& state) {
   PriorEvidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
     const Eigen::VectorXd difference =
@@ -179,9 +181,9 @@ PriorEvidence EvaluateEvidence(const std::vector<CameraGroup>& groups,
         (state.points[i] - prior.points_mean[i]).squaredNorm();
   for (int k = 0; k < kNumDeformationOrders; ++k) {
     const auto order = static_cast<DeformationOrder>(k);
-    evidence.flex[k] = {NumOfOrder(flex_rows, order),
+    evidence.flex[k] = {NumOfOrder(deformation_coefficients, order),
                         effective_parameters.flex[k],
-                        SquaredFlex(state, order)};
+                        SumSquaredDeformation(state, order)};
   }
   return evidence;
 }
@@ -210,13 +212,15 @@ std::optional<PriorEvidence> ComputeEvidence(
     const std::vector<View>& views, const NormalEquations& equations,
     const ParameterLayout& layout, double lambda,
     const AdjustmentState& state) {
-  const std::vector<FlexRow> flex_rows = FlexRows(layout, views, state);
+  const std::vector<DeformationCoefficient> deformation_coefficients =
+      ListDeformationCoefficients(layout, views, state);
   const int num_seen_points = CountObservedPoints(views, state.points.size());
-  const std::optional<Determined> effective_parameters = NumDetermined(
-      equations, layout, groups, prior, flex_rows, num_seen_points, lambda);
+  const std::optional<Determined> effective_parameters =
+      NumDetermined(equations, layout, groups, prior, deformation_coefficients,
+                    num_seen_points, lambda);
   if (!effective_parameters) return std::nullopt;
-  return EvaluateEvidence(groups, prior, *effective_parameters, flex_rows,
-                          num_seen_points, state);
+  return EvaluateEvidence(groups, prior, *effective_parameters,
+                          deformation_coefficients, num_seen_points, state);
 }
 
 bool IsUndetermined(const GroupEvidence& evidence) {

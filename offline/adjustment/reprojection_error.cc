@@ -35,11 +35,11 @@ LinearizedResidual Linearize(const AdjustmentState& state,
   const Pose& pose = state.rig_from_pattern[view.pose];
   const Pose& camera_pose = state.camera_from_rig[view.camera];
   Eigen::Vector3d point = state.PointAt(view.pose, observation.point);
-  Eigen::Vector3d turned_on_body(0, 0, 0);
+  Eigen::Vector3d rotated_on_target(0, 0, 0);
   if (view.place >= 0) {
     const Pose& place = state.target_from_board[view.place];
-    turned_on_body = place.rotation * point;
-    point = turned_on_body + place.translation;
+    rotated_on_target = place.rotation * point;
+    point = rotated_on_target + place.translation;
   }
   const Eigen::Vector3d rotated = pose.rotation * point;
   const Eigen::Vector3d rotated_to_camera =
@@ -56,7 +56,7 @@ LinearizedResidual Linearize(const AdjustmentState& state,
   result.J_pose = by_rig_point * UpdateDerivative(rotated);
   result.J_point = by_rig_point * pose.rotation.toRotationMatrix();
   if (view.place >= 0) {
-    result.J_place = result.J_point * UpdateDerivative(turned_on_body);
+    result.J_place = result.J_point * UpdateDerivative(rotated_on_target);
     result.J_point =
         (result.J_point *
          state.target_from_board[view.place].rotation.toRotationMatrix())

@@ -286,10 +286,10 @@ UnpenalizedDirections WithSpread(const UnpenalizedDirections& lens,
 // Removes the rotation about the orientation term's pixels from directions:
 // otherwise, a shift of the principal point would include a rotation, which the
 // smoothness would have to compensate.
-Eigen::MatrixXd WithoutTurns(const Eigen::MatrixXd& directions,
-                             const Eigen::MatrixXd& orientation,
-                             const BSplineSurface& surface,
-                             const FieldParameters& field) {
+Eigen::MatrixXd RemoveRotations(const Eigen::MatrixXd& directions,
+                                const Eigen::MatrixXd& orientation,
+                                const BSplineSurface& surface,
+                                const FieldParameters& field) {
   const Eigen::MatrixXd turns =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         return Eigen::MatrixXd(
@@ -328,7 +328,7 @@ CameraPrior MakeDirectionsPrior(
   if (!spread.empty()) {
     freed = WithSpread(freed, base, field, spread);
     freed.directions =
-        WithoutTurns(freed.directions, prior.orientation, base, field);
+        RemoveRotations(freed.directions, prior.orientation, base, field);
   }
   prior.groups[0].Free(freed);
   return prior;

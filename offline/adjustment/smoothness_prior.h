@@ -41,7 +41,6 @@ CameraPrior MakeOperatingPointPrior(const CentralGeneric& base, int num_terms);
 /// Makes the prior of a non-central grid: for the directions as above and, as a
 /// second group, three smooth zero-mean fields for the points of the lines, in
 /// the pixels by which displacement across a line moves an image at distance_m.
-/// at distance_m.
 ///
 /// A common shift of all points is compensated by the poses and thus not
 /// observable: it is chosen by this prior. Neither is drift along the lines,

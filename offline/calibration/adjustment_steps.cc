@@ -21,7 +21,7 @@ namespace raygrid {
 
 // ---- Knot spacing ----------------------------------------------------------
 
-void Calibration::ChooseGrids() {
+void Calibration::SelectKnotSpacings() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   ForEachCamera({"cross-validation", 0.1, 0.6}, [&](CameraInProgress* camera,
                                                     const auto& report) {
@@ -31,7 +31,7 @@ void Calibration::ChooseGrids() {
     SelectDeformation(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
   });
-  if (!is_model_auto_ || options_.ShouldStop()) return;
+  if (!selects_model_ || options_.ShouldStop()) return;
   ModelSelection selection =
       raygrid::SelectModel(pattern_, options_, &cameras_);
   options_.model = selection.model;
@@ -87,7 +87,7 @@ void Calibration::OptimizeWithRigidTargets(
   const auto groups = ConnectedGroups(lenses);
   const bool can_detect = !options_.independent_boards &&
                           CanDetectRigidTargets(lenses) &&
-                          (groups.size() > 1 || !DoBoardsBend());
+                          (groups.size() > 1 || !DoBoardsDeform());
   std::vector<AdjustmentResult> apart;
   if (groups.size() == 1 || !can_detect)
     apart.push_back(AdjustTogether(all, rejected));
@@ -157,7 +157,7 @@ void Calibration::EvaluateHeldOutImages() {
   // Stored trials belong to a given model.
   const bool is_kept =
       !IsRig() &&
-      !(is_model_auto_ && options_.model == models::kNonCentralGeneric);
+      !(selects_model_ && options_.model == models::kNonCentralGeneric);
   std::vector<Trial> not_kept;
   std::vector<Trial>& trials = is_kept ? first.checkpoint.trials : not_kept;
   const ModelTrials& done = model_trials_.front();
@@ -175,11 +175,11 @@ void Calibration::EvaluateHeldOutImages() {
   // Folds of single cameras were initialized before rigid targets were known.
   const bool is_anew = IsRig() || !bodies_.empty();
   Folds anew;
-  if (is_anew) anew = MakeFolds(Splits(), StartingLenses());
+  if (is_anew) anew = MakeFolds(Splits(), InitialCameras());
   anew.base_model = adjusted_.problem.base_model;
-  HeldOutResiduals held_out =
-      EvaluateHeldOut(adjusted_, pattern_, Splits(), validation, CellsPx(),
-                      is_anew ? &anew : &first.folds, &trials);
+  HeldOutResiduals held_out = EvaluateHeldOut(
+      adjusted_, pattern_, Splits(), validation, KnotSpacingsPx(),
+      is_anew ? &anew : &first.folds, &trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {

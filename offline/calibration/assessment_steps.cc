@@ -23,7 +23,7 @@ namespace {
 
 // In-plane RMS distance of a board's estimated points from the pattern, after
 // the best similarity transform.
-double MovedM(const Board& given, const Board& found) {
+double ComputeShiftM(const Board& given, const Board& found) {
   const auto count = static_cast<Eigen::Index>(given.points.size());
   if (count < 3 || found.points.size() != given.points.size()) return 0;
   Eigen::Matrix3Xd from(3, count), to(3, count);
@@ -44,11 +44,12 @@ double MovedM(const Board& given, const Board& found) {
 // is as inaccurate, and the prior keeps estimates near the pattern.
 void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
                              Assessment* assessment) {
-  constexpr double kMostPart = 0.01;  // of a square
+  constexpr double kMaxFraction = 0.01;  // of a square
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
-    const double moved_m = MovedM(board, found.boards[b]);
-    if (!(moved_m > kMostPart * board.square_m) || board.IsPointSet()) continue;
+    const double moved_m = ComputeShiftM(board, found.boards[b]);
+    if (!(moved_m > kMaxFraction * board.square_m) || board.IsPointSet())
+      continue;
     if (assessment->word == "pass") assessment->word = "warn";
     assessment->reasons.push_back(fmt::format(
         "the estimated points of board {} deviate from the pattern by {:.2g} "
@@ -62,7 +63,7 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
 }  // namespace
 
 // Mixed images are detected for single cameras only: a rig's are separate.
-void Calibration::LookForTwoCameras() {
+void Calibration::CheckForMixedCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
   CameraInProgress& camera = cameras_.front();
@@ -112,7 +113,7 @@ void Calibration::CompareModels() {
 }
 
 void Calibration::CompareWithOthers() {
-  LookForTwoCameras();
+  CheckForMixedCameras();
   CompareModels();
 }
 

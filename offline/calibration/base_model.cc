@@ -84,12 +84,12 @@ bool ArePinholes(const AdjustmentState& state) {
 
 std::string ChooseBaseModel(const AdjustmentOptions& options,
                             const AdjustmentResult& adjusted) {
-  constexpr double kClearly = 10;          // of log-likelihood
-  constexpr size_t kEnoughFeatures = 100;  // of a view
+  constexpr double kClearly = 10;       // of log-likelihood
+  constexpr size_t kMinFeatures = 100;  // of a view
   if (!ArePinholes(adjusted.state)) return kFisheye;
   AdjustmentResult thinned = adjusted;
   for (View& view : thinned.problem.views)
-    view.observations = SelectEvenly(view.observations, kEnoughFeatures);
+    view.observations = SelectEvenly(view.observations, kMinFeatures);
   const FittedLenses fisheyes = FitLenses(kFisheye, thinned, options);
   const FittedLenses pinholes = FitLenses(kPinhole, thinned, options);
   if (pinholes.lenses.empty()) return kFisheye;

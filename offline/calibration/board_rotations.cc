@@ -92,13 +92,13 @@ std::vector<Displacements> ComputeDisplacements(
 
 // Displacements of a board in some images, for each of its rotations, and the
 // rotations for which they agree.
-class TurnSearch {
+class RotationSearch {
  public:
-  TurnSearch(const std::vector<Displacements>& images, const Board& board)
-      : board_(board), num_turns_(board.NumRotations()) {
+  RotationSearch(const std::vector<Displacements>& images, const Board& board)
+      : board_(board), num_rotations_(board.NumRotations()) {
     for (const Displacements& image : images) {
       turned_.emplace_back();
-      for (int turn = 0; turn < num_turns_; ++turn)
+      for (int turn = 0; turn < num_rotations_; ++turn)
         turned_.back().push_back(Rotated(image, board, turn));
     }
   }
@@ -126,18 +126,18 @@ class TurnSearch {
       best = agreement;
       turns_ = turns;
     }
-    KeepMostAsTheyAre();
+    MakeCommonestRotationIdentity();
   }
 
   const std::vector<int>& turns() const { return turns_; }
 
   // Whether a rotation matters according to the other images, but is ambiguous
   // in this image.
-  bool IsTurnDoubtful(size_t image, double sureness) const {
+  bool IsRotationAmbiguous(size_t image, double sureness) const {
     const Displacements mean =
         MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]);
-    for (int turn = 0; turn < num_turns_; ++turn)
-      if (turn != turns_[image] && DoesTurnMatter(image, turn, mean) &&
+    for (int turn = 0; turn < num_rotations_; ++turn)
+      if (turn != turns_[image] && IsRotationSignificant(image, turn, mean) &&
           Advantage(image, turn, mean) < sureness)
         return true;
     return false;
@@ -145,7 +145,7 @@ class TurnSearch {
 
   // Significance of an image's rotation compared with none, in standard
   // deviations.
-  double Sureness(size_t image) const {
+  double RotationSignificance(size_t image) const {
     return Advantage(
         image, 0,
         MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]));
@@ -158,7 +158,7 @@ class TurnSearch {
   // are compared by the same points of an image.
   Displacements Symmetric(Displacements all) const {
     Eigen::VectorXd is_seen = all.is_seen;
-    for (int turn = 1; turn < num_turns_; ++turn)
+    for (int turn = 1; turn < num_rotations_; ++turn)
       is_seen = is_seen.cwiseProduct(Rotated(all, board_, turn).is_seen);
     all.is_seen = is_seen;
     all.metres = all.metres.cwiseProduct(is_seen);
@@ -198,7 +198,7 @@ class TurnSearch {
   int FindBestRotation(size_t image, const Displacements& others) const {
     int best = 0;
     double most = -INFINITY;
-    for (int turn = 0; turn < num_turns_; ++turn) {
+    for (int turn = 0; turn < num_rotations_; ++turn) {
       const Displacements& one = turned_[image][turn];
       const double match = 2 * one.metres.dot(others.metres) -
                            one.is_seen.dot(others.metres.cwiseAbs2());
@@ -239,21 +239,22 @@ class TurnSearch {
     return sum;
   }
 
-  void KeepMostAsTheyAre() {
-    std::vector<int> counts(num_turns_);
+  void MakeCommonestRotationIdentity() {
+    std::vector<int> counts(num_rotations_);
     for (const int turn : turns_) ++counts[turn];
     const int most = static_cast<int>(
         std::max_element(counts.begin(), counts.end()) - counts.begin());
-    for (int& turn : turns_) turn = (turn - most + num_turns_) % num_turns_;
+    for (int& turn : turns_)
+      turn = (turn - most + num_rotations_) % num_rotations_;
   }
 
   // Whether the board's displacement differs after a rotation by more than the
   // uncertainty of the mean over images and a relevant amount.
-  bool DoesTurnMatter(size_t image, int other,
-                      const Displacements& mean) const {
+  bool IsRotationSignificant(size_t image, int other,
+                             const Displacements& mean) const {
     constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
     const Displacements& chosen = turned_[image][turns_[image]];
-    const int turn = (other - turns_[image] + num_turns_) % num_turns_;
+    const int turn = (other - turns_[image] + num_rotations_) % num_rotations_;
     const Displacements after = Rotated(mean, board_, turn);
     const Eigen::ArrayXd seen = chosen.is_seen.array() * mean.is_seen.array();
     const double count = std::max(1.0, seen.sum());
@@ -290,7 +291,7 @@ class TurnSearch {
   }
 
   const Board& board_;
-  int num_turns_;
+  int num_rotations_;
   std::vector<std::vector<Displacements>> turned_;  // by image, turn
   Turns turns_;
 };
@@ -385,14 +386,14 @@ GeometricRotations ResolveRotationsByGeometry(
     const std::vector<Displacements> images =
         ComputeDisplacements(cameras, static_cast<int>(b), board);
     if (images.size() < 2) continue;
-    TurnSearch search(images, board);
+    RotationSearch search(images, board);
     search.Run();
     std::vector<std::pair<std::string, int>> doubtful;
     for (size_t i = 0; i < images.size(); ++i) {
       const std::pair<std::string, int> view(images[i].image, board.id);
-      if (search.turns()[i] != 0 && search.Sureness(i) > kSurely)
+      if (search.turns()[i] != 0 && search.RotationSignificance(i) > kSurely)
         found.turns[view] = search.turns()[i];
-      if (search.IsTurnDoubtful(i, kSurely)) doubtful.push_back(view);
+      if (search.IsRotationAmbiguous(i, kSurely)) doubtful.push_back(view);
     }
     // With many doubtful views, noise hides the displacements of the board.
     if (kFewParts * doubtful.size() <= images.size())

@@ -117,7 +117,7 @@ BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
                     return tried.knot_spacing_px < result.knot_spacing_px;
                   });
   facts.points_free = !options.fix_target_geometry;
-  facts.bends_tried =
+  facts.tried_deformation =
       facts.IsGrid() && !options.fix_target_geometry && !options.rigid_board;
   return facts;
 }

@@ -22,10 +22,10 @@ RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
   RequireValidInput(cameras, pattern, options);
   Calibration calibration(cameras, pattern, options);
   calibration.Start();
-  calibration.RefineFeaturesCallback();
+  calibration.RefineFeatures();
   calibration.RotateBoards();
   calibration.CompensateRollingShutter();
-  calibration.ChooseGrids();
+  calibration.SelectKnotSpacings();
   calibration.OptimizeCameras();
   calibration.EvaluateHeldOutImages();
   calibration.RestartFromFolds();

@@ -24,7 +24,7 @@ class Calibration {
   void Start();
 
   /// Features refined with that model, and a new initialization from them.
-  void RefineFeaturesCallback();
+  void RefineFeatures();
 
   /// Consistent rotations of rotationally symmetric boards.
   void RotateBoards();
@@ -33,7 +33,7 @@ class Calibration {
   void CompensateRollingShutter(CameraInProgress* camera) const;
 
   /// The knot spacing of each camera's grid.
-  void ChooseGrids();
+  void SelectKnotSpacings();
 
   /// Joint adjustment of all cameras, their poses and the boards.
   void OptimizeCameras();
@@ -68,24 +68,24 @@ class Calibration {
                     CameraInProgress* camera) const;
   void RotateBoardsAcrossCameras();
   void RotateBoardsByGeometry();
-  void NameDoubtfulTurns(
+  void WarnAboutAmbiguousRotations(
       const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
   void RestartFromComparison();
-  void LookForTwoCameras();
+  void CheckForMixedCameras();
   void CompareModels();
   void ReportUncertainty(CameraInProgress* camera, int num_threads) const;
   void SplitResiduals();
   void ReportFlatBoards();
   void LocalizeDuplicates();
   std::vector<Split> Splits() const;
-  std::vector<const CameraModel*> StartingLenses() const;
-  std::vector<double> CellsPx() const;
+  std::vector<const CameraModel*> InitialCameras() const;
+  std::vector<double> KnotSpacingsPx() const;
   // In a rig, boards deform if they do so for most cameras.
-  bool DoBoardsBend() const;
+  bool DoBoardsDeform() const;
   bool AreLineDelaysRequested() const;
   // Boards of rigid targets are not deformed: they have no own pose.
-  bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsBend(); }
+  bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsDeform(); }
   AdjustmentResult AdjustTogether(
       const std::vector<int>& cameras,
       std::vector<std::vector<RejectedImage>>* rejected);
@@ -118,7 +118,7 @@ class Calibration {
 
   const Pattern& pattern_;
   CalibrationOptions options_;
-  bool is_model_auto_;
+  bool selects_model_;
   std::vector<CameraInProgress> cameras_;
   std::vector<ModelTrials> model_trials_;  // of each camera
   RigidTargets bodies_;

@@ -103,7 +103,7 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
 
 // Selects enough views and features to determine the dozen parameters of a
 // parametric model.
-AdjustmentResult Thinned(const AdjustmentResult& all) {
+AdjustmentResult Subsample(const AdjustmentResult& all) {
   constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
   AdjustmentResult thinned = all;
   CalibrationProblem& problem = thinned.problem;
@@ -221,7 +221,7 @@ class StartTrials {
   StartTrials(const Pattern& pattern, const AdjustmentResult& all,
               const AdjustmentOptions& options)
       : pattern_(pattern),
-        thinned_(Thinned(all)),
+        thinned_(Subsample(all)),
         num_features_(NumFeatures(thinned_.problem)),
         options_(options) {
     options_.fix_points = true;

@@ -85,7 +85,8 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
 }
 
 // Normals of all observed boards, in the camera's frame.
-std::vector<Eigen::Vector3d> SeenNormals(const CalibrationResult& result) {
+std::vector<Eigen::Vector3d> CollectBoardNormals(
+    const CalibrationResult& result) {
   std::map<int, std::optional<Eigen::Vector3d>> normals;
   for (const Board& board : result.pattern.boards)
     normals[board.id] = NormalOf(board);
@@ -131,7 +132,7 @@ struct SeenBoard {
   std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by column, row
 };
 
-std::vector<SeenBoard> SeenBoards(const CalibrationResult& result) {
+std::vector<SeenBoard> CollectObservedBoards(const CalibrationResult& result) {
   std::map<std::pair<std::string, int>, SeenBoard> boards;
   const auto add = [&](const std::string& image, const Feature& feature) {
     boards[{image, feature.board}].pixels[{feature.column, feature.row}] =
@@ -147,7 +148,7 @@ std::vector<SeenBoard> SeenBoards(const CalibrationResult& result) {
   return seen;
 }
 
-bool IsPoseAlike(const Pose& a, const Pose& b) {
+bool IsSamePose(const Pose& a, const Pose& b) {
   constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
   return a.rotation.angularDistance(b.rotation) < kAlikeRad &&
          (a.translation - b.translation).norm() <
@@ -156,7 +157,7 @@ bool IsPoseAlike(const Pose& a, const Pose& b) {
 
 // Whether a board has the same pose in two images. If all images are
 // near-duplicates, poses are not observable.
-bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
+bool HasSamePoses(const SeenBoard& a, const SeenBoard& b,
                   const ImageSize& size) {
   constexpr double kAlikePart = 0.005;
   const double alike_px = kAlikePart * std::max(size.width, size.height);
@@ -173,12 +174,12 @@ bool IsImageAlike(const SeenBoard& a, const SeenBoard& b,
 // Counts the views of boards that differ from all previous views.
 int CountDifferent(const CalibrationResult& result) {
   std::vector<SeenBoard> different;
-  for (const SeenBoard& seen : SeenBoards(result)) {
+  for (const SeenBoard& seen : CollectObservedBoards(result)) {
     const auto is_indistinguishable = [&](const SeenBoard& before) {
       return before.pose->board == seen.pose->board &&
-             (IsPoseAlike(before.pose->camera_from_board,
-                          seen.pose->camera_from_board) ||
-              IsImageAlike(before, seen, result.features.image_size));
+             (IsSamePose(before.pose->camera_from_board,
+                         seen.pose->camera_from_board) ||
+              HasSamePoses(before, seen, result.features.image_size));
     };
     if (std::none_of(different.begin(), different.end(), is_indistinguishable))
       different.push_back(seen);
@@ -221,7 +222,8 @@ bool PredictsBetter(const ModelMetrics& other,
 }
 
 // Name of a ninth of the image.
-std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
+std::string DescribePositionInImage(const Eigen::Vector2d& pixel,
+                                    const ImageSize& size) {
   const auto third = [](double at, int extent) {
     return std::clamp(static_cast<int>(3 * at / extent), 0, 2);
   };
@@ -238,7 +240,7 @@ std::string PlaceInImage(const Eigen::Vector2d& pixel, const ImageSize& size) {
 void FindMisreadImages(const CalibrationResult& result,
                        CalibrationMetrics* metrics) {
   constexpr int kLeast = 5;
-  constexpr double kLeastPart = 0.15;
+  constexpr double kMinFraction = 0.15;
   std::map<std::string, int> num_kept, num_rejected;
   for (const FeatureResidual& r : result.training) ++num_kept[r.image];
   for (const FeatureResidual& r : result.rejected_features)
@@ -246,7 +248,7 @@ void FindMisreadImages(const CalibrationResult& result,
   for (const auto& [image, count] : num_rejected) {
     const int num_features = num_kept[image] + count;
     if (count < kLeast || num_kept[image] == 0 ||
-        count < kLeastPart * num_features)
+        count < kMinFraction * num_features)
       continue;
     ++metrics->num_misread_images;
     if (count > metrics->most_misread.num_rejected)
@@ -274,7 +276,7 @@ void SeparateOutlierImages(const CalibrationResult& result,
     std::map<std::string, int> counts;
     for (const FeatureResidual& r : result.held_out)
       if (r.image == image && r.error_px.norm() >= worst_px)
-        ++counts[PlaceInImage(r.pixel, result.features.image_size)];
+        ++counts[DescribePositionInImage(r.pixel, result.features.image_size)];
     places.insert(std::max_element(counts.begin(), counts.end(),
                                    [](const auto& a, const auto& b) {
                                      return a.second < b.second;
@@ -284,8 +286,8 @@ void SeparateOutlierImages(const CalibrationResult& result,
   metrics->unique_coverage_regions.assign(places.begin(), places.end());
 }
 
-void AddWhatWasTried(const CalibrationResult& result,
-                     CalibrationMetrics* metrics) {
+void AddTriedAlternatives(const CalibrationResult& result,
+                          CalibrationMetrics* metrics) {
   BudgetFacts& tried = metrics->tried;
   if (result.budget) tried = result.budget->facts;
   tried.model = result.camera.camera->Name();
@@ -296,8 +298,8 @@ void AddWhatWasTried(const CalibrationResult& result,
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kBetterPart * own_px;
   for (const ModelMetrics& other : result.parametric_models) {
-    tried.noncentral_tried |= other.model == models::kNonCentralGeneric;
-    tried.generic_tried |= other.model == models::kCentralGeneric;
+    tried.tried_noncentral |= other.model == models::kNonCentralGeneric;
+    tried.tried_generic |= other.model == models::kCentralGeneric;
     if (!other.held_out || other.held_out->median_px >= best_px ||
         !PredictsBetter(other, result))
       continue;
@@ -361,7 +363,7 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   SeparateOutlierImages(result, outlier_images, &metrics);
   metrics.mixed_cameras = result.mixed_cameras;
   metrics.different_views = CountDifferent(result);
-  const std::vector<Eigen::Vector3d> normals = SeenNormals(result);
+  const std::vector<Eigen::Vector3d> normals = CollectBoardNormals(result);
   if (normals.size() == result.poses.size())
     metrics.tilt_rad = ComputeTilt(normals);
   AddSides(result, &metrics);
@@ -382,7 +384,7 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   }
   metrics.extrapolated = result.extrapolated;
   FindMisreadImages(result, &metrics);
-  AddWhatWasTried(result, &metrics);
+  AddTriedAlternatives(result, &metrics);
   return metrics;
 }
 
@@ -521,7 +523,7 @@ void AssessResult(int num_threads, CalibrationResult* result) {
   if (result->camera.uncertainty && !result->held_out.empty())
     result->camera.uncertainty->modes.beyond = EstimateExcessErrors(
         result->camera, WithoutImages(result->held_out, apart),
-        result->cross_validated ? kTrainingShare : 1, result->pattern,
+        result->cross_validated ? kTrainingFraction : 1, result->pattern,
         num_threads);
   CalibrationMetrics metrics = ComputeMetrics(*result, apart);
   if (result->budget) {
@@ -540,13 +542,15 @@ bool HasSystematicErrors(const CalibrationResult& result) {
 }
 
 bool IsSingleCamera(const CalibrationResult& result) {
-  const auto err_alike = [](const std::vector<FeatureResidual>& residuals) {
-    return HasCorrelatedErrors(
-        ComputeNeighborCorrelation(residuals).value_or(0),
-        ComputeErrorMetrics(residuals));
-  };
+  const auto has_correlated_errors =
+      [](const std::vector<FeatureResidual>& residuals) {
+        return HasCorrelatedErrors(
+            ComputeNeighborCorrelation(residuals).value_or(0),
+            ComputeErrorMetrics(residuals));
+      };
   return !result.held_out.empty() && !result.training.empty() &&
-         !err_alike(result.held_out) && !err_alike(result.training);
+         !has_correlated_errors(result.held_out) &&
+         !has_correlated_errors(result.training);
 }
 
 }  // namespace raygrid

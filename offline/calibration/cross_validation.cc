@@ -22,7 +22,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kFolds = 4;
-static_assert(kTrainingShare == 1 - 1.0 / kFolds);
+static_assert(kTrainingFraction == 1 - 1.0 / kFolds);
 
 const Trial* Find(const std::vector<Trial>& trials, int fold,
                   const std::vector<double>& knot_spacings_px,
@@ -104,7 +104,7 @@ AdjustmentResult StartCameras(const std::vector<Split>& cameras,
 // A rig with few connecting views may be disconnected without some of them;
 // then the remaining work is skipped.
 template <typename Work>
-void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
+void SkipIfDisconnected(size_t num_cameras, const Work& work) {
   try {
     work();
   } catch (const Error& error) {
@@ -115,10 +115,10 @@ void UnlessRigFallsApart(size_t num_cameras, const Work& work) {
 }
 
 // The first folds of a cross-validation with num_folds.
-Folds EvaluateFolds(const std::vector<std::vector<std::string>>& views,
-                    const std::vector<Split>& cameras,
-                    const std::vector<const CameraModel*>& known, size_t count,
-                    size_t num_folds) {
+Folds SplitIntoFolds(const std::vector<std::vector<std::string>>& views,
+                     const std::vector<Split>& cameras,
+                     const std::vector<const CameraModel*>& known, size_t count,
+                     size_t num_folds) {
   Folds folds;
   for (const CameraModel* lens : known) folds.known.push_back(lens->Clone());
   folds.folds.resize(count);
@@ -160,7 +160,7 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
   ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
     Folds::Fold& fold = *needed[i];
     if (options.should_stop && options.should_stop()) return;
-    UnlessRigFallsApart(fold.cameras.size(), [&] {
+    SkipIfDisconnected(fold.cameras.size(), [&] {
       if (!fold.start)
         fold.start =
             StartCameras(fold.cameras, folds->known, pattern,
@@ -177,21 +177,23 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
 }
 
 // The next coarser spacing of the ladder, whose grid is the warm start, if any.
-std::optional<double> SpacingBefore(
-    const std::vector<double>& ladder_px,
+std::optional<double> FindCoarserSpacing(
+    const std::vector<double>& knot_spacing_levels_px,
     const std::vector<double>& knot_spacings_px) {
   if (knot_spacings_px.size() != 1) return std::nullopt;
   const auto found =
-      std::find(ladder_px.begin(), ladder_px.end(), knot_spacings_px.front());
-  if (found == ladder_px.begin() || found == ladder_px.end())
+      std::find(knot_spacing_levels_px.begin(), knot_spacing_levels_px.end(),
+                knot_spacings_px.front());
+  if (found == knot_spacing_levels_px.begin() ||
+      found == knot_spacing_levels_px.end())
     return std::nullopt;
   return *(found - 1);
 }
 
 // The cameras of a fold; nullopt if initialization failed. Results that are not
 // stored are computed again, so that a resumed calibration is identical.
-std::optional<AdjustmentResult> RigidlyAdjusted(
-    const Folds::Fold& fold, const std::vector<double>& ladder_px,
+std::optional<AdjustmentResult> OptimizeFoldRigidly(
+    const Folds::Fold& fold, const std::vector<double>& knot_spacing_levels_px,
     const Pattern& pattern, const std::string& model,
     const std::vector<double>& knot_spacings_px,
     const AdjustmentOptions& options) {
@@ -202,9 +204,10 @@ std::optional<AdjustmentResult> RigidlyAdjusted(
   if (!adjusted) return adjusted;
   std::optional<AdjustmentResult> coarser;
   if (model == models::kCentralGeneric)
-    if (const auto before_px = SpacingBefore(ladder_px, knot_spacings_px))
-      coarser = RigidlyAdjusted(fold, ladder_px, pattern, model, {*before_px},
-                                options);
+    if (const auto before_px =
+            FindCoarserSpacing(knot_spacing_levels_px, knot_spacings_px))
+      coarser = OptimizeFoldRigidly(fold, knot_spacing_levels_px, pattern,
+                                    model, {*before_px}, options);
   OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, &*adjusted,
                           coarser ? &*coarser : nullptr);
   return adjusted;
@@ -257,9 +260,9 @@ Folds MakeFolds(const std::vector<Split>& cameras,
   constexpr size_t kManyViews = 40;
   const auto views = Views(cameras);
   if (views.size() < 2 * kFolds)
-    return EvaluateFolds(views, cameras, known, 0, 1);
-  return EvaluateFolds(views, cameras, known,
-                       views.size() <= kManyViews ? kFolds : 1, kFolds);
+    return SplitIntoFolds(views, cameras, known, 0, 1);
+  return SplitIntoFolds(views, cameras, known,
+                        views.size() <= kManyViews ? kFolds : 1, kFolds);
 }
 
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
@@ -267,7 +270,7 @@ Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
   constexpr size_t kMinViews = 4;
   const auto views = Views(cameras);
   const size_t count = views.size() < kMinViews ? 0 : views.size();
-  return EvaluateFolds(views, cameras, known, count, count);
+  return SplitIntoFolds(views, cameras, known, count, count);
 }
 
 void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
@@ -293,10 +296,10 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
     Trial& trial = missing[i];
     const Folds::Fold& fold = folds->folds[trial.fold];
     if (should_stop()) return;
-    UnlessRigFallsApart(fold.cameras.size(), [&] {
-      auto adjusted =
-          RigidlyAdjusted(fold, folds->ladder_px, pattern, options.model,
-                          trial.knot_spacings_px, adjustment);
+    SkipIfDisconnected(fold.cameras.size(), [&] {
+      auto adjusted = OptimizeFoldRigidly(fold, folds->knot_spacing_levels_px,
+                                          pattern, options.model,
+                                          trial.knot_spacings_px, adjustment);
       if (!adjusted) return;
       if (options.rigid_boards) {
         rigid[i] = *adjusted;

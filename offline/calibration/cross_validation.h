@@ -25,7 +25,7 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
                   const std::vector<std::string>& test_images);
 
 /// Fraction of the images used to calibrate in each fold.
-constexpr double kTrainingShare = 0.75;
+constexpr double kTrainingFraction = 0.75;
 
 /// Folds of a cross-validation over the training images of a camera or rig:
 /// four, one if there are many images, where calibration is slow and one
@@ -47,7 +47,7 @@ struct Folds {
   std::string base_model;
   /// Knot spacings of a single camera's central grid; in each fold, every grid
   /// but the first is initialized from the previous one.
-  std::vector<double> ladder_px;
+  std::vector<double> knot_spacing_levels_px;
 
   int count() const { return static_cast<int>(folds.size()); }
 };

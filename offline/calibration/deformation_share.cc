@@ -9,7 +9,7 @@ namespace raygrid {
 namespace {
 
 // The Gauss-Newton equations of a pose and of the flex there.
-struct BendEquations {
+struct PoseDeformationEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
   double squares = 0;
@@ -17,7 +17,7 @@ struct BendEquations {
 };
 
 // How much a step of the first parameters lowers the squared residuals.
-double Decrease(const BendEquations& equations, Eigen::Index count) {
+double Decrease(const PoseDeformationEquations& equations, Eigen::Index count) {
   const Eigen::VectorXd gradient = equations.gradient.head(count);
   return gradient.dot(
       equations.matrix.topLeftCorner(count, count).ldlt().solve(gradient));
@@ -32,21 +32,21 @@ double ComputeDeformationShare(const AdjustmentResult& adjusted,
   state.SetModes(GetDeformationModes(adjusted.problem),
                  DeformationScope::kPose);
   const Eigen::Index size = 6 + state.modes.count();
-  std::vector<BendEquations> poses(
+  std::vector<PoseDeformationEquations> poses(
       state.rig_from_pattern.size(),
       {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)});
   for (const ViewJacobian& jacobian :
        WeightedJacobians(state, adjusted.problem.views,
                          AdjustmentOptions().huber_px, num_threads)) {
     if (jacobian.count() == 0) continue;
-    BendEquations& pose = poses[jacobian.pose];
+    PoseDeformationEquations& pose = poses[jacobian.pose];
     pose.matrix.noalias() += jacobian.J_pose * jacobian.J_pose.transpose();
     pose.gradient.noalias() += jacobian.J_pose * jacobian.error.reshaped();
     pose.squares += jacobian.error.squaredNorm();
     pose.num_features += jacobian.count();
   }
   double squares = 0, degrees = 0, taken = 0, num_bends = 0;
-  for (const BendEquations& pose : poses) {
+  for (const PoseDeformationEquations& pose : poses) {
     // With fewer, bends take noise as well as errors.
     if (pose.num_features < size) continue;
     squares += pose.squares;

@@ -16,10 +16,11 @@ constexpr double kStillRad = kMaxFrameRotationRad / 50;
 
 // Rotates the prior of a grid: same precision, rotated mean. Points of lines
 // have the prior mean 0 in any frame.
-CameraPrior MakeTurnedPrior(const CameraPrior& prior, const CameraModel& camera,
-                            const std::vector<Eigen::Vector2d>& observed_px,
-                            const Eigen::Quaterniond& rotated_from_camera,
-                            double residual_variance) {
+CameraPrior MakeRotatedPrior(const CameraPrior& prior,
+                             const CameraModel& camera,
+                             const std::vector<Eigen::Vector2d>& observed_px,
+                             const Eigen::Quaterniond& rotated_from_camera,
+                             double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
   const CentralGeneric base = CentralPart(*Rotated(*mean, rotated_from_camera));
@@ -41,11 +42,11 @@ CameraPrior MakeTurnedPrior(const CameraPrior& prior, const CameraModel& camera,
 // Rotated surfaces are fitted anew; parts without observations, such as corners
 // behind a fold, are then arbitrary, so the orientation is fixed relative to
 // the state's own.
-void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
-                AdjustmentResult* adjusted) {
+void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
+                  AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   CameraPrior& prior = adjusted->prior.cameras[camera];
-  prior = MakeTurnedPrior(
+  prior = MakeRotatedPrior(
       prior, *state.cameras[camera],
       ObservedPixels(adjusted->problem, static_cast<int>(camera)),
       rotated_from_camera, std::pow(adjusted->summary.noise_px, 2));
@@ -58,12 +59,12 @@ void TurnCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
 }
 
 // Returns whether any camera was rotated.
-bool TurnCameras(AdjustmentResult* adjusted) {
+bool RotateCameras(AdjustmentResult* adjusted) {
   bool have_turned = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     const CameraFrame frame = FindCameraFrame(*adjusted->state.cameras[c]);
     if (frame.AngleRad() < kStillRad) continue;
-    TurnCamera(c, frame.frame_from_camera, adjusted);
+    RotateCamera(c, frame.frame_from_camera, adjusted);
     have_turned = true;
   }
   if (have_turned) adjusted->state.MoveRigToFirstCamera();
@@ -79,7 +80,7 @@ void OptimizeInCameraFrames(const AdjustmentOptions& options,
   as_before.fix_points = options.fix_points || !HavePointsMoved(*adjusted);
   for (int round = 1; round <= kRounds; ++round) {
     const AdjustmentResult before = *adjusted;
-    if (!TurnCameras(adjusted)) return;
+    if (!RotateCameras(adjusted)) return;
     as_before.fix_cameras = options.fix_cameras || round == kRounds;
     const double noise_px = adjusted->summary.noise_px;
     adjusted->summary = RunBundleAdjustment(

@@ -44,10 +44,10 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
                          const CalibrationOptions& options)
     : pattern_(pattern),
       options_(options),
-      is_model_auto_(options.model == kAutoModel),
+      selects_model_(options.model == kAutoModel),
       model_trials_(inputs.size()) {
-  if (is_model_auto_) options_.model = models::kCentralGeneric;
-  is_model_auto_ &= options.knot_spacing_px == 0 && !options.like;
+  if (selects_model_) options_.model = models::kCentralGeneric;
+  selects_model_ &= options.knot_spacing_px == 0 && !options.like;
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
     camera.input = &input;
@@ -96,21 +96,21 @@ std::vector<Split> Calibration::Splits() const {
   return splits;
 }
 
-std::vector<const CameraModel*> Calibration::StartingLenses() const {
+std::vector<const CameraModel*> Calibration::InitialCameras() const {
   std::vector<const CameraModel*> lenses;
   for (const CameraInProgress& camera : cameras_)
     lenses.push_back(&camera.lens.state.camera());
   return lenses;
 }
 
-std::vector<double> Calibration::CellsPx() const {
+std::vector<double> Calibration::KnotSpacingsPx() const {
   std::vector<double> knot_spacings_px;
   for (const CameraInProgress& camera : cameras_)
     knot_spacings_px.push_back(camera.result.knot_spacing_px);
   return knot_spacings_px;
 }
 
-bool Calibration::DoBoardsBend() const {
+bool Calibration::DoBoardsDeform() const {
   const auto count = std::count_if(
       cameras_.begin(), cameras_.end(),
       [](const auto& camera) { return camera.per_view_deformation; });
@@ -155,7 +155,7 @@ void Calibration::Start() {
 
 // ---- Feature refinement ----------------------------------------------------
 
-void Calibration::RefineFeaturesCallback() {
+void Calibration::RefineFeatures() {
   if (std::none_of(cameras_.begin(), cameras_.end(), [](const auto& camera) {
         return camera.input->refine_features != nullptr;
       }))
@@ -222,7 +222,7 @@ void Calibration::RotateBoardsByGeometry() {
         &cameras.back());
   }
   const auto [turns, doubtful] = ResolveRotationsByGeometry(cameras, pattern_);
-  NameDoubtfulTurns(doubtful);
+  WarnAboutAmbiguousRotations(doubtful);
   if (turns.empty()) return;
   // Errors of the model may resemble board errors: estimated points decide.
   struct AsBefore {
@@ -256,7 +256,7 @@ void Calibration::RotateBoardsByGeometry() {
   }
 }
 
-void Calibration::NameDoubtfulTurns(
+void Calibration::WarnAboutAmbiguousRotations(
     const std::vector<std::pair<std::string, int>>& doubtful) {
   for (CameraInProgress& camera : cameras_)
     for (const ImageFeatures& image : camera.dataset.images)

@@ -70,7 +70,7 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
 }
 
 // One camera given as two would be a rig without a baseline.
-void RequireImagesOfTheirOwn(const std::vector<CalibrationInput>& cameras) {
+void RequireDistinctImages(const std::vector<CalibrationInput>& cameras) {
   for (size_t c = 1; c < cameras.size(); ++c)
     for (size_t other = 0; other < c; ++other) {
       const auto shared =
@@ -113,7 +113,7 @@ void RequireValidInput(const std::vector<CalibrationInput>& cameras,
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   RequireLikeCameraFits(cameras, options);
-  RequireImagesOfTheirOwn(cameras);
+  RequireDistinctImages(cameras);
   if (cameras.size() > 1)
     RequireConnectedCameras(cameras, pattern, options.independent_boards);
 }

@@ -75,7 +75,8 @@ void SelectKnotSpacing(const Pattern& pattern,
 
   // Others are initialized from the camera: they are coarser, or come first.
   if (kMedium < static_cast<int>(cells.size()))
-    camera->folds.ladder_px.assign(cells.begin() + kMedium, cells.end());
+    camera->folds.knot_spacing_levels_px.assign(cells.begin() + kMedium,
+                                                cells.end());
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = MakeValidationOptions(options);
   validation.keep_rigid = true;

@@ -257,7 +257,7 @@ class TwoFits {
 
 // A part of the features that suffices to determine the dozen parameters of two
 // cameras.
-Dataset Thinned(const Dataset& all) {
+Dataset Subsample(const Dataset& all) {
   constexpr size_t kMaxImages = 40;
   Dataset thinned = all;
   thinned.images = SelectEvenly(all.images, kMaxImages);
@@ -267,8 +267,8 @@ Dataset Thinned(const Dataset& all) {
 }
 
 // The views of a thinned dataset.
-AdjustmentResult SelectThinned(const AdjustmentResult& joint,
-                               const Dataset& thinned) {
+AdjustmentResult SelectSubsampledViews(const AdjustmentResult& joint,
+                                       const Dataset& thinned) {
   const std::vector<std::string> names = NamesOf(thinned);
   AdjustmentResult only = PartOf(joint, {names.begin(), names.end()}, true);
   for (View& view : only.problem.views)
@@ -288,8 +288,8 @@ std::optional<Names> FindBestSplit(
   constexpr double kWorthAdjusting = 0.92;
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
-  const Dataset training = Thinned(all);
-  const AdjustmentResult thinned = SelectThinned(joint, training);
+  const Dataset training = Subsample(all);
+  const AdjustmentResult thinned = SelectSubsampledViews(joint, training);
   const SplitGain gain(thinned, options.huber_px, options.num_threads);
   for (Names first : ListSplitsToTry(all, residuals)) {
     if (gain.ComputeRemainingShare(first) > kWorthAdjusting) continue;

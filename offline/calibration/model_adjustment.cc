@@ -46,16 +46,17 @@ void EstimateStaticDeformation(AdjustmentResult* adjusted) {
                              adjusted->problem.nominal);
 }
 
-void AdjustAgain(const AdjustmentOptions& options, AdjustmentResult* adjusted) {
+void ContinueOptimization(const AdjustmentOptions& options,
+                          AdjustmentResult* adjusted) {
   adjusted->summary = OptimizeWithLearnedPrior(
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
 }
 
 // Initial grids with the base models as prior mean, and a prior precision
 // according to the residuals.
-void PutGridsAroundLenses(const std::string& model, const InitialValues& starts,
-                          const AdjustmentOptions& options,
-                          AdjustmentResult* adjusted) {
+void InitializeGrids(const std::string& model, const InitialValues& starts,
+                     const AdjustmentOptions& options,
+                     AdjustmentResult* adjusted) {
   const CalibrationProblem& problem = adjusted->problem;
   adjusted->prior = {};
   adjusted->prior.points_mean = problem.nominal;
@@ -108,7 +109,7 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
       break;
     case RemovalResult::kSome:
       if (!options.fix_points) EstimateStaticDeformation(adjusted);
-      AdjustAgain(options, adjusted);
+      ContinueOptimization(options, adjusted);
       break;
     case RemovalResult::kPartOfArea:
       // Initial cameras without an axis may have been rotated (SetLens()).
@@ -150,8 +151,8 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
   // The knot spacing may be too coarse for the lens: then this is no better.
   AdjustmentResult around = start;
-  PutGridsAroundLenses(model, {CopyCameras(start.state), knot_spacings_px, {}},
-                       options, &around);
+  InitializeGrids(model, {CopyCameras(start.state), knot_spacings_px, {}},
+                  options, &around);
   if (ComputeMeanErrorPx(around, start) < least_px)
     *adjusted = std::move(around);
 }
@@ -191,9 +192,9 @@ void EstimateDeformation(const Pattern& pattern,
   state.SetModes(GetDeformationModes(adjusted->problem),
                  DeformationScope::kPose);
   adjusted->prior.deformation_precisions = {};
-  AdjustAgain(options, adjusted);
+  ContinueOptimization(options, adjusted);
   if (RemoveOutliers(pattern, adjusted) == RemovalResult::kSome)
-    AdjustAgain(options, adjusted);
+    ContinueOptimization(options, adjusted);
 }
 
 double EstimateFlatnessError(const Pattern& pattern,
@@ -203,7 +204,7 @@ double EstimateFlatnessError(const Pattern& pattern,
   AdjustmentOptions free = options;
   free.fix_points = false;
   EstimateStaticDeformation(&adjusted);
-  AdjustAgain(free, &adjusted);
+  ContinueOptimization(free, &adjusted);
   if (!adjusted.state.HasStaticDeformation()) return 0;
   AlignBoards(pattern, &adjusted);
   double height_m = 0;

@@ -110,7 +110,7 @@ std::vector<double> DistancesPx(const std::vector<Dataset>& cameras,
   return distances_px;
 }
 
-bool IsEachImageAView(std::optional<double> duplicate_px) {
+bool AreAllImagesViews(std::optional<double> duplicate_px) {
   return duplicate_px && !(*duplicate_px > 0);
 }
 
@@ -134,20 +134,20 @@ Dataset Selected(const Dataset& dataset,
 }  // namespace
 
 double DefaultDuplicatePx(const ImageSize& size) {
-  constexpr double kPart = 0.001, kLeastPx = 1;
-  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+  constexpr double kPart = 0.001, kMinPx = 1;
+  return std::max(kMinPx, kPart * std::max(size.width, size.height));
 }
 
 double NearDuplicatePx(const ImageSize& size) {
-  constexpr double kPart = 0.005, kLeastPx = 2;
-  return std::max(kLeastPx, kPart * std::max(size.width, size.height));
+  constexpr double kPart = 0.005, kMinPx = 2;
+  return std::max(kMinPx, kPart * std::max(size.width, size.height));
 }
 
 std::vector<NearDuplicates> FindNearDuplicates(
     const std::vector<Dataset>& cameras,
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px) {
-  if (IsEachImageAView(duplicate_px)) return {};
+  if (AreAllImagesViews(duplicate_px)) return {};
   const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
   std::vector<FrameSet> different;
   std::vector<NearDuplicates> groups;
@@ -179,7 +179,7 @@ std::vector<std::string> FindHeldOutDuplicates(
     const std::vector<Dataset>& cameras,
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px) {
-  if (IsEachImageAView(duplicate_px)) return {};
+  if (AreAllImagesViews(duplicate_px)) return {};
   const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
   const std::vector<FrameSet> frame_sets = SortFrames(cameras, held_out);
   std::vector<std::string> copies;

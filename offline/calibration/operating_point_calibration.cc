@@ -30,7 +30,7 @@ namespace {
 
 // Fraction of the variance of one variable that is uncorrelated with the other
 // one.
-double PartBeside(const Eigen::MatrixX2d& values) {
+double ComputeUncorrelatedFraction(const Eigen::MatrixX2d& values) {
   const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
   const Eigen::Vector2d squares = centered.colwise().squaredNorm();
   const double product = centered.col(0).dot(centered.col(1));
@@ -70,11 +70,11 @@ void RequireSpread(const ImageOperatingPoints& conditions,
   }
   if (conditions.conditions.size() < 2) return;
   // Below this, changes cannot be attributed to one of the variables.
-  constexpr double kLeastPart = 0.05;
+  constexpr double kMinFraction = 0.05;
   Eigen::MatrixX2d both(values.size(), 2);
   for (size_t i = 0; i < values.size(); ++i)
     both.row(static_cast<Eigen::Index>(i)) << values[i][0], values[i][1];
-  if (PartBeside(both) < kLeastPart)
+  if (ComputeUncorrelatedFraction(both) < kMinFraction)
     throw Error(ExitCode::kUsage,
                 "lens_position and temperature of the images are correlated, "
                 "so their effects cannot be separated; add images at other "
@@ -85,8 +85,8 @@ void RequireSpread(const ImageOperatingPoints& conditions,
 constexpr double kMostValue = 1024;
 
 // Requires equal values of images that are copies of each other.
-void RequireOneValueOfCopies(const Dataset& dataset,
-                             const ImageOperatingPoints& conditions) {
+void RequireEqualValuesOfDuplicates(const Dataset& dataset,
+                                    const ImageOperatingPoints& conditions) {
   const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
   for (size_t i = 0; i < repeated.size(); ++i)
     if (repeated[i])
@@ -125,7 +125,7 @@ void RequireConditions(const Dataset& dataset,
     values.push_back(found->second);
   }
   RequireSpread(conditions, values);
-  RequireOneValueOfCopies(dataset, conditions);
+  RequireEqualValuesOfDuplicates(dataset, conditions);
 }
 
 using FeatureKey = std::tuple<std::string, int, int, int>;
@@ -263,7 +263,7 @@ double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
 }
 
 // Returns the centre of the widest gap between values.
-double MiddleOfGap(std::vector<double> values) {
+double FindWidestGapCenter(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   size_t widest = 1;
   for (size_t k = 1; k < values.size(); ++k)
@@ -276,7 +276,7 @@ double MiddleOfGap(std::vector<double> values) {
 // them.
 std::vector<std::string> FindUntestedParameters(
     const OperatingPointModel& stack, const AdjustmentResult& adjusted) {
-  constexpr double kLeastPart = 0.3;  // of what evenly spread values show
+  constexpr double kMinFraction = 0.3;  // of what evenly spread values show
   std::vector<std::string> untested;
   for (size_t k = 0; k < stack.ranges().size(); ++k) {
     const OperatingRange& range = stack.ranges()[k];
@@ -290,12 +290,13 @@ std::vector<std::string> FindUntestedParameters(
         (range.high - range.Center());
     const int order = stack.orders()[k];
     const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
-    if (RmsBeyondOrder(t, order) < kLeastPart * RmsBeyondOrder(even, order))
+    if (RmsBeyondOrder(t, order) < kMinFraction * RmsBeyondOrder(even, order))
       untested.push_back(fmt::format(
           "a polynomial of order {} interpolates these values of {} exactly, "
           "so its error between them is unknown and not included in the "
           "predicted uncertainty: add images in between, such as at {:.3g} {}",
-          order, OperatingParameterName(range.condition), MiddleOfGap(values),
+          order, OperatingParameterName(range.condition),
+          FindWidestGapCenter(values),
           OperatingParameterUnit(range.condition)));
   }
   return untested;
@@ -328,8 +329,10 @@ void WarnAboutCheck(const OperatingPointCheck& check, Assessment* assessment) {
 
 // Adjusts a model to the images of a problem from their features alone: its
 // previous state may have been distorted by images that were removed.
-void StartAnew(const ImageOperatingPoints& conditions, const Pattern& pattern,
-               const CalibrationOptions& options, AdjustmentResult* adjusted) {
+void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
+                          const Pattern& pattern,
+                          const CalibrationOptions& options,
+                          AdjustmentResult* adjusted) {
   CalibrationProblem& problem = adjusted->problem;
   AdjustmentState& state = adjusted->state;
   const OperatingPointModel& before = *state.camera().Stack();
@@ -379,7 +382,7 @@ void PutResult(const CalibrationInput& input,
       stack, OperatingPointStdDevs(adjusted, options.num_threads)};
   const auto readjust = [&](AdjustmentResult* fewer) {
     try {
-      StartAnew(conditions, pattern, options, fewer);
+      OptimizeFromFeatures(conditions, pattern, options, fewer);
     } catch (const Error&) {  // they lead to no lens: the stack stays
     }
   };

@@ -15,7 +15,7 @@ namespace raygrid {
 namespace {
 
 // Minimum reported error, as a fraction of the range.
-constexpr double kLeastPart = 0.05;
+constexpr double kMinFraction = 0.05;
 constexpr double kStatedPart = 0.02;   // of the range, that decimals show
 constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
 // Probability that a calibration without wrong values names any image.
@@ -47,9 +47,10 @@ bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
 }
 
 // Detects wrong values by their deviations.
-class StepJudge {
+class StepOutlierTest {
  public:
-  StepJudge(const AdjustmentResult& adjusted, const ValueEquations& equations)
+  StepOutlierTest(const AdjustmentResult& adjusted,
+                  const ValueEquations& equations)
       : ranges_(RangesOf(adjusted)),
         num_images_(static_cast<double>(equations.images.size())),
         count_(equations.count()) {
@@ -60,13 +61,13 @@ class StepJudge {
   // The smallest error of a value with a given deviation that is doubtful.
   double ComputeMinDetectableError(double deviation, int range) const {
     constexpr double kStep = 1.05;
-    double error = kLeastPart * GetWidth(ranges_[range]);
+    double error = kMinFraction * GetWidth(ranges_[range]);
     while (!IsDoubtful({error, deviation}, range)) error *= kStep;
     return error;
   }
 
   bool IsDoubtful(const ValueStep& step, int range) const {
-    return std::abs(step.step) >= kLeastPart * GetWidth(ranges_[range]) &&
+    return std::abs(step.step) >= kMinFraction * GetWidth(ranges_[range]) &&
            IsBeyondChance(step.Score() / scatters_[range], num_images_, count_);
   }
 
@@ -88,9 +89,9 @@ class StepJudge {
 };
 
 // Returns the images whose values are doubtful by the normal equations.
-std::set<std::string> FindDoubtfulImages(const AdjustmentResult& adjusted,
-                                         const ValueEquations& equations) {
-  const StepJudge judge(adjusted, equations);
+std::set<std::string> FindImagesWithDoubtfulValues(
+    const AdjustmentResult& adjusted, const ValueEquations& equations) {
+  const StepOutlierTest judge(adjusted, equations);
   std::set<std::string> images;
   for (Eigen::Index i = 0; i < equations.count(); ++i)
     if (judge.IsDoubtful(equations.ComputeStep(i), equations.RangeIndex(i)))
@@ -145,8 +146,8 @@ bool AreUnexplained(const ValueRegression& regression,
 }
 
 // Images whose fitted values deviate from the regression on stated values.
-std::set<std::string> FindApart(const std::vector<FittedValue>& values,
-                                const ValueRegression& regression) {
+std::set<std::string> FindInconsistentImages(
+    const std::vector<FittedValue>& values, const ValueRegression& regression) {
   const size_t count = regression.scores.size();
   std::set<std::string> images;
   for (size_t i = 0; i < count; ++i)
@@ -160,7 +161,7 @@ std::set<std::string> FindApart(const std::vector<FittedValue>& values,
 // hardly depends on it, wrong values cannot be detected.
 UncertainOperatingParameter UncertaintyOf(
     const std::vector<FittedValue>& values, const OperatingRange& range,
-    int index, const StepJudge& judge) {
+    int index, const StepOutlierTest& judge) {
   UncertainOperatingParameter uncertainty = {range.condition, GetWidth(range)};
   if (values.empty()) return uncertainty;
   std::vector<double> deviations;
@@ -186,7 +187,7 @@ std::vector<SuspectOperatingPoint> PredictValues(
   std::vector<SuspectOperatingPoint> doubtful;
   const ValueEquations equations = MakeValueEquations(without, num_threads);
   if (equations.count() == 0) return doubtful;
-  const StepJudge judge(without, equations);
+  const StepOutlierTest judge(without, equations);
   const std::vector<OperatingRange>& ranges = RangesOf(all);
   AdjustmentState state = all.state;
   state.cameras[0] = without.state.camera().Clone();
@@ -268,7 +269,7 @@ OperatingPointCheck CheckOperatingPoints(
       const std::vector<FittedValue> values =
           FitValues(without, r, num_threads);
       const ValueRegression regression = RegressValues(values);
-      found.merge(FindApart(values, regression));
+      found.merge(FindInconsistentImages(values, regression));
       if (AreUnexplained(regression, ranges[r]) ||
           kMostLeftOut * static_cast<double>(num_images) <
               static_cast<double>(left_out.size() + found.size()))
@@ -279,13 +280,13 @@ OperatingPointCheck CheckOperatingPoints(
     if (equations.count() == 0) return check;
     check.uncertain.clear();
     for (size_t r = 0; r < ranges.size(); ++r) {
-      const UncertainOperatingParameter uncertainty =
-          UncertaintyOf(FitValues(without, r, num_threads), ranges[r],
-                        static_cast<int>(r), StepJudge(without, equations));
+      const UncertainOperatingParameter uncertainty = UncertaintyOf(
+          FitValues(without, r, num_threads), ranges[r], static_cast<int>(r),
+          StepOutlierTest(without, equations));
       if (uncertainty.noticed > kHardlyNoticed * GetWidth(ranges[r]))
         check.uncertain.push_back(uncertainty);
     }
-    found.merge(FindDoubtfulImages(without, equations));
+    found.merge(FindImagesWithDoubtfulValues(without, equations));
     if (found.empty()) break;
     left_out.insert(found.begin(), found.end());
     RemoveImages(found, &without);

@@ -183,10 +183,10 @@ namespace {
 // Transfers the terms of one range to a grid: polynomials through the model's
 // directions at as many values as there are terms, with the other variable at
 // mid-range.
-void PutTermsOnGrid(const OperatingPointModel& stack, size_t range,
-                    const Eigen::Matrix3d& turn,
-                    const std::vector<Eigen::Vector2d>& pixels,
-                    OperatingPointModel* moved) {
+void TransferTermsToGrid(const OperatingPointModel& stack, size_t range,
+                         const Eigen::Matrix3d& turn,
+                         const std::vector<Eigen::Vector2d>& pixels,
+                         OperatingPointModel* moved) {
   const OperatingPointModel along = stack.SliceAlong(range);
   const OperatingRange& over = along.ranges()[0];
   const int count = along.orders()[0] + 1;
@@ -226,7 +226,7 @@ OperatingPointModel TransferChanges(const OperatingPointModel& stack,
       ComputeNearestRotation(camera, stack.At(stack.Center()), camera.area())
           .toRotationMatrix();
   for (size_t r = 0; r < stack.ranges().size(); ++r)
-    PutTermsOnGrid(stack, r, turn, pixels, &moved);
+    TransferTermsToGrid(stack, r, turn, pixels, &moved);
   return moved;
 }
 

@@ -28,7 +28,7 @@ bool IsOutlier(const Residual& residual, double threshold) {
 
 // Residuals beyond the thresholds leave the problem; they are returned by
 // camera.
-std::vector<std::vector<FeatureResidual>> TakeOutliers(
+std::vector<std::vector<FeatureResidual>> RemoveOutlierResiduals(
     const Pattern& pattern, const std::vector<Residual>& residuals,
     CalibrationProblem* problem) {
   const std::vector<double> thresholds = OutlierThresholds(residuals, *problem);
@@ -76,8 +76,8 @@ bool HasOutliers(const std::vector<Residual>& residuals,
 RemovalResult RemoveOutliers(const Pattern& pattern,
                              AdjustmentResult* adjusted) {
   const std::vector<Area> areas = ComputeCalibratedAreas(adjusted->problem);
-  const auto removed =
-      TakeOutliers(pattern, adjusted->summary.residuals, &adjusted->problem);
+  const auto removed = RemoveOutlierResiduals(
+      pattern, adjusted->summary.residuals, &adjusted->problem);
   bool have_removed = false;
   for (size_t c = 0; c < removed.size(); ++c) {
     auto& rejected = adjusted->rejected_features[c];

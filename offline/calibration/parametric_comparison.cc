@@ -70,7 +70,7 @@ void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
                                     validation.rigid_boards);
 }
 
-ModelMetrics FiguresIn(Measurement measurement) {
+ModelMetrics ComputeModelMetrics(Measurement measurement) {
   ModelMetrics metrics = std::move(measurement.metrics);
   HeldOutResiduals& held_out = measurement.held_out;
   if (held_out.alone.empty() || held_out.alone.front().empty()) return metrics;
@@ -121,7 +121,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
   if (options.ShouldStop()) return metrics;
   for (Measurement& measurement : measurements)
     if (measurement.is_done[0] && measurement.is_done[1])
-      metrics.push_back(FiguresIn(std::move(measurement)));
+      metrics.push_back(ComputeModelMetrics(std::move(measurement)));
   return metrics;
 }
 

@@ -58,7 +58,8 @@ RelativeBoardPose ComputeRelation(const std::string& image, int first_pose,
 }
 
 // The relation of one instant that most others agree with.
-MeanRelativePose MostAgreed(const std::vector<RelativeBoardPose>& relations) {
+MeanRelativePose FindConsensusPose(
+    const std::vector<RelativeBoardPose>& relations) {
   constexpr size_t kMaxCandidates = 100;
   const size_t step = relations.size() / kMaxCandidates + 1;
   MeanRelativePose best;
@@ -107,7 +108,7 @@ double SquaredMahalanobis(const MeanRelativePose& mean,
 MeanRelativePose ComputeRobustMean(
     const std::vector<RelativeBoardPose>& relations) {
   constexpr int kRounds = 20;
-  MeanRelativePose mean = MostAgreed(relations);
+  MeanRelativePose mean = FindConsensusPose(relations);
   const bool has_scale = !relations.front().J_scale.isZero();
   const int size = has_scale ? kDimensions + 1 : kDimensions;
   for (int round = 0; round < kRounds; ++round) {

@@ -95,7 +95,7 @@ bool RestartFromComparison(const Pattern& pattern,
     knot_spacings_px.push_back(
         MediumKnotSpacingPx(camera->split.training, options.model));
   AdjustmentResult best;
-  double best_cell_px = 0;
+  double best_knot_spacing_px = 0;
   double least_px = ComputeMeanErrorPx(*adjusted, camera->lens);
   for (const ModelMetrics& other : camera->result.parametric_models) {
     if (!IsParametricModel(other.model) ||
@@ -109,12 +109,12 @@ bool RestartFromComparison(const Pattern& pattern,
       if (kDivergenceRatio * error_px >= least_px) continue;
       least_px = error_px;
       best = std::move(around);
-      best_cell_px = knot_spacing_px;
+      best_knot_spacing_px = knot_spacing_px;
     }
   }
   if (best.state.cameras.empty()) return false;
   *adjusted = std::move(best);
-  camera->result.knot_spacing_px = best_cell_px;
+  camera->result.knot_spacing_px = best_knot_spacing_px;
   return true;
 }
 

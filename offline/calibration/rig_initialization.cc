@@ -110,8 +110,8 @@ double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
 
 // Returns a view's camera_from_board from its target's pose.
 Pose OnRigidTarget(const Joined& joined, int view,
-                   const Pose& camera_from_body) {
-  return ComputeBoardPose(joined.problem.views[view], camera_from_body,
+                   const Pose& camera_from_target) {
+  return ComputeBoardPose(joined.problem.views[view], camera_from_target,
                           joined.target_from_board);
 }
 
@@ -122,17 +122,19 @@ struct RelativePose {
 
 // The error of a view for a pose of its target, minimized over the board's
 // rotations if these are to be resolved.
-struct TurnedView {
+struct RotatedViewError {
   double error_px = INFINITY;
   int turn = 0;
 };
 
-TurnedView FindBestRotation(const Joined& joined, const CameraModel& camera,
-                            int view, const Pose& camera_from_body,
-                            const Pattern* turned) {
+RotatedViewError FindBestRotation(const Joined& joined,
+                                  const CameraModel& camera, int view,
+                                  const Pose& camera_from_target,
+                                  const Pattern* turned) {
   const CalibrationProblem& problem = joined.problem;
-  const Pose camera_from_board = OnRigidTarget(joined, view, camera_from_body);
-  TurnedView best;
+  const Pose camera_from_board =
+      OnRigidTarget(joined, view, camera_from_target);
+  RotatedViewError best;
   best.error_px = ViewErrorPx(camera, camera_from_board, problem.views[view],
                               problem.nominal);
   if (!turned) return best;
@@ -160,11 +162,11 @@ std::vector<RelativePose> RelativePoses(
     const Board* const board =
         turned ? &turned->boards[joined.problem.boards[b]] : nullptr;
     for (int turn = 0; turn < (board ? board->NumRotations() : 1); ++turn) {
-      Pose second_from_body = joined.camera_from_pattern[b];
+      Pose second_from_target = joined.camera_from_pattern[b];
       if (turn > 0)
-        second_from_body = second_from_body * ComputeRotation(*board, turn);
+        second_from_target = second_from_target * ComputeRotation(*board, turn);
       candidates.push_back(
-          {second_from_body * joined.camera_from_pattern[a].Inverse(), {}});
+          {second_from_target * joined.camera_from_pattern[a].Inverse(), {}});
     }
   }
   ParallelFor(static_cast<int>(candidates.size()), num_threads, [&](int i) {
@@ -285,9 +287,10 @@ void RequireAgreement(const std::vector<std::string>& names, int first,
 }
 
 // camera_from_rig, along the tree.
-std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
-                               const Joined& joined,
-                               const AdjustmentState& state, int num_threads) {
+std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
+                                   const Joined& joined,
+                                   const AdjustmentState& state,
+                                   int num_threads) {
   const auto num_shared = CountSharedViews(joined.problem);
   std::vector<Pose> camera_from_rig(names.size());
   std::vector<bool> reached(names.size());
@@ -307,7 +310,8 @@ std::vector<Pose> PlaceCameras(const std::vector<std::string>& names,
 
 // The rig's poses, each from the view that explains all of the pose's views
 // best.
-std::vector<Pose> PlaceRig(const Joined& joined, const AdjustmentState& state) {
+std::vector<Pose> InitializeRigPoses(const Joined& joined,
+                                     const AdjustmentState& state) {
   std::vector<Pose> rig_from_pattern;
   for (const Views& views : ViewsOfPoses(joined.problem)) {
     Pose best;
@@ -504,8 +508,8 @@ AdjustmentResult InitializeRig(
   }
   rig.state.points = joined.problem.nominal;
   rig.state.camera_from_rig =
-      PlaceCameras(names, joined, rig.state, options.num_threads);
-  rig.state.rig_from_pattern = PlaceRig(joined, rig.state);
+      ChainCameraPoses(names, joined, rig.state, options.num_threads);
+  rig.state.rig_from_pattern = InitializeRigPoses(joined, rig.state);
   rig.state.target_from_board = std::move(joined.target_from_board);
   rig.problem = std::move(joined.problem);
 

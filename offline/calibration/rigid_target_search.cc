@@ -15,7 +15,7 @@ namespace {
 // Minimum number of frames for a decision.
 constexpr size_t kMinFrames = 3;
 // An instant may show something else: a misread board. So many do not.
-constexpr double kMaxApartPart = 0.1;
+constexpr double kMaxInconsistentFraction = 0.1;
 
 // 99.9 % of chi-square (E. Wilson, M. Hilferty, "The Distribution of
 // Chi-Square", 1931).
@@ -81,7 +81,7 @@ std::optional<PairFinding> AnalysePair(
   board_pair.fixed =
       is_observed &&
       static_cast<double>(finding.far_images.size()) <=
-          kMaxApartPart * static_cast<double>(relations.size()) &&
+          kMaxInconsistentFraction * static_cast<double>(relations.size()) &&
       square_sum <=
           std::max(ComputeChiSquareLimit(degrees), kRoughly * degrees);
   if (!is_observed && finding.far_images.size() * 2 < relations.size())
@@ -172,8 +172,9 @@ void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
 }
 
 // Whether merging would join two boards with varying relative poses.
-bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
-                const std::vector<PairFinding>& findings) {
+bool HasVaryingPoses(const PairFinding& finding,
+                     const RigidTargets& rigid_targets,
+                     const std::vector<PairFinding>& findings) {
   const int a = rigid_targets.frames[finding.first];
   const int b = rigid_targets.frames[finding.second];
   return std::any_of(findings.begin(), findings.end(), [&](const auto& other) {
@@ -186,8 +187,8 @@ bool WouldBreak(const PairFinding& finding, const RigidTargets& rigid_targets,
 
 // In images with an inconsistent relative pose of a target's boards, the board
 // in most of these pairs is separated, then the next one.
-void SetApart(const std::vector<PairFinding>& findings,
-              RigidTargets* rigid_targets) {
+void ExcludeInconsistentBoards(const std::vector<PairFinding>& findings,
+                               RigidTargets* rigid_targets) {
   std::map<std::string, std::vector<const PairFinding*>> far;
   for (const PairFinding& finding : findings)
     if (finding.board_pair.fixed)
@@ -271,9 +272,9 @@ std::vector<BoardPair> CompareBoardPoses(
     return a->board_pair.num_frames > b->board_pair.num_frames;
   });
   for (const PairFinding* finding : best)
-    if (!WouldBreak(*finding, *rigid_targets, findings))
+    if (!HasVaryingPoses(*finding, *rigid_targets, findings))
       Unite(*finding, rigid_targets);
-  SetApart(findings, rigid_targets);
+  ExcludeInconsistentBoards(findings, rigid_targets);
   if (rigid_targets->Groups().empty()) *rigid_targets = {};
   std::vector<BoardPair> pairs;
   for (const PairFinding& finding : findings)

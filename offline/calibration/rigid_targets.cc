@@ -12,8 +12,8 @@ bool IsApart(const RigidTargets& rigid_targets,
 }
 
 // The frame of each board, of which something is seen where the body is.
-std::vector<int> SeenFrames(const RigidTargets& rigid_targets,
-                            const CalibrationProblem& problem) {
+std::vector<int> FindReferenceBoards(const RigidTargets& rigid_targets,
+                                     const CalibrationProblem& problem) {
   std::vector<bool> is_seen(rigid_targets.frames.size());
   for (size_t v = 0; v < problem.views.size(); ++v)
     if (!IsApart(rigid_targets, problem, v)) is_seen[problem.boards[v]] = true;
@@ -68,7 +68,7 @@ void JoinBoards(const RigidTargets& rigid_targets, CalibrationProblem* problem,
                 std::vector<Pose>* target_from_board) {
   target_from_board->clear();
   if (rigid_targets.empty()) return;
-  problem->frames = SeenFrames(rigid_targets, *problem);
+  problem->frames = FindReferenceBoards(rigid_targets, *problem);
   problem->places.assign(problem->frames.size(), -1);
   for (size_t b = 0; b < problem->frames.size(); ++b) {
     const int frame = problem->frames[b];

@@ -137,7 +137,7 @@ GroupJackknife ComputeJackknife(const LinearResponse& response,
                         adjusted.summary.noise_px);
 }
 
-double SeenDeviation(const PixelUncertainty& pixel) {
+double GetObservedStdDev(const PixelUncertainty& pixel) {
   return ComputeAxisStdDev(pixel.noise_px2 +
                            pixel.smoothing_px * pixel.smoothing_px.transpose());
 }
@@ -163,7 +163,7 @@ std::vector<UncertaintyLattice> EstimateStandardDeviations(
     for (const PixelUncertainty& pixel : EstimateProjectionUncertainty(
              response, adjusted.summary.noise_px, &jackknife,
              adjusted.problem.views, state, camera, size))
-      lattice.deviation_px.push_back(SeenDeviation(pixel));
+      lattice.deviation_px.push_back(GetObservedStdDev(pixel));
     if (lattice.deviation_px.empty()) return {};
   }
   return lattices;
@@ -195,7 +195,7 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
   std::vector<double> scales;
   for (const PixelUncertainty& pixel : pixels) {
     scatter.deviation_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
-    const double seen_px = SeenDeviation(pixel);
+    const double seen_px = GetObservedStdDev(pixel);
     seen.deviation_px.push_back(seen_px);
     const bool is_near = near.IsValidAt(pixel.pixel);
     if (is_near) scales.push_back(pixel.jackknife_scale);

@@ -9,8 +9,9 @@ namespace raygrid {
 namespace {
 
 // Whether a feature depends on each control point.
-std::vector<bool> SeenNodes(const CalibrationProblem& problem, int camera_index,
-                            const BSplineSurface& grid) {
+std::vector<bool> FindObservedControlPoints(const CalibrationProblem& problem,
+                                            int camera_index,
+                                            const BSplineSurface& grid) {
   std::vector<bool> is_seen(grid.num_points(), false);
   for (const View& view : problem.views) {
     if (view.camera != camera_index) continue;
@@ -31,7 +32,8 @@ void LimitUnobservedControlPoints(const CalibrationProblem& problem,
   const double farthest = std::tan(150 * M_PI / 180 / 2);
   const BSplineSurface* grid = camera->DirectionGrid();
   if (!grid) return;
-  const std::vector<bool> is_seen = SeenNodes(problem, camera_index, *grid);
+  const std::vector<bool> is_seen =
+      FindObservedControlPoints(problem, camera_index, *grid);
   Eigen::VectorXd parameters = camera->Parameters();
   const Eigen::Index per_node = parameters.size() / grid->num_points();
   for (int k = 0; k < grid->num_points(); ++k) {

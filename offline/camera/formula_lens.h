@@ -50,7 +50,7 @@ class FormulaLens : public ParametricModel {
       return Formula::Pixel(DirectionAt(uv), constants.data());
     };
     const auto uv =
-        InvertDistortion(distort, pixel, GetInitialParameters(pixel), reach_);
+        InvertDistortion(distort, pixel, ApproximateEquidistant(pixel), reach_);
     if (!uv) return std::nullopt;
     return FromEquidistant(*uv);
   }
@@ -122,7 +122,7 @@ class FormulaLens : public ParametricModel {
 
   // Returns approximate equidistant coordinates of a pixel, without tilt and
   // tangential terms.
-  Eigen::Vector2d GetInitialParameters(const Eigen::Vector2d& pixel) const {
+  Eigen::Vector2d ApproximateEquidistant(const Eigen::Vector2d& pixel) const {
     const Eigen::Vector2d at((pixel.x() - parameters_[2]) / parameters_[0],
                              (pixel.y() - parameters_[3]) / parameters_[1]);
     const double radius = at.norm();

@@ -104,7 +104,7 @@ Center EstimateCenter(const CameraModel& camera,
   return {area.center(), std::hypot(area.width(), area.height()) / widest};
 }
 
-std::vector<std::unique_ptr<ParametricModel>> InitialValues(
+std::vector<std::unique_ptr<ParametricModel>> MakeInitialModels(
     const std::string& name, const CameraModel& camera, const Center& center,
     const std::vector<Sample>& samples, int num_knots) {
   const double f = center.focal_px, cx = center.pixel.x(),
@@ -376,14 +376,14 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
   constexpr int kRounds = 4;
   constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
   constexpr double kNearlyConverged = 1e-6, kConverged = 1e-10;
-  constexpr double kRadialPart = 3e-4, kLeastRadialPart = 1e-7;
+  constexpr double kRadialPart = 3e-4, kMinRadialFraction = 1e-7;
   double num_samples = 0;
   for (const Sample& sample : target->samples) num_samples += sample.Weight();
   const std::unique_ptr<ParametricModel> start =
       fit->model->CloneWithArea(fit->model->area());
   target->start = start->Parameters();
   target->lost_px = kLostPx;
-  double rms_px = kFirstRmsPx, bend_px = kLeastRadialPart;
+  double rms_px = kFirstRmsPx, bend_px = kMinRadialFraction;
   for (int round = 0; round < kRounds; ++round) {
     target->distortion_weights =
         DistortionWeights(*start, area, num_samples, bend_px,
@@ -391,8 +391,8 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
     Refine(*target, freedom,
            round + 1 < kRounds ? kNearlyConverged : kConverged, fit);
     rms_px = RmsPx(*fit, *target);
-    bend_px =
-        std::max(kRadialPart * std::min(rms_px, kFirstRmsPx), kLeastRadialPart);
+    bend_px = std::max(kRadialPart * std::min(rms_px, kFirstRmsPx),
+                       kMinRadialFraction);
     const std::vector<double> half = SmallestErrors(*fit, *target, 0.5);
     if (!half.empty() && freedom.rotation)
       target->lost_px =
@@ -457,8 +457,8 @@ FittedModel FitParametricModel(const std::string& name,
   FittedModel best;
   double best_cost = INFINITY;
   for (auto& start :
-       StartsWithout(InitialValues(name, camera, center, target.samples,
-                                   options.num_knots),
+       StartsWithout(MakeInitialModels(name, camera, center, target.samples,
+                                       options.num_knots),
                      options.held)) {
     FittedModel fit;
     fit.model = std::move(start);

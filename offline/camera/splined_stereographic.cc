@@ -104,9 +104,9 @@ Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
 
 // Field of view whose cells end at an edge or slightly beyond.
 int FovDegOfEdge(double edge) {
-  constexpr int kMostDeg = 359;
+  constexpr int kMaxDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
-  return std::min(kMostDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
+  return std::min(kMaxDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
 }
 
 // Makes a grid with at least the given number of control points along the

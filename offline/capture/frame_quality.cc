@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMeasuredFeatures = 48;  // measured per image
 constexpr double kLeastHalfPx = 2.5, kMostHalfPx = 6;
-constexpr double kLeastContrast = 15;  // grey levels
+constexpr double kMinContrast = 15;  // grey levels
 
 // Interpolates the grey level between pixels; nothing outside the image.
 std::optional<double> LevelAt(const ImageSize& size,
@@ -56,7 +56,7 @@ std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
   edge.normal = normal;
   edge.low = *std::min_element(profile.begin(), profile.end());
   edge.high = *std::max_element(profile.begin(), profile.end());
-  if (edge.high - edge.low < kLeastContrast) return std::nullopt;
+  if (edge.high - edge.low < kMinContrast) return std::nullopt;
   // The feature may be a pixel off.
   for (size_t k = 2 * kStepsPerPx; k < profile.size(); ++k)
     edge.step = std::max(edge.step,

@@ -44,8 +44,9 @@ Move Tilt(double change_rad, const char* plus, const char* minus) {
 }
 
 // The motion components between two poses, largest first.
-std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
-                               const Pose& from, const Pose& to) {
+std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
+                                          const Board& board, const Pose& from,
+                                          const Pose& to) {
   const Eigen::Vector3d center = ComputeBoardCenter(board);
   std::vector<Move> moves;
   const auto seen = camera.Project(from * center);
@@ -82,7 +83,8 @@ std::vector<Move> MovesBetween(const CameraModel& camera, const Board& board,
 
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to) {
-  const std::vector<Move> moves = MovesBetween(camera, board, from, to);
+  const std::vector<Move> moves =
+      ComputeMotionComponents(camera, board, from, to);
   std::string text;
   constexpr size_t kMostMoves = 3;
   for (size_t k = 0; k < kMostMoves && moves[k].size >= 1; ++k)
@@ -92,7 +94,7 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
 
 bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
                 const Pose& to) {
-  return MovesBetween(camera, board, from, to).front().size < 1;
+  return ComputeMotionComponents(camera, board, from, to).front().size < 1;
 }
 
 }  // namespace raygrid

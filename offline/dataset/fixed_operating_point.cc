@@ -12,7 +12,7 @@ namespace {
 
 // Standard deviations with one condition held, which is removed from their
 // values: interpolated between lattices of equal shape.
-std::vector<OperatingPointUncertainty> HoldOne(
+std::vector<OperatingPointUncertainty> FixParameter(
     const std::vector<OperatingPointUncertainty>& known, size_t range,
     double value) {
   std::map<OperatingPoint, std::vector<const OperatingPointUncertainty*>>
@@ -45,21 +45,22 @@ std::vector<OperatingPointUncertainty> HoldOne(
   return held;
 }
 
-std::vector<OperatingPointUncertainty> HoldDeviations(
+std::vector<OperatingPointUncertainty> FixInStandardDeviations(
     std::vector<OperatingPointUncertainty> known,
     const FixedOperatingPoint& at) {
   for (size_t r = at.size(); r-- > 0;)
-    if (at[r]) known = HoldOne(known, r, *at[r]);
+    if (at[r]) known = FixParameter(known, r, *at[r]);
   return known;
 }
 
-FixedOperatingPoint HoldAll(const OperatingPoint& values) {
+FixedOperatingPoint FixAllParameters(const OperatingPoint& values) {
   return {values.begin(), values.end()};
 }
 
 // Replaces a camera's standard deviations by those at another operating point.
-void PutDeviations(const UncertaintyLattice& lattice, const Area& area,
-                   CameraUncertainty* uncertainty) {
+void ReplaceStandardDeviations(const UncertaintyLattice& lattice,
+                               const Area& area,
+                               CameraUncertainty* uncertainty) {
   if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
     return;
   uncertainty->lattice = lattice;
@@ -71,12 +72,13 @@ void PutDeviations(const UncertaintyLattice& lattice, const Area& area,
 
 OperatingPointCalibration FixOperatingPoint(
     const OperatingPointCalibration& stack, const FixedOperatingPoint& at) {
-  return {stack.cameras.Hold(at), HoldDeviations(stack.deviations, at)};
+  return {stack.cameras.Hold(at),
+          FixInStandardDeviations(stack.deviations, at)};
 }
 
 OperatingPointCalibration SliceOperatingPointModel(
     const OperatingPointCalibration& stack, size_t range) {
-  FixedOperatingPoint at = HoldAll(stack.cameras.Center());
+  FixedOperatingPoint at = FixAllParameters(stack.cameras.Center());
   at[range].reset();
   return FixOperatingPoint(stack, at);
 }
@@ -92,9 +94,10 @@ CameraFile MakeCameraFileAt(const CameraFile& stack,
   file.camera = std::make_shared<CentralGeneric>(std::move(camera));
   if (file.uncertainty) {
     const std::vector<OperatingPointUncertainty> known =
-        HoldDeviations(rest.deviations, HoldAll(center));
+        FixInStandardDeviations(rest.deviations, FixAllParameters(center));
     if (known.size() == 1)
-      PutDeviations(known[0].lattice, file.camera->area(), &*file.uncertainty);
+      ReplaceStandardDeviations(known[0].lattice, file.camera->area(),
+                                &*file.uncertainty);
   }
   if (!file.capture) file.capture.emplace();
   for (size_t r = 0; r < ranges.size(); ++r) {
@@ -124,7 +127,7 @@ std::optional<CameraUncertainty> ComputeMaxUncertainty(
       // Undefined where one of them is NaN.
       if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
   }
-  PutDeviations(largest, stack.camera->area(), &worst);
+  ReplaceStandardDeviations(largest, stack.camera->area(), &worst);
   return worst;
 }
 

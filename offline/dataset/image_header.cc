@@ -251,8 +251,8 @@ void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
 
 // Rejects files much smaller than their pixels, which are not photographs: they
 // need gigabytes of memory for kilobytes of file.
-void RequireLikelyContents(const std::string& name, const RawHeader& header,
-                           size_t num_bytes) {
+void RequirePlausibleFileSize(const std::string& name, const RawHeader& header,
+                              size_t num_bytes) {
   constexpr struct {
     uint64_t num_pixels, max_pixels_per_byte;
   } kBounds[] = {{1 << 24, 500}, {1 << 26, 100}};
@@ -303,7 +303,7 @@ ImageHeader ParseImageHeader(const std::string& name,
   }
   if (raw.width == 0 || raw.height == 0) RefuseDamaged(name);
   RequireAllowed(name, raw.width, raw.height);
-  RequireLikelyContents(name, raw, bytes.size());
+  RequirePlausibleFileSize(name, raw, bytes.size());
   RequireAllowed(name + ", a tile", raw.tile_width, raw.tile_height);
   ImageHeader header;
   header.size = {static_cast<int>(raw.width), static_cast<int>(raw.height)};

@@ -114,8 +114,8 @@ bool Has(const Paths& paths, const std::string& path) {
 
 // Whether a file is removed by the replacement: one of the same name replaces
 // it, or it is stale.
-bool IsToGo(const std::string& path, const Contents& written,
-            const Paths& stale) {
+bool IsToBeRemoved(const std::string& path, const Contents& written,
+                   const Paths& stale) {
   return Has(written.files, path) || Has(written.folders, path) ||
          Has(stale, path);
 }
@@ -163,7 +163,7 @@ bool LinkOthers(const std::string& folder, const Contents& old,
                 const Paths& stale) {
   std::vector<std::string> linked;
   for (const std::string& path : old.files) {
-    if (IsToGo(path, written, stale)) continue;
+    if (IsToBeRemoved(path, written, stale)) continue;
     const std::string link = hidden + "/" + path;
     std::error_code ignored;
     fs::create_directories(fs::path(link).parent_path(), ignored);
@@ -233,7 +233,8 @@ void MoveOneByOne(const std::string& folder, const Contents& old,
                   const Paths& stale) {
   SynchronizeAll(hidden, written);
   for (const std::string& path : old.files)
-    if (IsToGo(path, written, stale)) unlink((folder + "/" + path).c_str());
+    if (IsToBeRemoved(path, written, stale))
+      unlink((folder + "/" + path).c_str());
   for (const std::string& path : old.folders)
     if (!Has(written.folders, path) && HoldsStale(path, stale))
       rmdir((folder + "/" + path).c_str());  // unless others have files there

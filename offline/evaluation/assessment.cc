@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kEnoughViews = 3;
+constexpr int kMinViews = 3;
 constexpr double kEnoughTiltRad = 5 * M_PI / 180;
 constexpr double kEnoughArea = 0.5;    // share of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
@@ -135,7 +135,7 @@ void AssessImageSize(const CalibrationMetrics& metrics, Findings* findings) {
 }
 
 void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
-  if (metrics.different_views < kEnoughViews)
+  if (metrics.different_views < kMinViews)
     findings->Fail(fmt::format(
         "{} images show only {} different {} of the target; move and tilt it "
         "between images",
@@ -209,7 +209,8 @@ void AssessOutlyingImages(const CalibrationMetrics& metrics,
 
 // Large held-out errors of images with normal training errors: without them,
 // the camera is extrapolated there.
-void AssessLoneImages(const CalibrationMetrics& metrics, Findings* findings) {
+void AssessInfluentialImages(const CalibrationMetrics& metrics,
+                             Findings* findings) {
   if (metrics.unique_coverage_images.empty()) return;
   findings->Warn(fmt::format(
       "the {} of the image is covered by {} only, so that the camera is not "
@@ -236,7 +237,8 @@ void AssessMisreadImages(const CalibrationMetrics& metrics,
       is_one ? "that image" : "these images", is_one ? "it" : "them"));
 }
 
-void AssessTurns(const CalibrationMetrics& metrics, Findings* findings) {
+void AssessAmbiguousRotations(const CalibrationMetrics& metrics,
+                              Findings* findings) {
   if (metrics.ambiguous_rotation_images.empty()) return;
   findings->Warn(
       fmt::format("the orientation of the symmetric target is ambiguous in {}: "
@@ -466,9 +468,9 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
   // Errors of an interrupted calibration are meaningless.
   if (metrics.interrupted) return findings.Conclude();
   for (const auto assess :
-       {AssessTimestamps, AssessOutlyingImages, AssessLoneImages, AssessTurns,
-        AssessFlatTarget, AssessPopulationDistance, AssessUncertainty,
-        AssessFoldOver, AssessPixelAspect, AssessCorrelation,
+       {AssessTimestamps, AssessOutlyingImages, AssessInfluentialImages,
+        AssessAmbiguousRotations, AssessFlatTarget, AssessPopulationDistance,
+        AssessUncertainty, AssessFoldOver, AssessPixelAspect, AssessCorrelation,
         AssessHeldOutError, AssessHeldOutCopies, AssessOverfit,
         AssessMisreadImages, AssessOtherModels})
     assess(metrics, &findings);

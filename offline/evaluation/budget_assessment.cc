@@ -19,7 +19,7 @@ std::string AdviseOnBetterModel(const BudgetFacts& facts) {
 
 std::string AdviseOnImagePosition(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
-  if (!facts.IsGrid() && !facts.generic_tried)
+  if (!facts.IsGrid() && !facts.tried_generic)
     return "use --model central-generic";
   if (!facts.IsGrid())
     return "add images: central-generic was tried, but requires more images";
@@ -43,7 +43,7 @@ std::string AdviseOnCause(ErrorCause cause, const BudgetFacts& facts) {
                "target geometry";
       return "print the target on a better printer, or add images of it";
     case ErrorCause::kDeformation:
-      if (!facts.bends_tried && facts.IsGrid())
+      if (!facts.tried_deformation && facts.IsGrid())
         return "calibrate without --rigid-target and --fix-target-geometry, to "
                "estimate per-view deformation";
       return "mount the pattern on a stiffer board, of glass or aluminium, and "
@@ -107,21 +107,21 @@ std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
 // tested without new images.
 std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
-  if (!facts.IsGrid() && !facts.generic_tried)
+  if (!facts.IsGrid() && !facts.tried_generic)
     return "first use --model central-generic, since a model error causes such "
            "residuals, too";
   if (facts.IsGrid() && !facts.points_free)
     return "first calibrate without --fix-target-geometry, since a wrong "
            "target geometry causes such residuals, too";
-  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
+  if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
     return "first use --model noncentral-generic, since a non-central camera, "
            "such as behind glass, causes such residuals, too";
   return "retake the images with camera and target still, a stiff target and "
          "fixed focus; tilted views separate these causes";
 }
 
-BudgetAssessment OfViewsAlike(const std::vector<std::string>& causes,
-                              const ResidualBudget& budget) {
+BudgetAssessment MakeEquivalentViewsAssessment(
+    const std::vector<std::string>& causes, const ResidualBudget& budget) {
   return {"per-view effects",
           fmt::format("residuals specific to single images ({} % of the "
                       "squared residuals), whose cause is not observable in "
@@ -130,19 +130,20 @@ BudgetAssessment OfViewsAlike(const std::vector<std::string>& causes,
           AdviseOnEquivalentViewCauses(budget.facts)};
 }
 
-BudgetAssessment OfCause(ErrorCause cause, const ResidualBudget& budget) {
+BudgetAssessment MakeCauseAssessment(ErrorCause cause,
+                                     const ResidualBudget& budget) {
   const std::vector<std::string> alike = ListEquivalentCauses(budget);
   if (cause >= ErrorCause::kDeformation &&
       (alike.size() > 1 ||
        (budget.is_column_delay_indistinguishable && !alike.empty())))
-    return OfViewsAlike(alike, budget);
+    return MakeEquivalentViewsAssessment(alike, budget);
   return {ToString(cause),
           fmt::format("{} ({} % of the squared residuals)", NameCause(cause),
                       Percent(budget.Of(cause).in_turn)),
           AdviseOnCause(cause, budget.facts)};
 }
 
-BudgetAssessment OfLargeErrors(const ResidualBudget& budget) {
+BudgetAssessment MakeOutlierAssessment(const ResidualBudget& budget) {
   return {"outliers",
           fmt::format("outliers ({} % of the squared residuals are beyond 5 "
                       "standard deviations)",
@@ -162,7 +163,7 @@ std::string DescribeUnresolvedCauses(const ResidualBudget& budget) {
                      fmt::join(names, ", "));
 }
 
-BudgetAssessment OfNoise(const ResidualBudget& budget) {
+BudgetAssessment MakeNoiseAssessment(const ResidualBudget& budget) {
   return {"noise",
           fmt::format("feature noise, {:.2g} px in x and {:.2g} px in y ({} % "
                       "of the squared residuals){}",
@@ -171,7 +172,7 @@ BudgetAssessment OfNoise(const ResidualBudget& budget) {
           "add images, or improve their sharpness: more light, better focus"};
 }
 
-BudgetAssessment OfRest(const ResidualBudget& budget) {
+BudgetAssessment MakeRemainderAssessment(const ResidualBudget& budget) {
   return {"unexplained",
           fmt::format("spatially correlated residuals of unknown cause ({} % "
                       "of the squared residuals){}",
@@ -183,9 +184,10 @@ BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
   const std::optional<ErrorCause> cause = FindLargestCause(budget);
   const double largest = cause ? budget.Of(*cause).in_turn : 0;
   if (budget.large >= kWorthwhile && budget.large > largest)
-    return OfLargeErrors(budget);
-  if (cause) return OfCause(*cause, budget);
-  return budget.noise >= budget.rest ? OfNoise(budget) : OfRest(budget);
+    return MakeOutlierAssessment(budget);
+  if (cause) return MakeCauseAssessment(*cause, budget);
+  return budget.noise >= budget.rest ? MakeNoiseAssessment(budget)
+                                     : MakeRemainderAssessment(budget);
 }
 
 }  // namespace
@@ -195,7 +197,7 @@ std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
       "look for blur, glare, motion and outlier images in the report";
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid())
-    return facts.generic_tried ? fmt::format(
+    return facts.tried_generic ? fmt::format(
                                      "central-generic was tried and is not "
                                      "significantly better; {}",
                                      kLook)
@@ -206,7 +208,7 @@ std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
   else if (!facts.tried_finer && facts.knot_spacing_px > 0)
     advice.push_back(fmt::format("try a smaller --knot-spacing-px {:.0f}",
                                  facts.knot_spacing_px / 2));
-  if (facts.model == models::kCentralGeneric && !facts.noncentral_tried)
+  if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
     advice.emplace_back(
         "try --model noncentral-generic if the camera may be non-central, such "
         "as behind glass");

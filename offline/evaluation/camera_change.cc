@@ -249,7 +249,7 @@ struct LocalEquations {
   Eigen::VectorXd right;
 };
 
-LocalEquations WithoutSmooth(const Information& information) {
+LocalEquations RemoveSmoothComponent(const Information& information) {
   const auto& matrix = information.matrix;
   const ObservableDirections observable =
       FindObservableDirections(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
@@ -282,7 +282,7 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
     return TestGroup(information.matrix.block(first, first, count, count),
                      information.right.segment(first, count), deviation);
   };
-  const LocalEquations local = WithoutSmooth(information);
+  const LocalEquations local = RemoveSmoothComponent(information);
   return {smooth(kScale, 1, deviations[0]), smooth(kShift, 2, deviations[1]),
           smooth(kTilt, 2, deviations[2]),
           TestGroup(local.matrix, local.right, deviations[3])};
@@ -450,8 +450,8 @@ std::vector<std::string> SelectSignificant(
   return names;
 }
 
-bool WouldFindAHundredth(const ReferenceCamera& camera,
-                         const std::vector<Movement>& movements) {
+bool CanDetectSmallChange(const ReferenceCamera& camera,
+                          const std::vector<Movement>& movements) {
   constexpr double kPart = 0.01;
   for (const Movement& movement : movements) {
     const double unit = movement.name == "scale" ? 1
@@ -500,11 +500,12 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
                        : Explain(information, of_smooth.chi_squared);
   if (is_local) {
     change.moved.push_back("local");
-    FindLargestLocal(camera, WithoutSmooth(information), of_local, &change);
+    FindLargestLocal(camera, RemoveSmoothComponent(information), of_local,
+                     &change);
   }
   change.movements.push_back(local);
   change.is_degraded = !change.moved.empty();
-  change.is_conclusive = WouldFindAHundredth(camera, change.movements);
+  change.is_conclusive = CanDetectSmallChange(camera, change.movements);
 
   const Eigen::VectorXd fitted =
       is_local ? EstimateParameters(information, Range(0, kNumMovements)).values

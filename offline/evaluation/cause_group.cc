@@ -32,8 +32,8 @@ double SumLanes(const std::vector<double>& values) {
 }
 
 // Whether the difference of two causes' shares is insignificant.
-bool MayBeAlike(const std::vector<double>& more,
-                const std::vector<double>& less) {
+bool IsDifferenceInsignificant(const std::vector<double>& more,
+                               const std::vector<double>& less) {
   constexpr double kByChance = 0.01;
   std::vector<double> differences;
   for (size_t u = 0; u < more.size(); ++u)
@@ -142,10 +142,12 @@ void CauseGroup::FindEquivalentCauses(const Eigen::VectorXd& errors,
   const std::vector<double> most = explained_by(largest->fit);
   for (const NamedFit& named : fits_)
     ShareOf(named.cause, budget).is_indistinguishable =
-        &named == largest || MayBeAlike(most, explained_by(named.fit));
+        &named == largest ||
+        IsDifferenceInsignificant(most, explained_by(named.fit));
   const std::vector<double> by_control = explained_by(control);
   budget->column_delay = SumLanes(by_control) / squares_;
-  budget->is_column_delay_indistinguishable = MayBeAlike(most, by_control);
+  budget->is_column_delay_indistinguishable =
+      IsDifferenceInsignificant(most, by_control);
 }
 
 }  // namespace raygrid

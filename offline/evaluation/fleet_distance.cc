@@ -13,7 +13,7 @@ namespace {
 
 // The Jacobian of the mean camera's projections with respect to a rotation
 // about each axis, two rows per pixel; zero where it is undefined.
-Eigen::MatrixXd DisplacementsByTurn(
+Eigen::MatrixXd ComputeRotationJacobian(
     const CameraModel& mean, const std::vector<Eigen::Vector2d>& positions) {
   Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
   for (size_t i = 0; i < positions.size(); ++i) {
@@ -39,8 +39,8 @@ Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
 }
 
 // The sum of squares of columns, after removing rotations.
-double SquaresWithoutTurns(const Eigen::MatrixXd& by_turn,
-                           const Eigen::MatrixXd& columns) {
+double SumSquaresWithoutRotation(const Eigen::MatrixXd& by_turn,
+                                 const Eigen::MatrixXd& columns) {
   return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
       .squaredNorm();
 }
@@ -62,7 +62,8 @@ double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
     }
   const double beyond = static_cast<double>(positions.size() - seen.size()) *
                         std::pow(kDisplacementMarginPx, 2);
-  return beyond + SquaresWithoutTurns(DisplacementsByTurn(mean, seen), moved);
+  return beyond +
+         SumSquaresWithoutRotation(ComputeRotationJacobian(mean, seen), moved);
 }
 
 double SquaredDeviations(const CameraModel& camera,
@@ -79,8 +80,8 @@ double SquaredDeviations(const CameraModel& camera,
 }  // namespace
 
 bool FleetDistance::IsOutlier() const {
-  constexpr double kTimesUnits = 5, kLeastPx = 0.1;
-  return rms_px > std::max(kLeastPx, kTimesUnits * units_px);
+  constexpr double kTimesUnits = 5, kMinPx = 0.1;
+  return rms_px > std::max(kMinPx, kTimesUnits * units_px);
 }
 
 std::string FleetDistance::Text() const {
@@ -112,8 +113,8 @@ std::optional<FleetDistance> MeasureFleetDistance(
   if (positions.empty()) return std::nullopt;
   const double count = static_cast<double>(positions.size());
   double of_units =
-      SquaresWithoutTurns(DisplacementsByTurn(mean, positions),
-                          Stacked(spread, mean.area(), positions));
+      SumSquaresWithoutRotation(ComputeRotationJacobian(mean, positions),
+                                Stacked(spread, mean.area(), positions));
   if (deviations) of_units += SquaredDeviations(camera, *deviations, positions);
   return FleetDistance{
       std::sqrt(SquaredDistances(mean, camera, positions) / count),

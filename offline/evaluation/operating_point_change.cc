@@ -58,7 +58,7 @@ std::vector<Eigen::Vector2d> ComputeMoves(
 
 // Removes from displacements what a scale about a centre and a shift explain,
 // and returns the scale; nothing for fewer than three.
-std::optional<double> TakeGrowthAndShift(
+std::optional<double> RemoveScaleAndShift(
     const Eigen::Vector2d& center, const std::vector<Eigen::Vector2d>& pixels,
     std::vector<Eigen::Vector2d>* moves) {
   std::vector<size_t> seen;
@@ -95,7 +95,7 @@ OperatingPointChange ComputeChange(const CentralGeneric& reference,
   change.value = value;
   change.focal_px = FocalPx(camera);
   change.center_px = CenterPx(camera);
-  const auto growth = TakeGrowthAndShift(area.center(), pixels, &moves);
+  const auto growth = RemoveScaleAndShift(area.center(), pixels, &moves);
   if (!growth) return change;
   change.growth = *growth;
   double sum = 0;
@@ -134,7 +134,7 @@ std::vector<Eigen::Vector2d> MeasureDistortion(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector2d> moves = ComputeMoves(from, to, pixels);
-  TakeGrowthAndShift(from.area().center(), pixels, &moves);
+  RemoveScaleAndShift(from.area().center(), pixels, &moves);
   return moves;
 }
 

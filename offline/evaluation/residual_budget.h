@@ -32,9 +32,10 @@ struct BudgetFacts {
       false;                 ///< knot spacing was selected by held-out error
   bool tried_finer = false;  ///< a finer grid did not predict better
   bool points_free = false;  ///< target points were estimated
-  bool bends_tried = false;  ///< per-view deformation was tried or estimated
+  bool tried_deformation =
+      false;  ///< per-view deformation was tried or estimated
   /// Models that were compared with this one.
-  bool generic_tried = false, noncentral_tried = false;
+  bool tried_generic = false, tried_noncentral = false;
   std::string better_model;    ///< its name if its held-out error is lower
   bool mixed_cameras = false;  ///< the images seem to be from two cameras
 

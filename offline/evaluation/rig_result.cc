@@ -5,12 +5,12 @@
 namespace raygrid {
 namespace {
 
-constexpr int kEnoughSharedViews = 5;
+constexpr int kMinSharedViews = 5;
 // With pure noise, a board localized by several cameras fits each of them
 // nearly as well as if localized by it alone.
 constexpr double kMaxTogetherRatio = 1.5;
 
-ErrorMetrics FiguresOfAll(
+ErrorMetrics ComputeRigMetrics(
     const std::vector<std::vector<FeatureResidual>>& by_camera) {
   std::vector<FeatureResidual> all;
   for (const auto& residuals : by_camera)
@@ -49,11 +49,11 @@ ErrorMetrics ComputeTrainingMetrics(const RigResult& result) {
   std::vector<std::vector<FeatureResidual>> by_camera;
   for (const CalibrationResult& camera : result.cameras)
     by_camera.push_back(camera.training);
-  return FiguresOfAll(by_camera);
+  return ComputeRigMetrics(by_camera);
 }
 
 std::optional<ErrorMetrics> ComputeHeldOutMetrics(const RigResult& result) {
-  const ErrorMetrics metrics = FiguresOfAll(result.held_out);
+  const ErrorMetrics metrics = ComputeRigMetrics(result.held_out);
   if (metrics.count == 0) return std::nullopt;
   return metrics;
 }
@@ -79,10 +79,10 @@ Assessment AssessRig(const RigResult& result) {
     for (const std::string& reason : camera.assessment.reasons)
       assessment.reasons.push_back(camera.camera.name + ": " + reason);
     const int num_shared = NumSharedViews(result, c);
-    if (num_shared < kEnoughSharedViews)
+    if (num_shared < kMinSharedViews)
       warn(fmt::format(
           "{}: only {} views in common with other cameras; capture at least {}",
-          camera.camera.name, num_shared, kEnoughSharedViews));
+          camera.camera.name, num_shared, kMinSharedViews));
     alone.push_back(camera.held_out);
   }
   for (const AmbiguousPair& pair : result.ambiguous_pairs)
@@ -94,7 +94,7 @@ Assessment AssessRig(const RigResult& result) {
         result.cameras[pair.first].camera.name,
         result.cameras[pair.second].camera.name, pair.num_shared_views));
   const auto together = ComputeHeldOutMetrics(result);
-  const ErrorMetrics apart = FiguresOfAll(alone);
+  const ErrorMetrics apart = ComputeRigMetrics(alone);
   if (together && apart.count > 0 &&
       together->median_px > kMaxTogetherRatio * apart.median_px)
     warn(fmt::format(

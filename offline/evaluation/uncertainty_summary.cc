@@ -76,7 +76,8 @@ constexpr ImagePlace kCorners[] = {{"top left", 0, 0},
 
 // Describes the sides and corners with much extrapolation. Corners of a named
 // side are omitted.
-std::string PlacesInWords(const std::array<std::array<double, 3>, 3>& shares) {
+std::string DescribePositions(
+    const std::array<std::array<double, 3>, 3>& shares) {
   constexpr double kMuchOfSide = 0.2, kMuchOfCorner = 0.03;
   std::vector<std::string> sides, corners;
   std::vector<ImagePlace> named;
@@ -171,7 +172,7 @@ ExtrapolatedRegion FindExtrapolatedRegion(
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       if (all[row][column] > 0) shares[row][column] /= all[row][column];
-  region.where = PlacesInWords(shares);
+  region.where = DescribePositions(shares);
   if (!uncertainties_px.empty())
     region.p95_px = Quantile(uncertainties_px, 0.95);
   return region;

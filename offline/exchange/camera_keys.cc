@@ -319,7 +319,7 @@ void CameraKeys::Finish(const ExternalModel& external_model,
   std::vector<std::pair<std::string, YAML::Node>> unread;
   FindUnread(map_, "", &unread);
   const std::string of_camera = name_.empty() ? "" : name_ + ": ";
-  constexpr size_t kMostNames = 12;
+  constexpr size_t kMaxNames = 12;
   std::string names;
   size_t count = 0;
   for (const auto& [path, value] : unread) {
@@ -340,11 +340,11 @@ void CameraKeys::Finish(const ExternalModel& external_model,
               : "",
           external_model.name));
     if (is_nothing && (is_selector || is_parameter || value.IsNull())) continue;
-    if (++count <= kMostNames)
+    if (++count <= kMaxNames)
       names += (names.empty() ? "" : ", ") + Printable(path);
   }
-  if (count > kMostNames)
-    names += fmt::format(" and {} more", count - kMostNames);
+  if (count > kMaxNames)
+    names += fmt::format(" and {} more", count - kMaxNames);
   if (count > 0)
     warnings->push_back(of_camera + "unknown keys ignored: " + names);
 }

@@ -29,7 +29,7 @@ ExternalModel MakeColmapModel(ExternalModel external_model,
 
 // COLMAP's fisheyes divide by z, as OpenCV's. Models with one focal length are
 // restrictions of others; versions before 4 lack the last three.
-std::vector<ExternalModel> MakeColmapForms() {
+std::vector<ExternalModel> MakeColmapModels() {
   const std::string fisheye = models::kThinPrismFisheye;
   std::vector<ExternalModel> external_models = {
       MakeColmapModel(MakeOpenCvModel("PINHOLE", 0), false),
@@ -55,7 +55,7 @@ std::vector<ExternalModel> MakeColmapForms() {
 }
 
 const std::vector<ExternalModel>& GetColmapModels() {
-  static const std::vector<ExternalModel> external_models = MakeColmapForms();
+  static const std::vector<ExternalModel> external_models = MakeColmapModels();
   return external_models;
 }
 

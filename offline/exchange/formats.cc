@@ -56,7 +56,7 @@ double OffCenter(const ConvertedCamera& lens, double width, double height) {
 // Throws for lengths relative to the image size, as in some programs. A missing
 // parameter is reported later.
 void RequirePixels(const ConvertedCamera& lens) {
-  constexpr double kLeastFocalPx = 10;
+  constexpr double kMinFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
     return std::abs(lens.Value(name)) < most;
   };
@@ -64,9 +64,9 @@ void RequirePixels(const ConvertedCamera& lens) {
       lens.external_model->origin != PixelOrigin::kFirstPixelCenter ||
       !lens.external_model->Has("fx") || !lens.external_model->Has("cx") ||
       lens.Value("cx") <= 0 || lens.Value("cy") <= 0 ||
-      std::min(lens.size.width, lens.size.height) < kLeastFocalPx)
+      std::min(lens.size.width, lens.size.height) < kMinFocalPx)
     return;
-  if (is_part("fx", kLeastFocalPx) && is_part("fy", kLeastFocalPx) &&
+  if (is_part("fx", kMinFocalPx) && is_part("fy", kMinFocalPx) &&
       is_part("cx", 1) && is_part("cy", 1))
     throw InputError(fmt::format(
         "expected pixels, but fx {:g} and cx {:g} are fractions of the image; "
@@ -75,8 +75,8 @@ void RequirePixels(const ConvertedCamera& lens) {
 }
 
 // Warns of another resolution, or of exchanged width and height.
-void AddRemarkOnCenter(const std::string& name, const ConvertedCamera& lens,
-                       std::vector<std::string>* warnings) {
+void WarnAboutCenter(const std::string& name, const ConvertedCamera& lens,
+                     std::vector<std::string>* warnings) {
   constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
   if (!lens.external_model->Has("cx") || lens.values.empty()) return;
   const ImageSize& size = lens.size;
@@ -98,7 +98,7 @@ void AddLensWarnings(ExchangeContents* contents) {
     const std::string name =
         contents->cameras.size() > 1 ? camera.name + ": " : "";
     const double part = ComputeUndefinedFraction(*MakeLens(camera.lens));
-    AddRemarkOnCenter(name, camera.lens, &contents->warnings);
+    WarnAboutCenter(name, camera.lens, &contents->warnings);
     if (part > 0)
       contents->warnings.push_back(fmt::format(
           "{}no valid rays in {:.1f} % of the image, where the distortion "
@@ -116,8 +116,8 @@ void AddLensWarnings(ExchangeContents* contents) {
 }
 
 // Completes cameras by the user's options. An option never overrides the file.
-void TakeOptions(const Format& format, const ReadRequest& request,
-                 ExchangeContents* contents) {
+void ApplyUserOptions(const Format& format, const ReadRequest& request,
+                      ExchangeContents* contents) {
   for (ReadLens& camera : contents->cameras) {
     ImageSize& size = camera.lens.size;
     if (size == ImageSize{} && !request.size)
@@ -296,7 +296,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
         contents.boards.empty() && !contents.second_from_first)
       throw InputError(own.requires_board_size ? "contains no corners"
                                                : "contains no camera");
-    TakeOptions(own, request, &contents);
+    ApplyUserOptions(own, request, &contents);
     AddEndWarning(request.text, &contents);
     AddLensWarnings(&contents);
     DropRepeated(&contents.warnings);

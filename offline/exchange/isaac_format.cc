@@ -92,7 +92,7 @@ struct LookupError {
   }
 };
 
-bool IsValid(const CameraTable& table, const Eigen::Vector2d& pixel) {
+bool IsValid(const ExportedCamera& table, const Eigen::Vector2d& pixel) {
   return table.camera->IsInImageCircle(pixel) &&
          (!table.valid_region || table.valid_region->IsValidAt(pixel));
 }
@@ -105,7 +105,7 @@ constexpr size_t kEnterChannels = 3, kExitChannels = 2;
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
 // The direction of each pixel in the renderer's axes.
-std::vector<float> EnterTable(const CameraTable& table) {
+std::vector<float> EnterTable(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
   std::vector<float> numbers(kEnterChannels * size.width * size.height);
   ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
@@ -134,7 +134,7 @@ bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 
 // Distance between the mean of four pixels' rays and the ray between them,
 // where all are valid.
-LookupError EnterError(const CameraTable& table,
+LookupError EnterError(const ExportedCamera& table,
                        const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
   const ImageSize& size = table.camera->image_size();
@@ -210,7 +210,7 @@ double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
 // directions near the pixels' rays are tried.
 class ExitProjection {
  public:
-  ExitProjection(const CameraTable& table, const std::vector<float>& enter)
+  ExitProjection(const ExportedCamera& table, const std::vector<float>& enter)
       : camera_(*table.camera),
         octahedron_(table.model == kAhead),
         mask_side_(MaskSide(ComputeMaxStep(table.camera->image_size(), enter))),
@@ -347,7 +347,7 @@ class ExitTexels {
 
 // An image's corner may lie in a cell none of whose texels is in the image.
 ExitTexels MakeExitTexels(const ExitProjection& projection,
-                          const CameraTable& table, int side) {
+                          const ExportedCamera& table, int side) {
   constexpr int kRings = 2;
   const int num_threads = NumThreads(table.num_threads);
   ExitTexels texels(projection, table.camera->image_size(), side);
@@ -368,9 +368,9 @@ Eigen::Vector2d Blend(const std::array<Eigen::Vector2d, 4>& corners,
 // A direction's place in a table of so many texels a side; texel(x, y) are
 // its places. Nothing if one of the four beside it has none.
 template <typename Texel>
-std::optional<Eigen::Vector2d> LookUp(const Octahedron& octahedron, int side,
-                                      const Eigen::Vector3d& direction,
-                                      const Texel& texel) {
+std::optional<Eigen::Vector2d> InterpolateTable(
+    const Octahedron& octahedron, int side, const Eigen::Vector3d& direction,
+    const Texel& texel) {
   const TexelCell cell = TexelCell::At(octahedron.PlaceOf(direction), side);
   std::array<Eigen::Vector2d, 4> corners;
   for (int k = 0; k < 4; ++k) {
@@ -383,14 +383,15 @@ std::optional<Eigen::Vector2d> LookUp(const Octahedron& octahedron, int side,
 // Adds how far a table leads from one pixel, by the ray that stands in the
 // other table.
 template <typename Texel>
-void AddLookup(const CameraTable& table, const ExitProjection& projection,
+void AddLookup(const ExportedCamera& table, const ExitProjection& projection,
                const std::vector<float>& enter, int side, int x, int y,
                const Texel& texel, LookupError* error) {
   const ImageSize& size = table.camera->image_size();
   const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
   const Eigen::Vector2d pixel(x, y);
   if (!HasRay(ray) || !IsValid(table, pixel)) return;
-  const auto position = LookUp(projection.octahedron(), side, ray, texel);
+  const auto position =
+      InterpolateTable(projection.octahedron(), side, ray, texel);
   if (position)
     error->Add((FromUnitImage(size, *position) - pixel).norm(), pixel);
   else
@@ -398,7 +399,7 @@ void AddLookup(const CameraTable& table, const ExitProjection& projection,
 }
 
 // Predicts the error of a table at some pixels, without making it.
-LookupError ExpectedExitError(const CameraTable& table,
+LookupError ExpectedExitError(const ExportedCamera& table,
                               const ExitProjection& projection,
                               const std::vector<float>& enter, int side) {
   constexpr int kPixelsAcross = 40;
@@ -424,7 +425,7 @@ LookupError ExpectedExitError(const CameraTable& table,
 }
 
 // Measures the error of a table at all valid pixels.
-LookupError ExitError(const CameraTable& table,
+LookupError ExitError(const ExportedCamera& table,
                       const ExitProjection& projection,
                       const std::vector<float>& enter, const ExitTexels& texels,
                       int side) {
@@ -456,7 +457,8 @@ struct ExitChoice {
   LookupError error;
 };
 
-ExitChoice MakeExit(const CameraTable& table, const ExitProjection& projection,
+ExitChoice MakeExit(const ExportedCamera& table,
+                    const ExitProjection& projection,
                     const std::vector<float>& enter, int side) {
   const ExitTexels texels = MakeExitTexels(projection, table, side);
   return {side, texels.numbers(),
@@ -466,7 +468,7 @@ ExitChoice MakeExit(const CameraTable& table, const ExitProjection& projection,
 // The fewest texels that are near enough, else the usual ones. If a bound is
 // asked for that none keep, no table is made, and the error is the expected
 // one.
-ExitChoice ChooseExit(const CameraTable& table,
+ExitChoice ChooseExit(const ExportedCamera& table,
                       const std::vector<float>& enter) {
   const double aim_px = table.max_error_px.value_or(kCloseEnoughExitPx);
   const ExitProjection projection(table, enter);
@@ -493,7 +495,8 @@ std::string FormatExit(const ExitChoice& choice) {
   return text;
 }
 
-void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
+void RequireSmallExitError(const ExportedCamera& table,
+                           const ExitChoice& choice) {
   if (!table.max_error_px || (choice.error.max_px <= *table.max_error_px &&
                               choice.error.num_lost == 0))
     return;
@@ -504,7 +507,7 @@ void RequireSmallExitError(const CameraTable& table, const ExitChoice& choice) {
                           FormatExit(choice)));
 }
 
-TableOutput WriteIsaac(const CameraTable& table) {
+TableOutput WriteIsaac(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
   const std::vector<float> enter = EnterTable(table);
   const LookupError enter_error = EnterError(table, enter);

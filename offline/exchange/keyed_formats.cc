@@ -24,8 +24,8 @@ namespace {
 
 // The text of a scene without its photographs and points, which may be
 // millions. One that is no JSON is left to the parser of cameras.
-std::string WithoutBulk(const std::vector<std::string>& bulk,
-                        const std::string& text) {
+std::string StripSceneData(const std::vector<std::string>& bulk,
+                           const std::string& text) {
   const auto is_bulk = [&](const std::string& key) {
     return std::find(bulk.begin(), bulk.end(), key) != bulk.end();
   };
@@ -56,12 +56,13 @@ YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
       return ParseBlocks(request.text);
     default:
       return ParseFileStorage(request.path,
-                              WithoutBulk(format.bulk, request.text));
+                              StripSceneData(format.bulk, request.text));
   }
 }
 
 // Returns the first existing key of "KEY|KEY", or the first one.
-std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
+std::string FindFirstExistingKey(const CameraKeys& keys,
+                                 const std::string& names) {
   const std::vector<std::string> all = SplitText(names, '|');
   for (const std::string& name : all)
     if (keys.Has(name)) return name;
@@ -69,13 +70,13 @@ std::string FirstThatIsThere(const CameraKeys& keys, const std::string& names) {
 }
 
 // Whether the file identifies a model; the keys are then marked as read.
-bool IsSaid(const CameraKeys& keys, const KeyedModel& model,
-            const std::string& camera) {
+bool MatchesFileKeys(const CameraKeys& keys, const KeyedModel& model,
+                     const std::string& camera) {
   const std::vector<std::string> conditions = SplitText(model.says);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
     KeyedWord said = SplitAtMark(condition, '?', camera);
-    said.key = FirstThatIsThere(keys, said.key);
+    said.key = FindFirstExistingKey(keys, said.key);
     if (said.words.empty()) {
       if (!keys.Has(said.key)) return false;
       continue;
@@ -101,14 +102,14 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
   std::string said, names;
   std::set<std::string> tried;
   for (const KeyedModel& model : format.models) {
-    if (IsSaid(keys, model, camera)) return model;
+    if (MatchesFileKeys(keys, model, camera)) return model;
     if (tried.insert(model.external_model.name).second)
       names += (names.empty() ? "" : ", ") + model.external_model.name;
     said.clear();
     for (const std::string& condition : SplitText(model.says)) {
       const KeyedWord part = SplitAtMark(condition, '?', camera);
       if (part.words.empty()) continue;
-      const std::string key = FirstThatIsThere(keys, part.key);
+      const std::string key = FindFirstExistingKey(keys, part.key);
       said += fmt::format("{}{} '{}'", said.empty() ? "" : ", ", key,
                           Printable(keys.Word(key)));
     }
@@ -134,12 +135,12 @@ void ReduceMatrix(const std::string& key, std::vector<double>* numbers) {
 }
 
 // The numbers of one entry of KeyedModel::values, by parameter.
-void TakeKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
+void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                     const std::string& entry, const std::string& word,
                     std::map<std::string, double>* values, ReadLens* camera) {
   const bool may_be_missing = entry.find("?=") != std::string::npos;
   KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
-  part.key = FirstThatIsThere(keys, part.key);
+  part.key = FindFirstExistingKey(keys, part.key);
   if (!keys.Has(part.key)) {
     if (may_be_missing) return;
     throw InputError(fmt::format("'{}' is missing", part.key));
@@ -205,7 +206,7 @@ ImageSize ReadKeyedSize(const KeyedFormat& format, const CameraKeys& keys,
   const std::string sizes = format.size;
   if (sizes.find('=') != std::string::npos) return SizeOfWord(sizes, word);
   std::vector<std::string> names = SplitText(SubstituteWord(sizes, word));
-  for (std::string& name : names) name = FirstThatIsThere(keys, name);
+  for (std::string& name : names) name = FindFirstExistingKey(keys, name);
   if (names.empty() || !keys.Has(names[0])) return {};
   if (names.size() == 1) return GetListSize(keys[names[0]], names[0]);
   return {SidePx(keys[names[0]], names[0]), SidePx(keys[names[1]], names[1])};
@@ -254,9 +255,9 @@ std::optional<Pose> ReadKeyedPose(const KeyedPose& pose, const CameraKeys& keys,
 }
 
 // A polynomial of the radius. Its grid needs the size of the image.
-void TakeRadialLens(const std::map<std::string, double>& values,
-                    const ReadRequest& request,
-                    std::vector<std::string>* warnings, ReadLens* camera) {
+void ReadRadialModel(const std::map<std::string, double>& values,
+                     const ReadRequest& request,
+                     std::vector<std::string>* warnings, ReadLens* camera) {
   if (camera->lens.skew_px != 0)
     throw InputError(
         fmt::format("camera matrix: a skew of {:g} px is not supported by {}",
@@ -274,8 +275,8 @@ void TakeRadialLens(const std::map<std::string, double>& values,
                                 camera->lens.size, lens, warnings);
 }
 
-void TakeSizeOfValues(const std::map<std::string, double>& values,
-                      ImageSize* size) {
+void ReadSizeFromValues(const std::map<std::string, double>& values,
+                        ImageSize* size) {
   if (values.count("width") == 0 || values.count("height") == 0) return;
   const auto side = [&](const char* name) {
     return SidePx(YAML::Node(values.at(name)), name);
@@ -313,15 +314,15 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   camera.lens.size = ReadKeyedSize(format, keys, word);
   std::map<std::string, double> values;
   for (const std::string& entry : SplitText(model.values))
-    TakeKeyedValue(format, keys, entry, word, &values, &camera);
-  TakeSizeOfValues(values, &camera.lens.size);
+    ReadKeyedValue(format, keys, entry, word, &values, &camera);
+  ReadSizeFromValues(values, &camera.lens.size);
   ConvertLengths(format.unit, camera.lens.size, &values);
   if (values.count("skew") > 0) camera.lens.skew_px = values["skew"];
   camera.lens.values.clear();
   for (const std::string& parameter : model.external_model.parameters)
     camera.lens.values.push_back(values[parameter]);
   if (model.external_model.IsGrid())
-    TakeRadialLens(values, request, warnings, &camera);
+    ReadRadialModel(values, request, warnings, &camera);
   for (const KeyedPose& pose : format.poses) {
     if (pose.word[0] != 0 && word != pose.word) continue;
     if (!camera.camera_from_rig)
@@ -391,7 +392,7 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
     if (std::none_of(
             format.models.begin(), format.models.end(),
             [&](const KeyedModel& model) {
-              return keys.Has(FirstThatIsThere(
+              return keys.Has(FindFirstExistingKey(
                   keys, SplitAtMark(SplitText(model.values)[0], '?', "").key));
             }))
       continue;

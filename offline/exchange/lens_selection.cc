@@ -84,7 +84,7 @@ SelectedLens FitLens(const ExternalModel& external_model,
 }
 
 // Returns a quantile of sorted errors.
-double AtPart(const std::vector<double>& sorted, double part) {
+double ComputeSortedQuantile(const std::vector<double>& sorted, double part) {
   return sorted[static_cast<size_t>(
       part * static_cast<double>(sorted.size() - 1) + 0.5)];
 }
@@ -131,7 +131,7 @@ LensFit MeasureLensFit(const CameraModel& camera,
   if (errors.empty()) return fit;
   std::sort(errors.begin(), errors.end());
   fit.rms_px = std::sqrt(sum / static_cast<double>(errors.size()));
-  fit.p99_px = AtPart(errors, 0.99);
+  fit.p99_px = ComputeSortedQuantile(errors, 0.99);
   fit.max_px = errors.back();
   return fit;
 }

@@ -139,8 +139,8 @@ double ComputeBend(const CornerRows& image, int columns) {
 }
 
 // A board told the wrong way round has as many corners.
-void RequireThisWayRound(const std::vector<CornerRows>& images,
-                         const ImageSize& board) {
+void RequireBoardOrientation(const std::vector<CornerRows>& images,
+                             const ImageSize& board) {
   if (std::min(board.width, board.height) < 3 || board.width == board.height)
     return;
   double configuration = 0, turned = 0;
@@ -203,7 +203,7 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
     if (!features.features.empty())
       contents.corners.push_back(std::move(features));
   }
-  RequireThisWayRound(images, *request.board);
+  RequireBoardOrientation(images, *request.board);
   AddCornerWarnings(counts, &contents);
   return contents;
 }

@@ -18,28 +18,28 @@ namespace raygrid {
 namespace {
 
 constexpr char kDatasetMagic[] = "calib_data";
-constexpr int kMostAlongBoard = 1000, kMostBoardPoints = 100000;
+constexpr int kMostAlongBoard = 1000, kMaxBoardPoints = 100000;
 constexpr int kMostPoses = 1000000;
 
 // ---- dataset.bin -----------------------------------------------------------
 
 // Integers are big-endian, and floats little-endian.
 template <typename Number>
-Number GetWhole(ByteReader* reader) {
+Number ReadInteger(ByteReader* reader) {
   return reader->Get<Number>(ByteOrder::kBig);
 }
 
 // Reads the count of elements with a minimum size in bytes.
 uint32_t GetCount(ByteReader* reader, size_t least_bytes) {
-  const auto count = GetWhole<uint32_t>(reader);
+  const auto count = ReadInteger<uint32_t>(reader);
   reader->Require(count, least_bytes);
   return count;
 }
 
 ImageSize GetImageSize(ByteReader* reader) {
   constexpr uint32_t kLongestPx = 1000000;
-  const auto width = GetWhole<uint32_t>(reader),
-             height = GetWhole<uint32_t>(reader);
+  const auto width = ReadInteger<uint32_t>(reader),
+             height = ReadInteger<uint32_t>(reader);
   if (width < 1 || height < 1 || width > kLongestPx || height > kLongestPx)
     throw InputError(fmt::format("invalid image size {} x {}", width, height));
   return {static_cast<int>(width), static_cast<int>(height)};
@@ -49,7 +49,7 @@ PuzzlepaintFeature GetFeature(ByteReader* reader, const ImageSize& size) {
   PuzzlepaintFeature feature;
   feature.pixel.x() = reader->GetFinite<float>();
   feature.pixel.y() = reader->GetFinite<float>();
-  feature.id = GetWhole<int32_t>(reader);
+  feature.id = ReadInteger<int32_t>(reader);
   if (feature.pixel.minCoeff() < 0 || feature.pixel.x() > size.width ||
       feature.pixel.y() > size.height)
     throw InputError(fmt::format(
@@ -62,7 +62,7 @@ PuzzlepaintImageset GetImageset(ByteReader* reader,
                                 const std::vector<ImageSize>& sizes) {
   constexpr size_t kFeatureBytes = 12;
   PuzzlepaintImageset imageset;
-  imageset.name = reader->GetText(GetWhole<uint32_t>(reader));
+  imageset.name = reader->GetText(ReadInteger<uint32_t>(reader));
   for (const ImageSize& size : sizes) {
     std::vector<PuzzlepaintFeature>& features = imageset.cameras.emplace_back();
     for (auto count = GetCount(reader, kFeatureBytes); count > 0; --count)
@@ -94,9 +94,9 @@ PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
         fmt::format("cell size {:g} m is out of range, {:g} to {:g} m",
                     geometry.cell_m, kLeastM, kMostM));
   for (auto count = GetCount(reader, kPlaceBytes); count > 0; --count) {
-    const auto id = GetWhole<int32_t>(reader),
-               column = GetWhole<int32_t>(reader),
-               row = GetWhole<int32_t>(reader);
+    const auto id = ReadInteger<int32_t>(reader),
+               column = ReadInteger<int32_t>(reader),
+               row = ReadInteger<int32_t>(reader);
     AddPlace(id, column, row, &geometry);
   }
   return geometry;
@@ -122,9 +122,9 @@ void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
     if (places.empty())
       throw InputError(fmt::format("board {}: has no features", k));
     num_points += size.prod();
-    if (num_points > kMostBoardPoints)
+    if (num_points > kMaxBoardPoints)
       throw InputError(fmt::format("its boards have more than {} features",
-                                   kMostBoardPoints));
+                                   kMaxBoardPoints));
   }
 }
 
@@ -155,12 +155,12 @@ void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
 }
 
 template <typename Number>
-void AppendWhole(Number number, std::string* bytes) {
+void AppendInteger(Number number, std::string* bytes) {
   Append(number, bytes, ByteOrder::kBig);
 }
 
 void AppendCount(size_t count, std::string* bytes) {
-  AppendWhole(static_cast<uint32_t>(count), bytes);
+  AppendInteger(static_cast<uint32_t>(count), bytes);
 }
 
 // ---- YAML ------------------------------------------------------------------
@@ -222,7 +222,7 @@ PuzzlepaintDataset DecodePuzzlepaintDataset(const std::string& bytes) {
   if (reader.GetText(sizeof(kDatasetMagic) - 1) != kDatasetMagic)
     throw InputError(
         fmt::format("wrong signature, expected {}", kDatasetMagic));
-  if (const auto version = GetWhole<uint32_t>(&reader); version != 0)
+  if (const auto version = ReadInteger<uint32_t>(&reader); version != 0)
     throw InputError(
         fmt::format("unsupported version {}, expected 0", version));
   PuzzlepaintDataset dataset;
@@ -256,7 +256,7 @@ std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset) {
       for (const PuzzlepaintFeature& feature : features) {
         Append(feature.pixel.x(), &bytes);
         Append(feature.pixel.y(), &bytes);
-        AppendWhole(feature.id, &bytes);
+        AppendInteger(feature.id, &bytes);
       }
     }
   }
@@ -266,7 +266,7 @@ std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset) {
     AppendCount(geometry.places.size(), &bytes);
     for (const auto& [id, place] : geometry.places)
       for (const int32_t number : {id, place.x(), place.y()})
-        AppendWhole(number, &bytes);
+        AppendInteger(number, &bytes);
   }
   return bytes;
 }

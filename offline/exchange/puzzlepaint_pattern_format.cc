@@ -25,7 +25,7 @@ int ReadCountInRange(const YAML::Node& node, const std::string& name, int least,
 // Stars stand at inner corners of squares, so the first one is a square from
 // the pattern's edge, which tags count from.
 BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
-  constexpr int kMostSquares = 1001, kMostId = 586;
+  constexpr int kMaxSquareCount = 1001, kMostId = 586;
   if (!node.IsMap()) throw InputError(name + ": expected a mapping");
   const auto number = [&](const char* key, int most) {
     return ReadCountInRange(node[key], fmt::format("{}: {}", name, key), 0,
@@ -33,23 +33,23 @@ BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
   };
   BoardTag tag;
   tag.id = number("index", kMostId);
-  tag.column = number("tag_x", kMostSquares) - 1;
-  tag.row = number("tag_y", kMostSquares) - 1;
-  tag.squares = number("width", kMostSquares);
-  if (number("height", kMostSquares) != tag.squares)
+  tag.column = number("tag_x", kMaxSquareCount) - 1;
+  tag.row = number("tag_y", kMaxSquareCount) - 1;
+  tag.squares = number("width", kMaxSquareCount);
+  if (number("height", kMaxSquareCount) != tag.squares)
     throw InputError(name + ": width and height of a tag must be equal");
   return tag;
 }
 
 ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
-  constexpr int kLeastSquares = 3, kMostSquares = 1001;
+  constexpr int kLeastSquares = 3, kMaxSquareCount = 1001;
   RequireYamlFile(request.path, request.text);
   const YAML::Node root = YAML::Load(request.text);
   if (!root.IsMap()) throw InputError("not a pattern: expected a mapping");
   Board board;
   board.kind = "star";
   const auto features = [&](const char* key) {
-    return ReadCountInRange(root[key], key, kLeastSquares, kMostSquares) - 1;
+    return ReadCountInRange(root[key], key, kLeastSquares, kMaxSquareCount) - 1;
   };
   board.columns = features("squares_x");
   board.rows = features("squares_y");

@@ -151,8 +151,8 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
 
 // Returns the number that is an image's name; nullopt for other names.
 std::optional<int> NumberOfImage(const std::string& name) {
-  constexpr size_t kMostDigits = 6;
-  if (name.empty() || name.size() > kMostDigits ||
+  constexpr size_t kMaxDigits = 6;
+  if (name.empty() || name.size() > kMaxDigits ||
       name.find_first_not_of("0123456789") != std::string::npos ||
       (name[0] == '0' && name.size() > 1))
     return std::nullopt;

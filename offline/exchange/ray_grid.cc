@@ -170,8 +170,10 @@ int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
 }
 
 // Tests a grid of the same size, fitted to white samples, at the black ones.
-double LeftOutRmsPx(const RayTable& rays, const std::vector<RaySample>& samples,
-                    const Area& area, const RayGrid& grid, int num_threads) {
+double ComputeCheckerboardRmsPx(const RayTable& rays,
+                                const std::vector<RaySample>& samples,
+                                const Area& area, const RayGrid& grid,
+                                int num_threads) {
   std::vector<RaySample> white, black;
   for (const RaySample& sample : samples)
     (sample.is_white ? white : black).push_back(sample);
@@ -251,7 +253,8 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
       grids.begin(), grids.end(),
       [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
   best.part_without_rays = ComputeUndefinedFraction(rays, samples);
-  best.left_out_rms_px = LeftOutRmsPx(rays, samples, area, best, num_threads);
+  best.left_out_rms_px =
+      ComputeCheckerboardRmsPx(rays, samples, area, best, num_threads);
   return best;
 }
 

@@ -123,7 +123,7 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
 }
 
 // Directions as unit vectors; none where one, or its origin, is no number.
-void TakeUnitVectors(RayTable* rays) {
+void NormalizeDirections(RayTable* rays) {
   for (size_t k = 0; k < rays->directions.size(); ++k) {
     Eigen::Vector3d& direction = rays->directions[k];
     direction.normalize();
@@ -147,7 +147,7 @@ RayTable RaysOf(const std::vector<NpyArray>& arrays) {
   rays.directions = VectorsOf(*directions, rays.y.size(), rays.x.size());
   if (const NpyArray* origins = FindArray(arrays, "origins"))
     rays.origins = VectorsOf(*origins, rays.y.size(), rays.x.size());
-  TakeUnitVectors(&rays);
+  NormalizeDirections(&rays);
   return rays;
 }
 

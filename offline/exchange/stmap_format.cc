@@ -77,14 +77,14 @@ class ExrInput : public Imf::IStream {
 // The size of a window of pixels. Throws for one that no file of so many bytes
 // has.
 ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
-  constexpr int64_t kMostPixelsPerByte = 1024;
+  constexpr int64_t kMaxPixelsPerByte = 1024;
   const int64_t width = int64_t{window.max.x} - window.min.x + 1,
                 height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1) throw InputError("image size is zero");
   const std::string why = DescribeSizeLimit(static_cast<uint64_t>(width),
                                             static_cast<uint64_t>(height));
   if (!why.empty()) throw InputError(why);
-  if (width * height > kMostPixelsPerByte * static_cast<int64_t>(num_bytes))
+  if (width * height > kMaxPixelsPerByte * static_cast<int64_t>(num_bytes))
     throw InputError(fmt::format("{} bytes are too few for {} x {} pixels",
                                  num_bytes, width, height));
   return {static_cast<int>(width), static_cast<int>(height)};

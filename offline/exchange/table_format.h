@@ -62,7 +62,7 @@ struct RayTable {
 };
 
 /// A camera, for formats that sample it themselves.
-struct CameraTable {
+struct ExportedCamera {
   std::string path;
   std::string model;                    ///< one of the format's models
   const CameraModel* camera = nullptr;  ///< central camera
@@ -110,7 +110,7 @@ struct TableFormat {
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;
-  TableOutput (*write_camera)(const CameraTable& camera) = nullptr;
+  TableOutput (*write_camera)(const ExportedCamera& camera) = nullptr;
   TableOutput (*write_poses)(const PoseTable& poses) = nullptr;
   TableOutput (*write_features)(const FeatureTable& features) = nullptr;
   /// Mesh of a view: see exchange/mesh/mesh.h.

@@ -126,11 +126,10 @@ bool IsTum(const std::string& bytes) {
 // The name of an image at a time stamp, of digits: programs also write stamps
 // as 1.5e+09.
 std::string NameOfStamp(const std::string& word, double stamp) {
-  constexpr double kMostDigits = 1e15;
+  constexpr double kMaxDigits = 1e15;
   const bool has_exponent = word.find_first_of("eE") != std::string::npos;
-  return has_exponent && std::abs(stamp) < kMostDigits
-             ? fmt::format("{}", stamp)
-             : word;
+  return has_exponent && std::abs(stamp) < kMaxDigits ? fmt::format("{}", stamp)
+                                                      : word;
 }
 
 std::vector<BoardPose> ReadTum(const std::string& path,

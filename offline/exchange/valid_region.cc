@@ -28,7 +28,7 @@ bool Holds(const ValidityMask& mask, const Place& cell) {
 }
 
 // Takes a part of the cells out of a mask: those that are joined to a cell.
-ValidityMask TakePart(int first, ValidityMask* rest) {
+ValidityMask ExtractConnectedCells(int first, ValidityMask* rest) {
   ValidityMask part = *rest;
   part.is_valid.assign(part.is_valid.size(), false);
   std::vector<int> next = {first};
@@ -58,7 +58,7 @@ ValidityMask FindLargestComponent(ValidityMask rest) {
   largest.is_valid.assign(rest.is_valid.size(), false);
   for (size_t cell = 0; cell < rest.is_valid.size(); ++cell) {
     if (!rest.is_valid[cell]) continue;
-    ValidityMask part = TakePart(static_cast<int>(cell), &rest);
+    ValidityMask part = ExtractConnectedCells(static_cast<int>(cell), &rest);
     if (CountValidCells(part) > CountValidCells(largest))
       largest = std::move(part);
   }

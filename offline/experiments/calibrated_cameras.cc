@@ -41,7 +41,7 @@ constexpr char kHowCalibrated[] =
 
 // Uses the last as the reference, and states it in the conditions (paper,
 // "Camera Pose Estimation").
-void TakeLastForTruth(const std::string& others, ComparedCameras* compared) {
+void UseLastAsReference(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(
       {"truth",
@@ -71,7 +71,7 @@ ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
   else
     compared.cameras.assign(users.begin(), users.end() - 1);
   compared.cameras.push_back(users.back());
-  TakeLastForTruth(
+  UseLastAsReference(
       users.size() == 1 ? "the others are fitted to it" : "the others as given",
       &compared);
   return compared;
@@ -185,7 +185,8 @@ ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
   if (features.truth)
     compared.cameras.push_back({"truth", features.truth, std::nullopt});
   else
-    TakeLastForTruth("the others calibrated from the same features", &compared);
+    UseLastAsReference("the others calibrated from the same features",
+                       &compared);
   return compared;
 }
 

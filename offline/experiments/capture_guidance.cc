@@ -160,7 +160,7 @@ struct Operator {
     return static_cast<int>(features.size()) == board().num_points();
   }
 
-  std::vector<Feature> AtRandom() {
+  std::vector<Feature> SelectRandomView() {
     for (;;) {
       std::vector<Feature> seen = Try(RandomView(truth.image_size(), &random));
       if (seen.size() >= kFewest) return seen;
@@ -169,14 +169,14 @@ struct Operator {
 
   // The view, among some, that fills the bars most; once they are full, any
   // that ROS accepts as new.
-  std::vector<Feature> ByBars() {
+  std::vector<Feature> SelectViewByCoverage() {
     constexpr int kTries = 30;
     constexpr double kNew = 0.2;
     std::vector<Feature> best;
     double best_score = -1;
     Bars best_bars = Bars::Zero();
     for (int k = 0; k < kTries;) {
-      std::vector<Feature> seen = AtRandom();
+      std::vector<Feature> seen = SelectRandomView();
       if (!IsWhole(seen)) continue;
       ++k;
       const Bars bars = ComputeBars(seen, board(), truth.image_size());
@@ -195,7 +195,7 @@ struct Operator {
     return best;
   }
 
-  std::vector<Feature> ByNextView(const LiveCamera& live) {
+  std::vector<Feature> SelectNextBestView(const LiveCamera& live) {
     const int index = static_cast<int>(live.images().images.size());
     std::vector<Feature> seen;
     if (live.adjusted()) {
@@ -205,19 +205,19 @@ struct Operator {
     } else if (index < kNumFirstViews) {
       seen = Try(FirstView(index, truth.image_size()));
     }
-    return seen.size() >= kFewest ? seen : AtRandom();
+    return seen.size() >= kFewest ? seen : SelectRandomView();
   }
 
   std::vector<Feature> Next(const LiveCamera& live) {
     switch (follows) {
       case Follows::kNextView:
-        return ByNextView(live);
+        return SelectNextBestView(live);
       case Follows::kBars:
-        return ByBars();
+        return SelectViewByCoverage();
       case Follows::kNothing:
         break;
     }
-    return AtRandom();
+    return SelectRandomView();
   }
 };
 
@@ -238,8 +238,8 @@ struct CaptureRun {
   double predicted_px = 0;
 };
 
-CaptureRun CaptureUntilKnown(Follows follows, const ThinPrismFisheye& truth,
-                             const Pattern& pattern, uint64_t seed) {
+CaptureRun SimulateCapture(Follows follows, const ThinPrismFisheye& truth,
+                           const Pattern& pattern, uint64_t seed) {
   Operator hand = {follows, truth, pattern, Random(seed)};
   LiveCamera live(pattern, truth.image_size(), 1);
   SimulationOptions noise;
@@ -321,8 +321,8 @@ ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options) {
   ParallelFor(num_all, NumThreads(options.num_threads), [&](int k) {
     const uint64_t seed = options.seed * 1000 + k / kNumOperators;
     captures[k] =
-        CaptureUntilKnown(kOperators[k % kNumOperators],
-                          RandomLens(options.size, seed), pattern, seed);
+        SimulateCapture(kOperators[k % kNumOperators],
+                        RandomLens(options.size, seed), pattern, seed);
     const std::lock_guard lock(progress);
     if (options.progress) options.progress(double(++num_done) / num_all);
   });

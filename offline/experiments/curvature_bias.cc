@@ -217,12 +217,11 @@ struct ShiftedFeatures {
   int count = 0;
 };
 
-ImageFeatures RefineFeaturesCallback(const GreyImage& image,
-                                     const Photograph& photograph,
-                                     const CameraModel& camera,
-                                     const Board& board,
-                                     const FeatureRefiner& refiner, int window,
-                                     int way) {
+ImageFeatures RefineInPhotograph(const GreyImage& image,
+                                 const Photograph& photograph,
+                                 const CameraModel& camera, const Board& board,
+                                 const FeatureRefiner& refiner, int window,
+                                 int way) {
   std::vector<Feature> own;
   for (const Feature& feature : photograph.features.features)
     if (feature.board == board.id) own.push_back(feature);
@@ -254,7 +253,7 @@ ShiftedFeatures MeasureShift(const std::vector<Photograph>& photographs,
     for (int way = 0; way < kNumWays; ++way) {
       measured[way][i].image = photograph.features.image;
       for (const auto& [id, pose] : photograph.poses) {
-        const ImageFeatures again = RefineFeaturesCallback(
+        const ImageFeatures again = RefineInPhotograph(
             image, photograph, camera, *options.data.pattern.FindBoard(id),
             *refiners.at(id), window, way);
         measured[way][i].features.insert(measured[way][i].features.end(),

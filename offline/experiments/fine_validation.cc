@@ -151,7 +151,7 @@ int ComputeMinCellCount(const std::vector<FeatureResidual>& residuals,
   return *std::min_element(counts.begin(), counts.end());
 }
 
-struct FineFigures {
+struct FineMetrics {
   double test_px = 0;
   std::optional<double> bias;
   std::vector<FeatureResidual> training;
@@ -159,7 +159,7 @@ struct FineFigures {
 
 // Optimizes the model from the initial camera as calibrate does, with estimated
 // target points.
-FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
+FineMetrics AddFineRow(const FineModel& model, const CameraModel& truth,
                        const FineImages& images, const Pattern& pattern,
                        const AdjustmentResult& start, double bump_width_px,
                        const ExperimentOptions& options,
@@ -171,7 +171,7 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
                 &adjusted);
   AlignBoards(pattern, &adjusted);
   const CameraModel& camera = adjusted.state.camera();
-  FineFigures metrics;
+  FineMetrics metrics;
   metrics.training =
       ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
   metrics.test_px = ComputeErrorMetrics(
@@ -198,7 +198,7 @@ FineFigures AddFineRow(const FineModel& model, const CameraModel& truth,
 }
 
 // Short enough for a picture's caption.
-std::string FormatCaption(const FineModel& model, const FineFigures& metrics) {
+std::string FormatCaption(const FineModel& model, const FineMetrics& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");
   if (generic != std::string::npos) label.erase(generic, 8);
@@ -281,7 +281,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     for (size_t i = 0; i < models.size(); ++i) {
       const FineModel& model = models[i];
       try {
-        const FineFigures metrics = AddFineRow(
+        const FineMetrics metrics = AddFineRow(
             model, truth, images, pattern, start, width_px, options, &table);
         series.points.push_back({double(i), metrics.test_px});
         pictures.push_back({FormatCaption(model, metrics),

@@ -32,7 +32,7 @@ ImagingOptions Imaging(const ExperimentOptions& options, int image) {
 }
 
 // The ink extends a square beyond the features.
-bool IsWhollySeen(const CameraModel& camera, const Pose& pose) {
+bool IsFullyVisible(const CameraModel& camera, const Pose& pose) {
   const Area image = WholeImage(camera.image_size());
   for (const double column : {-1, kBoardColumns}) {
     for (const double row : {-1, kBoardRows}) {
@@ -59,7 +59,7 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
        RandomPoses(camera, center, kBoardSquareM,
                    kMaxTries * options.num_images, pose_options, options.seed))
     if (static_cast<int>(chosen.size()) < options.num_images &&
-        IsWhollySeen(camera, pose))
+        IsFullyVisible(camera, pose))
       chosen.push_back(pose);
   if (static_cast<int>(chosen.size()) < options.num_images)
     throw Error(

@@ -35,7 +35,7 @@ ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
   simulation.seed = options.seed + 1;
-  simulation.board_flex_m = flex_m;
+  simulation.board_deformation_m = flex_m;
   simulation.shared_noise_px = shared_noise_px;
   simulation.shared_noise_features = 8;
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);

@@ -235,9 +235,9 @@ namespace {
 // The similarity (Umeyama, 1991) from points of a cloud to the surface, without
 // outliers: depth errors above six times the median, relative to the squared
 // depth.
-Eigen::Matrix4d SimilarityOfMost(const StereoCloud& cloud,
-                                 const std::vector<size_t>& matched,
-                                 const std::vector<Eigen::Vector3d>& seen) {
+Eigen::Matrix4d EstimateRobustSimilarity(
+    const StereoCloud& cloud, const std::vector<size_t>& matched,
+    const std::vector<Eigen::Vector3d>& seen) {
   constexpr int kRounds = 20;
   constexpr double kTimesMedian = 6;
   std::vector<size_t> kept(matched.size());
@@ -285,7 +285,8 @@ DepthErrorMap CompareToSurface(const StereoCloud& cloud,
   }
   if (matched.size() < kMinMatches)
     throw Error(ExitCode::kTooFew, "stereo-depth: too few stereo matches");
-  const Eigen::Matrix4d similarity = SimilarityOfMost(cloud, matched, seen);
+  const Eigen::Matrix4d similarity =
+      EstimateRobustSimilarity(cloud, matched, seen);
   DepthErrorMap map;
   map.columns = cloud.columns;
   map.num_matched = static_cast<int>(matched.size());

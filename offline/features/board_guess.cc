@@ -26,7 +26,7 @@ std::optional<Guess> GuessChessboard(const GreyImage& image, const Board&) {
 }
 
 // The kind that was asked for first: some boards look like several.
-std::optional<Guess> GuessFrom(const GreyImage& image, const Board& asked) {
+std::optional<Guess> TryKinds(const GreyImage& image, const Board& asked) {
   using Guesser = std::optional<Guess> (*)(const GreyImage&, const Board&);
   std::vector<std::pair<std::string, Guesser>> guessers = {
       {"charuco", GuessCharuco},
@@ -53,14 +53,14 @@ Board MakeGuessedBoard(const Guess& guess) {
 }
 
 // The other side of a chessboard may be the longer one.
-void TurnAs(const Board& asked, Guess* guess) {
+void MatchOrientation(const Board& asked, Guess* guess) {
   if (!guess->HasMarkers() && asked.columns < asked.rows)
     std::swap(guess->columns, guess->rows);
 }
 
 // The guess that most images agree on.
-std::optional<Guess> MostVoted(const std::vector<std::optional<Guess>>& guesses,
-                               int* num_votes) {
+std::optional<Guess> SelectByMajority(
+    const std::vector<std::optional<Guess>>& guesses, int* num_votes) {
   std::map<decltype(Guess().Key()), int> votes;
   int num_guesses = 0;
   for (const auto& guess : guesses) {
@@ -201,10 +201,10 @@ std::string DescribeExpectedBoards(const Pattern& pattern,
       pattern_name);
 }
 
-std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
-                                           const Pattern& pattern,
-                                           const std::string& pattern_name,
-                                           int num_threads) {
+std::optional<std::string> SuggestOtherBoard(const FolderDetection& found,
+                                             const Pattern& pattern,
+                                             const std::string& pattern_name,
+                                             int num_threads) {
   const Board& asked = pattern.boards.front();
   const std::vector<int> chosen = SelectExampleImages(found, asked);
   const auto negative = [&] {
@@ -219,12 +219,12 @@ std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
                 const GreyImage image =
                     MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]]));
                 if (!IsPureNoise(image) && !HasLowContrast(image))
-                  guesses[i] = GuessFrom(Denoise(image), asked);
+                  guesses[i] = TryKinds(Denoise(image), asked);
               });
   int num_votes = 0;
-  auto guess = MostVoted(guesses, &num_votes);
+  auto guess = SelectByMajority(guesses, &num_votes);
   if (!guess) return negative();
-  TurnAs(asked, &*guess);
+  MatchOrientation(asked, &*guess);
   if (MatchesRequest(*guess, asked)) return negative();
   return fmt::format(
       "the images show {}{} ({} of {} inspected images), not {}; {}",

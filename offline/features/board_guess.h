@@ -16,10 +16,10 @@ namespace raygrid {
 /// markers of any pattern, also for white-on-black boards. If most agree on one
 /// board, returns a line with the remedy, which contains pattern_name; features
 /// detected of the specified board are then spurious.
-std::optional<std::string> GuessOtherBoard(const FolderDetection& found,
-                                           const Pattern& pattern,
-                                           const std::string& pattern_name,
-                                           int num_threads);
+std::optional<std::string> SuggestOtherBoard(const FolderDetection& found,
+                                             const Pattern& pattern,
+                                             const std::string& pattern_name,
+                                             int num_threads);
 
 /// Returns the end of an error message for images without boards: the expected
 /// boards, and what to check.

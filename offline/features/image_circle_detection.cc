@@ -135,7 +135,7 @@ std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
   return best;
 }
 
-bool IsSeenAllAround(const Circle& circle,
+bool IsCircleVisible(const Circle& circle,
                      const std::vector<Eigen::Vector2d>& edge) {
   std::array<int, 4> quarters = {};
   for (const Eigen::Vector2d& pixel : edge)
@@ -243,7 +243,7 @@ std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest) {
       Near(*circle, 1.5 * brightest.knot_spacing_px, edge);
   if (static_cast<double>(near.size()) <
           kMinInliers * static_cast<double>(edge.size()) ||
-      !IsSeenAllAround(*circle, near) ||
+      !IsCircleVisible(*circle, near) ||
       !IsSharp(brightest, levels->sharp, *circle, near) ||
       !IsDarkBeyond(brightest, levels->lit, *circle))
     return std::nullopt;

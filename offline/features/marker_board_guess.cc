@@ -173,8 +173,8 @@ std::vector<GridTags> ListGridTagsToTry(const Board& asked) {
 }
 
 // The tags of one family as markers of a board.
-std::vector<DetectedMarker> SeenOf(const std::vector<DetectedTag>& tags,
-                                   TagFamily family, int first_marker) {
+std::vector<DetectedMarker> SelectFamilyMarkers(
+    const std::vector<DetectedTag>& tags, TagFamily family, int first_marker) {
   std::vector<DetectedMarker> seen;
   for (const DetectedTag& tag : tags) {
     const int index = tag.id - first_marker;
@@ -316,8 +316,8 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
     for (const GridTags& kind : tried) {
       Guess of_kind = GuessOfFamily(kind.name, kind.border_cells);
       of_kind.is_mirrored = is_mirrored;
-      CompareGrids(SeenOf(tags, kind.family, asked.first_marker), of_kind,
-                   asked, &best, &guess);
+      CompareGrids(SelectFamilyMarkers(tags, kind.family, asked.first_marker),
+                   of_kind, asked, &best, &guess);
     }
   };
   compare(image, false, TagSearch::kThorough, true);

@@ -34,9 +34,9 @@ std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
 }
 
 // Independent metrics; the others follow from the camera.
-FleetMetric FigureOf(const std::string& name, bool is_positive,
-                     const std::vector<UnitRow>& rows,
-                     const std::vector<size_t>& compared) {
+FleetMetric MakeIndependentMetric(const std::string& name, bool is_positive,
+                                  const std::vector<UnitRow>& rows,
+                                  const std::vector<size_t>& compared) {
   FleetMetric metric{name, {}, is_positive};
   for (const size_t row : compared) {
     const auto found = rows[row].metrics.find(name);
@@ -87,7 +87,8 @@ ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
         std::pair("center_y_px", false), std::pair("held_out_median_px", true),
         std::pair("max_uncertainty_px", true),
         std::pair("sensor_temperature_c", false)}) {
-    FleetMetric metric = FigureOf(name, is_positive, rows, units.rows);
+    FleetMetric metric =
+        MakeIndependentMetric(name, is_positive, rows, units.rows);
     const bool is_known =
         std::any_of(metric.values.begin(), metric.values.end(),
                     [](double value) { return std::isfinite(value); });

@@ -19,8 +19,8 @@ namespace raygrid {
 namespace {
 
 // The cameras of inlier units; empty if one is not central.
-std::vector<CameraFile> UsualCameras(const FleetAnalysis& fleet,
-                                     const std::vector<std::string>& folders) {
+std::vector<CameraFile> SelectInlierCameras(
+    const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
   for (const size_t row : fleet.compared)
     if (fleet.rows[row].outliers.empty()) usual.push_back(row);
@@ -47,7 +47,7 @@ Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
 }
 
 // The medians of coordinates, if most of the units have values.
-std::optional<Eigen::Vector2d> MedianOfMost(
+std::optional<Eigen::Vector2d> ComputeMajorityMedian(
     const std::vector<PixelField>& units, size_t pixel) {
   std::vector<double> x, y;
   for (const PixelField& unit : units)
@@ -65,7 +65,7 @@ std::optional<BSplineSurface> MedianSurface(
     const std::vector<PixelField>& units) {
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < pixels.size(); ++i)
-    if (const auto value = MedianOfMost(units, i))
+    if (const auto value = ComputeMajorityMedian(units, i))
       samples.push_back({pixels[i], *value});
   if (samples.empty()) return std::nullopt;
   return FitSurface(grid.area(), grid.columns(), grid.rows(), samples);
@@ -121,7 +121,7 @@ SmoothFit FitSmooth(const PixelField& displacements,
 std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
                                 const std::vector<Polynomials>& polynomials) {
   constexpr double kTimesMost = 5;
-  constexpr double kLeastPx = 0.5;
+  constexpr double kMinPx = 0.5;
   constexpr size_t kEachPixel = 17;  // not all need be looked at
   std::vector<bool> is_usual(fits.size(), true);
   for (size_t i = 0; i < polynomials.size(); i += kEachPixel) {
@@ -137,15 +137,15 @@ std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
     std::vector<double> sorted = distances;
     std::sort(sorted.begin(), sorted.end());
     const double limit_px =
-        kTimesMost * std::max(kLeastPx, sorted[3 * sorted.size() / 4]);
+        kTimesMost * std::max(kMinPx, sorted[3 * sorted.size() / 4]);
     for (size_t u = 0; u < fits.size(); ++u)
       if (distances[u] > limit_px) is_usual[u] = false;
   }
   return is_usual;
 }
 
-SmoothFit MeanOfUsual(const std::vector<SmoothFit>& fits,
-                      const std::vector<bool>& is_usual) {
+SmoothFit ComputeInlierMean(const std::vector<SmoothFit>& fits,
+                            const std::vector<bool>& is_usual) {
   SmoothFit sum = SmoothFit::Zero();
   double count = 0;
   for (size_t u = 0; u < fits.size(); ++u) {
@@ -179,10 +179,10 @@ BSplineSurface MoveToMean(const CentralGeneric& reference,
     fits.push_back(fit);
   }
   *is_usual = SelectInliers(fits, polynomials);
-  const SmoothFit mean = MeanOfUsual(fits, *is_usual);
+  const SmoothFit mean = ComputeInlierMean(fits, *is_usual);
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < pixels.size(); ++i)
-    if (const auto rest = MedianOfMost(rests, i))
+    if (const auto rest = ComputeMajorityMedian(rests, i))
       samples.push_back(
           {pixels[i],
            reference.surface().Evaluate(
@@ -197,7 +197,7 @@ BSplineSurface MoveToMean(const CentralGeneric& reference,
 std::optional<CameraFile> ComputeMeanCamera(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
   if (fleet.statistics.charts.empty()) return std::nullopt;
-  return ComputeMeanCamera(UsualCameras(fleet, folders));
+  return ComputeMeanCamera(SelectInlierCameras(fleet, folders));
 }
 
 std::optional<CameraFile> ComputeMeanCamera(

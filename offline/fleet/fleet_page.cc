@@ -290,7 +290,7 @@ std::string MakeGaugeSection(const GaugeStudy& gauge) {
 
 // ---- All units -------------------------------------------------------------
 
-std::string FigureCell(const UnitRow& row, const char* name) {
+std::string FormatMetricCell(const UnitRow& row, const char* name) {
   const auto metric = row.metrics.find(name);
   return metric == row.metrics.end() ? "" : FormatChartValue(metric->second);
 }
@@ -300,15 +300,17 @@ std::string MakeUnitsSection(const std::vector<UnitRow>& units) {
   for (const UnitRow& unit : units) {
     const std::string warning =
         unit.repeats.empty() ? unit.reason : "repeats " + unit.repeats;
-    rows.push_back(
-        {UnitLink(unit), unit.status, FigureCell(unit, "focal_px"),
-         FigureCell(unit, "center_x_px"), FigureCell(unit, "center_y_px"),
-         FigureCell(unit, "held_out_median_px"),
-         FigureCell(unit, "max_uncertainty_px"), EscapeHtml(unit.lens_batch),
-         unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
-         fmt::format("{}", fmt::join(unit.outliers, ", ")) +
-             (unit.outliers.empty() || warning.empty() ? "" : "; ") +
-             EscapeHtml(warning)});
+    rows.push_back({UnitLink(unit), unit.status,
+                    FormatMetricCell(unit, "focal_px"),
+                    FormatMetricCell(unit, "center_x_px"),
+                    FormatMetricCell(unit, "center_y_px"),
+                    FormatMetricCell(unit, "held_out_median_px"),
+                    FormatMetricCell(unit, "max_uncertainty_px"),
+                    EscapeHtml(unit.lens_batch),
+                    unit.seconds > 0 ? fmt::format("{:.1f}", unit.seconds) : "",
+                    fmt::format("{}", fmt::join(unit.outliers, ", ")) +
+                        (unit.outliers.empty() || warning.empty() ? "" : "; ") +
+                        EscapeHtml(warning)});
   }
   return "<h2>All units</h2>\n<div class=\"told\">" +
          MakeHtmlTable({"unit", "status", "focal px", "centre x", "centre y",

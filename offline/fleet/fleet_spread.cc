@@ -58,12 +58,11 @@ class SmoothFactors {
 
   // The coefficients' covariance by the uncertainty in a unit's file.
   Eigen::MatrixXd ErrorsOf(const CameraFile& unit) const {
-    constexpr double kLeastPx = 1e-4;
+    constexpr double kMinPx = 1e-4;
     // The residual correlates within this fraction of an image.
     constexpr double kPartsOfRest = 192;
     Eigen::MatrixXd errors =
-        kLeastPx * kLeastPx *
-        Eigen::MatrixXd::Identity(kNumFactors, kNumFactors);
+        kMinPx * kMinPx * Eigen::MatrixXd::Identity(kNumFactors, kNumFactors);
     if (!unit.uncertainty) return errors;
     const ErrorModes& modes = unit.uncertainty->modes;
     errors.diagonal().array() += modes.rest_px * modes.rest_px / kPartsOfRest;
@@ -85,7 +84,7 @@ class SmoothFactors {
 
 // The maximum-likelihood covariance C of differences that vary by C and by
 // errors of their own about zero (expectation maximization).
-Eigen::MatrixXd LikeliestCovariance(
+Eigen::MatrixXd EstimateMaxLikelihoodCovariance(
     const std::vector<Eigen::VectorXd>& differences,
     const std::vector<Eigen::MatrixXd>& errors) {
   constexpr int kRounds = 60;
@@ -109,14 +108,14 @@ Eigen::MatrixXd LikeliestCovariance(
 
 // The principal directions with non-negligible standard deviations.
 std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
-  constexpr double kLeastPx = 0.002;
+  constexpr double kMinPx = 0.002;
   constexpr int kMost = 24;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
   std::vector<Eigen::VectorXd> directions;
   for (int k = kNumFactors - 1; k >= 0; --k) {
     const double deviation_px =
         std::sqrt(std::max(eigen.eigenvalues()[k], 0.0));
-    if (deviation_px < kLeastPx || directions.size() == kMost) break;
+    if (deviation_px < kMinPx || directions.size() == kMost) break;
     Eigen::VectorXd direction = deviation_px * eigen.eigenvectors().col(k);
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);
@@ -146,7 +145,8 @@ std::optional<LensSpread> EstimateSpread(const CameraModel& mean,
   }
   // Units are closer to their own mean than another unit is.
   const Eigen::MatrixXd covariance =
-      (count + 1) / (count - 1) * LikeliestCovariance(differences, errors) +
+      (count + 1) / (count - 1) *
+          EstimateMaxLikelihoodCovariance(differences, errors) +
       of_mean;
   constexpr int kColumns = 17;
   constexpr int kFewestRows = 5;

@@ -105,9 +105,9 @@ struct LensCharts {
 
 // A segment whose mean is distorted by an outlier would be rejected as a whole,
 // and never recover: its half nearest to the mean is always an inlier.
-void KeepUsualOfEachPart(const CenteredLenses& lenses,
-                         const std::vector<double>& shape,
-                         std::vector<bool>* is_usual) {
+void KeepInliersOfSegments(const CenteredLenses& lenses,
+                           const std::vector<double>& shape,
+                           std::vector<bool>* is_usual) {
   for (Eigen::Index part = 0; part < lenses.means.cols(); ++part) {
     std::vector<double> shapes;
     bool has_usual = false;
@@ -170,7 +170,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
       next.push_back(charts.lens[i] <=
                          (is_usual[i] ? own_limit : charts.lens_limit) &&
                      charts.shape[i] <= charts.shape_limit);
-    KeepUsualOfEachPart(lenses, charts.shape, &next);
+    KeepInliersOfSegments(lenses, charts.shape, &next);
     if (next == is_usual) break;
     is_usual = next;
   }
@@ -222,7 +222,7 @@ CenteredLenses CenterAboutMean(const Eigen::MatrixXd& pixels, double chance,
   return {rows, MeansOf(changes, count)};
 }
 
-void AddFigureChart(const FleetMetric& metric, double chance,
+void AddMetricChart(const FleetMetric& metric, double chance,
                     double change_chance, FleetStatistics* statistics) {
   const std::vector<double> values = metric.Scattering();
   MeanChanges changes = FindMeanChanges({values}, change_chance);
@@ -294,7 +294,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   statistics.charts.push_back(
       {"shape", lenses.shape, zeros, none, lenses.shape_limit});
   for (const FleetMetric& metric : input.metrics)
-    AddFigureChart(metric, chance, change_chance, &statistics);
+    AddMetricChart(metric, chance, change_chance, &statistics);
   std::stable_sort(
       statistics.jumps.begin(), statistics.jumps.end(),
       [](const MeanJump& a, const MeanJump& b) { return a.unit < b.unit; });

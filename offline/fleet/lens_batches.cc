@@ -42,7 +42,7 @@ double MeanOfGroup(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-BatchedMetric CompareFigure(const FleetMetric& metric,
+BatchedMetric CompareMetric(const FleetMetric& metric,
                             const UnitsOfBatch& units) {
   BatchedMetric compared;
   compared.name = metric.name;
@@ -139,7 +139,7 @@ BatchComparison CompareLensBatches(const FleetInput& input,
   }
   comparison.metrics.push_back(CompareLenses(input.pixels, units));
   for (const FleetMetric& metric : input.metrics)
-    comparison.metrics.push_back(CompareFigure(metric, units));
+    comparison.metrics.push_back(CompareMetric(metric, units));
   const auto num_figures = static_cast<double>(comparison.metrics.size());
   for (BatchedMetric& metric : comparison.metrics)
     metric.differs = metric.chance < kFleetChance / num_figures;

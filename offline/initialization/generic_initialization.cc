@@ -87,7 +87,7 @@ void Turn(const Eigen::Quaterniond& rotation, PixelwiseModel* model) {
     if (pose) pose = Pose{rotation, Eigen::Vector3d::Zero()} * *pose;
 }
 
-void TurnMeanForward(PixelwiseModel* model) {
+void RotateMeanToZ(PixelwiseModel* model) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const auto& direction : model->directions)
     if (direction) mean += *direction;
@@ -97,7 +97,7 @@ void TurnMeanForward(PixelwiseModel* model) {
 
 // Makes x point right and y down: rotates about z until the linear part of the
 // chart's Jacobian has no rotation. False if the image is mirrored.
-bool TurnUpright(const PixelLattice& lattice, PixelwiseModel* model) {
+bool AlignAxesWithImage(const PixelLattice& lattice, PixelwiseModel* model) {
   const Eigen::Matrix2d linear =
       FitFunctions<3>(lattice, ComputeChart(*model),
                       [](const Eigen::Vector2d& pixel) -> Eigen::Vector3d {
@@ -258,8 +258,8 @@ std::optional<GenericInitialization> InitializeFromThreeViews(
       MakeDenseViews(dataset, pattern, lattice);
   std::optional<PixelwiseModel> model = GrowBestModel(dense, lattice, options);
   if (!model) return std::nullopt;
-  TurnMeanForward(&*model);
-  if (!TurnUpright(lattice, &*model)) return std::nullopt;
+  RotateMeanToZ(&*model);
+  if (!AlignAxesWithImage(lattice, &*model)) return std::nullopt;
   GenericInitialization start =
       AdjustedStart(*model, dense, lattice, dataset, pattern, options);
   start.median_error_px = MedianReprojectionError(

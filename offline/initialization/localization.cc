@@ -17,8 +17,8 @@ struct Sight {
   Eigen::Matrix<double, 2, 3> pixel_by_ray;
 };
 
-std::vector<Sight> ComputeSights(const CameraModel& camera,
-                                 const std::vector<PointPixelMatch>& matches) {
+std::vector<Sight> ComputeObservationRays(
+    const CameraModel& camera, const std::vector<PointPixelMatch>& matches) {
   std::vector<Sight> sights;
   for (const PointPixelMatch& match : matches) {
     // Linearized at a distance of a metre, which is uncritical: the scale
@@ -35,7 +35,7 @@ std::vector<Sight> ComputeSights(const CameraModel& camera,
 
 // A rotation of the mean ray to the z axis, so that even a board at a right
 // angle to the optical axis has a perspective image.
-Eigen::Quaterniond EstimateFacingRotation(const std::vector<Sight>& sights) {
+Eigen::Quaterniond EstimateMeanRayRotation(const std::vector<Sight>& sights) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Sight& sight : sights) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
@@ -54,7 +54,7 @@ double ComputeUnit(const std::vector<Sight>& sights) {
 std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
   if (sights.empty()) return std::nullopt;
   const double unit = ComputeUnit(sights);
-  const Eigen::Quaterniond facing = EstimateFacingRotation(sights);
+  const Eigen::Quaterniond facing = EstimateMeanRayRotation(sights);
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   for (const Sight& sight : sights) {
@@ -217,7 +217,7 @@ std::vector<Sight> Consistent(const std::vector<Sight>& sights,
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointPixelMatch>& matches) {
   constexpr int kMaxRounds = 5;
-  std::vector<Sight> sights = ComputeSights(camera, matches);
+  std::vector<Sight> sights = ComputeObservationRays(camera, matches);
   std::optional<Pose> pose;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (sights.size() < kMinSights) return pose;

@@ -190,7 +190,7 @@ std::vector<PointRayMatch> MatchesWithDirections(const DenseView& view,
   return matches;
 }
 
-std::vector<PointRayMatch> Thinned(const std::vector<PointRayMatch>& all) {
+std::vector<PointRayMatch> Subsample(const std::vector<PointRayMatch>& all) {
   const size_t count = std::min(all.size(), kMaxRays);
   std::vector<PointRayMatch> some;
   for (size_t i = 0; i < count; ++i)
@@ -233,8 +233,8 @@ std::vector<std::optional<Pose>> LocalizeSome(
     const std::vector<int>& which, int num_threads) {
   std::vector<std::optional<Pose>> poses(which.size());
   ParallelFor(static_cast<int>(which.size()), num_threads, [&](int i) {
-    const auto localized =
-        LocalizeOnRays(Thinned(MatchesWithDirections(views[which[i]], model)));
+    const auto localized = LocalizeOnRays(
+        Subsample(MatchesWithDirections(views[which[i]], model)));
     if (localized &&
         localized->median_error_rad < kMaxErrorPx * model.radians_per_px)
       poses[i] = localized->camera_from_board;
@@ -266,9 +266,9 @@ bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
   return added;
 }
 
-void LocalizeAnew(const std::vector<DenseView>& views,
-                  const PixelLattice& lattice, int num_threads,
-                  PixelwiseModel* model) {
+void RelocalizeViews(const std::vector<DenseView>& views,
+                     const PixelLattice& lattice, int num_threads,
+                     PixelwiseModel* model) {
   std::vector<int> all;
   for (size_t v = 0; v < views.size(); ++v) all.push_back(static_cast<int>(v));
   model->camera_from_board = LocalizeSome(views, *model, all, num_threads);
@@ -323,7 +323,7 @@ PixelwiseModel GrowPixelwiseModel(const std::vector<DenseView>& views,
     }
   }
   for (int round = 0; round < kAveragingRounds; ++round)
-    LocalizeAnew(views, lattice, num_threads, &model);
+    RelocalizeViews(views, lattice, num_threads, &model);
   model.median_error_px = MedianAnglePx(views, model);
   return model;
 }

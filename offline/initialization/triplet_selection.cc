@@ -66,7 +66,7 @@ std::vector<ViewIndices> SampleTriplets(const std::vector<DenseView>& views,
 }
 
 template <typename T>
-std::vector<T> Thinned(const std::vector<T>& all, size_t max_count) {
+std::vector<T> Subsample(const std::vector<T>& all, size_t max_count) {
   const size_t count = std::min(all.size(), max_count);
   std::vector<T> some;
   for (size_t i = 0; i < count; ++i)
@@ -87,7 +87,7 @@ Candidate Solve(const std::vector<DenseView>& views,
   Candidate candidate;
   candidate.triplet.views = indices;
   candidate.triplet.num_matches = matches.size();
-  candidate.matches = Thinned(matches, kMaxMatches);
+  candidate.matches = Subsample(matches, kMaxMatches);
   const ThreeViewsSolution solution = SolveThreeViews(candidate.matches);
   if (solution.status != ThreeViewsStatus::kSolved) return candidate;
   candidate.triplet.poses = solution.views;

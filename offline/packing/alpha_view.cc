@@ -188,7 +188,7 @@ AreaOnPlane FindAreaOnPlane(const CameraAndPlane& seen, double limit_rad,
     const auto ray = camera.Unproject(pixel);
     if (!ray) return;
     const double stretch_rad = Stretch(plane, *ray);
-    found.most_stretch_rad = std::max(found.most_stretch_rad, stretch_rad);
+    found.max_stretch_rad = std::max(found.max_stretch_rad, stretch_rad);
     const auto point = plane.Pixel(*ray);
     if (point && stretch_rad < limit_rad) found.box.extend(*point);
   };
@@ -232,12 +232,11 @@ EnclosingView FindSmallestEnclosingView(
   EnclosingView all;
   Eigen::AlignedBox2d box;
   for (const CameraAndPlane& seen : cameras) {
-    const AreaOnPlane area = FindAreaOnPlane(seen, kMostStretchRad, 256);
-    all.most_stretch_rad =
-        std::max(all.most_stretch_rad, area.most_stretch_rad);
+    const AreaOnPlane area = FindAreaOnPlane(seen, kMaxStretchRad, 256);
+    all.max_stretch_rad = std::max(all.max_stretch_rad, area.max_stretch_rad);
     box.extend(area.box);
   }
-  if (box.isEmpty() || all.most_stretch_rad > kMostStretchRad) return all;
+  if (box.isEmpty() || all.max_stretch_rad > kMaxStretchRad) return all;
   // A margin of half a pixel for positions between the samples.
   const Eigen::Vector2d room(std::max(1, size.width - 2),
                              std::max(1, size.height - 2));

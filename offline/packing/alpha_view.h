@@ -11,7 +11,7 @@
 namespace raygrid {
 
 /// Maximum stretch that an image can represent (StretchAngle()).
-inline constexpr double kMostStretchRad = 85 * M_PI / 180;
+inline constexpr double kMaxStretchRad = 85 * M_PI / 180;
 /// Maximum stretch of views that are not requested by an angle.
 inline constexpr double kUsefulStretchRad = 70 * M_PI / 180;
 /// Maximum focal length in px, which blobs store in q16.
@@ -30,7 +30,7 @@ double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray);
 /// A camera's area projected to a plane.
 struct AreaOnPlane {
   Eigen::AlignedBox2d box;  ///< of the image circle, within the stretch limit
-  double most_stretch_rad = 0;
+  double max_stretch_rad = 0;
 };
 /// Samples the edges of the area and of the image circle, each edge of the area
 /// in num_steps steps, and a few interior points.
@@ -52,7 +52,7 @@ std::optional<VirtualView> FindLargestViewWithoutBorder(
 /// the rotation of the first; nullopt if the stretch is too large.
 struct EnclosingView {
   std::optional<VirtualView> view;
-  double most_stretch_rad = 0;
+  double max_stretch_rad = 0;
 };
 EnclosingView FindSmallestEnclosingView(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size);

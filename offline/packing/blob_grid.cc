@@ -78,7 +78,7 @@ class GridSearch {
     for (const RegularRegion::Node& node : region.nodes())
       if (node.is_regular && !node.J_ray.isZero(0))
         most_per_radian = std::min(most_per_radian, node.J_ray.norm());
-    most_per_radian *= kHardlyTurn;
+    most_per_radian *= kNegligibleRotation;
     for (size_t k = 0; k < region.nodes().size(); ++k) {
       const RegularRegion::Node& node = region.nodes()[k];
       const bool counts =
@@ -126,7 +126,7 @@ class GridSearch {
     for (int half_log2 = 2; half_log2 <= kFinestHalfLog2; ++half_log2) {
       const double knot_spacing_px = longer / std::exp2(half_log2 / 2.0);
       if (half_log2 > kUsualHalfLog2 &&
-          (knot_spacing_px < kLeastCellPx || least <= kRoughPart ||
+          (knot_spacing_px < kMinKnotSpacingPx || least <= kRoughPart ||
            region_.Part() < kHardlyCut))
         break;
       candidates.push_back(FitTrimmed(area, knot_spacing_px));
@@ -145,11 +145,11 @@ class GridSearch {
   // 2 to 128 cells; more for rough cameras, with a spacing of 4 px or more.
   // Near a fold that would gain a few pixels for four times the size.
   static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
-  static constexpr double kLeastCellPx = 4, kRoughPart = 0.01;
+  static constexpr double kMinKnotSpacingPx = 4, kRoughPart = 0.01;
   static constexpr double kHardlyCut = 0.999;
   static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
   // Rays that hardly change between pixels are not evaluated in pixels.
-  static constexpr double kHardlyTurn = 20;
+  static constexpr double kNegligibleRotation = 20;
   static constexpr int kSamplesPerCell = 4;
   // Regularization that extrapolates the grid smoothly outside the region.
   static constexpr double kSmoothnessBeyond = 1e-7;
@@ -208,9 +208,9 @@ class GridSearch {
 // A mask with cells half as large as usual, all valid: the limit of the regular
 // region is precise.
 ValidityMask FineMask(const ImageSize& size) {
-  constexpr int kLeastCellPx = 4;
+  constexpr int kMinKnotSpacingPx = 4;
   ValidityMask mask = ValidityMask::Over(size);
-  mask.knot_spacing_px = std::max(kLeastCellPx, mask.knot_spacing_px / 2);
+  mask.knot_spacing_px = std::max(kMinKnotSpacingPx, mask.knot_spacing_px / 2);
   mask.columns = ValidityMask::NumCells(size.width, mask.knot_spacing_px);
   mask.rows = ValidityMask::NumCells(size.height, mask.knot_spacing_px);
   mask.is_valid.assign(mask.columns * mask.rows, true);

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-MadeGrids MakeGrids(const GridTask& task, double max_error_px) {
-  MadeGrids made;
+GridsToPack MakeGrids(const GridTask& task, double max_error_px) {
+  GridsToPack made;
   if (!task.stack) {
     made.Add(MakeBlobGrid(task.camera, task.region, task.valid_region,
                           max_error_px));

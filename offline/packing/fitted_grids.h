@@ -29,7 +29,7 @@ struct GridTask {
 
 /// The camera's own grid, and of a stack those of its knots, with which it then
 /// has area and size in common.
-struct MadeGrids {
+struct GridsToPack {
   std::vector<CentralGeneric> models;
   std::optional<ValidityMask> valid;  ///< as BlobGrid's, of all of them
   bool follows_all = true;
@@ -57,7 +57,7 @@ class BlobGrids {
   const rg_grid_section& section() const { return sections_[0].section; }
   std::vector<const BSplineSurface*> Surfaces() const;
 
-  MadeGrids made;
+  GridsToPack made;
   std::optional<GridPoints> points;
 
  private:

@@ -176,8 +176,8 @@ class InverseFitting {
   const std::vector<SurfaceSample> samples_;
 };
 
-bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
-  const auto faults = [](const MeasuredInverse& inverse) {
+bool IsBetter(const EvaluatedInverseGrid& a, const EvaluatedInverseGrid& b) {
+  const auto faults = [](const EvaluatedInverseGrid& inverse) {
     return std::make_tuple(inverse.error.valid_region.FailedFraction(),
                            inverse.error.others.FailedFraction(),
                            !inverse.is_close);
@@ -189,8 +189,8 @@ bool IsBetter(const MeasuredInverse& a, const MeasuredInverse& b) {
 // pixels avoids evaluating many.
 void SearchCells(const InverseFitting& fitting,
                  const std::vector<SurfaceSample>& valid_region,
-                 const MeasureInverse& measure,
-                 std::optional<MeasuredInverse>* best) {
+                 const InverseGridEvaluator& measure,
+                 std::optional<EvaluatedInverseGrid>* best) {
   for (const int cells : kNumCells) {
     if (cells > kMaxCellsForMore && *best &&
         (*best)->error.valid_region.AreAllAccurate())
@@ -202,8 +202,8 @@ void SearchCells(const InverseFitting& fitting,
     if (error && error->valid_region.AreAllAccurate())
       error = measure(*grid, kManyPixels);
     if (!error) continue;
-    const MeasuredInverse made = {*grid, *error,
-                                  fitting.IsCloseEnough(fit, valid_region)};
+    const EvaluatedInverseGrid made = {
+        *grid, *error, fitting.IsCloseEnough(fit, valid_region)};
     if (*best && !IsBetter(made, **best)) continue;
     *best = made;
     if (made.is_close && error->valid_region.AreAllAccurate() &&
@@ -214,15 +214,15 @@ void SearchCells(const InverseFitting& fitting,
 
 }  // namespace
 
-std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const ValidityMask* valid_region,
-                                              const MeasureInverse& measure) {
+std::optional<EvaluatedInverseGrid> FitInverseGrid(
+    const BSplineSurface& surface, const ValidityMask* valid_region,
+    const InverseGridEvaluator& measure) {
   const InverseSamples samples =
       SurfaceSampling(surface, valid_region).Samples();
   if (samples.valid_region.empty()) return std::nullopt;
   std::vector<SurfaceSample> all = samples.valid_region;
   all.insert(all.end(), samples.others.begin(), samples.others.end());
-  std::optional<MeasuredInverse> best;
+  std::optional<EvaluatedInverseGrid> best;
   const Area chart = ComputeChartArea(all);
   SearchCells({surface, chart, all}, samples.valid_region, measure, &best);
   if (!best || !best->error.valid_region.AreAllAccurate()) {
@@ -244,11 +244,11 @@ namespace {
 
 // The inverses of several surfaces with this number of cells, of equal layout;
 // nothing if 16 bits cannot represent one of them.
-std::optional<std::vector<MeasuredInverse>> FitJointly(
+std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
     const std::vector<InverseFitting>& fittings,
     const std::vector<InverseSamples>& samples, int cells) {
   std::vector<BSplineSurface> fits;
-  std::vector<MeasuredInverse> made;
+  std::vector<EvaluatedInverseGrid> made;
   uint32_t bits = RG_NARROW_MAX_BITS;
   int32_t cos_limit_q30 = INT32_MAX;
   for (size_t k = 0; k < fittings.size(); ++k) {
@@ -273,9 +273,9 @@ std::optional<std::vector<MeasuredInverse>> FitJointly(
 }
 
 // The fraction missed by all of them.
-double FailedFraction(const std::vector<MeasuredInverse>& inverses) {
+double FailedFraction(const std::vector<EvaluatedInverseGrid>& inverses) {
   double missed = 0;
-  for (const MeasuredInverse& inverse : inverses)
+  for (const EvaluatedInverseGrid& inverse : inverses)
     missed += inverse.error.valid_region.FailedFraction() +
               (inverse.is_close ? 0 : 1e-9);
   return missed;
@@ -283,9 +283,10 @@ double FailedFraction(const std::vector<MeasuredInverse>& inverses) {
 
 }  // namespace
 
-std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
+std::optional<std::vector<EvaluatedInverseGrid>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const ValidityMask* valid_region, const MeasureOneInverse& measure) {
+    const ValidityMask* valid_region,
+    const SingleInverseGridEvaluator& measure) {
   std::vector<InverseSamples> samples;
   std::vector<SurfaceSample> all;
   for (const BSplineSurface* surface : surfaces) {
@@ -302,10 +303,10 @@ std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
     own.insert(own.end(), samples[k].others.begin(), samples[k].others.end());
     fittings.emplace_back(*surfaces[k], chart, std::move(own));
   }
-  std::optional<std::vector<MeasuredInverse>> best;
+  std::optional<std::vector<EvaluatedInverseGrid>> best;
   for (const int cells : kNumCells) {
     if (cells > kMaxCellsForMore) break;
-    std::optional<std::vector<MeasuredInverse>> made =
+    std::optional<std::vector<EvaluatedInverseGrid>> made =
         FitJointly(fittings, samples, cells);
     if (!made) continue;
     bool is_measured = true;

@@ -21,10 +21,10 @@ struct InverseGrid {
 
 /// Measures the runtime's projection with an inverse grid, on about max_pixels
 /// pixels; nullopt if the format cannot represent the grid.
-using MeasureInverse = std::function<std::optional<ProjectionError>(
+using InverseGridEvaluator = std::function<std::optional<ProjectionError>(
     const InverseGrid&, double max_pixels)>;
 
-struct MeasuredInverse {
+struct EvaluatedInverseGrid {
   InverseGrid grid;
   ProjectionError error;
   bool is_close = false;  ///< one Newton step suffices everywhere
@@ -37,13 +37,13 @@ struct MeasuredInverse {
 /// of the other pixels. If valid pixels are not found, only samples near them
 /// are used, or the grid that misses fewest. trusted: NULL if all pixels are
 /// valid. nullopt if no grid finds any valid pixel.
-std::optional<MeasuredInverse> FitInverseGrid(const BSplineSurface& surface,
-                                              const ValidityMask* valid_region,
-                                              const MeasureInverse& measure);
+std::optional<EvaluatedInverseGrid> FitInverseGrid(
+    const BSplineSurface& surface, const ValidityMask* valid_region,
+    const InverseGridEvaluator& measure);
 
 /// Measures the runtime's projection with the inverse grid of one of several
-/// surfaces; otherwise like MeasureInverse.
-using MeasureOneInverse = std::function<std::optional<ProjectionError>(
+/// surfaces; otherwise like InverseGridEvaluator.
+using SingleInverseGridEvaluator = std::function<std::optional<ProjectionError>(
     size_t surface, const InverseGrid&, double max_pixels)>;
 
 /// Fits the inverses of the surfaces of one camera at several operating points,
@@ -51,9 +51,10 @@ using MeasureOneInverse = std::function<std::optional<ProjectionError>(
 /// the fewest cells, up to 24, for which the runtime finds all valid pixels of
 /// each surface in one step, otherwise the cells that miss fewest. nullopt if
 /// none can be stored in 16 bits.
-std::optional<std::vector<MeasuredInverse>> FitInverseGridsJointly(
+std::optional<std::vector<EvaluatedInverseGrid>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
-    const ValidityMask* valid_region, const MeasureOneInverse& measure);
+    const ValidityMask* valid_region,
+    const SingleInverseGridEvaluator& measure);
 
 }  // namespace raygrid
 

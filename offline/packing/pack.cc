@@ -107,10 +107,10 @@ std::optional<CameraUncertainty> UncertaintyWithin(
 
 // A remark on what a blob leaves out of the image, and why; nothing if it is
 // nothing.
-std::optional<std::string> WarnAboutLeftOut(const GridTask& task,
-                                            const MadeGrids& made,
-                                            double left_out_part,
-                                            double max_error_px) {
+std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
+                                                 const GridsToPack& made,
+                                                 double left_out_part,
+                                                 double max_error_px) {
   if (left_out_part <= 0) return std::nullopt;
   std::string why;
   if (task.region && !task.region->IsWhole())
@@ -180,7 +180,7 @@ class FileSections {
 };
 
 // The section of the operating-point stack; contents point to it.
-class StackSection {
+class OperatingPointSectionWriter {
  public:
   void AddTo(const OperatingPointSamples& stack, const GridPoints& points,
              const InverseSections& inverse, const RemapSections& remaps,
@@ -206,7 +206,8 @@ class StackSection {
 };
 
 // Packs a camera with the stack that the options have, if any.
-PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
+PackedCamera PackWithOperatingPoints(const CameraFile& file,
+                                     const PackOptions& options) {
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
@@ -261,7 +262,7 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
   packed.unproject_error_rad = points.error().rad;
   packed.left_out_part =
       PartOf(central, own_valid_region) - PartOf(central, valid_region);
-  if (const auto warning = WarnAboutLeftOut(
+  if (const auto warning = WarnAboutExcludedArea(
           task, grids->made, packed.left_out_part,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
     packed.warnings.push_back(*warning);
@@ -279,7 +280,7 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
 
   FileSections sections;
   sections.AddTo(file, lines, *grids, valid_region, &contents);
-  StackSection stack_section;
+  OperatingPointSectionWriter stack_section;
   if (stack) stack_section.AddTo(*stack, points, inverse, remaps, &contents);
   packed.blob = WriteBlob(contents);
   return packed;
@@ -288,7 +289,8 @@ PackedCamera PackWithStack(const CameraFile& file, const PackOptions& options) {
 }  // namespace
 
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
-  if (!file.stack || options.stack) return PackWithStack(file, options);
+  if (!file.stack || options.stack)
+    return PackWithOperatingPoints(file, options);
   if (file.stack->cameras.ranges().size() > 1)
     return PackOverFirst(file, options);
   PackOptions with_stack = options;
@@ -296,7 +298,7 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   // A blob has one statement of how well its cameras are known.
   CameraFile known_everywhere = file;
   known_everywhere.uncertainty = ComputeMaxUncertainty(file);
-  return PackWithStack(known_everywhere, with_stack);
+  return PackWithOperatingPoints(known_everywhere, with_stack);
 }
 
 PackingMetrics ComputePackingMetrics(const PackedCamera& packed) {

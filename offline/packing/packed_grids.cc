@@ -97,7 +97,7 @@ InverseSections::InverseSections(
                  FitInverseGridsJointly(surfaces, valid_region, measure)) {
     inverses_ = *std::move(inverses);
   }
-  for (const MeasuredInverse& inverse : inverses_)
+  for (const EvaluatedInverseGrid& inverse : inverses_)
     points_.push_back(PointsOf(inverse.grid));
   if (inverses_.empty()) return;
   contents->inverse = &inverses_[0].grid.section;

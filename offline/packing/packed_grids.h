@@ -76,7 +76,7 @@ class InverseSections {
   }
 
  private:
-  std::vector<MeasuredInverse> inverses_;
+  std::vector<EvaluatedInverseGrid> inverses_;
   std::vector<rg_narrow_grid> points_;
 };
 

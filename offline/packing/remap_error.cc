@@ -14,7 +14,7 @@ namespace {
 constexpr double kPositionUnits = 4096;  // a board's positions are Q12
 
 // The section as a board will read it.
-std::vector<uint32_t> SectionWords(const RemapTable& table) {
+std::vector<uint32_t> EncodeSection(const RemapTable& table) {
   rg_remap_section section = table.section;
   section.empty_blocks = table.empty_blocks.data();
   section.bends = table.bends.data();
@@ -52,7 +52,7 @@ class TableErrors {
         output_(output),
         map_(map),
         blocks_(blocks),
-        words_(SectionWords(table)),
+        words_(EncodeSection(table)),
         num_threads_(num_threads),
         part_(1 << blocks.layout.SmallestLog2()),
         num_part_rows_((map.height + part_ - 1) / part_) {}
@@ -64,14 +64,15 @@ class TableErrors {
     std::atomic<bool> fails{false};
     ParallelFor(num_part_rows_, num_threads_, [&](int j) {
       if (fails) return;
-      worst[j] = WorstOfPartRow(j);
+      worst[j] = ComputeMaxErrorOfTileRow(j);
       if (worst[j] - map_.max_deviation_px > limit_px) fails = true;
     });
     if (fails) return std::nullopt;
     const double about = *std::max_element(worst.begin(), worst.end());
     const double enough = about - 2 * map_.max_deviation_px;
     ParallelFor(num_part_rows_, num_threads_, [&](int j) {
-      worst[j] = worst[j] >= enough ? ExactWorstOfPartRow(j, enough) : 0;
+      worst[j] =
+          worst[j] >= enough ? ComputeExactMaxErrorOfTileRow(j, enough) : 0;
     });
     const double exact =
         std::max(about - map_.max_deviation_px,
@@ -86,7 +87,7 @@ class TableErrors {
     std::vector<uint8_t> is_beyond(
         static_cast<size_t>(num_columns) * num_part_rows_, 0);
     ParallelFor(num_part_rows_, num_threads_, [&](int j) {
-      ForErrorsOfParts(j, [&](int x0, double error_px) {
+      ForEachTileError(j, [&](int x0, double error_px) {
         is_beyond[j * num_columns + x0 / part_] =
             error_px + map_.max_deviation_px > limit_px;
       });
@@ -97,7 +98,7 @@ class TableErrors {
  private:
   // Calls visit(x, block) for the tiles of a row, with their first column.
   template <typename Visit>
-  void ForParts(int j, const Visit& visit) const {
+  void ForEachTile(int j, const Visit& visit) const {
     const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
     const int log2 = blocks_.layout.SmallestLog2();
     rg_tile_row parts;
@@ -111,8 +112,8 @@ class TableErrors {
 
   // Calls visit(x, y, position) for the pixels of a tile.
   template <typename Visit>
-  void ForPixels(int x0, int y0, const rg_block& block,
-                 const Visit& visit) const {
+  void ForEachPixel(int x0, int y0, const rg_block& block,
+                    const Visit& visit) const {
     for (int y = y0; y < std::min(y0 + part_, map_.height); ++y) {
       rg_block_row row;
       rg_compute_block_row(&block, y - y0, &row);
@@ -137,25 +138,25 @@ class TableErrors {
 
   // Calls visit(x0, worst) for each tile of a row.
   template <typename Visit>
-  void ForErrorsOfParts(int j, const Visit& visit) const {
-    ForParts(j, [&](int x0, const rg_block& block) {
+  void ForEachTileError(int j, const Visit& visit) const {
+    ForEachTile(j, [&](int x0, const rg_block& block) {
       const int y0 = j * part_;
       if (IsWhole(x0, y0)) {
-        visit(x0, WorstOfWholePart(x0, y0, block));
+        visit(x0, ComputeMaxErrorOfTile(x0, y0, block));
         return;
       }
       double worst = 0;
-      ForPixels(x0, y0, block,
-                [&](int x, int y, const Eigen::Vector2d& position) {
-                  worst = std::max(worst, ErrorByMap(x, y, position));
-                });
+      ForEachPixel(x0, y0, block,
+                   [&](int x, int y, const Eigen::Vector2d& position) {
+                     worst = std::max(worst, ErrorByMap(x, y, position));
+                   });
       visit(x0, worst);
     });
   }
 
-  double WorstOfPartRow(int j) const {
+  double ComputeMaxErrorOfTileRow(int j) const {
     double worst = 0;
-    ForErrorsOfParts(
+    ForEachTileError(
         j, [&](int, double error_px) { worst = std::max(worst, error_px); });
     return worst;
   }
@@ -177,7 +178,7 @@ class TableErrors {
 
   // The maximum error of a tile all of whose pixels have sources in the
   // rectangle.
-  double WorstOfWholePart(int x0, int y0, const rg_block& block) const {
+  double ComputeMaxErrorOfTile(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
     using Integers = Eigen::Array<int32_t, kLanes, 1>;
     using Floats = Eigen::Array<float, kLanes, 1>;
@@ -205,14 +206,14 @@ class TableErrors {
   }
 
   // The maximum error of a row of tiles, over pixels above a threshold.
-  double ExactWorstOfPartRow(int j, double enough) const {
+  double ComputeExactMaxErrorOfTileRow(int j, double enough) const {
     double worst = 0;
-    ForParts(j, [&](int x0, const rg_block& block) {
-      ForPixels(x0, j * part_, block,
-                [&](int x, int y, const Eigen::Vector2d& position) {
-                  if (ErrorByMap(x, y, position) >= enough)
-                    worst = std::max(worst, ExactError(x, y, position));
-                });
+    ForEachTile(j, [&](int x0, const rg_block& block) {
+      ForEachPixel(x0, j * part_, block,
+                   [&](int x, int y, const Eigen::Vector2d& position) {
+                     if (ErrorByMap(x, y, position) >= enough)
+                       worst = std::max(worst, ExactError(x, y, position));
+                   });
     });
     return worst;
   }
@@ -227,8 +228,9 @@ class TableErrors {
 
 // The maximum error of a chroma component, by the map: a source is the mean of
 // those of the output pixels of a sample.
-double WorstOfChroma(const SourceMap& map, const std::vector<uint32_t>& words,
-                     const rg_component& lattice, int num_threads) {
+double ComputeMaxErrorOfChroma(const SourceMap& map,
+                               const std::vector<uint32_t>& words,
+                               const rg_component& lattice, int num_threads) {
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
   const uint32_t width_log2 = rg_tile_log2(section, &lattice, 0);
   const uint32_t height_log2 = rg_tile_log2(section, &lattice, 1);
@@ -301,12 +303,13 @@ std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
 
 double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
                              int num_threads) {
-  const std::vector<uint32_t> words = SectionWords(table);
+  const std::vector<uint32_t> words = EncodeSection(table);
   double worst = 0;
   for (const rg_format format : {RG_FORMAT_NV12, RG_FORMAT_YUYV}) {
     rg_component lattice;
     rg_get_component(format, 1, &lattice);
-    worst = std::max(worst, WorstOfChroma(map, words, lattice, num_threads));
+    worst = std::max(worst,
+                     ComputeMaxErrorOfChroma(map, words, lattice, num_threads));
   }
   return worst;
 }

@@ -75,7 +75,8 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
 
 // The pixels of a camera's frames that are shown: those requested, within the
 // image circle. Nothing: all.
-PixelFilter ShownOfCamera(const CameraModel& camera, const PixelFilter& asked) {
+PixelFilter SelectCameraPixels(const CameraModel& camera,
+                               const PixelFilter& asked) {
   if (!camera.image_circle()) return asked;
   return [&camera, asked](const Eigen::Vector2d& pixel) {
     return camera.IsInImageCircle(pixel) && (!asked || asked(pixel));
@@ -177,8 +178,8 @@ Blocks MergeBlocks(const std::vector<Blocks>& own) {
 
 // Excludes blocks with a vertex so far outside the format's range that clamping
 // causes an error. Returns their number.
-int LeaveOutOfReach(const NodePositions& nodes, double max_error_px,
-                    Blocks* blocks) {
+int ExcludeOutOfRangeBlocks(const NodePositions& nodes, double max_error_px,
+                            Blocks* blocks) {
   const double reach_px = RG_VERTEX_LIMIT_Q12 / kQ12 + max_error_px / 2;
   int num_left_out = 0;
   for (int j = 0; j < blocks->rows; ++j)
@@ -208,7 +209,7 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
   for (size_t t = 0; t < inputs.size(); ++t) {
     nodes.push_back(FitNodes(inputs[t]->map, inputs[t]->sums, own[t]));
     tables[t].num_out_of_reach =
-        LeaveOutOfReach(nodes[t], max_error_px, &own[t]);
+        ExcludeOutOfRangeBlocks(nodes[t], max_error_px, &own[t]);
     if (tables[t].num_out_of_reach == 0) continue;
     if (own[t].layout.block_log2 > kMaxHidingLog2) return std::nullopt;
     nodes[t] = FitNodes(inputs[t]->map, inputs[t]->sums, own[t]);
@@ -252,9 +253,10 @@ bool MeasureTable(const MappedInput& input, const Blocks& own,
 
 // Excludes the blocks of the smallest layout in which a table of own exceeds
 // the limit, in all tables.
-void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
-                   const std::vector<RemapTable>& tables, double max_error_px,
-                   int num_threads, std::vector<Blocks>* own) {
+void ExcludeInaccurateBlocks(
+    const std::vector<std::unique_ptr<MappedInput>>& inputs,
+    const std::vector<RemapTable>& tables, double max_error_px, int num_threads,
+    std::vector<Blocks>* own) {
   std::vector<bool> is_rough(own->front().used.size(), false);
   for (size_t t = 0; t < inputs.size(); ++t) {
     RemapTable measured = tables[t];
@@ -275,23 +277,23 @@ void LeaveOutRough(const std::vector<std::unique_ptr<MappedInput>>& inputs,
 // Tables of the smallest blocks without the few that exceed the limit, as where
 // the distortion nearly folds, or leaves the image; nothing if they are more.
 // Each table is fitted again without them, since they affect their neighbours.
-std::optional<std::vector<RemapTable>> FitWithoutRough(
+std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     double max_error_px, const VirtualView& view, int num_threads,
     const std::function<void()>& go_on, std::vector<Blocks> own,
     std::vector<RemapTable> tables) {
   constexpr int kRounds = 6;
-  constexpr double kMostPart = 0.02;
+  constexpr double kMaxFraction = 0.02;
   const auto count = [&own] {
     const Blocks all = MergeBlocks(own);
     return std::count(all.used.begin(), all.used.end(), true);
   };
   const auto num_before = count();
   for (int round = 0; round < kRounds; ++round) {
-    LeaveOutRough(inputs, tables, max_error_px, num_threads, &own);
+    ExcludeInaccurateBlocks(inputs, tables, max_error_px, num_threads, &own);
     const auto num_rough = num_before - count();
     if (num_rough == 0 || static_cast<double>(num_rough) >
-                              kMostPart * static_cast<double>(num_before))
+                              kMaxFraction * static_cast<double>(num_before))
       return std::nullopt;
     const std::vector<RemapTable> before = tables;
     Blocks all;
@@ -359,8 +361,9 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     }
     if (are_good) return *std::move(tables);
     if (!is_last || rough == RoughBlocks::kRefuse) continue;
-    auto without = FitWithoutRough(inputs, max_error_px, view, num_threads,
-                                   go_on, own, *std::move(tables));
+    auto without =
+        FitExcludingInaccurateBlocks(inputs, max_error_px, view, num_threads,
+                                     go_on, own, *std::move(tables));
     if (without) return *std::move(without);
   }
   // Larger errors make an image unusable.
@@ -383,7 +386,7 @@ std::vector<RemapTable> FitRemapTables(
     const PixelFilter& asked, RoughBlocks rough) {
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
-    const PixelFilter shows = ShownOfCamera(*camera, asked);
+    const PixelFilter shows = SelectCameraPixels(*camera, asked);
     inputs.push_back(
         {camera, MakeViewOutput(view), [shows](SourceMap* map) {
            if (shows)
@@ -400,7 +403,7 @@ std::vector<RemapTable> FitDistortionTables(
   const std::unique_ptr<CameraModel> turned = MakeRotatedViewCamera(view);
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
-    const PixelFilter shows = ShownOfCamera(*camera, asked);
+    const PixelFilter shows = SelectCameraPixels(*camera, asked);
     inputs.push_back(
         {turned.get(), MakeCameraOutput(*camera), [shows](SourceMap* map) {
            if (shows)

@@ -94,19 +94,19 @@ std::vector<RemapTable> FitTables(
     const PackOptions& options, const ValidityMask* valid_region,
     int num_threads, const std::function<void()>& go_on) {
   const auto fit = request.distorts ? FitDistortionTables : FitRemapTables;
-  constexpr double kMostPx = 1;
+  constexpr double kMaxPx = 1;
   for (double bound_px = options.max_error_px;;
-       bound_px = std::min(2 * bound_px, kMostPx)) {
+       bound_px = std::min(2 * bound_px, kMaxPx)) {
     try {
       return fit(sources, request.view, bound_px, num_threads, go_on,
                  valid_region ? FindValidPixels(*valid_region, request.mode)
                               : PixelFilter(),
-                 options.is_table_bound_soft && bound_px < kMostPx
+                 options.is_table_bound_soft && bound_px < kMaxPx
                      ? RoughBlocks::kRefuse
                      : RoughBlocks::kLeaveOut);
     } catch (const Error& error) {
       if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
-          bound_px < kMostPx)
+          bound_px < kMaxPx)
         continue;
       if (options.remaps.size() == 1) throw;
       throw Error(error.code(),

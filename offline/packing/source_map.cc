@@ -142,7 +142,7 @@ class Lattice {
 
   // Calls visit(index) for the points around one.
   template <typename Visit>
-  void ForNeighbors(int index, int distance, const Visit& visit) const {
+  void ForEachNeighbor(int index, int distance, const Visit& visit) const {
     for (int j = -distance; j <= distance; ++j)
       for (int i = -distance; i <= distance; ++i)
         if (Contains(index % columns_ + i, index / columns_ + j))
@@ -153,7 +153,7 @@ class Lattice {
     for (; num_spread_ < seen_.size(); ++num_spread_) {
       const Eigen::Vector2d from = points_[seen_[num_spread_]].source;
       if (!from.allFinite()) continue;
-      ForNeighbors(seen_[num_spread_], 1, [&](int index) {
+      ForEachNeighbor(seen_[num_spread_], 1, [&](int index) {
         Try(index, &from);
         // Nearer to the rectangle than the point that it was found from.
         const Eigen::Vector2d& source = points_[index].source;
@@ -167,7 +167,7 @@ class Lattice {
     for (const int from : seen_) {
       const Eigen::Vector2d& start = points_[from].source;
       if (!start.allFinite()) continue;
-      ForNeighbors(from, kRing, [&](int index) { Try(index, &start); });
+      ForEachNeighbor(from, kRing, [&](int index) { Try(index, &start); });
     }
   }
 

@@ -50,9 +50,9 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
   const int step =
       static_cast<int>(std::ceil(std::sqrt(num_pixels / kMaxMeasuredPixels)));
   const int num_rows = (last_row - first_row) / step + 1;
-  constexpr double kHardlyTurn = 20;
+  constexpr double kNegligibleRotation = 20;
   const double most_per_radian =
-      kHardlyTurn * ComputeMinPixelsPerRadian(truth.camera);
+      kNegligibleRotation * ComputeMinPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
     const int y = first_row + step * row;

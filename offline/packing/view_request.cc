@@ -97,7 +97,7 @@ VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
       "degrees off its {}; {}",
       ProjectionName(projection),
       (projection == ViewProjection::kStereographic ? 2 : 1) *
-          all.most_stretch_rad * 180 / M_PI,
+          all.max_stretch_rad * 180 / M_PI,
       projection == ViewProjection::kCylindrical ? "horizon" : "axis",
       "use alpha=0, a field of view or projection=equidistant"));
 }

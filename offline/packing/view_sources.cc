@@ -35,8 +35,8 @@ std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
 }
 
 // Excludes the camera's pixels outside the image circle.
-void LeaveOutUnlit(const CameraModel& camera, bool is_reverse,
-                   ViewSources* view) {
+void ExcludeOutsideImageCircle(const CameraModel& camera, bool is_reverse,
+                               ViewSources* view) {
   for (size_t k = 0; k < view->sources.size(); ++k) {
     const int x = static_cast<int>(k) % view->size.width,
               y = static_cast<int>(k) / view->size.width;
@@ -69,7 +69,7 @@ ViewSources MakeViewSources(const CameraModel& lines, const VirtualView& view,
       is_reverse ? ExactSources(*MakeRotatedViewCamera(view),
                                 MakeCameraOutput(*camera), num_threads)
                  : ExactSources(*camera, MakeViewOutput(view), num_threads);
-  LeaveOutUnlit(*camera, is_reverse, &result);
+  ExcludeOutsideImageCircle(*camera, is_reverse, &result);
   return result;
 }
 

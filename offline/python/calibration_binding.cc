@@ -60,7 +60,7 @@ MeasuredCamera MeasureImages(const GivenCamera& given, const Pattern& pattern,
   FolderDetection detection =
       DetectFeatures(found.paths, pattern, {}, nullptr, num_threads, progress);
   if (const auto other =
-          GuessOtherBoard(detection, pattern, pattern_name, num_threads))
+          SuggestOtherBoard(detection, pattern, pattern_name, num_threads))
     throw Error(ExitCode::kTooFew, *other);
   MeasuredCamera camera;
   camera.left_out = Listed(found.left_out);
@@ -170,7 +170,7 @@ RigResult RunCalibration(const std::vector<GivenCamera>& given,
   return result;
 }
 
-void TakeCircle(const py::object& given, Wishes* wishes) {
+void ParseImageCircleArgument(const py::object& given, Wishes* wishes) {
   if (given.is_none()) return;
   if (py::isinstance<py::str>(given)) {
     if (given.cast<std::string>() != "auto")
@@ -235,7 +235,7 @@ PyCalibration CalibrateGiven(
   wishes.name = name;
   wishes.serial = serial;
   wishes.measures_once = measure_once || !refine_features;
-  TakeCircle(image_circle, &wishes);
+  ParseImageCircleArgument(image_circle, &wishes);
   CalibrationOptions& options = wishes.options;
   options.model = model;
   options.knot_spacing_px = knot_spacing_px.value_or(0);

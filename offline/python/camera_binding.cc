@@ -60,7 +60,7 @@ py::array_t<bool> IsValid(const PyCamera& self, const py::object& given) {
   return valid_region;
 }
 
-py::dict UncertaintyFigures(const PyCamera& self) {
+py::dict GetUncertaintyMetrics(const PyCamera& self) {
   const CameraUncertainty& known = UncertaintyOf(self);
   const CameraModel& camera = *self.file.camera;
   py::dict metrics;
@@ -400,7 +400,7 @@ void BindCamera(py::module_* module) {
       // The former name of is_valid.
       .def("is_trusted", &IsValid, py::arg("pixels"),
            "Deprecated: use is_valid().")
-      .def_property_readonly("uncertainty_figures", &UncertaintyFigures,
+      .def_property_readonly("uncertainty_figures", &GetUncertaintyMetrics,
                              docstring::kUncertaintyFigures)
       .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),
            py::arg("hfov") = py::none(), py::arg("vfov") = py::none(),

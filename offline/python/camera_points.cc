@@ -16,7 +16,7 @@ constexpr size_t kCallsPerPart = 4096;
 
 // body(first, end) for parts of [0, count), without Python's lock.
 template <typename Body>
-void ForParts(size_t count, int num_threads, const Body& body) {
+void ParallelForRanges(size_t count, int num_threads, const Body& body) {
   const py::gil_scoped_release released;
   const int parts =
       static_cast<int>((count + kCallsPerPart - 1) / kCallsPerPart);
@@ -150,7 +150,7 @@ py::object Project(const PyCamera& self, const py::object& given,
   double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
   const CameraModel& camera = *self.file.camera;
   const bool is_central = camera.IsCentral();
-  ForParts(points.count, num_threads, [&](size_t first, size_t end) {
+  ParallelForRanges(points.count, num_threads, [&](size_t first, size_t end) {
     for (size_t k = first; k < end; ++k)
       ProjectPoint(camera, is_central, points[k], pixel + 2 * k,
                    jacobian ? jacobian + 6 * k : nullptr);
@@ -168,7 +168,7 @@ py::object Unproject(const PyCamera& self, const py::object& given,
   double* const jacobian = with_jacobians ? jacobians.mutable_data() : nullptr;
   const CameraModel& camera = *self.file.camera;
   const bool is_central = camera.IsCentral();
-  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
+  ParallelForRanges(pixels.count, num_threads, [&](size_t first, size_t end) {
     for (size_t k = first; k < end; ++k)
       UnprojectPixel(camera, pixels[k], direction + 3 * k);
     for (size_t k = first; jacobian && k < end; ++k)
@@ -186,7 +186,7 @@ py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
   double* const direction = directions.mutable_data();
   const CameraModel& camera = *self.file.camera;
   const Eigen::Vector3d none(NAN, NAN, NAN);
-  ForParts(pixels.count, num_threads, [&](size_t first, size_t end) {
+  ParallelForRanges(pixels.count, num_threads, [&](size_t first, size_t end) {
     for (size_t k = first; k < end; ++k) {
       const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
       const auto line =

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 using IntArray = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
-IntArray TakeIntegers(const py::object& given, size_t count,
-                      const std::string& name) {
+IntArray ConvertToIntArray(const py::object& given, size_t count,
+                           const std::string& name) {
   const py::array array = py::array::ensure(given);
   if (!array) PyErr_Clear();
   const char kind = array ? array.dtype().kind() : ' ';
@@ -42,12 +42,13 @@ PyDetection MakeDetection(const std::string& name,
   const GivenVectors pixels = TakeVectors(given_pixels, 2, "pixels");
   if (pixels.axes.size() != 1)
     throw py::value_error("pixels: expected an array of the shape (N, 2)");
-  const IntArray columns = TakeIntegers(given_columns, pixels.count, "columns");
-  const IntArray rows = TakeIntegers(given_rows, pixels.count, "rows");
+  const IntArray columns =
+      ConvertToIntArray(given_columns, pixels.count, "columns");
+  const IntArray rows = ConvertToIntArray(given_rows, pixels.count, "rows");
   const IntArray boards =
       given_boards.is_none()
           ? IntArray(0)
-          : TakeIntegers(given_boards, pixels.count, "boards");
+          : ConvertToIntArray(given_boards, pixels.count, "boards");
   PyDetection detection = {{size.first, size.second}, {name, {}}, {}};
   for (size_t k = 0; k < pixels.count; ++k) {
     const auto i = static_cast<py::ssize_t>(k);

@@ -79,7 +79,7 @@ std::string ResidualPictures(const CalibrationResult& result) {
              "image");
 }
 
-std::string MakeBiasFigure(const CalibrationResult& result) {
+std::string MakeBiasPicture(const CalibrationResult& result) {
   if (!result.bias_kl || !result.noise_bias_kl) return "";
   const double full_scale = 3 * *result.noise_bias_kl;
   const Area& area = result.camera.camera->area();
@@ -171,7 +171,7 @@ LineOffsets MeasureOffsets(const CameraModel& camera, int columns, int rows) {
 
 std::string MakePicturesSection(const CalibrationResult& result) {
   return "<h2>Coverage and residuals</h2>\n<div class=\"pictures\">\n" +
-         ResidualPictures(result) + MakeBiasFigure(result) +
+         ResidualPictures(result) + MakeBiasPicture(result) +
          Histograms(result) + MakeUncertaintyFigure(result) + "</div>\n";
 }
 

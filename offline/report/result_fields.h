@@ -169,9 +169,9 @@ void VisitFields(Io& io, BudgetFacts& facts) {
   io("knot_spacing_selected", facts.knot_spacing_selected);
   io("finer_spacing_tested", facts.tried_finer);
   io("target_geometry_estimated", facts.points_free);
-  io("per_view_deformation_tested", facts.bends_tried);
-  io("central_generic_tested", facts.generic_tried);
-  io("noncentral_generic_tested", facts.noncentral_tried);
+  io("per_view_deformation_tested", facts.tried_deformation);
+  io("central_generic_tested", facts.tried_generic);
+  io("noncentral_generic_tested", facts.tried_noncentral);
   io("two_cameras_suspected", facts.mixed_cameras);
   io.NonEmpty("better_model", facts.better_model);
 }

@@ -41,8 +41,8 @@ struct PointEquations {
 
 // The predicted pixel of a point, for the row at which it is observed. There,
 // Jacobians do not depend on the noise of the observation.
-std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
-                                             const TrackPoint& point) {
+std::optional<Eigen::Vector2d> PredictPixelAtRow(const FrameInput& input,
+                                                 const TrackPoint& point) {
   const double reference_row = GetReferenceRow(input.camera->image_size());
   const double seconds = input.shared[0] * (point.pixel.y() - reference_row);
   return input.camera->Project(
@@ -54,7 +54,7 @@ std::optional<Eigen::Vector2d> PlaceToBeSeen(const FrameInput& input,
 bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
                     PointEquations* equations) {
   const SharedVector& shared = input.shared;
-  const auto place = PlaceToBeSeen(input, point);
+  const auto place = PredictPixelAtRow(input, point);
   if (!place) return false;
   const double row = place->y() - GetReferenceRow(input.camera->image_size());
   const auto image_terms = ImageTermsAt(*place, input.camera->image_size());

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kOnEitherSide = 3, kMostFrames = 8;
+constexpr size_t kOnEitherSide = 3, kMaxFrames = 8;
 
 // The error of the interval before a frame: the frames around it follow a cubic
 // polynomial in time, after shifting the later ones along the motion by this
@@ -112,7 +112,7 @@ void AddSteps(const Run& run, double noise_variance_px2,
               std::vector<StepNoises>* steps) {
   const size_t size = run.size();
   if (size < 2 * kOnEitherSide) return;
-  const size_t count = std::min(kMostFrames, size);
+  const size_t count = std::min(kMaxFrames, size);
   for (size_t k = kOnEitherSide; k + kOnEitherSide <= size; ++k) {
     const size_t first = std::min(k - std::min(k, count / 2), size - count);
     if (const auto step =
@@ -201,8 +201,8 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
     for (size_t r = 1; r < runs.size(); ++r) {
       const TimedPose* const behind = runs[r].begin;
       const double pause_s = behind->time_s - behind[-1].time_s;
-      const size_t before = std::min(kMostFrames / 2, runs[r - 1].size());
-      const size_t after = std::min(kMostFrames / 2, runs[r].size());
+      const size_t before = std::min(kMaxFrames / 2, runs[r - 1].size());
+      const size_t after = std::min(kMaxFrames / 2, runs[r].size());
       if (pause_s > kLongestPauseS || before < kOnEitherSide ||
           after < kOnEitherSide)
         continue;

@@ -12,9 +12,9 @@ namespace {
 
 // A smooth random function of time, about -1 to 1: waves with the period of
 // walking, and hand tremor.
-class Wander {
+class SmoothRandomFunction {
  public:
-  explicit Wander(Random* random) {
+  explicit SmoothRandomFunction(Random* random) {
     constexpr double kHz[kWaves] = {0.11, 0.23, 0.41, 2};
     constexpr double kSizes[kWaves] = {0.7, 0.4, 0.25, 0.015};
     for (int k = 0; k < kWaves; ++k) {
@@ -73,15 +73,14 @@ class HandPath {
   double speed_;
   Eigen::Vector3d center_m_;
   double across_rad_ = 0, down_rad_ = 0, distance_m_ = 0;
-  std::vector<Wander> wander_;
+  std::vector<SmoothRandomFunction> wander_;
 };
 
 // The pixel of a point with a rolling shutter: in the row that is read when it
 // is there.
-std::optional<Eigen::Vector2d> SeenByRows(const CameraModel& camera,
-                                          const HandPath& path, double time,
-                                          double line_delay_s,
-                                          const Eigen::Vector3d& point) {
+std::optional<Eigen::Vector2d> ProjectRollingShutter(
+    const CameraModel& camera, const HandPath& path, double time,
+    double line_delay_s, const Eigen::Vector3d& point) {
   const double center = (camera.image_size().height - 1) / 2.0;
   std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
   // Each step reduces the error about a hundredfold.
@@ -100,8 +99,8 @@ std::vector<Feature> FeaturesByRows(const CameraModel& camera,
     for (int column = 0; column < board.columns; ++column) {
       if (!board.HasFeature(column, row)) continue;
       const auto pixel =
-          SeenByRows(camera, path, time, line_delay_s,
-                     board.points[board.PointIndex(column, row)]);
+          ProjectRollingShutter(camera, path, time, line_delay_s,
+                                board.points[board.PointIndex(column, row)]);
       if (pixel && WholeImage(camera.image_size()).Contains(*pixel) &&
           camera.IsInImageCircle(*pixel))
         features.push_back({board.id, column, row, *pixel});

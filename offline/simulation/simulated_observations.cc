@@ -164,7 +164,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                               kMaxTries, options.features_per_image));
     const Pose pose = RandomPose(camera, board, &random);
     std::vector<Feature> features = VisibleFeatures(
-        camera, DeformBoard(board, options.board_flex_m, &random), pose);
+        camera, DeformBoard(board, options.board_deformation_m, &random), pose);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     num_tries = 0;

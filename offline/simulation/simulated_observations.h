@@ -20,7 +20,7 @@ struct SimulationOptions {
   /// Deflection of the board at its edges: a paraboloid.
   double board_bend_m = 0;
   /// Additional per-view deformation, RMS: DeformBoard().
-  double board_flex_m = 0;
+  double board_deformation_m = 0;
   /// Spatially correlated noise, independent in each image: a smooth random
   /// displacement, with the standard deviation of each coordinate and the
   /// distance in features at which the correlation is exp(-1/2).

@@ -51,7 +51,7 @@ std::vector<Pose> CollectFeaturePositions(const Pattern& pattern,
 }
 
 // Displaces a board's pose in a random direction.
-Pose MovedPlace(const Pose& position, double move_m, Random* random) {
+Pose PerturbPose(const Pose& position, double move_m, Random* random) {
   Eigen::Vector3d direction;
   for (int k = 0; k < 3; ++k) direction[k] = random->Normal();
   direction.normalize();
@@ -167,7 +167,8 @@ SimulatedRigObservations ObserveBoards(
     // Each board has one deformation per frame, common to all cameras.
     std::vector<Board> boards;
     for (const Board& board : result.true_pattern.boards)
-      boards.push_back(DeformBoard(board, options.board_flex_m, &random));
+      boards.push_back(
+          DeformBoard(board, options.board_deformation_m, &random));
     std::vector<Pose> frame;
     for (size_t b = 0; b < boards.size(); ++b) frame.push_back(poses[b][i]);
     AddFrame(rig, boards, frame, i * options.num_shots, options, &random,
@@ -239,7 +240,7 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
   const std::vector<Pose> rigid_targets =
       TargetPoses(rig, pattern, places, options.num_images, options.seed);
   Random random(options.seed);
-  const Pose moved = MovedPlace(places.back(), fixed.move_m, &random);
+  const Pose moved = PerturbPose(places.back(), fixed.move_m, &random);
   std::vector<std::vector<Pose>> poses(places.size());
   for (int i = 0; i < options.num_images; ++i) {
     if (2 * i >= options.num_images) places.back() = moved;

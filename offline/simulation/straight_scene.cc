@@ -75,7 +75,7 @@ std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
 
 }  // namespace
 
-double SeenAngleDeg(const CameraModel& camera, int axis) {
+double ComputeVisibleAngleDeg(const CameraModel& camera, int axis) {
   const Area& area = camera.area();
   const auto center = camera.Unproject(area.center());
   if (!center) return 0;
@@ -99,7 +99,7 @@ double SeenAngleDeg(const CameraModel& camera, int axis) {
 
 double SquareOfStraightScene(const CameraModel& camera) {
   constexpr double kAcross = 12;
-  const double seen_rad = SeenAngleDeg(camera, 0) * M_PI / 180;
+  const double seen_rad = ComputeVisibleAngleDeg(camera, 0) * M_PI / 180;
   const double square = std::exp2(std::round(std::log2(seen_rad / kAcross)));
   return std::clamp(square, 1.0 / 1024, 0.25);
 }

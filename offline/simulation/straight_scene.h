@@ -23,7 +23,7 @@ Image RenderStraightScene(const CameraModel& camera, double square,
 /// Returns the angle in degrees between the rays at both ends of an image's
 /// central row (axis 0) or column (axis 1), summed via its centre; limited to
 /// the area.
-double SeenAngleDeg(const CameraModel& camera, int axis);
+double ComputeVisibleAngleDeg(const CameraModel& camera, int axis);
 
 }  // namespace raygrid
 

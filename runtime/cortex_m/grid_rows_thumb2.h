@@ -79,7 +79,7 @@ static RG_INLINE void rg_sum_residuals_in_thumb2(const uint8_t* residuals,
           [w3] "r"(w3), [size] "i"(RG_NARROW_POINT_SIZE)
         : "r1", "r2", "r5", "memory");
     residuals += RG_NARROW_POINT_SIZE * columns;
-  } while (rg_turn(&columns));
+  } while (rg_next_iteration(&columns));
   sums[0] = a;
   sums[1] = b;
 }

@@ -97,7 +97,7 @@ static interior_box find_interior_box(const fast_traversal* traversal) {
     min[c] = max_of(source.min_q12, 0) + RG_POSITION_MARGIN;
     max[c] = min_of(source.max_q12, last_q12) - RG_POSITION_MARGIN;
   }
-  if (RG_CHOOSE_KERNELS) max[1] -= RG_SPARE_Q12;
+  if (RG_SELECT_KERNELS) max[1] -= RG_SPARE_Q12;
   if (traversal->source.ring_rows != 0) max[1] = min[1] - 1;
   const interior_box box = {rg_twice(min[0], min[1]), rg_twice(max[0], max[1])};
   return box;
@@ -239,7 +239,7 @@ static RG_INLINE edge_handling find_axis_handling(
   if (high < source.min_q12 || low > source.max_q12) return EDGE_NO_SOURCE;
   if (low < max_of(source.min_q12, first * 4096) || high > end)
     return EDGE_PER_PIXEL;
-  return RG_CHOOSE_KERNELS && c == 1 && high > end - RG_SPARE_Q12 ? EDGE_GUARDED
+  return RG_SELECT_KERNELS && c == 1 && high > end - RG_SPARE_Q12 ? EDGE_GUARDED
                                                                   : EDGE_NONE;
 }
 
@@ -471,7 +471,7 @@ rg_status rg_traverse_grey(const rg_camera* camera, const rg_grey_image* frame,
                            const rg_grey_target* band) {
   fast_traversal traversal;
   traversal.component = &kGrey;
-  traversal.kernels = rg_choose_kernels(0, frame->stride);
+  traversal.kernels = rg_select_kernels(0, frame->stride);
   traversal.is_clamped = 0;
   traversal.source.ring_rows = 0;
   traversal.span.data = frame->data;
@@ -558,7 +558,7 @@ static RG_NOINLINE void start_component(fast_traversal* traversal,
                                         const rg_target* target) {
   const uint32_t plane = traversal->component->plane;
   traversal->kernels =
-      rg_choose_kernels(target->kernels, image->planes[plane].stride);
+      rg_select_kernels(target->kernels, image->planes[plane].stride);
   traversal->is_clamped = target->border == RG_BORDER_CLAMP;
   rg_set_planes(traversal->component, image, target, &traversal->source,
                 &traversal->span);

@@ -5,7 +5,7 @@
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
-#if RG_CHOOSE_KERNELS && defined(__x86_64__)
+#if RG_SELECT_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>

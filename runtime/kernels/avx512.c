@@ -3,7 +3,7 @@
  * two registers. Where they need a larger box, the AVX2 kernels take over. */
 #include "kernels/kernel.h"
 
-#if RG_CHOOSE_KERNELS && defined(__x86_64__)
+#if RG_SELECT_KERNELS && defined(__x86_64__)
 
 #include <immintrin.h>
 #include <stddef.h>

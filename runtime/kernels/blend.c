@@ -9,12 +9,12 @@ uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index) {
   return rg_blend_wide(kind, at, index);
 }
 
-void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
-                  uint32_t num_channels) {
+void rg_interleave_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
+                         uint32_t num_channels) {
   do {
-    *out++ =
-        (uint8_t)rg_blend_bytes(at->upper + index, at->lower + index, at->right,
-                                rg_q12_of(at, 0), rg_q12_of(at, 1));
+    *out++ = (uint8_t)rg_interpolate_bytes(at->upper + index, at->lower + index,
+                                           at->right, rg_q12_of(at, 0),
+                                           rg_q12_of(at, 1));
     ++index;
   } while (--num_channels != 0);
 }

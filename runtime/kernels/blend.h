@@ -74,9 +74,10 @@ static RG_INLINE void rg_round_row(uint32_t kind, int is_copy,
 
 /* Interpolates the bytes around a position that includes the rounding. The
  * right samples are `right` bytes after the left ones. */
-static RG_INLINE uint32_t rg_blend_bytes(const uint8_t* upper,
-                                         const uint8_t* lower, uint32_t right,
-                                         uint32_t x_q12, uint32_t y_q12) {
+static RG_INLINE uint32_t rg_interpolate_bytes(const uint8_t* upper,
+                                               const uint8_t* lower,
+                                               uint32_t right, uint32_t x_q12,
+                                               uint32_t y_q12) {
   return rg_blend_8(upper[0] | (uint32_t)lower[0] << 16,
                     upper[right] | (uint32_t)lower[right] << 16,
                     (x_q12 >> 5) & 127, y_q12 & 4095);
@@ -124,19 +125,20 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
                                            const rg_neighbors* at,
                                            uint32_t index) {
   return kind == RG_SAMPLE_8
-             ? rg_blend_bytes(at->upper + index, at->lower + index, at->right,
-                              rg_q12_of(at, 0), rg_q12_of(at, 1))
+             ? rg_interpolate_bytes(at->upper + index, at->lower + index,
+                                    at->right, rg_q12_of(at, 0),
+                                    rg_q12_of(at, 1))
              : rg_blend_wide(kind, at, index);
 }
 
 /* rg_store_sample(), not inlined. */
 void rg_put_sample(uint32_t kind, uint8_t* row, uint32_t index, uint32_t value);
 
-/* rg_mix_samples() interpolates one sample of more than 8 bits, rg_mix_bytes()
- * num_channels consecutive samples of 8 bits. */
+/* rg_mix_samples() interpolates one sample of more than 8 bits,
+ * rg_interleave_bytes() num_channels consecutive samples of 8 bits. */
 uint32_t rg_mix_samples(uint32_t kind, const rg_neighbors* at, uint32_t index);
-void rg_mix_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
-                  uint32_t num_channels);
+void rg_interleave_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
+                         uint32_t num_channels);
 
 /* Interpolates a pixel of any component and stores it in the row at->out. */
 static RG_INLINE void rg_blend_pixel(const rg_component* component,
@@ -144,8 +146,9 @@ static RG_INLINE void rg_blend_pixel(const rg_component* component,
                                      uint32_t out_pixel) {
   const uint32_t index = rg_first_sample(component, rg_q12_of(at, 0) >> 12);
   if (component->kind == RG_SAMPLE_8) {
-    rg_mix_bytes(at, index, at->out + rg_first_sample(component, out_pixel),
-                 component->num_channels);
+    rg_interleave_bytes(at, index,
+                        at->out + rg_first_sample(component, out_pixel),
+                        component->num_channels);
   } else {
     const uint32_t value = rg_mix_samples(component->kind, at, index);
     rg_put_sample(component->kind, at->out,

@@ -3,7 +3,7 @@
 #include "kernels/kernel.h"
 #include "x86_features.h"
 
-#if RG_CHOOSE_KERNELS
+#if RG_SELECT_KERNELS
 
 static const rg_kernels kPortable = {
     "portable",

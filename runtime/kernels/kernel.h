@@ -87,16 +87,16 @@ void rg_copy_component(const rg_span* span, const rg_component* component);
 
 /* Returns the requested kernels, or the fastest if NULL. Returns NULL for the
  * built-in kernels if rows are too short for others. */
-static inline const rg_kernels* rg_choose_kernels(const rg_kernels* wanted,
+static inline const rg_kernels* rg_select_kernels(const rg_kernels* wanted,
                                                   uint32_t stride) {
-  if (!RG_CHOOSE_KERNELS || !RG_MAY_RUN(stride >= RG_MIN_STRIDE)) return 0;
+  if (!RG_SELECT_KERNELS || !RG_MAY_RUN(stride >= RG_MIN_STRIDE)) return 0;
   return wanted ? wanted : rg_find_kernels(0);
 }
 
 /* Blends a span of grey pixels. */
 static inline void rg_dispatch_grey(const rg_kernels* kernels,
                                     const rg_span* span, int is_roomy) {
-  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy))
+  if (RG_SELECT_KERNELS && kernels && RG_MAY_RUN(is_roomy))
     kernels->blend[0](span);
   else
     RG_BUILT_IN(1)(span);
@@ -122,7 +122,7 @@ static inline int rg_blend_built_in(const rg_span* span, uint32_t channels) {
 static inline void rg_dispatch(const rg_kernels* kernels, const rg_span* span,
                                const rg_component* component, int is_roomy) {
   const uint32_t channels = rg_interleaved(component);
-  if (RG_CHOOSE_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
+  if (RG_SELECT_KERNELS && kernels && RG_MAY_RUN(is_roomy) && channels != 0) {
     kernels->blend[channels - 1](span);
     return;
   }
@@ -130,7 +130,7 @@ static inline void rg_dispatch(const rg_kernels* kernels, const rg_span* span,
       component->kind == RG_SAMPLE_565 &&
       (component->first_sample != 0 || rg_blend_words_avx2(span)))
     return; /* all fields are blended with the first one */
-  if (RG_CHOOSE_KERNELS && kernels &&
+  if (RG_SELECT_KERNELS && kernels &&
       (kernels->abilities & RG_HAS_VECTORS) != 0 && RG_MAY_RUN(is_roomy) &&
       rg_is_strided(component)) {
     rg_blend_strided(kernels, span, component);

@@ -4,7 +4,7 @@
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
-#if RG_CHOOSE_KERNELS && defined(__x86_64__)
+#if RG_SELECT_KERNELS && defined(__x86_64__)
 
 #include <smmintrin.h>
 #include <stddef.h>

@@ -9,7 +9,7 @@
  * one nothing. */
 #include "kernels/kernel.h"
 
-#if RG_CHOOSE_KERNELS
+#if RG_SELECT_KERNELS
 
 #include <stddef.h>
 

@@ -99,7 +99,7 @@ class FrameSource {
   /// that the camera rejects stay automatic, without an error. Another call
   /// fixes the values at that time.
   virtual StateLock LockState() {
-    return NothingLocked("the source is not a camera");
+    return MakeUnlockedState("the source is not a camera");
   }
   /// Makes LockState() set the focus of an earlier frame instead of leaving it
   /// unchanged.

@@ -253,8 +253,8 @@ SourceCounts LibcameraSource::counts() const {
 StateLock LibcameraSource::LockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
   if (is_disconnected_ || (last_info_ && !is_running_))
-    return NothingLocked("the stream has ended");
-  if (!last_info_) return NothingLocked("no frame received yet");
+    return MakeUnlockedState("the stream has ended");
+  if (!last_info_) return MakeUnlockedState("no frame received yet");
   FrameInfo info = *last_info_;
   if (focus_.lens_position) info.lens_position = focus_.lens_position;
   LibcameraLock state = MakeLibcameraLock(camera_->controls(), controls_, info);

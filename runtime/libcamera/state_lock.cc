@@ -4,7 +4,7 @@
 
 namespace raygrid {
 
-StateLock NothingLocked(const std::string& reason) {
+StateLock MakeUnlockedState(const std::string& reason) {
   StateLock lock;
   for (const char* subject : {"focus", "exposure", "gain", "white balance"})
     lock.open.push_back(std::string(subject) + ": " + reason);

@@ -15,7 +15,7 @@ struct StateLock {
 };
 
 /// Returns a result in which no setting is fixed, with the reason.
-StateLock NothingLocked(const std::string& reason);
+StateLock MakeUnlockedState(const std::string& reason);
 
 /// Formats an exposure time: "exposure 8.3 ms".
 std::string DescribeExposure(double exposure_us);

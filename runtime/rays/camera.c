@@ -51,7 +51,7 @@ rg_status rg_camera_open(rg_camera* camera, const void* bytes,
   camera->stack = 0;
   camera->sample_shift = 0;
   camera->weight_q14 = 0;
-  if (RG_CHOOSE_SURFACE) camera->surface = rg_select_surface();
+  if (RG_SELECT_SURFACE) camera->surface = rg_select_surface();
   set_frame_size(camera, rg_load_u32(sections.of[RG_SECTION_CAMERA].bytes +
                                      RG_CAMERA_WIDTH));
   return RG_OK;

@@ -2,7 +2,7 @@
  * several control points in parallel. */
 #include "rays/surface_avx2.h"
 
-#if RG_CHOOSE_SURFACE
+#if RG_SELECT_SURFACE
 
 #include <immintrin.h>
 

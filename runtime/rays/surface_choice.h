@@ -12,7 +12,7 @@
 
 /* Returns the fastest code that the processor supports. */
 static RG_INLINE uint16_t rg_select_surface(void) {
-  return RG_CHOOSE_SURFACE && rg_has_avx2_surface() ? RG_SURFACE_AVX2
+  return RG_SELECT_SURFACE && rg_has_avx2_surface() ? RG_SURFACE_AVX2
                                                     : RG_SURFACE_PORTABLE;
 }
 
@@ -20,7 +20,7 @@ static RG_INLINE uint16_t rg_select_surface(void) {
 static RG_INLINE rg_status
 rg_evaluate_in_sample(const rg_camera* camera, const uint8_t* grid, int32_t x,
                       int32_t y, rg_grid_position* grid_position) {
-  if (RG_CHOOSE_SURFACE && camera->surface == RG_SURFACE_AVX2)
+  if (RG_SELECT_SURFACE && camera->surface == RG_SURFACE_AVX2)
     return rg_evaluate_spline_avx2(grid, x, y, grid_position);
   return rg_evaluate_spline(grid, x, y, grid_position);
 }
@@ -47,7 +47,7 @@ rg_evaluate_inverse(const rg_camera* camera, int32_t x, int32_t y,
 static RG_INLINE void rg_compute_inverse_jacobian(
     const rg_camera* camera, const rg_grid_position* grid_position,
     int32_t jacobian_q5[2][2]) {
-  if (RG_CHOOSE_SURFACE && camera->surface == RG_SURFACE_AVX2)
+  if (RG_SELECT_SURFACE && camera->surface == RG_SURFACE_AVX2)
     rg_compute_jacobian_avx2(camera->inverse, grid_position, jacobian_q5);
   else
     rg_compute_jacobian(camera->inverse, grid_position, jacobian_q5);

@@ -39,7 +39,7 @@ static RG_INLINE void find_line_point(const rg_camera* camera,
       points = RG_ADD_LINE_ROW(points, grid_position->weights_q31[0],
                                &row_weight, sums_q26) +
                4 * rest_of_row;
-    while (rg_turn(&rest_of_row));
+    while (rg_next_iteration(&rest_of_row));
   }
   RG_IN_MEMORY(point_q28);
   point_q28[0] = rg_shift_left(sums_q26[0], 2);

@@ -6,7 +6,7 @@ namespace raygrid {
 namespace {
 
 // The minimum for filling one while another is read.
-constexpr uint32_t kLeastBuffers = 2;
+constexpr uint32_t kMinBuffers = 2;
 
 }  // namespace
 
@@ -62,7 +62,7 @@ bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
   v4l2_requestbuffers request;
   if (Request(kind_, number, 0, &request) != 0) return false;
   buffers_.resize(request.count);
-  if (request.count >= kLeastBuffers && TakeFromHeap(heap) && QueueAll()) {
+  if (request.count >= kMinBuffers && TakeFromHeap(heap) && QueueAll()) {
     memory_ = heap + ", cached";
     return true;
   }
@@ -99,7 +99,7 @@ void V4l2Buffers::AllocateOfDriver(uint32_t number) {
     memory_ += ", cached";
   }
 #endif
-  if (status != 0 || request.count < kLeastBuffers)
+  if (status != 0 || request.count < kMinBuffers)
     throw V4l2Error(*device_, "cannot allocate frame buffers",
                     status != 0 ? status : ENOMEM,
                     "free some memory, or use a smaller --size");

@@ -99,8 +99,8 @@ SourceCounts V4l2Source::counts() const {
 
 StateLock V4l2Source::LockState() {
   if (is_stopped_ || !fault().empty())
-    return NothingLocked("the stream has ended");
-  if (arrived_ == 0) return NothingLocked("no frame received yet");
+    return MakeUnlockedState("the stream has ended");
+  if (arrived_ == 0) return MakeUnlockedState("no frame received yet");
   const StateLock lock = state_.Lock();
   has_changed_ = true;
   return lock;

@@ -129,7 +129,7 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   LibcameraLock lock = MakeLibcameraLock(none, ControlList(none), Told());
   EXPECT_TRUE(lock.fixing.empty());
   EXPECT_EQ(lock.report.open,
-            NothingLocked("libcamera has no control for it").open);
+            MakeUnlockedState("libcamera has no control for it").open);
 
   // Modes that it does not end, and values out of its range.
   const ControlInfoMap other =

@@ -192,7 +192,7 @@ TEST(V4l2State, OfASourceIsLockedWhileFramesCome) {
   MakeAutomatic(&state);
   const auto source = Open(&state);
   EXPECT_EQ(source->LockState().open,
-            NothingLocked("no frame received yet").open);
+            MakeUnlockedState("no frame received yet").open);
   EXPECT_EQ(state.settings, Settings());
   const auto play = [&](uint8_t value) {
     const std::lock_guard<std::mutex> lock(state.mutex);
@@ -227,7 +227,7 @@ TEST(V4l2State, OfASourceIsLockedWhileFramesCome) {
   EXPECT_EQ(ControlOf(&state, V4L2_CID_EXPOSURE_AUTO).value,
             V4L2_EXPOSURE_APERTURE_PRIORITY);
   EXPECT_EQ(source->LockState().open,
-            NothingLocked("the stream has ended").open);
+            MakeUnlockedState("the stream has ended").open);
 }
 
 TEST(V4l2State, ARefusalEndsNoStream) {

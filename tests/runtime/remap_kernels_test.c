@@ -431,7 +431,7 @@ static void spread_runs_are_as_those_of_any_lattice(void** unused) {
   (void)unused;
   state = 77;
   fill_source();
-  for (uint32_t k = 0; RG_CHOOSE_KERNELS && k < NUM_RUNS / 4; ++k) {
+  for (uint32_t k = 0; RG_SELECT_KERNELS && k < NUM_RUNS / 4; ++k) {
     rg_span span;
     if (!make_run(&span)) continue;
     const uint32_t step = 2u << below(2), first = below(2);
@@ -461,7 +461,7 @@ static void spread_runs_are_as_those_of_any_lattice(void** unused) {
     }
     ++num_checked;
   }
-  assert_true(!RG_CHOOSE_KERNELS || num_checked > NUM_RUNS / 80);
+  assert_true(!RG_SELECT_KERNELS || num_checked > NUM_RUNS / 80);
 }
 
 /* ---- Whole blocks, whose rows the portable kernels may take together ----- */

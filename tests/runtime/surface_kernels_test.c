@@ -15,7 +15,7 @@
 #define NUM_GRIDS 200
 #define NUM_PLACES 200
 
-#if RG_CHOOSE_SURFACE
+#if RG_SELECT_SURFACE
 
 /* The control points end where it does. */
 typedef struct random_grid {

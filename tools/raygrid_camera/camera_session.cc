@@ -56,9 +56,9 @@ std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
 }
 
 // Ends what takes too long without a frame.
-class Patience {
+class FrameTimeout {
  public:
-  explicit Patience(const CameraArguments& arguments)
+  explicit FrameTimeout(const CameraArguments& arguments)
       : limit_(std::chrono::duration_cast<Clock::duration>(
             std::chrono::duration<double>(arguments.timeout_s))),
         is_input_(arguments.recording == "-") {}
@@ -142,7 +142,7 @@ class FrameLoop {
   FrameOutput* const output_;
   Benchmark* const benchmark_;  // NULL: nothing is timed
   CameraStatistics statistics_;
-  Patience patience_;
+  FrameTimeout patience_;
   ServiceNotice notice_;
   FrameNumbers numbers_;
   uint64_t written_ = 0, held_back_ = 0;
@@ -151,7 +151,7 @@ class FrameLoop {
 // The first frame that comes; nothing if a signal comes before.
 std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
                                       FrameSource* source) {
-  Patience patience(arguments);
+  FrameTimeout patience(arguments);
   while (!IsSignalled()) {
     if (const auto frame = source->Next(kFramePatience)) {
       source->Release(*frame);

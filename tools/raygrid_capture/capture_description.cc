@@ -12,9 +12,9 @@ namespace raygrid {
 namespace {
 
 // The outline of a board, and its first row's side by itself.
-ViewShown ShowView(const CameraModel& camera, const Board& board,
+ViewState ShowView(const CameraModel& camera, const Board& board,
                    const Pose& camera_from_board) {
-  ViewShown shown;
+  ViewState shown;
   shown.outline = ProjectOutline(camera, board, camera_from_board);
   if (!shown.outline.empty())
     shown.top.assign(shown.outline.begin(),
@@ -81,7 +81,7 @@ void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
                  CaptureState* state) {
   state->cameras.resize(judged.size());
   for (size_t c = 0; c < judged.size(); ++c) {
-    CameraShown& camera = state->cameras[c];
+    CameraState& camera = state->cameras[c];
     camera.name = frames.name(c);
     if (judged[c].frame) camera.word = judged[c].word;
     const CaptureGuide* const own = rig.guide(c);

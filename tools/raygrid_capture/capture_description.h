@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "capture/rig_guide.h"
 #include "capture_state.h"
 #include "paired_frames.h"

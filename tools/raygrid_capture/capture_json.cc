@@ -32,21 +32,21 @@ Json MakePixelsJson(const std::vector<Eigen::Vector2d>& pixels) {
 
 std::string CaptureJson(const CaptureState& state) {
   Json next = Json::array();
-  for (const ViewShown& view : state.next)
+  for (const ViewState& view : state.next)
     next.push_back({{"outline", MakePixelsJson(view.outline)},
                     {"top", MakePixelsJson(view.top)}});
   Json places = Json::array();
-  for (const PlaceShown& place : state.places) {
+  for (const PositionState& place : state.places) {
     places.push_back(RoundedPixel(place.pixel.x()));
     places.push_back(RoundedPixel(place.pixel.y()));
     places.push_back(Rounded(place.deviation_px));
   }
   Json cameras = Json::array(), links = Json::array();
-  for (const CameraShown& camera : state.cameras)
+  for (const CameraState& camera : state.cameras)
     cameras.push_back({{"name", camera.name},
                        {"status", camera.word},
                        {"uncertainty_px", Rounded(camera.deviation_px)}});
-  for (const LinkShown& link : state.links)
+  for (const LinkState& link : state.links)
     links.push_back({{"cameras", {link.first, link.second}},
                      {"uncertainty_px", Rounded(link.deviation_px)}});
   const Json json = {{"schema_version", kCaptureSchemaVersion},

@@ -330,9 +330,9 @@ void CaptureLoop::RecordLock(size_t camera) {
   const std::string start =
       cameras_.size() > 1 ? frames_->name(camera) + ": " : "";
   for (const std::string& text : lock->locked)
-    lock_remarks_.push_back(start + "locked: " + text);
+    lock_warnings_.push_back(start + "locked: " + text);
   for (const std::string& text : lock->open)
-    lock_remarks_.push_back(start + "not locked: " + text);
+    lock_warnings_.push_back(start + "not locked: " + text);
 }
 
 void CaptureLoop::Save(AssessedFrames* assessed_frames) {
@@ -408,7 +408,7 @@ void CaptureLoop::CountFrameSet() {
 
 void CaptureLoop::Describe(const AssessedFrames& assessed_frames) {
   state_.camera = frames_->name(shown_);
-  state_.warnings = lock_remarks_;
+  state_.warnings = lock_warnings_;
   const AssessedFrame& judged = assessed_frames[shown_];
   if (judged.frame) DescribeFrame(judged, &state_);
   DescribeKnown(*guide_, shown_, &state_);

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "capture/capture_guide.h"
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "capture/live_camera.h"
 #include "capture/rig_guide.h"
 #include "capture_description.h"
@@ -26,7 +26,7 @@ namespace raygrid {
 struct CaptureLoopOptions {
   std::string source;  ///< name for errors
   GuideOptions guide;
-  FrameAssessorOptions judge;
+  KeyframeSelectorOptions judge;
   int num_threads = 0;
   double timeout_s = 5;  ///< maximum time without a frame
 };
@@ -120,7 +120,7 @@ class CaptureLoop {
   std::future<void> adjusting_;
   size_t shown_ = 0;  // camera described by the state
   CaptureState state_;
-  std::vector<std::string> lock_remarks_;
+  std::vector<std::string> lock_warnings_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
   bool has_seen_frames_ = false, has_connected_in_vain_ = false;
   int num_without_board_ = 0;  // consecutive frame sets

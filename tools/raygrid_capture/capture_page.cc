@@ -88,7 +88,7 @@ MHD_Result AnswerFile(MHD_Connection* connection, const char* type,
 class CapturePage::Impl {
  public:
   Impl(const PageAddress& address, const PageWords& words, OnCommand on_command,
-       ReadKept read_kept);
+       KeptFrameReader read_kept);
   ~Impl();
   const PageServer& server() const { return server_; }
   void Show(const CaptureState& state);
@@ -118,7 +118,7 @@ class CapturePage::Impl {
 };
 
 CapturePage::Impl::Impl(const PageAddress& address, const PageWords& words,
-                        OnCommand on_command, ReadKept read_kept)
+                        OnCommand on_command, KeptFrameReader read_kept)
     : on_command_(std::move(on_command)),
       json_(CaptureJson({})),
       whole_(std::move(read_kept)),
@@ -222,7 +222,7 @@ MHD_Result CapturePage::Impl::Answer(MHD_Connection* connection,
 }
 
 CapturePage::CapturePage(const PageAddress& address, const PageWords& words,
-                         OnCommand on_command, ReadKept read_kept)
+                         OnCommand on_command, KeptFrameReader read_kept)
     : impl_(std::make_unique<Impl>(address, words, std::move(on_command),
                                    std::move(read_kept))) {}
 

@@ -43,11 +43,12 @@ class CapturePage {
   using OnCommand = std::function<void(const CaptureCommand&)>;
   /// Reads a kept frame from disk; returns false if it cannot. Called by a
   /// thread of the page, one frame at a time. Must not throw.
-  using ReadKept = std::function<bool(const std::string& name, GreyPicture*)>;
+  using KeptFrameReader =
+      std::function<bool(const std::string& name, GreyPicture*)>;
 
   /// Throws CameraError if the port is in use, or the token is not readable.
   CapturePage(const PageAddress& address, const PageWords& words,
-              OnCommand on_command, ReadKept read_kept);
+              OnCommand on_command, KeptFrameReader read_kept);
   /// Still sends the last state, and the end of the capture, to all clients.
   ~CapturePage();
 

@@ -48,13 +48,13 @@ class CharacterMap {
 // A line of a rig's cameras, and of how they stand to each other.
 std::string RigLine(const CaptureState& state) {
   std::string text;
-  for (const CameraShown& camera : state.cameras) {
+  for (const CameraState& camera : state.cameras) {
     text += fmt::format("{}{} {}", text.empty() ? "" : "   ", camera.name,
                         camera.word);
     if (camera.deviation_px > 0)
       text += fmt::format(" {:.3f} px", camera.deviation_px);
   }
-  for (const LinkShown& link : state.links)
+  for (const LinkState& link : state.links)
     text += fmt::format("   {}-{} {:.3f} px", link.first, link.second,
                         link.deviation_px);
   return text.empty() ? "" : text + "\n";
@@ -68,7 +68,7 @@ char ShadeOf(double deviation_px, double good_px) {
   return kShades[std::clamp(step, 0, 4)];
 }
 
-std::string ProgressCallback(const CaptureState& state) {
+std::string FormatProgress(const CaptureState& state) {
   std::string text = fmt::format("{} kept", state.kept.size());
   if (state.num_expected > 0)
     text += fmt::format(", about {} more", state.num_expected);
@@ -87,12 +87,12 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   if (state.width <= 0 || num_columns < 10) return "";
   CharacterMap map(state, num_columns);
   constexpr double kGoodPx = 0.02;
-  for (const PlaceShown& place : state.places)
+  for (const PositionState& place : state.places)
     map.Put(place.pixel,
             ShadeOf(place.deviation_px,
                     state.target_px > 0 ? state.target_px : kGoodPx));
   for (const Eigen::Vector2d& feature : state.features) map.Put(feature, 'o');
-  for (const ViewShown& view : state.next) {
+  for (const ViewState& view : state.next) {
     std::vector<Eigen::Vector2d> closed = view.outline;
     if (!closed.empty()) closed.push_back(closed.front());
     map.PutLine(closed, '#');
@@ -101,7 +101,7 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   std::string text = map.Text();
   text += fmt::format("{:<8} {}\n", state.word, state.hint);
   text += RigLine(state);
-  text += ProgressCallback(state) + "\n";
+  text += FormatProgress(state) + "\n";
   text += fmt::format(
       "edge width {:.1f} px   white level {:.0f} %   {:.1f} frames/s\n",
       state.sharpness_px, 100 * state.brightness, state.frames_per_second);

@@ -9,20 +9,20 @@
 namespace raygrid {
 
 /// Predicted uncertainty at a pixel.
-struct PlaceShown {
+struct PositionState {
   Eigen::Vector2d pixel;
   double deviation_px = 0;
 };
 
 /// A view to fill with the board. Lines are in image pixels, possibly outside
 /// the image.
-struct ViewShown {
+struct ViewState {
   std::vector<Eigen::Vector2d> outline;  ///< closed outline of the board
   std::vector<Eigen::Vector2d> top;      ///< its edge beyond the first row
 };
 
 /// Summary of a camera of a rig.
-struct CameraShown {
+struct CameraState {
   std::string name;
   std::string word = "absent";  ///< word on its newest image
   double deviation_px = 0;      ///< 95th percentile; 0: unknown
@@ -30,7 +30,7 @@ struct CameraShown {
 
 /// Uncertainty of the relative pose of two cameras: RMS of predicting a board's
 /// points in the second camera from its pose in the first.
-struct LinkShown {
+struct LinkState {
   std::string first, second;
   double deviation_px = 0;
 };
@@ -40,8 +40,8 @@ struct LinkShown {
 struct CaptureState {
   int width = 0, height = 0;         ///< image size, pixels
   std::string camera;                ///< name in a rig; else empty
-  std::vector<CameraShown> cameras;  ///< cameras of a rig; else empty
-  std::vector<LinkShown> links;
+  std::vector<CameraState> cameras;  ///< cameras of a rig; else empty
+  std::vector<LinkState> links;
 
   /// Assessment of the newest image: kept, absent, few, moving, blurred, dark,
   /// bright, known, busy, paused, locking, refocused, cropped.
@@ -50,11 +50,11 @@ struct CaptureState {
   bool is_done = false, is_paused = false;
 
   std::vector<Eigen::Vector2d> features;  ///< in the newest image, pixels
-  std::vector<ViewShown> next;            ///< view to capture, if any
+  std::vector<ViewState> next;            ///< view to capture, if any
   /// From the board's centre to its requested position; both or none.
   std::vector<Eigen::Vector2d> arrow;
 
-  std::vector<PlaceShown> places;  ///< empty before a calibration
+  std::vector<PositionState> places;  ///< empty before a calibration
   /// 95th percentile over the image; 0 before a calibration.
   double deviation_px = 0;
   /// Whether there are too few frames, so that deviation_px is a lower bound.

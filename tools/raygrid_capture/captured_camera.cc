@@ -55,8 +55,8 @@ LensFocus FocusOf(const SessionFrame& frame) {
 
 // The word on a frame that shows another camera than the first one kept: its
 // lens has moved, or another part of the sensor is shown. NULL: the same.
-const char* WordOfOtherState(const SessionFrame& first,
-                             const SessionFrame& now) {
+const char* DescribeOtherCameraState(const SessionFrame& first,
+                                     const SessionFrame& now) {
   const bool has_lens_moved =
       first.lens_position && now.lens_position &&
       std::abs(*first.lens_position - *now.lens_position) >
@@ -69,7 +69,7 @@ const char* WordOfOtherState(const SessionFrame& first,
 }  // namespace
 
 CapturedCamera::CapturedCamera(const Pattern& pattern,
-                               const FrameAssessorOptions& options)
+                               const KeyframeSelectorOptions& options)
     : pattern_(pattern), detector_(pattern, {}), judge_(options) {
   for (const Board& board : pattern_.boards)
     meters_.emplace(board.id, QualityMeter(board));
@@ -105,7 +105,7 @@ std::string CapturedCamera::GetStateText(const LiveFrame& frame,
                                          const SessionFrame* first) {
   if (IsLocking(frame, source, first)) return "locking";
   const char* const other =
-      first ? WordOfOtherState(*first, StateOf(frame.info)) : nullptr;
+      first ? DescribeOtherCameraState(*first, StateOf(frame.info)) : nullptr;
   return other ? other : "";
 }
 

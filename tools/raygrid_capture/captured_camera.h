@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "features/pattern_detector.h"
 #include "live_frames.h"
 #include "session_file.h"
@@ -17,7 +17,8 @@ namespace raygrid {
 /// checks that the camera's settings stay constant.
 class CapturedCamera {
  public:
-  CapturedCamera(const Pattern& pattern, const FrameAssessorOptions& options);
+  CapturedCamera(const Pattern& pattern,
+                 const KeyframeSelectorOptions& options);
 
   /// Detects the boards of a frame, without a name. Thread-safe.
   DetectedFrame See(const LiveFrame& frame) const;
@@ -46,7 +47,7 @@ class CapturedCamera {
   Pattern pattern_;
   PatternDetector detector_;
   std::map<int, QualityMeter> meters_;  // by board
-  FrameAssessor judge_;
+  KeyframeSelector judge_;
   std::optional<Clock::time_point> lock_time_;
   bool is_locked_ = false;
   std::optional<StateLock> new_lock_;

@@ -13,8 +13,8 @@ bool IsPacked(const PixelFormatInfo& info) {
   return std::string(info.name).find("CSI2P") != std::string::npos;
 }
 
-void TakeLuma(const PixelFormatInfo& info, const uint8_t* row, int width,
-              uint8_t* grey) {
+void ConvertRowToLuma(const PixelFormatInfo& info, const uint8_t* row,
+                      int width, uint8_t* grey) {
   const SampleChannel luma = FindChannel(info.format, info.order[0]);
   row += luma.first_sample;
   for (int x = 0; x < width; ++x) grey[x] = row[x * luma.component.sample_step];
@@ -64,7 +64,7 @@ Image GreyOf(const StreamFormat& format, const rg_image& frame) {
     } else if (info.bits > 8) {
       WidenRow(info, row, format.width, grey);
     } else {
-      TakeLuma(info, row, format.width, grey);
+      ConvertRowToLuma(info, row, format.width, grey);
     }
   }
   return image;

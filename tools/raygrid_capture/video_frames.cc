@@ -84,7 +84,7 @@ class VideoStream {
   pid_t program_ = 0;
 };
 
-bool IsReadAsItIs(const std::string& path) {
+bool IsReadWithoutFfmpeg(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension();
   return extension == ".y4m" || extension == ".mjpeg" || extension == ".mjpg";
 }
@@ -112,7 +112,7 @@ class VideoSource : public PipeSource {
 std::unique_ptr<LiveFrames> MakeVideoFrames(const std::string& path) {
   try {
     return MakeSourceFrames(
-        std::make_unique<VideoSource>(IsReadAsItIs(path)
+        std::make_unique<VideoSource>(IsReadWithoutFfmpeg(path)
                                           ? VideoStream::OfFile(path)
                                           : VideoStream::OfProgram(path)),
         false);

@@ -43,7 +43,7 @@ struct WholePictures::Job {
   size_t sent = 0;
 };
 
-WholePictures::WholePictures(CapturePage::ReadKept read)
+WholePictures::WholePictures(CapturePage::KeptFrameReader read)
     : read_(std::move(read)), worker_(&WholePictures::Work, this) {}
 
 MHD_Result WholePictures::Answer(MHD_Connection* connection,

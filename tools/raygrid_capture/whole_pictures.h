@@ -18,7 +18,7 @@ namespace raygrid {
 /// separate thread.
 class WholePictures {
  public:
-  explicit WholePictures(CapturePage::ReadKept read);
+  explicit WholePictures(CapturePage::KeptFrameReader read);
   ~WholePictures() { End(); }
 
   /// Answers a request; if the frame cannot be read, closes the connection.
@@ -33,7 +33,7 @@ class WholePictures {
   static void FreeCallback(void* asked);
   void Work();
 
-  const CapturePage::ReadKept read_;
+  const CapturePage::KeptFrameReader read_;
   std::mutex mutex_;  // guards the rest and the jobs
   std::condition_variable changed_;
   std::deque<std::shared_ptr<Job>> waiting_;

@@ -90,7 +90,7 @@ double NoiseAt(const std::vector<NoiseAtLevel>& noise, double level) {
 
 // Single pixels far beyond all around them would outweigh the rest of a window:
 // they become as their neighbours are. The image's noise is about one level.
-void MendDeadPixels(GreyImage* image) {
+void CorrectDeadPixels(GreyImage* image) {
   constexpr double kFarBeyond = 20;
   cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
   around.at<uint8_t>(1, 1) = 0;
@@ -114,7 +114,7 @@ std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image) {
   GreyImage amplified = image;
   for (float& level : amplified.levels) level = std::ldexp(level, exponent);
   constexpr double kLargeBytes = 80, kGreyByte = 128;
-  MendDeadPixels(&amplified);
+  CorrectDeadPixels(&amplified);
   const cv::Mat differences = LocalDifferences(amplified);
   cv::Mat bytes(differences.size(), CV_8U, amplified.bytes.data());
   differences.convertTo(bytes, CV_8U,

@@ -43,8 +43,8 @@ bool Predicted(const FeatureLattice& lattice, const Feature& feature,
                          kRefinementDegree, mapping) > 0;
 }
 
-void RejectLonely(const Board& board, FeatureLattice* lattice,
-                  ImageDetection* detection) {
+void RejectIsolatedFeatures(const Board& board, FeatureLattice* lattice,
+                            ImageDetection* detection) {
   for (const Feature& f : lattice->Features()) {
     const int c = f.column, r = f.row;
     const int neighbours = lattice->Has(c - 1, r) + lattice->Has(c + 1, r) +
@@ -67,8 +67,8 @@ struct Way {
 
 // Nothing if there is no feature near, or none that tells how long it ought to
 // be.
-std::optional<Way> WayFrom(const FeatureLattice& lattice, const Place& from,
-                           const Place& step) {
+std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
+                            const Place& step) {
   constexpr int kMaxSteps = 3;
   constexpr double kToleranceSteps = 0.5;
   const auto at = [&](const Place& p) { return lattice.at(p.x(), p.y()); };
@@ -107,7 +107,7 @@ std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
     take({first.column, first.row}, &group);
     for (size_t i = 0; i < group.size(); ++i) {
       for (const Place& step : kSteps) {
-        const auto way = WayFrom(lattice, group[i], step);
+        const auto way = FindStep(lattice, group[i], step);
         if (way && way->is_sound && Has(left, way->to)) take(way->to, &group);
       }
     }
@@ -119,9 +119,9 @@ std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
   return groups;
 }
 
-bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
+bool IsAtDiscontinuity(const FeatureLattice& lattice, const Place& p) {
   return std::any_of(kSteps.begin(), kSteps.end(), [&](const Place& step) {
-    const auto way = WayFrom(lattice, p, step);
+    const auto way = FindStep(lattice, p, step);
     return way && !way->is_sound;
   });
 }
@@ -129,8 +129,8 @@ bool IsAtASeam(const FeatureLattice& lattice, const Place& p) {
 // Rejects groups of features apart from the others. Where features were not in
 // line, the growth may have come upon other stars than it thought: those on one
 // side, all in line with each other, are not the ones that they are taken for.
-void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
-                       ImageDetection* detection) {
+void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
+                          ImageDetection* detection) {
   // An AprilGrid's corners are not evenly spaced, and known by their own tags.
   if (board.IsTagGrid()) return;
   const auto groups = Groups(*lattice);
@@ -139,7 +139,7 @@ void RejectGroupsApart(const Board& board, FeatureLattice* lattice,
                     [](const auto& r) { return r.reason == kNotInLine; }) >
       kMaxStrayOutliers;
   for (const auto& group : groups)
-    for (const Place& p : group) is_in_doubt |= IsAtASeam(*lattice, p);
+    for (const Place& p : group) is_in_doubt |= IsAtDiscontinuity(*lattice, p);
   if (!is_in_doubt) return;
   for (size_t g = 1; g < groups.size(); ++g)
     for (const Place& p : groups[g])
@@ -388,8 +388,8 @@ ImageDetection FeatureRefiner::Refine(
     default:
       data_->RefineBySymmetry(image, &lattice, &detection);
   }
-  RejectLonely(data_->board, &lattice, &detection);
-  RejectGroupsApart(data_->board, &lattice, &detection);
+  RejectIsolatedFeatures(data_->board, &lattice, &detection);
+  RejectIsolatedGroups(data_->board, &lattice, &detection);
   detection.features = lattice.Features();
   return detection;
 }

@@ -48,7 +48,7 @@ Places MakePlaces(int window_px) {
 }
 
 // Made anew only where the window is another one.
-const Places& PlacesInWindow(int window_px) {
+const Places& GetWindowSamples(int window_px) {
   thread_local int made_for = 0;
   thread_local Places places;
   if (made_for != window_px) places = MakePlaces(window_px);
@@ -151,14 +151,15 @@ class ShiftedSamples {
   // The correlation of the samples that a shift leaves in the image; -1 if
   // they are too few.
   double Correlation(int x, int y) const {
-    const Moments moments = stay_inside_ ? OfAll(x, y) : OfThoseInside(x, y);
+    const Moments moments =
+        stay_inside_ ? ComputeMoments(x, y) : ComputeMomentsInside(x, y);
     return moments.n * kStride < kMinSamples ? -1 : moments.Correlation();
   }
 
  private:
   static constexpr size_t kStride = 3;
 
-  Moments OfAll(int x, int y) const {
+  Moments ComputeMoments(int x, int y) const {
     const float* shifted = image_.levels.data();
     const int shift = y * image_.size.width + x;
     float p = 0, pp = 0, pq = 0;
@@ -171,7 +172,7 @@ class ShiftedSamples {
     return {all_.n, p, all_.q, pp, pq, all_.qq};
   }
 
-  Moments OfThoseInside(int x, int y) const {
+  Moments ComputeMomentsInside(int x, int y) const {
     Moments moments;
     for (size_t i = 0; i < pixels_.size(); ++i) {
       const int column = pixels_[i].x() + x, row = pixels_[i].y() + y;
@@ -345,7 +346,7 @@ MatchingResult MatchStar(const GreyImage& image, const StarTexture& texture,
   result.center = start.center;
   if (!start.center.allFinite()) return result;
   const Rendering rendering =
-      Render(texture, mask, start, PlacesInWindow(window_px));
+      Render(texture, mask, start, GetWindowSamples(window_px));
   if (rendering.size() < kMinSamples) return result;
   result =
       MatchWithin(image, rendering, start.center, std::min(search_px, kNearPx));

@@ -12,8 +12,9 @@ namespace {
 // How much farther from where its neighbours say a feature may be whose square
 // holds the whole window, in which nothing else is symmetric: as far as they
 // are in doubt, and others are not near.
-double DoubtPx(const std::vector<Correspondence>& around,
-               const LocalMapping& predicted, int degree, int window_px) {
+double ComputeToleratedErrorPx(const std::vector<Correspondence>& around,
+                               const LocalMapping& predicted, int degree,
+                               int window_px) {
   constexpr double kMaxSquares = 0.3;
   const double most_px = kMaxSquares * predicted.SpacingPx();
   if (predicted.SpacingPx() < window_px) return 0;
@@ -24,11 +25,11 @@ double DoubtPx(const std::vector<Correspondence>& around,
 }
 
 // Judges the features of one lattice, which others are removed from meanwhile.
-class LineJudge {
+class LineOutlierFilter {
  public:
-  LineJudge(const Board& board, const ImageSize& size,
-            const Tolerance& tolerance, int window_px,
-            const FeatureLattice& lattice)
+  LineOutlierFilter(const Board& board, const ImageSize& size,
+                    const Tolerance& tolerance, int window_px,
+                    const FeatureLattice& lattice)
       : board_(board),
         size_(size),
         tolerance_(tolerance),
@@ -56,15 +57,16 @@ class LineJudge {
       least = std::min(least, (pixel - in_perspective.center).norm() /
                                   (tolerance_px * slack));
     if (least > 1)
-      if (const auto seen = SeenByLens(column, row))
+      if (const auto seen = PredictByLens(column, row))
         least = std::min(least, (pixel - *seen).norm() / tolerance_px);
     if (least <= 1) return least;
-    const double doubt_px = DoubtPx(around, predicted, degree, window_px_);
+    const double doubt_px =
+        ComputeToleratedErrorPx(around, predicted, degree, window_px_);
     return least * std::min(1.0, tolerance_px * slack / doubt_px);
   }
 
  private:
-  std::optional<Eigen::Vector2d> SeenByLens(int column, int row) {
+  std::optional<Eigen::Vector2d> PredictByLens(int column, int row) {
     // The tags' corners of an AprilGrid are not evenly spaced.
     if (!is_lens_made_ && !board_.IsTagGrid())
       lens_ = LatticeLens::Fit(lattice_.Features(), size_);
@@ -93,7 +95,7 @@ void Reject(const Board& board, int column, int row, const std::string& reason,
 void RejectOutliers(const Board& board, const ImageSize& size,
                     const Tolerance& tolerance, int window_px,
                     FeatureLattice* lattice, ImageDetection* detection) {
-  LineJudge judge(board, size, tolerance, window_px, *lattice);
+  LineOutlierFilter judge(board, size, tolerance, window_px, *lattice);
   for (;;) {
     double worst = 1;
     int worst_column = -1, worst_row = -1;

@@ -100,7 +100,7 @@ struct SeenLight {
   double seen, by_light, by_tone;
 };
 
-SeenLight SeenOfLight(double light, double tone) {
+SeenLight ApplyTone(double light, double tone) {
   constexpr double kNearlyLinear = 1e-3;
   if (std::fabs(tone) < kNearlyLinear)
     return {light + tone / 2 * light * (1 - light),
@@ -161,7 +161,7 @@ class CornerProblem {
       const double white =
           p[kWhiteLevel] + p[kWhiteByX] * s.x + p[kWhiteByY] * s.y;
       const SeenLight light =
-          SeenOfLight(std::clamp(1 - ink.ink, 0.0, 1.0), p[kTone]);
+          ApplyTone(std::clamp(1 - ink.ink, 0.0, 1.0), p[kTone]);
       const double residual = p[kBlackLevel] + white * light.seen - s.level;
       const double by_ink = -white * light.by_light;
       const Vector2d J_place = by_ink * Vector2d(ink.by_u, ink.by_v);
@@ -288,8 +288,9 @@ struct TagCornerRefiner::Data {
   std::vector<WindowPixel> PixelsNear(const GreyImage& image, int column,
                                       int row, const LocalMapping& start,
                                       int window_px) const;
-  double Likeness(const GreyImage& image, int column, int row,
-                  const LocalMapping& start, int quarter_turns) const;
+  double ComputeTemplateCorrelation(const GreyImage& image, int column, int row,
+                                    const LocalMapping& start,
+                                    int quarter_turns) const;
   WindowFit Fit(const GreyImage& image, const TagCorner& start,
                 const TagCornerOptions& options, double tone_deviation,
                 double* tone) const;
@@ -341,9 +342,9 @@ std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
 }
 
 // The correlation of the tag's cells near the corner with the image.
-double TagCornerRefiner::Data::Likeness(const GreyImage& image, int column,
-                                        int row, const LocalMapping& start,
-                                        int quarter_turns) const {
+double TagCornerRefiner::Data::ComputeTemplateCorrelation(
+    const GreyImage& image, int column, int row, const LocalMapping& start,
+    int quarter_turns) const {
   const PlacedMarker& tag = tags[row / 2 * (board.columns / 2) + column / 2];
   const int n = tag.bits.size;
   const double cell = tag.cell_m / board.square_m;
@@ -399,7 +400,8 @@ WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
   int turns = 0;
   double most = -2;
   for (int k = 0; k < 4; ++k) {
-    const double likeness = Likeness(image, column, row, mapping, k);
+    const double likeness =
+        ComputeTemplateCorrelation(image, column, row, mapping, k);
     if (likeness <= most) continue;
     most = likeness;
     turns = k;

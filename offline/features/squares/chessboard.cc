@@ -225,7 +225,7 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
       });
       constexpr double kSearchSquares = 0.12, kMinCorrelation = 0.72;
       constexpr double kMinVisible = 0.9;
-      const PatchMatch match =
+      const PatchCorrelation match =
           FindPatch(image, end, place.mapping,
                     std::max(1.0, kSearchSquares * place.mapping.SpacingPx()),
                     kMinVisible);

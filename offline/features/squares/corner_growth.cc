@@ -118,9 +118,9 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
   const double spacing_px = prediction.SpacingPx();
   if (!(spacing_px >= kMinCornerSpacingPx)) return false;
   const int index = board_.PointIndex(column, row);
-  PatchMatch match = FindPatch(image, patches_[index], prediction,
-                               std::max(1.0, search_squares * spacing_px),
-                               criterion.min_visible);
+  PatchCorrelation match = FindPatch(image, patches_[index], prediction,
+                                     std::max(1.0, search_squares * spacing_px),
+                                     criterion.min_visible);
   if (match.correlation < criterion.min_correlation ||
       !WholeImage(image.size).Contains(match.pixel) ||
       IsOccupied(*lattice, column, row, match.pixel, prediction))
@@ -129,8 +129,8 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
   if (near_px > kMinNearReachPx) {
     LocalMapping moved = prediction;
     moved.center = match.pixel;
-    const PatchMatch nearer = FindPatch(image, near_patches_[index], moved,
-                                        near_px / 2, criterion.min_visible);
+    const PatchCorrelation nearer = FindPatch(
+        image, near_patches_[index], moved, near_px / 2, criterion.min_visible);
     if (nearer.correlation > criterion.min_correlation) match = nearer;
   }
   lattice->Set(column, row, match.pixel);

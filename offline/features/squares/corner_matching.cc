@@ -137,9 +137,9 @@ std::optional<double> MeanLevel(const GreyImage& image,
   return sum / 9;
 }
 
-PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
-                     const LocalMapping& prediction, double search_px,
-                     double min_visible) {
+PatchCorrelation FindPatch(const GreyImage& image, const DrawnPatch& patch,
+                           const LocalMapping& prediction, double search_px,
+                           double min_visible) {
   const PatchOverlay overlay(image, patch, prediction, min_visible);
   Eigen::Vector2d best_shift = Eigen::Vector2d::Zero();
   double best = overlay.Correlation(best_shift);

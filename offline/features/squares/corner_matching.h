@@ -31,7 +31,7 @@ class DrawnPatch {
   std::vector<float> levels_;
 };
 
-struct PatchMatch {
+struct PatchCorrelation {
   double correlation = -1;  ///< between drawing and image
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
@@ -51,9 +51,9 @@ struct PatchCriterion {
 
 /// Returns the position within search_px of a prediction at which the image
 /// matches a patch best, to a quarter of a pixel.
-PatchMatch FindPatch(const GreyImage& image, const DrawnPatch& patch,
-                     const LocalMapping& prediction, double search_px,
-                     double min_visible);
+PatchCorrelation FindPatch(const GreyImage& image, const DrawnPatch& patch,
+                           const LocalMapping& prediction, double search_px,
+                           double min_visible);
 
 }  // namespace raygrid
 

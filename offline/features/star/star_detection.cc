@@ -181,7 +181,7 @@ class Search {
     for (const FeatureLattice& lattice : lattices) {
       auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
       if (!placement && !is_chessboard)
-        placement = PlaceOnTheOnlyOneLeft(lattice, missing);
+        placement = AssignRemainingBoard(lattice, missing);
       if (!placement) continue;
       GrowFromLattice(missing[placement->board], lattice, *placement);
       return true;
@@ -191,7 +191,7 @@ class Search {
 
   // Beside all others of its stars a board of theirs is the one that is left,
   // whatever is seen of its tags.
-  std::optional<LatticePlacement> PlaceOnTheOnlyOneLeft(
+  std::optional<LatticePlacement> AssignRemainingBoard(
       const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
     const auto is_left = [&](size_t b) { return !IsSeen(b); };
     const auto left = std::find_if(missing.begin(), missing.end(), is_left);

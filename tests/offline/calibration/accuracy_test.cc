@@ -210,7 +210,7 @@ CalibrationResult CalibrateBendingBoards(uint64_t seed) {
   simulation.num_images = 100;
   simulation.features_per_image = 17 * 11;
   simulation.noise_px = 0.02;
-  simulation.board_flex_m = 0.0001;
+  simulation.board_deformation_m = 0.0001;
   simulation.seed = seed;
   const Pattern pattern = ChessboardPattern(17, 11, 0.024);
   CalibrationOptions options;

@@ -24,17 +24,17 @@ CalibrationOptions WithCells(double knot_spacing_px) {
   return options;
 }
 
-SimulatedObservations SimulateFlex(double flex_m, int num_images = 16) {
+SimulatedObservations SimulateDeformation(double flex_m, int num_images = 16) {
   SimulationOptions options;
   options.num_images = num_images;
   options.features_per_image = 130;
   options.noise_px = 0.02;
-  options.board_flex_m = flex_m;
+  options.board_deformation_m = flex_m;
   return SimulateObservations(ExampleSimulatedCamera(), TestBoard(), options);
 }
 
 TEST(Calibrate, FollowsBoardsThatBendFromImageToImage) {
-  const Dataset dataset = SimulateFlex(0.0004).dataset;
+  const Dataset dataset = SimulateDeformation(0.0004).dataset;
   CalibrationOptions options = WithCells(80);
   options.hold_out = {dataset.images[3].image, dataset.images[9].image};
   const CalibrationResult bent = Calibrate(dataset, TestBoard(), options);
@@ -82,7 +82,7 @@ TEST(Calibrate, SaysThatABoardIsNotFlatAsTold) {
 
 TEST(Calibrate, KeepsBoardsRigidThatAreRigid) {
   const CalibrationResult result =
-      Calibrate(SimulateFlex(0).dataset, TestBoard(), WithCells(160));
+      Calibrate(SimulateDeformation(0).dataset, TestBoard(), WithCells(160));
   EXPECT_FALSE(result.bends.has_value());
 }
 
@@ -123,7 +123,7 @@ double ShareOf(double flex_m, int num_images = 16,
                size_t max_features = SIZE_MAX) {
   AdjustmentOptions options;
   options.num_threads = 2;
-  Dataset dataset = SimulateFlex(flex_m, num_images).dataset;
+  Dataset dataset = SimulateDeformation(flex_m, num_images).dataset;
   for (ImageFeatures& image : dataset.images)
     if (image.features.size() > max_features)
       image.features.resize(max_features);
@@ -145,7 +145,7 @@ TEST(ComputeDeformationShare, IsAllWhereViewsHaveTooFewFeaturesToTell) {
 
 // Half of the features tell how the boards are bent.
 TEST(EvaluateWithDeformation, FindsTheNoiseWhereBoardsBend) {
-  const SimulatedObservations seen = SimulateFlex(0.0004);
+  const SimulatedObservations seen = SimulateDeformation(0.0004);
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const RigModel rig = {{&camera}, {Pose()}};
   const auto flexed =
@@ -158,7 +158,7 @@ TEST(EvaluateWithDeformation, FindsTheNoiseWhereBoardsBend) {
 }
 
 TEST(EvaluateWithDeformation, HasNothingOfBoardsThatAreNotFlat) {
-  const Dataset dataset = SimulateFlex(0).dataset;
+  const Dataset dataset = SimulateDeformation(0).dataset;
   Pattern deep = TestBoard();
   for (size_t i = 0; i < deep.boards[0].points.size(); i += 2)
     deep.boards[0].points[i].z() = 0.05;

@@ -75,8 +75,8 @@ TEST(BoardRotations, BringPointsToWhereFeaturesBecome) {
 }
 
 // Each view of a board in turn by one of its turns.
-BoardRotations RandomTurns(const Dataset& dataset, const Pattern& pattern,
-                           uint64_t seed) {
+BoardRotations RandomRotations(const Dataset& dataset, const Pattern& pattern,
+                               uint64_t seed) {
   Random random(seed);
   BoardRotations turns;
   for (const ImageFeatures& image : dataset.images)
@@ -118,7 +118,7 @@ TurnedViews ViewsOf(const Pattern& nominal, double off_m, int num_images,
                                        Misprinted(nominal, off_m), simulation)
                       .dataset;
   views.turned = Rotated(views.upright, nominal,
-                         RandomTurns(views.upright, nominal, seed + 1));
+                         RandomRotations(views.upright, nominal, seed + 1));
   return views;
 }
 
@@ -219,8 +219,8 @@ double StackErrorPx(bool is_turned) {
     }
   }
   if (is_turned)
-    input.dataset =
-        Rotated(input.dataset, nominal, RandomTurns(input.dataset, nominal, 7));
+    input.dataset = Rotated(input.dataset, nominal,
+                            RandomRotations(input.dataset, nominal, 7));
   CalibrationOptions options;
   options.num_threads = 2;
   options.knot_spacing_px = 160;
@@ -259,7 +259,7 @@ RigResult CalibrateTurnedRig(const SimulatedRigObservations& seen,
   for (size_t c = 0; c < seen.datasets.size(); ++c)
     inputs.push_back(
         {names[c], Rotated(seen.datasets[c], pattern,
-                           RandomTurns(seen.datasets[c], pattern, c + 1))});
+                           RandomRotations(seen.datasets[c], pattern, c + 1))});
   CalibrationOptions options;
   options.model = "opencv";
   options.num_threads = 2;

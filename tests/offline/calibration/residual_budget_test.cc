@@ -116,7 +116,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   simulation.num_images = 16;
   simulation.features_per_image = 130;
   simulation.noise_px = 0.02;
-  simulation.board_flex_m = 0.0004;
+  simulation.board_deformation_m = 0.0004;
   CalibrationOptions options;
   options.knot_spacing_px = 160;
   options.rigid_board = true;
@@ -132,7 +132,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   // Only things that were not tried are advised.
   EXPECT_NE(AssessBudget(budget).advice.find("--rigid-target"),
             std::string::npos);
-  budget.facts.bends_tried = true;
+  budget.facts.tried_deformation = true;
   EXPECT_NE(AssessBudget(budget).advice.find("glass"), std::string::npos);
 }
 
@@ -206,10 +206,10 @@ TEST(AssessBudget, AdvisesNothingThatWasDone) {
       has(advice(ErrorCause::kImagePosition, facts), "--model central"));
   EXPECT_TRUE(
       has(advice(ErrorCause::kBoardPosition, facts), "--fix-target-geometry"));
-  facts.generic_tried = true;
+  facts.tried_generic = true;
   EXPECT_FALSE(has(advice(ErrorCause::kImagePosition, facts), "--model"));
   facts.model = "central-generic";
-  facts.points_free = facts.bends_tried = true;
+  facts.points_free = facts.tried_deformation = true;
   facts.knot_spacing_px = 80;
   EXPECT_TRUE(
       has(advice(ErrorCause::kImagePosition, facts), "--knot-spacing-px 40"));
@@ -241,7 +241,7 @@ TEST(AssessBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   EXPECT_NE(
       AssessBudget(budget).advice.find("first use --model central-generic"),
       std::string::npos);
-  budget.facts.generic_tried = true;
+  budget.facts.tried_generic = true;
   EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.model = "central-generic";
   budget.facts.points_free = false;
@@ -252,7 +252,7 @@ TEST(AssessBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   EXPECT_NE(
       AssessBudget(budget).advice.find("first use --model noncentral-generic"),
       std::string::npos);
-  budget.facts.noncentral_tried = true;
+  budget.facts.tried_noncentral = true;
   EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.better_model = "noncentral-generic";
   EXPECT_NE(AssessBudget(budget).advice.find(
@@ -267,7 +267,7 @@ TEST(AssessBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
   budget.noise = 0.3;
   budget.rest = 0.7;
   budget.facts.model = "central-generic";
-  budget.facts.noncentral_tried = true;
+  budget.facts.tried_noncentral = true;
   EXPECT_EQ(AssessBudget(budget).limit, "unexplained");
   EXPECT_EQ(AssessBudget(budget).advice, "try --knot-spacing-px auto");
   budget.facts.knot_spacing_selected = budget.facts.tried_finer = true;

@@ -78,7 +78,7 @@ inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
   simulation.noise_px = setting.noise_px;
   simulation.seed = seed;
   if (setting.target == "bent") simulation.board_bend_m = 0.002;
-  if (setting.target == "bending") simulation.board_flex_m = 0.0003;
+  if (setting.target == "bending") simulation.board_deformation_m = 0.0003;
   if (setting.target == "correlated") simulation.shared_noise_px = 0.05;
   const Pattern pattern = ChessboardPattern(25, 17, 0.015);
   const SimulatedObservations simulated =

@@ -8,7 +8,7 @@
 
 #include "capture/board_view.h"
 #include "capture/capture_guide.h"
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "features/pattern_detector.h"
 #include "simulation/board_surface.h"
 #include "simulation/image_rendering.h"
@@ -60,7 +60,7 @@ void Time(const std::string& spec, const std::string& lens,
         {std::to_string(seen.size()), detector.Detect(image).features});
   live.Add(seen);
   const CaptureGuide guide(live, pattern, {});
-  FrameAssessor judge({});
+  KeyframeSelector judge({});
   std::vector<double> seconds;
   for (int round = 0; round < kNumRounds; ++round)
     for (const GreyImage& image : images) {

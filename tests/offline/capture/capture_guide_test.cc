@@ -4,7 +4,7 @@
 
 #include "capture/board_outline.h"
 #include "capture/board_view.h"
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "capture/view_hint.h"
 #include "evaluation/min_images.h"
 #include "simulation/random.h"
@@ -179,10 +179,10 @@ class JudgedCapture {
  private:
   const CaptureGuide guide_;
   DetectedFrame frame_;
-  FrameAssessor judge_{{}};
+  KeyframeSelector judge_{{}};
 };
 
-TEST(FrameAssessor, SaysWhatIsWrongInAWord) {
+TEST(KeyframeSelector, SaysWhatIsWrongInAWord) {
   JudgedCapture capture;
   EXPECT_EQ(capture.Word(capture.frame()), "kept");
   DetectedFrame frame = capture.frame();
@@ -204,14 +204,14 @@ TEST(FrameAssessor, SaysWhatIsWrongInAWord) {
   EXPECT_EQ(capture.Word(capture.frame()), "kept");
 }
 
-TEST(FrameAssessor, TakesASoftLensAsItIs) {
+TEST(KeyframeSelector, TakesASoftLensAsItIs) {
   JudgedCapture capture;
   DetectedFrame frame = capture.frame();
   frame.quality.least_spread_px = frame.quality.most_spread_px = 2.5;
   EXPECT_EQ(capture.Word(frame), "kept");
 }
 
-TEST(FrameAssessor, WantsFeaturesToStandStill) {
+TEST(KeyframeSelector, WantsFeaturesToStandStill) {
   JudgedCapture capture;
   EXPECT_EQ(capture.Word(capture.At(0, 0)), "kept");
   EXPECT_EQ(capture.Word(capture.At(1 / 30.0, 0.2)), "kept");
@@ -225,7 +225,7 @@ TEST(FrameAssessor, WantsFeaturesToStandStill) {
   EXPECT_EQ(capture.Word(frame), "kept");
 }
 
-TEST(FrameAssessor, WaitsWhenABoardComes) {
+TEST(KeyframeSelector, WaitsWhenABoardComes) {
   JudgedCapture capture;
   DetectedFrame without = capture.At(0, 0);
   without.features.features.clear();

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "capture/board_view.h"
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 #include "simulation/board_surface.h"
 #include "simulation/image_rendering.h"
 #include "simulation/simulated_camera.h"

@@ -204,7 +204,7 @@ TEST(Assessment, AdvisesNothingThatWasTried) {
   metrics.tried.tried_finer = true;
   EXPECT_FALSE(HasReason(AssessCalibration(metrics), "cells"));
   EXPECT_TRUE(HasReason(AssessCalibration(metrics), "noncentral-generic"));
-  metrics.tried.noncentral_tried = true;
+  metrics.tried.tried_noncentral = true;
   EXPECT_FALSE(HasReason(AssessCalibration(metrics), "noncentral-generic"));
   EXPECT_TRUE(HasReason(AssessCalibration(metrics), "are no better"));
 }
@@ -213,7 +213,7 @@ TEST(Assessment, SendsNobodyFromModelToModelAndBack) {
   CalibrationMetrics metrics = GoodFigures();
   metrics.tried.model = "opencv";
   metrics.neighbor_correlation = 0.6;
-  metrics.tried.generic_tried = true;
+  metrics.tried.tried_generic = true;
   EXPECT_FALSE(
       HasReason(AssessCalibration(metrics), "--model central-generic"));
   metrics.better_model = {"central-generic", 0.1, 0.11};

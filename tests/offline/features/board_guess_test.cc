@@ -41,7 +41,7 @@ class BoardGuess : public testing::Test {
     const FolderDetection found =
         DetectFeatures(paths_, pattern, {}, nullptr, 2, nullptr);
     num_features_ = static_cast<int>(found.dataset.num_features());
-    return GuessOtherBoard(found, pattern, "p.yaml", 2).value_or("");
+    return SuggestOtherBoard(found, pattern, "p.yaml", 2).value_or("");
   }
 
   TemporaryFolder folder_;

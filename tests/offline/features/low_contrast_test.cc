@@ -97,7 +97,7 @@ TEST(LowContrast, LitNoiseTakesLittleTime) {
     const std::clock_t start = std::clock();
     const FolderDetection found =
         DetectFeatures({folder / "a.png"}, pattern, {}, nullptr, 1, nullptr);
-    EXPECT_FALSE(GuessOtherBoard(found, pattern, "p.yaml", 1));
+    EXPECT_FALSE(SuggestOtherBoard(found, pattern, "p.yaml", 1));
     EXPECT_TRUE(found.images[0].features.empty());
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
               kTimes * 1.5);
@@ -117,7 +117,7 @@ TEST(LowContrast, NoiseTakesLittleTime) {
     const std::clock_t start = std::clock();
     const FolderDetection found =
         DetectFeatures({folder / "a.png"}, pattern, {}, nullptr, 1, nullptr);
-    EXPECT_FALSE(GuessOtherBoard(found, pattern, "p.yaml", 1));
+    EXPECT_FALSE(SuggestOtherBoard(found, pattern, "p.yaml", 1));
     EXPECT_TRUE(found.images[0].features.empty());
     EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
               kTimes * (has_lamp ? 5 : 1.5));

@@ -98,7 +98,7 @@ TEST(ResultKeys, BudgetsOfVersion1AreRead) {
   EXPECT_TRUE(budget.is_column_delay_indistinguishable);
   EXPECT_EQ(budget.facts.knot_spacing_px, 40);
   EXPECT_TRUE(budget.facts.tried_finer);
-  EXPECT_TRUE(budget.facts.noncentral_tried);
+  EXPECT_TRUE(budget.facts.tried_noncentral);
   EXPECT_EQ(budget.Of(ErrorCause::kImagePosition).unobservable_reason,
             "too few");
   EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).in_turn, 0.02);

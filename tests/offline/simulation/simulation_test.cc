@@ -187,7 +187,7 @@ TEST(DeformBoard, HasTheDeviationAskedForAndIsNoPose) {
 TEST(SimulateObservations, EachViewBendsTheBoardInItsOwnWay) {
   SimulationOptions options = FewImages();
   options.noise_px = 0;
-  options.board_flex_m = 0.001;
+  options.board_deformation_m = 0.001;
   const SimulatedObservations simulated = Simulate(options);
   double sum = 0;
   ForEachFeature(simulated, [&](const Eigen::Vector2d& exact,
@@ -204,7 +204,7 @@ TEST(SimulateObservations, EachViewBendsTheBoardInItsOwnWay) {
 TEST(SimulateRig, CamerasSeeOneBendOfABoard) {
   SimulationOptions options = FewImages();
   options.noise_px = 0;
-  options.board_flex_m = 0.001;
+  options.board_deformation_m = 0.001;
   options.features_per_image = 1000;
   const auto camera =
       std::make_shared<SimulatedCamera>(ExampleSimulatedCamera());

@@ -34,8 +34,8 @@ TEST(StraightScene, ShowsSquaresThatMeetInTheAxis) {
 TEST(StraightScene, HasAboutADozenSquaresAcross) {
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
     const auto camera = MakeSimulatedLens(lens, {320, 240});
-    const double across =
-        SeenAngleDeg(*camera, 0) * M_PI / 180 / SquareOfStraightScene(*camera);
+    const double across = ComputeVisibleAngleDeg(*camera, 0) * M_PI / 180 /
+                          SquareOfStraightScene(*camera);
     EXPECT_GT(across, 8) << lens;
     EXPECT_LT(across, 17) << lens;
   }
@@ -44,9 +44,11 @@ TEST(StraightScene, HasAboutADozenSquaresAcross) {
 TEST(SeenAngle, IsThatBetweenTheAreasEdges) {
   // The area's middle row lies 20 pixels above the axis.
   const double half_rad = std::atan(160 / std::hypot(200.0, 20.0));
-  EXPECT_NEAR(SeenAngleDeg(PlainCamera(), 0), 2 * half_rad * 180 / M_PI, 1e-9);
-  EXPECT_NEAR(SeenAngleDeg(*MakeSimulatedLens("fisheye190", {640, 480}), 0),
-              190, 3);
+  EXPECT_NEAR(ComputeVisibleAngleDeg(PlainCamera(), 0),
+              2 * half_rad * 180 / M_PI, 1e-9);
+  EXPECT_NEAR(
+      ComputeVisibleAngleDeg(*MakeSimulatedLens("fisheye190", {640, 480}), 0),
+      190, 3);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "capture/frame_assessor.h"
+#include "capture/keyframe_selector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +27,8 @@ constexpr WordAndRemedy kWords[] = {
     {"known", ""}};
 
 bool IsDark(const FrameQuality& quality) {
-  constexpr double kLeastContrast = 30;
-  return quality.white > 0 && quality.white - quality.black < kLeastContrast;
+  constexpr double kMinContrast = 30;
+  return quality.white > 0 && quality.white - quality.black < kMinContrast;
 }
 
 bool IsBright(const FrameQuality& quality) {
@@ -46,8 +46,8 @@ const char* GetRemedy(FrameStatus word) {
   return kWords[static_cast<int>(word)].remedy;
 }
 
-bool FrameAssessor::IsMoving(const DetectedFrame& frame,
-                             const FeaturePositions& places) const {
+bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
+                                const FeaturePositions& places) const {
   // Motion blurs only the edges across it.
   const FrameQuality& quality = frame.quality;
   const double streak_px =
@@ -66,22 +66,22 @@ bool FrameAssessor::IsMoving(const DetectedFrame& frame,
   return *moved_px / passed_s * shown_s > options_.still_px;
 }
 
-bool FrameAssessor::IsBlurred(const FrameQuality& quality) {
+bool KeyframeSelector::IsBlurred(const FrameQuality& quality) {
   if (!(quality.most_spread_px > 0)) return false;
-  constexpr size_t kMostFrames = 500;
+  constexpr size_t kMaxFrames = 500;
   constexpr double kSharpPx = 1.2;      // never blurred
   constexpr double kMostOfSharp = 1.5;  // relative to the camera's sharp frames
   constexpr double kAnyPx = 5;          // always blurred
   spreads_px_.push_back(quality.most_spread_px);
-  if (spreads_px_.size() > kMostFrames) spreads_px_.pop_front();
+  if (spreads_px_.size() > kMaxFrames) spreads_px_.pop_front();
   const double sharp_px =
       Quantile({spreads_px_.begin(), spreads_px_.end()}, 0.1);
   return quality.most_spread_px >
          std::min(kAnyPx, std::max(kSharpPx, kMostOfSharp * sharp_px));
 }
 
-FrameStatus FrameAssessor::Assess(const DetectedFrame& frame,
-                                  const CaptureGuide& guide) {
+FrameStatus KeyframeSelector::Assess(const DetectedFrame& frame,
+                                     const CaptureGuide& guide) {
   gain_ = 0;
   FeaturePositions places = CollectFeaturePositions(frame.features);
   const bool is_moving = IsMoving(frame, places);

@@ -1,5 +1,5 @@
-#ifndef RAYGRID_CAPTURE_FRAME_ASSESSOR_H
-#define RAYGRID_CAPTURE_FRAME_ASSESSOR_H
+#ifndef RAYGRID_CAPTURE_KEYFRAME_SELECTOR_H
+#define RAYGRID_CAPTURE_KEYFRAME_SELECTOR_H
 
 #include <deque>
 #include <optional>
@@ -35,7 +35,7 @@ struct DetectedFrame {
   std::optional<double> exposure_s;
 };
 
-struct FrameAssessorOptions {
+struct KeyframeSelectorOptions {
   /// Maximum RMS motion of the features since the last frame (or in 1/30 s if
   /// longer ago), or during the exposure, of a still frame.
   double still_px = 0.3;
@@ -45,9 +45,9 @@ struct FrameAssessorOptions {
 };
 
 /// Decides which frames to keep, in the order of capture.
-class FrameAssessor {
+class KeyframeSelector {
  public:
-  explicit FrameAssessor(const FrameAssessorOptions& options)
+  explicit KeyframeSelector(const KeyframeSelectorOptions& options)
       : options_(options) {}
 
   FrameStatus Assess(const DetectedFrame& frame, const CaptureGuide& guide);
@@ -59,7 +59,7 @@ class FrameAssessor {
                 const FeaturePositions& places) const;
   bool IsBlurred(const FrameQuality& quality);
 
-  FrameAssessorOptions options_;
+  KeyframeSelectorOptions options_;
   FeaturePositions last_places_;
   std::optional<double> last_time_s_;
   std::deque<double> spreads_px_;  // edge widths of recent frames
@@ -68,4 +68,4 @@ class FrameAssessor {
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_CAPTURE_FRAME_ASSESSOR_H
+#endif  // RAYGRID_CAPTURE_KEYFRAME_SELECTOR_H
