@@ -378,8 +378,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
     all->push_back({{"name", format.name},
                     {"description", format.holds},
                     {"source", "a lens"},
-                    {"export", format.write != nullptr},
-                    {"import", format.read != nullptr},
+                    {"can_export", format.write != nullptr},
+                    {"can_import", format.read != nullptr},
                     {"rigs", format.supports_rigs},
                     {"poses", format.supports_poses},
                     {"models", models}});
@@ -394,8 +394,8 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
     all->push_back({{"name", format.name},
                     {"description", format.holds},
                     {"source", format.Source()},
-                    {"export", true},
-                    {"import", format.IsImported()},
+                    {"can_export", true},
+                    {"can_import", format.IsImported()},
                     {"options", format.options},
                     {"models", format.models}});
     if (!json)

@@ -44,7 +44,7 @@ std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
 
 nlohmann::ordered_json MakeFoundJson(const ProjectedPixels& pixels) {
   return {{"pixels", pixels.num_pixels},
-          {"num_not_found", pixels.num_not_found},
+          {"num_not_converged", pixels.num_not_converged},
           {"num_inaccurate", pixels.num_inaccurate},
           {"max_px", pixels.worst_px},
           {"num_not_invertible", pixels.num_not_invertible}};
