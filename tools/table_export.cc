@@ -444,7 +444,8 @@ TableOutput MakeTable(const TableFormat& format,
             : format.write_view(
                   TableOfView(format, arguments, seen, common.threads));
     output.configuration +=
-        (arguments.is_reverse ? "; from images of the view: " : "; view: ") +
+        (arguments.is_reverse ? "; from the undistorted view: "
+                              : "; output view: ") +
         FormatView(seen.view);
     return output;
   }
