@@ -90,8 +90,7 @@ void HashFolder(const std::string& folder, ContentHash* hash) {
     if (it->is_regular_file(error)) files.push_back(it->path().string());
   if (error)
     throw InputError(
-        fmt::format("{}: cannot be read ({}); check the name and "
-                    "permissions",
+        fmt::format("{}: cannot be read ({}); check name and permissions",
                     folder, error.message()));
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {

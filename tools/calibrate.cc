@@ -405,7 +405,7 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
                     "undistorted for one distance only");
   command
       ->add_option("--knot-spacing-px", arguments->knot_spacing_px,
-                   "largest knot spacing of the B-spline grid; auto: chosen by "
+                   "maximum knot spacing of the B-spline grid; auto: chosen by "
                    "cross-validation")
       ->option_text("PX")
       ->capture_default_str();

@@ -77,8 +77,8 @@ std::vector<OperatingRange> SelectOperatingPoint(
 Error NoOperatingPointModel(const std::string& path) {
   return Error(ExitCode::kUsage,
                path +
-                   ": --at: the camera was not calibrated over focus or "
-                   "temperature; omit the option");
+                   ": --at: the camera was not calibrated over a range of "
+                   "focus or temperature; omit the option");
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
@@ -149,10 +149,11 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
   if (at.IsGiven() && ranges.empty())
     throw NoOperatingPointModel(first + ", " + second);
   if (FilterByRanges(at, ranges).named.size() < at.named.size())
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{}, {}: {}: both cameras vary with {} only", first, second,
-                    at.Text(), OperatingParameterName(ranges[0].condition)));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}, {}: {}: both cameras were calibrated over {} "
+                            "only; omit the other value",
+                            first, second, at.Text(),
+                            OperatingParameterName(ranges[0].condition)));
   for (size_t c = 0; c < 2; ++c) {
     const std::vector<OperatingRange>& own = cameras[c].ranges;
     if (own.empty() || FilterByRanges(at, own).named.size() == at.named.size())

@@ -191,9 +191,9 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
                             fmt::join(check.change.moved, ", ")));
   if (!check.change.is_conclusive)
     throw Error(ExitCode::kTooFew,
-                "no change detected, but a shift or scale change of 1 % of the "
-                "image would go undetected; take more or sharper images, with "
-                "the target tilted and filling the image");
+                "inconclusive: no change detected, but a shift or scale change "
+                "of 1 % of the image would go undetected; take more or sharper "
+                "images, with the target tilted and filling the image");
 }
 
 }  // namespace
@@ -206,7 +206,7 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<CheckArguments>();
   command
       ->add_option("camera", arguments->camera,
-                   "camera.yaml written by calibrate, with its covariance")
+                   "camera.yaml written by calibrate, including its covariance")
       ->required();
   command->add_option("images", arguments->images,
                       "images, folders or a capture session");

@@ -260,49 +260,45 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
   ExperimentOptions& options = arguments->options;
   command->add_option("name", arguments->name, "experiment, see below");
   command
-      ->add_option("--result", arguments->result,
-                   "output folder of your calibration")
+      ->add_option("--result", arguments->result, "output folder of calibrate")
       ->option_text("DIR");
   command
       ->add_option("--features", arguments->features,
-                   "your features.csv instead of simulated features; for "
+                   "features.csv to use instead of simulated features; for "
                    "stereo-depth, features of two cameras")
       ->option_text("FILE");
   command
       ->add_option("--image-size", arguments->image_size,
-                   "image size in px of --features")
+                   "size in px of the images that --features was detected in")
       ->option_text("WxH");
   AddHoldOut(command, "test images (default: every fifth)",
              &arguments->hold_out);
   command
       ->add_option("--camera", arguments->cameras,
-                   "your camera.yaml, blob or output folder of calibrate; "
-                   "repeatable, the last is the reference")
+                   "camera.yaml, blob or output folder of calibrate; "
+                   "repeatable; the last one is the reference")
       ->option_text("PATH")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--rig", arguments->rigs,
-          "your rig.yaml of two cameras, or output folder; repeatable, "
-          "the last is the reference")
+      ->add_option("--rig", arguments->rigs,
+                   "rig.yaml of two cameras, or output folder of calibrate; "
+                   "repeatable; the last one is the reference")
       ->option_text("PATH")
       ->allow_extra_args(false);
   command
-      ->add_option("--image", arguments->images,
-                   "your image or folder; repeatable")
+      ->add_option("--image", arguments->images, "image or folder; repeatable")
       ->option_text("PATH")
       ->allow_extra_args(false);
   command
       ->add_option(
           "--min-depth-m", arguments->nearest_m,
-          "smallest depth of the scene in --image (default: ten baselines)")
+          "minimum depth of the scene in --image (default: ten baselines)")
       ->option_text("M")
       ->check(AboveZero());
   command
-      ->add_option(
-          "--colmap-model", arguments->trajectory,
-          "your COLMAP text model: folder with cameras.txt, images.txt "
-          "and points3D.txt")
+      ->add_option("--colmap-model", arguments->trajectory,
+                   "COLMAP text model: folder with cameras.txt, images.txt and "
+                   "points3D.txt")
       ->option_text("DIR");
   AddPatternOption(command, &arguments->pattern, "; with --features");
   BeginGroup(command, "Simulation");

@@ -378,8 +378,8 @@ void ListLenses(bool json, nlohmann::ordered_json* all) {
     all->push_back({{"name", format.name},
                     {"description", format.holds},
                     {"source", "a lens"},
-                    {"export", format.write != nullptr},
-                    {"import", format.read != nullptr},
+                    {"can_export", format.write != nullptr},
+                    {"can_import", format.read != nullptr},
                     {"rigs", format.supports_rigs},
                     {"poses", format.supports_poses},
                     {"models", models}});
@@ -394,8 +394,8 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
     all->push_back({{"name", format.name},
                     {"description", format.holds},
                     {"source", format.Source()},
-                    {"export", true},
-                    {"import", format.IsImported()},
+                    {"can_export", true},
+                    {"can_import", format.IsImported()},
                     {"options", format.options},
                     {"models", format.models}});
     if (!json)
@@ -532,7 +532,7 @@ void AddExport(CLI::App* app, CommonOptions* common) {
                  "raygrid export camera.yaml --to opencv -o calibration.yaml "
                  "--max-fit-error-px 0.5",
                  common);
-  command->footer("Formats of --to (--list describes them):\n" +
+  command->footer("Formats for --to (--list describes them):\n" +
                   WrapText(WrittenFormatNames(), 2) + "\n" +
                   command->get_footer());
   auto arguments = std::make_shared<ExportArguments>();
@@ -545,9 +545,9 @@ void AddExport(CLI::App* app, CommonOptions* common) {
           "poses.csv to write with the camera, for formats with target poses")
       ->option_text("FILE");
   command
-      ->add_option(
-          "--image-size", arguments->image_sizes,
-          "image size in px of features.csv; NAME=WxH for one camera of a rig")
+      ->add_option("--image-size", arguments->image_sizes,
+                   "size in px of the images that features.csv was detected "
+                   "in; NAME=WxH for one camera of a rig")
       ->option_text("WxH");
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
@@ -564,13 +564,14 @@ void AddExport(CLI::App* app, CommonOptions* common) {
       ->check(CLI::NonNegativeNumber);
   AddPatternOption(command, &arguments->pattern, "; for features.csv");
   BeginGroup(command, help_group::kView);
-  command->add_flag("--rectified", arguments->rectified,
-                    "export the camera of the undistorted images: the view of "
-                    "the blob, or the view described by the options below");
-  AddViewOptions(command, &arguments->view);
   command->add_flag(
-      "--inverse", arguments->is_reverse,
-      "export the inverse remap, which distorts images of the view");
+      "--rectified", arguments->rectified,
+      "export the camera of the undistorted images: the output view stored in "
+      "the blob, or the one described by the options below");
+  AddViewOptions(command, &arguments->view);
+  command->add_flag("--inverse", arguments->is_reverse,
+                    "export the inverse remap, which maps undistorted images "
+                    "back to the camera image");
   command
       ->add_option("--stride", arguments->every,
                    "rays: sample every N pixels (default: 1); meshes: vertex "

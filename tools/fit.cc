@@ -223,7 +223,7 @@ void AddFit(CLI::App* app, CommonOptions* common) {
           "--spline", arguments->spline,
           "control points and field of view of splined-stereographic (default: "
           "fewest control points with an error of at most 0.005 px)")
-      ->option_text("NxM[,fov=DEG]");
+      ->option_text("COLUMNSxROWS[,fov=DEG]");
   AddAtOption(command, common);
   BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "camera.yaml to write")

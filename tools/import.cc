@@ -448,9 +448,9 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       ->add_option("--image-size", arguments->image_size,
                    "image size in px, if the file does not contain it")
       ->option_text("WxH");
-  command->add_flag(
-      "--inverse", arguments->is_reverse,
-      "the STMap maps camera pixels to view pixels (default: view to camera)");
+  command->add_flag("--inverse", arguments->is_reverse,
+                    "the STMap maps camera pixels to undistorted pixels "
+                    "(default: undistorted to camera)");
   BeginGroup(command, help_group::kModel);
   command
       ->add_option("--model", arguments->model,

@@ -567,7 +567,7 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
 
 void AddInspect(CLI::App* app, CommonOptions* common) {
   CLI::App* command = AddCommand(
-      app, "inspect", "Describe a raygrid file; verify it if it is a blob.",
+      app, "inspect", "Describe a raygrid file, and verify it if it is a blob.",
       "raygrid inspect front.raygrid", common);
   auto path = std::make_shared<std::string>();
   command

@@ -165,8 +165,8 @@ void AddOperatingPointOptions(CLI::App* command,
       ->option_text("QUANTITY");
   command
       ->add_option("--images-at", arguments->cameras_at,
-                   "images taken at this value of --vary-with; repeatable, "
-                   "instead of IMAGES")
+                   "images taken at this value of the quantity passed to "
+                   "--vary-with; repeatable, instead of IMAGES")
       ->option_text("VALUE=DIR")
       ->allow_extra_args(false);
   command

@@ -44,7 +44,7 @@ std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
 
 nlohmann::ordered_json MakeFoundJson(const ProjectedPixels& pixels) {
   return {{"pixels", pixels.num_pixels},
-          {"num_not_found", pixels.num_not_found},
+          {"num_not_converged", pixels.num_not_converged},
           {"num_inaccurate", pixels.num_inaccurate},
           {"max_px", pixels.worst_px},
           {"num_not_invertible", pixels.num_not_invertible}};
@@ -138,10 +138,10 @@ void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
     throw Error(
         ExitCode::kUsage,
-        "--remap: at and plane are for non-central cameras only; omit them");
+        "--remap: at and plane require a non-central camera; omit them");
   if (words.distorts && !camera.IsCentral() && !words.scene)
     throw Error(ExitCode::kUsage,
-                "--remap: direction=distort of a non-central camera requires "
+                "--remap: direction=distort for a non-central camera requires "
                 "the distance of the scene, at=METRES");
 }
 
@@ -249,14 +249,14 @@ void AddPack(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kView);
   command
       ->add_option("--remap", arguments->remaps,
-                   "add a remap table for this view; repeatable. Also writes "
-                   "the view as NAME.camera.yaml")
+                   "add a remap table for this output view; repeatable. Also "
+                   "writes the view as NAME.camera.yaml")
       ->option_text("WxH[,KEY=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--mode", arguments->modes,
-                   "add remap tables of all views for frames of another sensor "
-                   "mode; repeatable")
+                   "add remap tables of all output views for frames of another "
+                   "sensor mode; repeatable")
       ->option_text("NAME:KEY=VALUE,...")
       ->allow_extra_args(false);
   command

@@ -109,10 +109,11 @@ void WriteForScreen(const std::vector<Board>& boards,
                                   GetMeasurableLength(boards[0]).squares}}));
   else if (!common.quiet)
     fmt::print(
-        "pattern.yaml and {} image(s) in {}; display without scaling: squares "
-        "are {} pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
-        plan.boards.size(), options.output, plan.square_px,
-        1000 * plan.boards[0].square_m, DescribeMeasurement(plan, options));
+        "pattern.yaml and {} {} in {}; display without scaling: squares are {} "
+        "pixels wide, {:.4f} mm in pattern.yaml\n{}\n",
+        plan.boards.size(), plan.boards.size() == 1 ? "image" : "images",
+        options.output, plan.square_px, 1000 * plan.boards[0].square_m,
+        DescribeMeasurement(plan, options));
 }
 
 void WriteForPrint(const std::vector<Board>& boards,
@@ -137,8 +138,9 @@ void WriteForPrint(const std::vector<Board>& boards,
   if (common.json)
     fmt::print("{}", FormatJson(yaml, {{"ruler_mm", sheets.ruler_mm}}));
   else if (!common.quiet)
-    fmt::print("pattern.yaml and {} page(s) as PDF, SVG and PNG in {}; {}\n",
-               sheets.boards.size(), options.output,
+    fmt::print("pattern.yaml and {} {} as PDF, SVG and PNG in {}; {}\n",
+               sheets.boards.size(),
+               sheets.boards.size() == 1 ? "page" : "pages", options.output,
                options.measured_x_mm != 0
                    ? "pattern.yaml has the measured size of the print"
                    : fmt::format("print at 100 % and check that both rulers "
@@ -153,7 +155,8 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
       ->capture_default_str();
   command
       ->add_option("--dpi", options->dpi,
-                   "resolution of pattern.png (default: 300), or of --screen")
+                   "resolution of pattern.png (default: 300), or of the "
+                   "monitor passed to --screen")
       ->option_text("DPI");
   CLI::Option* const screen =
       command

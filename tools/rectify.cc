@@ -313,8 +313,8 @@ void AddRectify(CLI::App* app, CommonOptions* common) {
       ->option_text("DEG");
   command
       ->add_option("--size", arguments->size,
-                   "image size of both views in px (default: image size of the "
-                   "left camera)")
+                   "image size of both rectified views in px (default: image "
+                   "size of the left camera)")
       ->option_text("WxH");
   command
       ->add_option("--distance", arguments->distance_m,
@@ -323,7 +323,7 @@ void AddRectify(CLI::App* app, CommonOptions* common) {
       ->option_text("M");
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of the remap tables")
+                   "maximum error allowed for the remap tables")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

@@ -67,7 +67,7 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
     if (held[r] && !(std::abs(*held[r] - ranges[r].Center()) <= 1.5 * width))
       throw Error(
           ExitCode::kUsage,
-          fmt::format("--at: too far outside the range of --lens {}, {}", name,
+          fmt::format("--at: too far outside the range for --lens {}, {}", name,
                       ranges[r].Text()));
   }
   for (size_t r = 0; r < ranges.size(); ++r) {
@@ -397,8 +397,8 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "--render supports a single camera only");
   if (arguments.render && arguments.fixed_boards)
     throw Error(ExitCode::kUsage,
-                "--fixed-boards is redundant with --render, where boards are "
-                "always fixed");
+                "--fixed-boards is redundant with --render, where the boards "
+                "always form one rigid target");
   if (arguments.fixed_boards && MakePattern(arguments).boards.size() < 2)
     throw Error(ExitCode::kUsage,
                 "--fixed-boards requires a pattern with at least two boards");
@@ -427,7 +427,7 @@ void AddSimulate(CLI::App* app, CommonOptions* common) {
       app, "simulate", "Simulate observations or images of a known camera.",
       "raygrid simulate --noise-px 0.05 -o simulated/", common);
   command->footer(
-      "Cameras of --lens (details: tools/README.md):\n"
+      "Cameras for --lens (details: tools/README.md):\n"
       "  pinhole     65° field of view, almost no distortion\n"
       "  example     OpenCV model with local distortion, 640x480 only\n"
       "  wide        100°, barrel distortion and local distortion\n"

@@ -86,9 +86,9 @@ void AddImagingOptions(CLI::App* command, SimulateArguments* arguments) {
   add("--max-tilt-deg", arguments->max_tilt_deg, "DEG",
       "maximum tilt of rendered targets", 0, 80);
   add("--min-square-px", arguments->poses.min_square_px, "PX",
-      "smallest square width in rendered images", 1, 1000);
+      "minimum square width in rendered images", 1, 1000);
   add("--max-square-px", arguments->poses.max_square_px, "PX",
-      "largest square width in rendered images", 1, 1000);
+      "maximum square width in rendered images", 1, 1000);
   command
       ->add_option("--samples-per-pixel", imaging.samples_per_pixel,
                    "number of samples per pixel along each axis")
@@ -108,14 +108,14 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
       "treat the boards of the pattern as one rigid target, side by side");
   command
       ->add_option("--board-gap-m", arguments->fixed.gap_m,
-                   "gap between fixed boards")
+                   "gap between the boards of the rigid target")
       ->option_text("M")
       ->check(CLI::Range(0.0, 100.0))
       ->needs(fixed)
       ->capture_default_str();
   command
       ->add_option("--board-turn-deg", arguments->board_rotation_deg,
-                   "angle between neighbouring fixed boards")
+                   "angle between neighbouring boards of the rigid target")
       ->option_text("DEG")
       ->check(CLI::Range(-180.0, 180.0))
       ->needs(fixed)
@@ -185,8 +185,8 @@ void AddMotionOptions(CLI::App* command, SimulateArguments* arguments) {
       "simulate consecutive video frames of a hand-held target");
   command
       ->add_option("--line-delay-us", arguments->line_delay_us,
-                   "rolling-shutter line delay in µs; negative: read from the "
-                   "last row; 0: global shutter")
+                   "rolling-shutter line delay in µs; negative: readout starts "
+                   "at the bottom row; 0: global shutter")
       ->option_text("US")
       ->check(CLI::Range(-1000.0, 1000.0))
       ->needs(moving)

@@ -307,7 +307,7 @@ MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
     if (!IsBent(format, mesh.lattice)) break;
     errors.json[SpanName(span)] = {{"max_px", own.max_px},
                                    {"rms_px", own.rms_px},
-                                   {"max_error_pixel", {own.x, own.y}}};
+                                   {"max_error_position_px", {own.x, own.y}}};
     errors.text += fmt::format("{} {:.2g} px with {}",
                                errors.text.empty() ? "; at most" : ",",
                                own.max_px, SpanName(span));
@@ -328,7 +328,7 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"step_px", {mesh.lattice.x[1], mesh.lattice.y[1]}},
       {"max_px", error.max_px},
       {"rms_px", error.rms_px},
-      {"max_error_pixel", {error.x, error.y}},
+      {"max_error_position_px", {error.x, error.y}},
       {"pixels", error.num_pixels},
       {"num_filled_pixels", error.num_filled},
       {"num_clamped_vertices", error.num_moved},
@@ -444,7 +444,8 @@ TableOutput MakeTable(const TableFormat& format,
             : format.write_view(
                   TableOfView(format, arguments, seen, common.threads));
     output.configuration +=
-        (arguments.is_reverse ? "; from images of the view: " : "; view: ") +
+        (arguments.is_reverse ? "; from the undistorted view: "
+                              : "; output view: ") +
         FormatView(seen.view);
     return output;
   }

@@ -73,7 +73,7 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
             RequireSize(path, image.size, camera->FrameSize(remap_index),
                         "the remap table requires",
                         camera->IsInverseRemap(remap_index)
-                            ? "use images of its view"
+                            ? "use undistorted images of this size"
                             : "use images of this size, or define their sensor "
                               "mode with --mode");
             return camera->Undistort(image, 0, remap_index);
@@ -86,9 +86,10 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
   const auto map =
       std::make_shared<SourceMap>(MakeDistortionMap(camera, view, num_threads));
   return {view, [=](const std::string& path, const Image& picture) {
-            RequireSize(path, picture.size, view.size, "the view has",
-                        "use images of this view, or specify the view of the "
-                        "images, e.g. with --size or --view");
+            RequireSize(path, picture.size, view.size,
+                        "the undistorted view has",
+                        "use undistorted images of this size, or describe "
+                        "their view, e.g. with --size or --view");
             return DistortImage(*map, picture, num_threads);
           }};
 }
@@ -392,7 +393,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->option_text("NAME");
   command->add_flag(
       "--inverse", arguments->is_reverse,
-      "apply distortion: render camera images from images of the view");
+      "apply distortion: render camera images from undistorted images");
   BeginGroup(command, help_group::kView);
   AddAtOption(command, common);
   command

@@ -129,10 +129,11 @@ uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   if (store.is_device() ? 2 * slot_size > size
                         : 2 * slot_size != size || size % 8 != 0)
     throw InputError(
-        fmt::format("{}: has {} bytes, not two slots{}; use another file",
+        fmt::format("{}: its size is {} bytes, but it must hold two slots of "
+                    "{}; use another file",
                     arguments.slots, size,
-                    arguments.slot_size ? fmt::format(" of {}", slot_size)
-                                        : " of a multiple of 4"));
+                    arguments.slot_size ? fmt::format("{} bytes", slot_size)
+                                        : "equal size, a multiple of 4 bytes"));
   return slot_size;
 }
 
@@ -221,7 +222,8 @@ void AddUpdate(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kOutput);
   command
       ->add_option("--slots", arguments->slots,
-                   "both slots: a block device, or a file, created if missing")
+                   "block device or file that holds both slots; a file is "
+                   "created if missing")
       ->option_text("PATH")
       ->required();
   command

@@ -380,14 +380,14 @@ void AddView(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kView);
   AddAtOption(command, common);
   command
-      ->add_option(
-          "--remap", arguments->remaps,
-          "use this view instead of the view stored in the blob; repeatable")
+      ->add_option("--remap", arguments->remaps,
+                   "use this output view instead of the one stored in the "
+                   "blob; repeatable")
       ->option_text("WxH[,KEY=VALUE...]")
       ->allow_extra_args(false);
   command
       ->add_option("--max-error-px", arguments->max_error_px,
-                   "largest error of the remap tables of --remap")
+                   "maximum error allowed for the tables built for --remap")
       ->option_text("PX")
       ->check(AboveZero())
       ->capture_default_str();

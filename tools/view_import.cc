@@ -26,8 +26,8 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
     throw Error(
         error.code(),
         fmt::format(
-            "{}: a {} table must be imported with the view it was exported "
-            "with, such as --view view.camera.yaml or --hfov 90: {}",
+            "{}: a {} table must be imported with the output view it was "
+            "exported for, such as --view view.camera.yaml or --hfov 90: {}",
             import.path, format.name, error.what()));
   }
 }

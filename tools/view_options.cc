@@ -34,8 +34,9 @@ constexpr ViewWord kViewWords[] = {
     {"projection", "NAME",
      "pinhole, cylindrical, equirectangular, stereographic or equidistant"},
     {"rotate", "YAW,PITCH,ROLL",
-     "rotation of the view in degrees (positive: right, up, clockwise)"},
-    {"view", "FILE", "camera file of the view, such as NAME.camera.yaml"},
+     "rotation of the output view in degrees (positive: right, up, clockwise)"},
+    {"view", "FILE",
+     "camera file of the output view, such as NAME.camera.yaml"},
 };
 
 VirtualView ReadView(const std::string& place, const std::string& path) {
@@ -145,8 +146,8 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
 }
 
 const char kTableWordsHelp[] =
-    "direction=distort (inverse remap, from the view to frames), and for "
-    "non-central cameras at=METRES (distance of the scene) or "
+    "direction=distort (inverse remap, from undistorted images to frames), and "
+    "for non-central cameras at=METRES (distance of the scene) or "
     "plane=NX,NY,NZ,METRES (plane of the scene, in camera axes)";
 
 namespace {
@@ -195,7 +196,7 @@ bool AddTableWord(const std::string& option, const std::string& text,
   if (words->scene)
     throw Error(ExitCode::kUsage,
                 fmt::format("{} {}: at and plane are mutually exclusive; "
-                            "specify one of them, once",
+                            "specify only one, and only once",
                             option, text));
   words->scene = ParseScene(place, name, value);
   return true;
@@ -216,8 +217,9 @@ RemapWords ParseRemap(const std::string& option, const std::string& text) {
 void AddViewOptions(CLI::App* command, ViewWords* words) {
   BeginGroup(command, help_group::kView);
   command
-      ->add_option("--size", (*words)["size"],
-                   "size of the view in px (default: that of the images)")
+      ->add_option(
+          "--size", (*words)["size"],
+          "size of the undistorted view in px (default: that of the images)")
       ->option_text("WxH");
   for (const ViewWord& word : kViewWords)
     command

@@ -295,11 +295,12 @@ void TryAll(const Dataset& dataset, const Pattern& pattern,
 
 void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
-    throw Error(
-        ExitCode::kTooFew,
-        fmt::format("{} image(s) with at least {} features on a board; at "
-                    "least {} are required, {} are recommended",
-                    NumImages(problem), kMinViewFeatures, kMinImages, 20));
+    throw Error(ExitCode::kTooFew,
+                fmt::format("only {} {} with at least {} features on a board: "
+                            "at least {} are required, and {} are recommended",
+                            NumImages(problem),
+                            NumImages(problem) == 1 ? "image" : "images",
+                            kMinViewFeatures, kMinImages, 20));
 }
 
 }  // namespace

@@ -75,10 +75,11 @@ void RequireSpread(const ImageOperatingPoints& conditions,
   for (size_t i = 0; i < values.size(); ++i)
     both.row(static_cast<Eigen::Index>(i)) << values[i][0], values[i][1];
   if (ComputeUncorrelatedFraction(both) < kMinFraction)
-    throw Error(ExitCode::kUsage,
-                "lens_position and temperature of the images are correlated, "
-                "so their effects cannot be separated; add images at other "
-                "combinations, or calibrate over one of them");
+    throw Error(
+        ExitCode::kUsage,
+        "lens_position and temperature of the images are correlated, so their "
+        "effects cannot be separated; add images at other combinations, or "
+        "calibrate over only one of the two quantities");
 }
 
 // Maximum value in a blob: formats/SPEC.md, "Operating points".

@@ -177,7 +177,8 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
   for (const double deviation :
        {beyond.scale, beyond.shift_px, beyond.tilt_rad, beyond.local_px})
     if (!(deviation >= 0 && std::isfinite(deviation)))
-      throw InputError("modes: beyond must be finite and not negative");
+      throw InputError(
+          "uncertainty modes: 'beyond' must be finite and not negative");
   return beyond;
 }
 
@@ -185,15 +186,16 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
 ErrorModes ParseModes(const YAML::Node& node) {
   ErrorModes modes;
   if (!node) return modes;
-  const LatticeSize size = ParseLatticeSize(node, "modes", 2, 65);
+  const LatticeSize size = ParseLatticeSize(node, "uncertainty modes", 2, 65);
   modes.columns = size.columns;
   modes.rows = size.rows;
   modes.rest_px = node["rest_px"].as<double>();
   if (!(modes.rest_px >= 0))
-    throw InputError("modes: rest_px must not be negative");
+    throw InputError("uncertainty modes: 'rest_px' must not be negative");
   modes.beyond = ParseBeyond(node["beyond"]);
-  modes.displacements_px = ParseDisplacements(node["displacements_px"], "modes",
-                                              modes.columns * modes.rows);
+  modes.displacements_px =
+      ParseDisplacements(node["displacements_px"], "uncertainty modes",
+                         modes.columns * modes.rows);
   return modes;
 }
 

@@ -281,14 +281,14 @@ std::string DescribeSizeLimit(uint64_t width, uint64_t height) {
   const uint64_t side = std::max(width, height);
   if (!huge_is_allowed && side > kMaxSidePx)
     return fmt::format(
-        "{} x {} pixels exceed the limit of {} per side; accept with "
+        "size of {} x {} pixels exceeds the limit of {} per side; accept with "
         "--allow-huge-images",
         width, height, kMaxSidePx);
   if (side > kMaxHugeSidePx ||
       width * height > static_cast<uint64_t>(kMaxHugePixels))
     return fmt::format(
-        "{} x {} pixels exceed the limit of {} per side and {} in total, even "
-        "with --allow-huge-images",
+        "size of {} x {} pixels exceeds the limit of {} per side and {} in "
+        "total, even with --allow-huge-images",
         width, height, kMaxHugeSidePx, kMaxHugePixels);
   return "";
 }

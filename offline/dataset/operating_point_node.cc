@@ -15,7 +15,10 @@ namespace {
 
 OperatingParameter ParseCondition(const std::string& name) {
   const auto condition = FindOperatingParameter(name);
-  if (!condition) throw InputError("stack: unknown condition '" + name + "'");
+  if (!condition)
+    throw InputError("operating-point model ('stack'): unknown quantity '" +
+                     name +
+                     "' in 'condition'; expected lens_position or temperature");
   return *condition;
 }
 
@@ -23,7 +26,7 @@ OperatingParameter ParseCondition(const std::string& name) {
 std::vector<YAML::Node> SplitConditionNodes(const YAML::Node& node) {
   const YAML::Node several = node["conditions"];
   if (!several) return {node};
-  RequireYamlList(several, "stack: conditions",
+  RequireYamlList(several, "operating-point model ('stack'): 'conditions'",
                   OperatingPointModel::kMaxConditions);
   return {several.begin(), several.end()};
 }
@@ -32,14 +35,15 @@ OperatingRange ParseRange(const YAML::Node& node) {
   const YAML::Node range = node["range"], name = node["condition"];
   if (!name || !name.IsScalar())
     throw InputError(
-        "stack: missing condition; expected condition: lens_position or "
-        "condition: temperature");
+        "operating-point model ('stack'): missing 'condition'; expected "
+        "lens_position or temperature");
   const OperatingParameter condition = ParseCondition(name.Scalar());
-  const std::string what = fmt::format("stack: range of {}", name.Scalar());
+  const std::string what = fmt::format(
+      "operating-point model ('stack'): range of {}", name.Scalar());
   if (!range || !range.IsSequence() || range.size() != 2)
     throw InputError(
         what +
-        ": expected two values, range: [lowest, highest], as calibrated");
+        ": expected two values, 'range: [LOWEST, HIGHEST]', as calibrated");
   const OperatingRange parsed = {condition, YamlNumber(range[0], what),
                                  YamlNumber(range[1], what)};
   if (!(parsed.low < parsed.high))
@@ -53,14 +57,14 @@ int ParseOrder(const YAML::Node& node) {
   const YAML::Node changes = node["changes"];
   const size_t count = changes && changes.IsSequence() ? changes.size() : 0;
   if (count < 1 || count > OperatingPointModel::kMaxOrder)
-    throw InputError(
-        fmt::format("stack: changes with {}: {}, expected 1 to {} lists of "
-                    "numbers; use the file as written by raygrid calibrate",
-                    node["condition"].Scalar(),
-                    !changes               ? std::string("none")
-                    : changes.IsSequence() ? fmt::format("a list of {}", count)
-                                           : "not a list",
-                    OperatingPointModel::kMaxOrder));
+    throw InputError(fmt::format(
+        "operating-point model ('stack'): 'changes' with {}: {}, expected 1 to "
+        "{} lists of numbers; use the file as written by raygrid calibrate",
+        node["condition"].Scalar(),
+        !changes               ? std::string("none")
+        : changes.IsSequence() ? fmt::format("a list of {}", count)
+                               : "not a list",
+        OperatingPointModel::kMaxOrder));
   return static_cast<int>(count);
 }
 
@@ -85,7 +89,8 @@ void ParseTerm(const YAML::Node& node, const std::string& what,
 
 // A number, or for several conditions a list.
 OperatingPoint ParseValues(const YAML::Node& node, size_t count) {
-  const char* const kName = "stack: deviations: at";
+  const char* const kName =
+      "operating-point model ('stack'): 'at' in 'deviations'";
   if (count == 1) return {YamlNumber(node, kName)};
   RequireYamlList(node, kName, static_cast<int>(count));
   OperatingPoint values;
@@ -102,7 +107,9 @@ std::vector<OperatingPointUncertainty> ParseOperatingPointStdDevs(
                           ParseUncertaintyLattice(entry)});
     if (deviations.size() > 1 &&
         !(deviations.back().values > deviations[deviations.size() - 2].values))
-      throw InputError("stack: deviations must be in ascending order");
+      throw InputError(
+          "operating-point model ('stack'): standard deviations ('deviations') "
+          "must be in ascending order of 'at'");
   }
   return deviations;
 }
@@ -142,7 +149,8 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
   if (!node) return std::nullopt;
   if (camera.Name() != models::kCentralGeneric)
     throw InputError(
-        fmt::format("stack: requires a {} camera", models::kCentralGeneric));
+        fmt::format("operating-point model ('stack'): requires a {} camera",
+                    models::kCentralGeneric));
   const std::vector<YAML::Node> nodes = SplitConditionNodes(node);
   std::vector<OperatingRange> ranges;
   std::vector<int> orders;
@@ -152,17 +160,20 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
   }
   if (ranges.size() > 1 && !(ranges[0].condition < ranges[1].condition))
     throw InputError(
-        "stack: conditions must be lens_position, then temperature");
+        "operating-point model ('stack'): 'conditions' must be lens_position, "
+        "then temperature");
   OperatingPointCalibration stack = {
       OperatingPointModel(ranges, orders, CentralPart(camera)), {}};
   int term = 1;
   for (const YAML::Node& condition : nodes) {
     int number = 0;
     for (const YAML::Node& change : condition["changes"])
-      ParseTerm(change,
-                fmt::format("stack: list {} of changes with {}", ++number,
-                            condition["condition"].Scalar()),
-                &stack.cameras.terms()[term++]);
+      ParseTerm(
+          change,
+          fmt::format(
+              "operating-point model ('stack'): list {} of 'changes' with {}",
+              ++number, condition["condition"].Scalar()),
+          &stack.cameras.terms()[term++]);
   }
   stack.deviations =
       ParseOperatingPointStdDevs(node["deviations"], ranges.size());

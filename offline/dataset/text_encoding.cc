@@ -94,8 +94,8 @@ void RequireSmallTree(const std::string& path, std::string_view text,
   const std::string prefix = path.empty() ? "" : path + ": ";
   if (text.size() > max_bytes)
     throw InputError(fmt::format(
-        "{}{:.0f} MB exceed the limit of {} MB for cameras, patterns and "
-        "sessions; check that this is the right file",
+        "{}file size of {:.0f} MB exceeds the limit of {} MB for cameras, "
+        "patterns and sessions; check that this is the right file",
         prefix, std::ceil(static_cast<double>(text.size()) / (1 << 20)),
         max_bytes >> 20));
   std::array<bool, 256> is_mark = {};

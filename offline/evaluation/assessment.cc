@@ -192,16 +192,16 @@ void AssessOutlyingImages(const CalibrationMetrics& metrics,
                           Findings* findings) {
   if (metrics.mixed_cameras) {
     findings->Warn(fmt::format(
-        "these images appear to come from two cameras: {} and {}, or from one "
-        "whose focus changed; calibrate each separately",
+        "these images appear to come from two cameras, or from one whose focus "
+        "changed: {} and {}; calibrate each group separately",
         Counted(metrics.mixed_cameras->first),
         Counted(metrics.mixed_cameras->second)));
     return;
   }
   if (metrics.outlier_images.empty()) return;
   findings->Warn(
-      fmt::format("{} {} inconsistent with the others: another camera, focus "
-                  "or target, or wrong features; calibrate without {}",
+      fmt::format("{} {} inconsistent with the others (another camera, focus "
+                  "or target, or wrong features); calibrate without {}",
                   Counted(metrics.outlier_images),
                   metrics.outlier_images.size() == 1 ? "is" : "are",
                   metrics.outlier_images.size() == 1 ? "it" : "them"));
@@ -213,8 +213,8 @@ void AssessInfluentialImages(const CalibrationMetrics& metrics,
                              Findings* findings) {
   if (metrics.unique_coverage_images.empty()) return;
   findings->Warn(fmt::format(
-      "the {} of the image is covered by {} only, so that the camera is not "
-      "verified there; keep {}, and add more views there",
+      "the {} of the image is covered by {} only, so the camera cannot be "
+      "verified there; keep {}, and add more views of this part",
       fmt::join(metrics.unique_coverage_regions, ", "),
       Counted(metrics.unique_coverage_images),
       metrics.unique_coverage_images.size() == 1 ? "it" : "them"));
@@ -328,7 +328,7 @@ void AssessPixelAspect(const CalibrationMetrics& metrics, Findings* findings) {
   const double aspect = metrics.pixel_aspect.value_or(1);
   if (aspect > 1 / kMaxAspect && aspect < kMaxAspect) return;
   findings->Fail(
-      fmt::format("the estimated pixels are {:.2g} times as wide as high, "
+      fmt::format("the estimated pixel aspect ratio (width/height) is {:.2g}, "
                   "which is implausible; check the image size and the pattern",
                   aspect));
 }
@@ -345,7 +345,7 @@ void AssessFoldOver(const CalibrationMetrics& metrics, Findings* findings) {
   else if (fold_over.part > 0)
     findings->Note(
         fmt::format("the model is not injective outside the valid region "
-                    "({:.2g} % of the calibrated area), such as outside a "
+                    "({:.2g} % of the calibrated area), for example outside a "
                     "fisheye's image circle; use the valid region only",
                     100 * fold_over.part));
 }
@@ -397,7 +397,7 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
 // The cause and the remedy, unless AssessCorrelation() reported them.
 std::string AdviseOnError(const CalibrationMetrics& metrics) {
   if (!metrics.limit.IsDetermined())
-    return "; sharper images or a flatter target would reduce it";
+    return "; use sharper images or a flatter target";
   if (HasCorrelatedResiduals(metrics) && metrics.limit.limit != "noise")
     return "; the remedy for systematic errors reduces it, too";
   return fmt::format(": {}; {}", metrics.limit.sentence, metrics.limit.advice);
@@ -422,10 +422,11 @@ void AssessHeldOutCopies(const CalibrationMetrics& metrics,
                          Findings* findings) {
   const auto& copies = metrics.held_out_duplicates;
   if (copies.empty()) return;
-  findings->Warn(fmt::format(
-      "the held-out error is too optimistic: {} held out are near-duplicates "
-      "of training images; hold out all images of a view",
-      Counted(copies)));
+  findings->Warn(
+      fmt::format("the held-out error is too optimistic, because the held-out "
+                  "images include near-duplicates of training images: {}; hold "
+                  "out all near-duplicates of an image together",
+                  Counted(copies)));
 }
 
 void AssessOverfit(const CalibrationMetrics& metrics, Findings* findings) {

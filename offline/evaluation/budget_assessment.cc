@@ -115,7 +115,8 @@ std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
            "target geometry causes such residuals, too";
   if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
     return "first use --model noncentral-generic, since a non-central camera, "
-           "such as behind glass, causes such residuals, too";
+           "for example one that looks through glass, causes such residuals, "
+           "too";
   return "retake the images with camera and target still, a stiff target and "
          "fixed focus; tilted views separate these causes";
 }
@@ -210,8 +211,8 @@ std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
                                  facts.knot_spacing_px / 2));
   if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
     advice.emplace_back(
-        "try --model noncentral-generic if the camera may be non-central, such "
-        "as behind glass");
+        "try --model noncentral-generic if the camera may be non-central, for "
+        "example because it looks through glass");
   if (advice.empty())
     return fmt::format("other knot spacings were tried and are no better; {}",
                        kLook);

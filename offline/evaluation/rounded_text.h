@@ -6,9 +6,9 @@
 namespace raygrid {
 
 /// Formats an estimate and its standard deviation to two significant digits of
-/// the latter, with the given separator: "120.041 +- 0.023".
+/// the latter, with the given separator: "120.041 ± 0.023".
 std::string FormatWithStdDev(double value, double deviation,
-                             const std::string& separator = " +- ");
+                             const std::string& separator = " ± ");
 
 /// Formats three significant digits, or all integer digits of larger values:
 /// "0.0383", "12.3", "1234".

@@ -261,8 +261,8 @@ const Format* RecognizeCamera(const std::string& path,
   const Format* const format = RecognizeFormat(text);
   if (!format && text.find("raygrid_") == std::string::npos)
     throw InputError(
-        fmt::format("{}: not a camera file (no 'raygrid_camera: 1'), nor of a "
-                    "supported format: {}",
+        fmt::format("{}: not a camera file (no 'raygrid_camera: 1'), and not "
+                    "in a supported format; supported are {}",
                     path, ListFormatNames()));
   return format;
 }
@@ -284,8 +284,9 @@ ExchangeContents ReadExchangeFile(const Format* format,
   }
   const Format* found = RecognizeFormat(request.text);
   if (!format && !found)
-    throw InputError(fmt::format("{}: not of a supported format: {}",
-                                 request.path, ListFormatNames()));
+    throw InputError(
+        fmt::format("{}: not in a supported format; supported are {}",
+                    request.path, ListFormatNames()));
   if (format && found && format != found && !format->recognizes(request.text))
     throw InputError(fmt::format("{}: has the format {}, not {}", request.path,
                                  found->name, format->name));

@@ -42,9 +42,11 @@ void RequirePlace(const BlobTable& blob) {
                                     BlobTable::kAlignment));
   constexpr uint64_t kEnd = uint64_t{1} << 32;
   if (blob.address + uint64_t{blob.bytes.size()} > kEnd)
-    throw Error(ExitCode::kUsage,
-                place + fmt::format("{} bytes exceed the 32-bit address space",
-                                    blob.bytes.size()));
+    throw Error(
+        ExitCode::kUsage,
+        place +
+            fmt::format("the blob of {} bytes exceeds the 32-bit address space",
+                        blob.bytes.size()));
 }
 
 TableOutput WriteIntelHex(const BlobTable& blob) {

@@ -155,12 +155,11 @@ SelectedLens SelectLens(
     if (auto held = ConvertToExternalModel(*external_model, camera))
       return {*held, MakeLens(*held), std::nullopt};
   if (sorted.empty())
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "a {} camera is non-central, but models of other programs are "
-            "central; export a view of it, or calibrate another model",
-            camera.Name()));
+    throw Error(ExitCode::kUsage,
+                fmt::format("a {} camera is non-central, but models of other "
+                            "programs are central; export an undistorted view "
+                            "of it, or calibrate another model",
+                            camera.Name()));
   std::vector<SelectedLens> fits(sorted.size());
   // Forms with many parameters are the slowest, so they start first.
   const int last = static_cast<int>(sorted.size()) - 1;
@@ -178,7 +177,7 @@ SelectedLens SelectLens(
   if (chosen == fits.end() || chosen->fit->num_pixels == 0)
     throw Error(ExitCode::kQuality,
                 fmt::format("{} cannot represent any pixel of this camera's "
-                            "valid region; export a view of it",
+                            "valid region; export an undistorted view of it",
                             sorted.front()->name));
   return std::move(*chosen);
 }

@@ -129,9 +129,10 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
       request.external_model.empty() ? nullptr
                                      : &FindOpenCvModel(request.external_model);
   if (said && wanted && (wanted->name == kFisheye) != is_fisheye)
-    throw InputError(fmt::format(
-        "--model {}: the file specifies its model, '{}' {}; omit the option",
-        request.external_model, said->key, Printable(said->word)));
+    throw InputError(
+        fmt::format("--model {}: contradicts the file, which specifies '{}: "
+                    "{}'; omit the option",
+                    request.external_model, said->key, Printable(said->word)));
   if (wanted && wanted->name != kFisheye) {
     TrimCoefficients(wanted->parameters.size() - 4, &d);
     if (d.size() + 4 != wanted->parameters.size())

@@ -85,7 +85,7 @@ std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
   const NpyArray* array = FindArray(arrays, name);
   if (array) places = NumbersOf(*array, 1);
   if (places.size() != count)
-    throw InputError(fmt::format("{}: has {} entries, but directions have {}",
+    throw InputError(fmt::format("{}: has {} entries, but 'directions' has {}",
                                  name, places.size(), count));
   for (double& place : places) {
     if (!std::isfinite(place))
@@ -106,8 +106,8 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
     const std::vector<double> size = NumbersOf(*array, 1);
     if (size.size() != 2 || !(size[0] >= width) || !(size[1] >= height))
       throw InputError(
-          "image_size: expected width and height of an image that contains the "
-          "pixels x, y");
+          "image_size: expected the width and height of an image that contains "
+          "all positions in x and y");
     width = size[0];
     height = size[1];
   }

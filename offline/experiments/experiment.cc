@@ -20,7 +20,7 @@ const std::vector<Experiment>& Experiments() {
        75,
        {"--features"}},
       {"model-comparison",
-       "fit error of parametric models to a generic camera",
+       "error of parametric models fitted to a generic camera",
        CompareModelsByFit,
        60,
        {"--features", "--camera"}},
@@ -30,7 +30,8 @@ const std::vector<Experiment>& Experiments() {
        40,
        {"--features", "--camera", "--image"}},
       {"noncentrality",
-       "effect of a non-central camera as a function of distance",
+       "error of treating a non-central camera as central, as a function of "
+       "distance",
        MeasureNoncentrality,
        60,
        {"--features", "--camera"}},

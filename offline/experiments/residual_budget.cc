@@ -89,7 +89,7 @@ BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
     if (!data.result->budget)
       throw InputError(
           "--result: interrupted, or written by another version of raygrid; "
-          "calibrate again");
+          "rerun the calibration");
     return MakeBudgetInput(*data.result, data.result->budget->facts);
   }
   if (!data.features || data.cameras.size() != 1)

@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void RefuseToLocate(const Board& board) {
   throw InputError(
-      fmt::format("board {}: detection of kind '{}' is not supported; pass "
-                  "features of another detector with --features",
+      fmt::format("board {}: targets of kind '{}' cannot be detected; pass "
+                  "features from another detector with --features",
                   board.id, board.kind));
 }
 

@@ -76,9 +76,9 @@ YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
     const std::string& name =
         former == kFormerKeys.end() ? key : former->second;
     if (!values.emplace(name, entry.second).second)
-      throw InputError(
-          fmt::format("{}: duplicate key '{}' (former names included)", what,
-                      Printable(name)));
+      throw InputError(fmt::format(
+          "{}: duplicate key '{}' (its former name counts as the same key)",
+          what, Printable(name)));
   }
   // Each assignment below visits all nodes of the document, so that the time to
   // read a plan would grow with the square of its number of units.

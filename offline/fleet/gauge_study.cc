@@ -99,9 +99,9 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
       model.terms.push_back(std::move(term));
     else
       unobservable_reason->push_back(
-          fmt::format("the effect of {0}s is not separable from other "
-                      "differences; calibrate one golden unit at more than one "
-                      "{0}, all else being equal",
+          fmt::format("the effect of {0}s cannot be separated from other "
+                      "differences; calibrate a golden unit at more than one "
+                      "{0}, with everything else unchanged",
                       names[k]));
   }
   return model;

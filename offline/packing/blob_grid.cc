@@ -271,9 +271,10 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   if (!valid.HasValidCells())
     throw Error(
         ExitCode::kQuality,
-        fmt::format("no grid represents this {} camera within {} px anywhere; "
-                    "check that its parameters match the model and image size",
-                    camera.Name(), max_error_px));
+        fmt::format(
+            "no part of this {} camera can be represented by a grid within {} "
+            "px; check that its parameters match the model and image size",
+            camera.Name(), max_error_px));
   return made;
 }
 
@@ -291,7 +292,9 @@ GridSection QuantizeGrid(const CentralGeneric& camera) {
   grid.control_points.rows = s.rows;
   if (camera.surface().cell_width() <= 1.01 ||
       camera.surface().cell_height() <= 1.01)
-    ThrowDoesNotFitBlob("its knot spacing is below one pixel");
+    ThrowDoesNotFitBlob(
+        "its knot spacing must be greater than 1 px; calibrate with a larger "
+        "--knot-spacing-px");
   s.scale_x_q32 = rg_grid_scale_q32(s.columns - 3u, s.x1_q16 - s.x0_q16);
   s.scale_y_q32 = rg_grid_scale_q32(s.rows - 3u, s.y1_q16 - s.y0_q16);
   for (const Eigen::Vector2d& point : camera.surface().points()) {
@@ -320,7 +323,8 @@ std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
       const double value = std::ldexp(point[c], RG_LINE_POINT_BITS);
       if (!(std::abs(value) <= RG_LINE_POINT_LIMIT))
         ThrowDoesNotFitBlob(
-            "its ray origins are more than 7.9 m from its centre");
+            "some ray origins are more than 7.9 m from the centre of the "
+            "camera");
       quantized.push_back(static_cast<int32_t>(std::lround(value)));
     }
   }

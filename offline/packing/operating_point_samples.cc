@@ -80,8 +80,8 @@ OperatingPointSamples SelectSamples(
     return *std::move(stack);
   }
   throw Error(ExitCode::kQuality,
-              fmt::format("{} samples do not represent the camera from {} to "
-                          "{} within {} px; reduce the range",
+              fmt::format("{} samples, the maximum, cannot represent the "
+                          "camera from {} to {} within {} px; reduce the range",
                           RG_MAX_STACK_SAMPLES, low, high, max_error_px));
 }
 

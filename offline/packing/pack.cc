@@ -33,7 +33,7 @@ std::optional<std::string> WarnAboutProjection(
       faults += fmt::format("{}{:.2g} % {}", faults.empty() ? "" : ", ",
                             100.0 * count / num_all, what);
   };
-  add(pixels.num_not_found, "do not converge");
+  add(pixels.num_not_converged, "do not converge");
   add(pixels.num_inaccurate,
       fmt::format("have errors above {} px, up to {:.2g} px",
                   kMaxProjectionErrorPx, pixels.worst_px));

@@ -23,7 +23,7 @@ std::vector<double> Positions(double from, double to, int step) {
 void Add(const ProjectedPixels& more, ProjectedPixels* sum) {
   sum->num_pixels += more.num_pixels;
   sum->num_not_invertible += more.num_not_invertible;
-  sum->num_not_found += more.num_not_found;
+  sum->num_not_converged += more.num_not_converged;
   sum->num_inaccurate += more.num_inaccurate;
   sum->worst_px = std::max(sum->worst_px, more.worst_px);
 }
@@ -58,7 +58,7 @@ ProjectionError MeasureProjection(const BlobCamera& blob,
       ++found.num_pixels;
       const auto back = blob.Project(FromChart(chart));
       if (!back) {
-        ++found.num_not_found;
+        ++found.num_not_converged;
         continue;
       }
       const double error_px = (*back - pixel).norm();

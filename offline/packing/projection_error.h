@@ -14,16 +14,16 @@ struct ProjectedPixels {
   int64_t num_pixels = 0;          ///< pixels with a unique projection
   int64_t num_not_invertible = 0;  ///< at folds of the surface, or 151
                                    ///< degrees from the z axis or more
-  int64_t num_not_found = 0;       ///< pixels not found: projection fails
+  int64_t num_not_converged = 0;   ///< projection does not converge
   int64_t num_inaccurate = 0;      ///< errors above kMaxProjectionErrorPx
   double worst_px = 0;             ///< maximum error of found pixels
 
   bool AreAllAccurate() const {
-    return num_not_found == 0 && num_inaccurate == 0;
+    return num_not_converged == 0 && num_inaccurate == 0;
   }
   /// Fraction of pixels that are not found or inaccurate.
   double FailedFraction() const {
-    return static_cast<double>(num_not_found + num_inaccurate) /
+    return static_cast<double>(num_not_converged + num_inaccurate) /
            std::max<int64_t>(num_pixels, 1);
   }
 };

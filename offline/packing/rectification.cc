@@ -150,8 +150,8 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
   if (!all.view)
     FailToRectify(
         first, second,
-        fmt::format("alpha {}: a pinhole view cannot contain all pixels, up to "
-                    "{:.0f} degrees off axis; use alpha 0 or hfov",
+        fmt::format("alpha {}: a pinhole view cannot contain all pixels, which "
+                    "extend up to {:.0f} degrees off axis; use alpha 0 or hfov",
                     alpha, all.max_stretch_rad * 180 / M_PI));
   return alpha == 1 ? *all.view : InterpolateViews(*largest, *all.view, alpha);
 }

@@ -346,8 +346,8 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     Blocks all = MergeBlocks(own);
     if (std::count(all.used.begin(), all.used.end(), true) == 0)
       throw Error(ExitCode::kUsage,
-                  "the view does not overlap the calibrated area; rotate it, "
-                  "or increase the field of view");
+                  "the output view does not overlap the calibrated area; "
+                  "rotate it, or increase the field of view");
     std::optional<std::vector<RemapTable>> tables =
         FitWithLayout(inputs, max_error_px, view, &own, &all);
     go_on();

@@ -32,13 +32,13 @@ std::vector<RemapTable> FitDefaultTables(
     std::vector<RemapTable> tables = FitRemapTables(
         cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
     warnings->push_back(
-        "its undistortion table is limited to the calibrated area, which is "
+        "the undistortion table is limited to the calibrated area, which is "
         "far off the optical axis");
     return tables;
   } catch (const Error&) {
     warnings->push_back(
-        "has no undistortion table; try another view with raygrid pack "
-        "--remap: " +
+        "the blob has no undistortion table; try another output view with "
+        "raygrid pack --remap: " +
         fault);
     return {};
   }
@@ -188,8 +188,8 @@ void RemapSections::WarnAboutReach(PackedCamera* packed) const {
         1 << table.section.block_log2));
   if (table.num_rough > 0)
     packed->warnings.push_back(fmt::format(
-        "table {}: {} blocks of {} px ({:.2g} % of the view) are filled with "
-        "the border value, because their distortion cannot be represented "
+        "table {}: {} blocks of {} px ({:.2g} % of the output view) are filled "
+        "with the border value, because their distortion cannot be represented "
         "within {} px; increase --max-error-px",
         tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
         PercentOfPicture(table), table.section.bound_upx * 1e-6));

@@ -93,8 +93,8 @@ VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
   if (all.view) return *all.view;
   const ViewProjection projection = seen.plane.projection;
   ThrowUsage(fmt::format(
-      "alpha above 0: a {} view cannot contain all pixels, up to {:.0f} "
-      "degrees off its {}; {}",
+      "alpha above 0: a {} view cannot contain all pixels, which extend up to "
+      "{:.0f} degrees off its {}; {}",
       ProjectionName(projection),
       (projection == ViewProjection::kStereographic ? 2 : 1) *
           all.max_stretch_rad * 180 / M_PI,
@@ -109,8 +109,8 @@ VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
   const auto largest = FindLargestViewWithoutBorder({seen}, size);
   if (!largest)
     ThrowUsage(
-        "alpha below 1: the view does not contain the centre of the calibrated "
-        "area; set a field of view, or rotate the view");
+        "alpha below 1: the output view does not contain the centre of the "
+        "calibrated area; set a field of view, or rotate the view");
   if (alpha == 0) return *largest;
   return InterpolateViews(*largest, SmallestOrThrow(seen, size), alpha);
 }

@@ -150,7 +150,10 @@ FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
     throw py::value_error(
         "the camera varies with two quantities: specify lens_position= and "
         "temperature=");
-  if (value && held[0]) throw py::value_error("expected a single value");
+  if (value && held[0])
+    throw py::value_error(
+        "pass the operating point either as a value or as lens_position= or "
+        "temperature=, not both");
   if (value) held[0] = value;
   return held;
 }
@@ -161,7 +164,7 @@ PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
   const std::vector<OperatingRange> ranges = RangesOf(self);
   if (ranges.empty())
     throw py::value_error(
-        "the camera was not calibrated over focus or temperature");
+        "the camera was not calibrated over a range of focus or temperature");
   const FixedOperatingPoint held =
       ValuesOfRanges(ranges, value, lens_position, temperature);
   for (size_t r = 0; r < ranges.size(); ++r)

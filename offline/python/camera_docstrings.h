@@ -149,9 +149,9 @@ inline constexpr char kMaps[] =
     R"(Compute the maps of cv2.remap() that undistort images.
 
 Args:
-    view: the view of the undistorted images; default: view().
-    reverse: compute the inverse maps, which distort images of the view into
-        images of the camera.
+    view: the output view (undistorted images); default: view().
+    reverse: compute the inverse maps, which map undistorted images back to the
+        camera image.
     threads: number of threads; 0: one per core. Results do not depend on it.
 
 Returns:

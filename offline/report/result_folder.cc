@@ -53,8 +53,8 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
 void RequireFile(const std::string& path) {
   if (!fs::is_regular_file(path))
     throw InputError(path +
-                     ": missing; a report needs all files written by "
-                     "calibrate, so calibrate again");
+                     ": missing; a report requires all files written by "
+                     "calibrate; rerun the calibration");
 }
 
 Pattern ReadResultPattern(const std::string& folder) {
@@ -107,7 +107,7 @@ void RequireMatching(const std::string& folder,
                     result.pattern);
   if (!result.camera.training)
     throw InputError(In(folder, "camera.yaml") +
-                     ": contains no training errors; calibrate again");
+                     ": contains no training errors; rerun the calibration");
 }
 
 std::optional<BeforeAfter> ReadExample(const std::string& folder) {

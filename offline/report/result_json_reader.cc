@@ -51,12 +51,12 @@ Json ParseVersioned(const std::string& path, const std::string& text) {
   RequireSmallTree(path, text);
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
-    throw InputError(path + ": not JSON; calibrate again");
+    throw InputError(path + ": not JSON; rerun the calibration");
   if (!UpgradeResult(&json))
-    throw InputError(fmt::format(
-        "{}: written by another version of raygrid (schema_version is not {}); "
-        "calibrate again with this one",
-        path, kResultSchemaVersion));
+    throw InputError(
+        fmt::format("{}: written by another version of raygrid (schema_version "
+                    "is not {}); rerun the calibration with this version",
+                    path, kResultSchemaVersion));
   return json;
 }
 
@@ -89,10 +89,10 @@ ResultMetrics ParseResultJson(const std::string& path,
   try {
     ResultMetrics metrics = ParseResult(json);
     if (!metrics.result.cameras.empty()) return metrics;
-    throw InputError(path + ": contains no camera; calibrate again");
+    throw InputError(path + ": contains no camera; rerun the calibration");
   } catch (const nlohmann::json::exception& error) {
     throw InputError(
-        fmt::format("{}: {}; calibrate again", path, JsonProblem(error)));
+        fmt::format("{}: {}; rerun the calibration", path, JsonProblem(error)));
   }
 }
 

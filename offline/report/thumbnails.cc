@@ -89,10 +89,11 @@ ThumbnailTexts ParseThumbnails(const std::string& path,
   try {
     const auto parsed = nlohmann::json::parse(json);
     if (parsed.at("raygrid_thumbnails") != 1)
-      throw InputError(path + ": written by another version; calibrate again");
+      throw InputError(path +
+                       ": written by another version; rerun the calibration");
     return parsed.at("images").get<ThumbnailTexts>();
   } catch (const nlohmann::json::exception&) {
-    throw InputError(path + ": malformed; calibrate again, or remove it");
+    throw InputError(path + ": malformed; rerun the calibration, or remove it");
   }
 }
 

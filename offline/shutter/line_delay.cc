@@ -466,8 +466,7 @@ std::string LineDelayOptimization::FindUnlikeParts() const {
       continue;
     largest = sigmas;
     found = fmt::format(
-        "line delay {} +- {} in the earlier frames, {} +- {} in the later "
-        "frames",
+        "line delay {} ± {} in the earlier frames, {} ± {} in the later frames",
         FormatMicroseconds(before.seconds),
         FormatMicroseconds(before.deviation_s),
         FormatMicroseconds(after.seconds),
@@ -507,9 +506,9 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
         "target while recording";
   else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
     result.unobservable_reason = fmt::format(
-        "motion is too fast for the frame rate, or timestamps are noisy "
-        "(+-{}); use the sensor's timestamps, move more slowly, or increase "
-        "the frame rate",
+        "motion is too fast for the frame rate, or timestamps are noisy (±{}); "
+        "use the sensor's timestamps, move more slowly, or increase the frame "
+        "rate",
         FormatMicroseconds(result.value.deviation_s));
   else if (result.value.deviation_s > limit_s)
     result.unobservable_reason = fmt::format(

@@ -157,7 +157,7 @@ void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
     throw CameraError(CameraExit::kBlob,
                       settings_.blob +
                           ": its remap table has no pixel in the valid region; "
-                          "set outside=fill, or pack another view");
+                          "set outside=fill, or pack another output view");
 }
 
 void FrameUndistorter::Undistort(GstBuffer* frame, GstBuffer* view) {

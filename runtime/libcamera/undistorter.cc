@@ -60,7 +60,7 @@ void Undistorter::HideInvalidBlocks() {
   if (invalid_->are_all())
     throw CameraError(CameraExit::kBlob,
                       "blob: its remap table has no pixel in the valid region; "
-                      "omit --outside border, or pack another view");
+                      "omit --outside border, or pack another output view");
 }
 
 void Undistorter::Start(FrameObserver* observer) {

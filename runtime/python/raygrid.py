@@ -156,7 +156,7 @@ class View(NamedTuple):
     cy: float
     #: camera_from_view, (3, 3), row-major.
     rotation: tuple
-    #: Whether it belongs to an inverse remap table, which distorts images of the view into frames
+    #: Whether it belongs to an inverse remap table, which maps undistorted images back to frames
     #: of the camera.
     distorts: bool = False
 

@@ -96,7 +96,7 @@ class BadInput(CommandTest):
         self.assert_refused(result, 2, "5 x 6")
 
     def test_one_image_only(self):
-        self.assert_refused(self.calibrate_features(features(1)), 3, "image(s)", "3 are required")
+        self.assert_refused(self.calibrate_features(features(1)), 3, "only 1 image with", "3 are required")
 
     def test_too_few_features(self):
         text = "\n".join(features(8).splitlines()[:6]) + "\n"

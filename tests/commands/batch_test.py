@@ -96,7 +96,7 @@ class Batch(CommandTest):
         self.assertEqual(result.returncode, 3, result.stderr)
         lines = result.stderr.splitlines()
         self.assertEqual(len(lines), 2, result.stderr)
-        self.assertIn("A0: error: 1 image(s) with", lines[0])
+        self.assertIn("A0: error: only 1 image with", lines[0])
         self.assertIn("B0: error", lines[1])
         self.assertIn("gone", lines[1])
         table = self.table()
@@ -148,7 +148,7 @@ units:
                            ("rolling_shutter: maybe", "key 'rolling_shutter': expected true or false"),
                            ("rolling_shutter: true, vary_with: temperature",
                             "unit C1: rolling_shutter and vary_with cannot be combined"),
-                           ("like: a.yaml, prior: b.yaml", "duplicate key 'prior' (former names included)")):
+                           ("like: a.yaml, prior: b.yaml", "duplicate key 'prior' (its former name counts as the same key)")):
             plan = self.plan((), more=[f"  - {{serial: C1, features: A1/features.csv, {unit}}}\n"])
             self.assert_refused(self.batch(plan), 2, told)
         for at, told in (("{a: far, 1: near}, vary_with: temperature", "unit C1: images_at: 'a' is not a number"),

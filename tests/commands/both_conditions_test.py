@@ -121,7 +121,7 @@ class BothConditions(CommandTest):
                       result.stderr)
         self.assertLess(json.loads(result.stdout)["median_px"], 0.01)
         result = run("compare", blob, blob, "--at", at)
-        self.assert_refused(result, 1, "both cameras vary with lens_position only")
+        self.assert_refused(result, 1, "both cameras were calibrated over lens_position only")
 
         _, said, told = pack("--at", "lens_position=8.3")
         self.assertEqual(said, "")

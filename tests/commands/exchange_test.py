@@ -544,7 +544,7 @@ class Rigs(ExchangeTest):
     def test_poses_in_a_rig_are_not_lost_silently(self):
         """Of two and of three cameras, in every format: they come back, or it is said."""
         formats = [entry for entry in json.loads(run("export", "--list", "--json").stdout)
-                   if entry["source"] == "a lens" and entry["export"] and entry["import"]
+                   if entry["source"] == "a lens" and entry["can_export"] and entry["can_import"]
                    and entry["name"] != "puzzlepaint"]  # whose state has a test of its own
         self.assertGreater(len(formats), 8)
         rigs = {2: self.exact_rig(self.two_of_the_rig(), "two.yaml"),

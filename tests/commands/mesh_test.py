@@ -275,7 +275,7 @@ class Meshes(CommandTest):
         self.assertGreater(len(pixels), 10000)
         errors = [told["mesh"]["by_interpolation"][unit.span] if unit.span else told["mesh"]
                   for unit, (told, _) in zip(units, made)]
-        worst = [tuple(error["max_error_pixel"]) for error in errors]
+        worst = [tuple(error["max_error_position_px"]) for error in errors]
         sources = self.sources(view, pixels + worst, camera)
         for k, (unit, error, (told, path)) in enumerate(zip(units, errors, made)):
             with self.subTest(unit.name):
@@ -324,7 +324,7 @@ class Meshes(CommandTest):
             self.assertEqual(mesh["num_clamped_vertices"] > 0, moves)
             width, height = unit.size
             pixels = [(x, y) for y in range(0, height, 3) for x in range(0, width, 5)]
-            pixels.append(tuple(mesh["max_error_pixel"]))
+            pixels.append(tuple(mesh["max_error_position_px"]))
             sources = self.sources(told["view"], pixels, camera)
             self.assertAlmostEqual(sum(source is not None for source in sources) / len(pixels),
                                    mesh["pixels"] / (width * height), 2)

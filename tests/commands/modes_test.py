@@ -88,7 +88,7 @@ class Modes(CommandTest):
         self.assert_refused(run(*back, "--remap-index", 1), 1, "inverse remap", "--inverse")
         self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
                                 "--inverse", "-o", self.path("back")), 8, "200 x 150",
-                            "images of its view")
+                            "undistorted images of this size")
         self.assert_done(run(*back, "--remap-index", 1, "--inverse"))
         # The table of the other direction says the view, and each pixel is found exactly.
         self.assert_done(run(*back[:-1], self.path("exact"), "--inverse"))

@@ -123,7 +123,7 @@ class Slurm(CommandTest):
         self.assertEqual(sorted(files), sorted(wanted))
         for name, contents in wanted.items():
             self.assertEqual(files[name], contents, name)
-        self.assertIn("1 image(s) with", logs[f".slurm/{FEW}.log"])
+        self.assertIn("1 image with", logs[f".slurm/{FEW}.log"])
         self.assertIn(serial(BAD), logs[f".slurm/{BAD}.log"])
         self.assertIn(serial(BAD), logs[".slurm/gather.log"])
         for row in csv.DictReader(io.StringIO(read(out + "/fleet.csv").decode())):

@@ -161,7 +161,7 @@ class Blobs(TableTest):
         self.assertEqual((listed["c"]["source"], listed["hex"]["options"]), ("a blob", ["address"]))
         self.assertEqual(listed["maps"]["models"], ["float", "fixed"])
         self.assertEqual([name for name, entry in listed.items() if entry["source"] != "a lens" and
-                          entry["import"]], ["stmap", "rays", "tum", "puzzlepaint-dataset"])
+                          entry["can_import"]], ["stmap", "rays", "tum", "puzzlepaint-dataset"])
         text = run("export", "--list").stdout
         for entry in listed.values():
             self.assertIn(entry["name"] + ": " + entry["description"], text)

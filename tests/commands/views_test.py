@@ -191,7 +191,7 @@ class Views(CommandTest):
     def test_reverse_refuses_what_has_no_way_back(self):
         out = ["-o", self.path("never")]
         self.assert_refused(run("undistort", self.camera, self.image, "--inverse", "--size",
-                                "200x150", *out), 8, "white.png", "160 x 120", "the view has",
+                                "200x150", *out), 8, "white.png", "160 x 120", "the undistorted view has",
                             "200 x 150")
         self.assert_refused(run("undistort", self.camera, self.image, "--inverse", "--frames",
                                 self.path("raw"), *out), 1, "--frames")

@@ -30,10 +30,10 @@ Input:
   --size WxH              frame size to request (default: the blob's)
   --control NAME=VALUE    camera control to set at the start; repeatable
   --from FILE             raw frames from FILE, repeated; requires --format
-  --fps N                 frame rate of --from FILE (default: 30)
+  --fps N                 frame rate for --from FILE (default: 30)
   --from -                standard input: Y4M, JPEGs, or raw frames with
                           --format and --size
-  --live                  drop frames of --from if the output is too slow
+  --live                  drop input frames if the output is too slow
                           (default: process every frame)
   --timeout S             exit after this time without a frame (default: 5)
 

@@ -135,7 +135,7 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->option_text("NAME=VALUE")
       ->allow_extra_args(false);
   app->add_option("--pair-within-ms", arguments->pair_within_ms,
-                  "largest timestamp difference between the images of a frame "
+                  "maximum timestamp difference between the images of a frame "
                   "(images are paired by name, videos by frame number)")
       ->option_text("MS")
       ->check(CLI::Range(0.0, 1000.0))
@@ -150,7 +150,8 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
       ->option_text("PX");
   app->add_option("--still-px", arguments->loop.judge.still_px,
                   "keep a frame only if its features move by less than this "
-                  "during the exposure (if unknown: since the previous frame)")
+                  "during the exposure, or since the previous frame if the "
+                  "exposure time is unknown")
       ->option_text("PX")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();

@@ -140,8 +140,10 @@ class AprilGridKind : public TargetKind {
                   "row in which the tag IDs start (default: bottom; top with "
                   "--no-squares)",
                   {"top", "bottom"}, &request->numbered_from);
-    options->Number("first-marker", "ID of the first tag, at the left",
-                    &board.first_marker);
+    options->Number(
+        "first-marker",
+        "ID of the leftmost tag in the row given by --numbered-from",
+        &board.first_marker);
     options->Number("boards", "number of boards with distinct markers",
                     &request->num_boards);
   }

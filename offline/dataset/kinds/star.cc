@@ -299,10 +299,11 @@ std::vector<Board> StarBoards(const StarBoardOptions& options) {
   if (!AreApart(options, board.tags))
     throw Error(
         ExitCode::kUsage,
-        fmt::format(
-            "{} tag(s) {} squares wide do not fit among {} x {} features; use "
-            "fewer --tags, smaller --tag-squares or more --columns and --rows",
-            options.num_tags, squares, options.columns, options.rows));
+        fmt::format("cannot place {} {} with a width of {} squares among {} x "
+                    "{} features; use fewer --tags, a smaller --tag-squares, "
+                    "or more --columns and --rows",
+                    options.num_tags, options.num_tags == 1 ? "tag" : "tags",
+                    squares, options.columns, options.rows));
   std::vector<Board> boards;
   int tag_id = options.tag_id;
   for (board.id = 0; board.id < options.num_boards; ++board.id) {

@@ -17,8 +17,8 @@ MeshLattice MakeDepthAiLattice(const MeshRequest& request) {
   const int step = request.step.value_or(kDepthAiStep);
   if (request.size.width % step != 0 || request.size.height % step != 0)
     throw Error(ExitCode::kUsage,
-                fmt::format("--stride {}: must divide the view size of {} x {} "
-                            "px for depthai-mesh",
+                fmt::format("--stride {}: must divide the size of the "
+                            "undistorted view, {} x {} px, for depthai-mesh",
                             step, request.size.width, request.size.height));
   return MakeRegularLattice(request.size, step, step);
 }

@@ -135,8 +135,9 @@ std::string FormatMeshError(const MeshError& error) {
       fmt::format("error {:.2g} px max (at {}, {}), {:.2g} px RMS",
                   error.max_px, error.x, error.y, error.rms_px);
   if (error.num_filled > 0)
-    text += fmt::format("; {} pixels that are empty in the view are filled",
-                        error.num_filled);
+    text += fmt::format(
+        "; {} pixels that are empty in the undistorted view are filled",
+        error.num_filled);
   if (error.num_moved > 0)
     text += fmt::format(
         "; {} vertices outside the image are clamped to the range of the unit "

@@ -34,10 +34,11 @@ int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
   if (mesh.is_needed[k] && std::abs(fixed - offset * kLdcScale) > 1)
     throw Error(
         ExitCode::kQuality,
-        fmt::format("--to ti-ldc: pixel {}, {} of the view has a displacement "
-                    "of {:.0f} px along {}, above the limit of 4095 px",
-                    mesh.lattice.x[k % mesh.lattice.columns()],
-                    mesh.lattice.y[k / mesh.lattice.columns()], offset, axis));
+        fmt::format(
+            "--to ti-ldc: pixel {}, {} of the undistorted view has a "
+            "displacement of {:.0f} px along {}, above the limit of 4095 px",
+            mesh.lattice.x[k % mesh.lattice.columns()],
+            mesh.lattice.y[k / mesh.lattice.columns()], offset, axis));
   return fixed;
 }
 

@@ -241,11 +241,13 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   located.features = lattice.Features();
   if (seen.size() > 0 && fitting.size() == 0)
     located.warnings.push_back(
-        fmt::format("board {}: {} tags detected, none consistent with another",
+        fmt::format("board {}: no two of the detected tags ({}) are consistent "
+                    "with the layout of the board",
                     data_->board.id, seen.size()));
   if (seen.size() == 0 && !tags.empty())
     located.warnings.push_back(
-        fmt::format("tag {} is not on board {}", tags[0].id, data_->board.id));
+        fmt::format("detected tag {} does not belong to board {}", tags[0].id,
+                    data_->board.id));
   if (fitting.size() > 0 && lattice.num_found() == 0)
     located.warnings.push_back(fmt::format(
         "board {}: {} tags detected, but no black squares at their corners; if "

@@ -119,18 +119,20 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
     if (is_other) {
       markers = other;
       located.warnings.push_back(fmt::format(
-          "board {}: its markers have the layout of {}; set 'legacy: {}' in "
+          "board {}: its markers are laid out as in {}; set 'legacy: {}' in "
           "the pattern",
-          board.id, board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV < 4.6",
+          board.id,
+          board.is_legacy ? "OpenCV 4.6 and later" : "OpenCV before 4.6",
           !board.is_legacy));
     }
   }
   const int num_seen = markers.size();
   markers = markers.Consistent();
   if (num_seen > 0 && markers.size() == 0)
-    located.warnings.push_back(fmt::format(
-        "board {}: {} markers detected, none consistent with another", board.id,
-        num_seen));
+    located.warnings.push_back(
+        fmt::format("board {}: no two of the detected markers ({}) are "
+                    "consistent with the layout of the board",
+                    board.id, num_seen));
   located.features =
       data_
           ->FindCorners(image, markers,

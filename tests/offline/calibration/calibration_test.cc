@@ -50,7 +50,7 @@ std::set<std::string> ImagesOf(const std::vector<FeatureResidual>& residuals) {
 }
 
 TEST(Calibrate, NeedsThreeImages) {
-  ExpectError(ExitCode::kTooFew, {"2 image(s)"},
+  ExpectError(ExitCode::kTooFew, {"2 images"},
               [] { Calibrate(Simulate(2), TestBoard(), Coarse()); });
   ExpectError(ExitCode::kTooFew, {},
               [] { Calibrate(Dataset(), TestBoard(), Coarse()); });
@@ -429,7 +429,7 @@ TEST(Calibrate, FailsWherePixelsAreLikeNoCameras) {
   const CalibrationResult result =
       Calibrate(dataset, TestBoard(), HoldingOut({dataset.images[7].image}));
   EXPECT_EQ(result.assessment.word, "fail");
-  EXPECT_TRUE(HasReason(result, "times as wide as high"));
+  EXPECT_TRUE(HasReason(result, "pixel aspect ratio"));
 }
 
 TEST(Calibrate, FailsWhereAllViewsAreTheSame) {

@@ -248,8 +248,8 @@ TEST(CalibrateNearDuplicates, HoldingOutAnImageLosesNoView) {
     EXPECT_EQ(tested.count(residual.image), 0u) << residual.image;
   EXPECT_EQ(result.held_out_duplicates, options.hold_out);
   EXPECT_TRUE(HasReasonOf(result,
-                          "the held-out error is too optimistic: 2 images "
-                          "(sim0000.png, ...)"));
+                          "near-duplicates of training images: 2 images "
+                          "(sim0000.png, ...); "));
   EXPECT_TRUE(HasReasonOf(result, "18 images show 6 different views"));
 }
 

@@ -283,7 +283,7 @@ TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
                               }),
                images.end());
   images.resize(2);
-  ExpectError(ExitCode::kTooFew, {"camera right", "2 image(s)"},
+  ExpectError(ExitCode::kTooFew, {"camera right", "2 images"},
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 

@@ -186,9 +186,9 @@ TEST(CameraFile, RefusesAMalformedStack) {
     }
   };
   expect_refused("condition: temperature", "condition: pressure",
-                 "unknown condition 'pressure'");
+                 "unknown quantity 'pressure'");
   expect_refused("condition: temperature", "about: temperature",
-                 "stack: missing condition");
+                 "missing 'condition'");
   expect_refused("range: [20, 60]", "range: [60, 20]",
                  "range of temperature: 60 is not less than 20");
   expect_refused("range: [20, 60]", "range: [20, .nan]",
@@ -200,16 +200,16 @@ TEST(CameraFile, RefusesAMalformedStack) {
                             .surface()
                             .num_points();
   expect_refused("changes:\n    - [", "changes:\n    - [0, ",
-                 fmt::format("list 1 of changes with temperature: a list of "
+                 fmt::format("list 1 of 'changes' with temperature: a list of "
                              "{}, expected a pair per control point, {} ",
                              count + 1, count));
   expect_refused("changes:\n    - [", "changes:\n    - 7\n    - [",
-                 "list 1 of changes with temperature: not a list");
-  expect_refused("changes:", "change:", "changes with temperature: none");
+                 "list 1 of 'changes' with temperature: not a list");
+  expect_refused("changes:", "change:", "'changes' with temperature: none");
   expect_refused("changes:", "changes: few\n  others:",
-                 "changes with temperature: not a list");
+                 "'changes' with temperature: not a list");
   expect_refused("changes:", "changes: []\n  others:",
-                 "changes with temperature: a list of 0, expected 1 to 3 ");
+                 "'changes' with temperature: a list of 0, expected 1 to 3 ");
   expect_refused("- at: 60", "- at: 20", "ascending");
 }
 

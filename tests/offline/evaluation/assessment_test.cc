@@ -168,8 +168,9 @@ TEST(Assessment, WarnsOfImagesOfTwoCameras) {
   EXPECT_EQ(assessment.word, "warn");
   ASSERT_EQ(assessment.reasons.size(), 1u);
   EXPECT_TRUE(HasReason(assessment,
-                        "these images appear to come from two cameras: 2 "
-                        "images (left1.png, ...) and 1 image (right1.png)"));
+                        "these images appear to come from two cameras, or "
+                        "from one whose focus changed: 2 images (left1.png, "
+                        "...) and 1 image (right1.png); "));
 }
 
 TEST(Assessment, SuspectsSeveralCamerasWhereNearlyAllErrorIsShared) {
@@ -310,8 +311,8 @@ TEST(Assessment, WarnsOfImagesHeldOutWhoseViewsWereCalibratedWith) {
   const Assessment assessment = AssessCalibration(metrics);
   EXPECT_EQ(assessment.word, "warn");
   EXPECT_TRUE(HasReason(assessment,
-                        "the held-out error is too optimistic: 2 images "
-                        "(a.png, ...)"));
+                        "near-duplicates of training images: 2 images (a.png, "
+                        "...); "));
 }
 
 TEST(Assessment, SaysNothingOfHundredthsOfAPixel) {

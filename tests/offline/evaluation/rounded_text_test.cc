@@ -6,12 +6,12 @@ namespace raygrid {
 namespace {
 
 TEST(RoundedText, EstimatesHaveTheDigitsOfTheirDeviation) {
-  EXPECT_EQ(FormatWithStdDev(120.04123, 0.02349), "120.041 +- 0.023");
+  EXPECT_EQ(FormatWithStdDev(120.04123, 0.02349), "120.041 ± 0.023");
   EXPECT_EQ(FormatWithStdDev(-0.5, 0.000123, " &plusmn; "),
             "-0.50000 &plusmn; 0.00012");
-  EXPECT_EQ(FormatWithStdDev(1234.5, 56.7), "1234 +- 57");
-  EXPECT_EQ(FormatWithStdDev(1234.5, 567.8), "1234 +- 568");
-  EXPECT_EQ(FormatWithStdDev(2, 0), "2.00 +- 0.00");
+  EXPECT_EQ(FormatWithStdDev(1234.5, 56.7), "1234 ± 57");
+  EXPECT_EQ(FormatWithStdDev(1234.5, 567.8), "1234 ± 568");
+  EXPECT_EQ(FormatWithStdDev(2, 0), "2.00 ± 0.00");
 }
 
 TEST(RoundedText, FiguresHaveThreeDigits) {

@@ -158,7 +158,7 @@ TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
 void ExpectAllFound(const ProjectedPixels& pixels) {
   EXPECT_GT(pixels.num_pixels, 1000);
   EXPECT_EQ(pixels.num_not_invertible, 0);
-  EXPECT_EQ(pixels.num_not_found, 0);
+  EXPECT_EQ(pixels.num_not_converged, 0);
   EXPECT_EQ(pixels.num_inaccurate, 0);
   EXPECT_LE(pixels.worst_px, 0.002);
 }
@@ -227,8 +227,8 @@ TEST(PackCamera, SaysWhatProjectionMisses) {
   // The figures are the runtime's.
   const BlobCamera blob("rough", packed.blob);
   const ProjectionError again = MeasureProjection(blob, nullptr, 1e6, 1);
-  EXPECT_EQ(again.valid_region.num_not_found,
-            packed.projection->valid_region.num_not_found);
+  EXPECT_EQ(again.valid_region.num_not_converged,
+            packed.projection->valid_region.num_not_converged);
   EXPECT_EQ(again.valid_region.worst_px,
             packed.projection->valid_region.worst_px);
 }

@@ -148,7 +148,7 @@ class Rays(PackageTest):
         np.testing.assert_allclose(near.unproject(GRID), expected, rtol=0, atol=6e-13)
         self.assertGreater(np.abs(camera.unproject(GRID) - expected).max(), 1e-3)
         self.assert_refuses(ValueError, "11 is outside the calibrated range, 2 to 10 dioptres", camera.at, 11)
-        self.assert_refuses(ValueError, "not calibrated over focus", near.at, 5)
+        self.assert_refuses(ValueError, "not calibrated over a range", near.at, 5)
         self.assert_refuses(ValueError, "does not vary with temperature", camera.at, temperature=5)
         np.testing.assert_array_equal(camera.at(lens_position=9).unproject(GRID),
                                       near.unproject(GRID))

@@ -333,7 +333,7 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
         "\"verdict\": \"pass\", \"reasons\": []}"}) {
     WriteResultTo(out, PlainResult());
     WriteFile(out + "/result.json", text);
-    ExpectError(ExitCode::kInput, {"result.json", "calibrate again"},
+    ExpectError(ExitCode::kInput, {"result.json", "rerun the calibration"},
                 [&] { ReportOf(out); });
   }
 }

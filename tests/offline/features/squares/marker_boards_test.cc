@@ -247,7 +247,8 @@ TEST(AprilGrid, TagsOfAnotherBoardAreRemarkedUpon) {
       Detected(photograph.image(), AprilGridPattern());
   EXPECT_TRUE(detection.features.empty());
   ASSERT_EQ(detection.warnings.size(), 1u);
-  EXPECT_NE(detection.warnings[0].find("not on board 1"), std::string::npos);
+  EXPECT_NE(detection.warnings[0].find("does not belong to board 1"),
+            std::string::npos);
 }
 
 TEST(FindMarkerBoards, MirroredOnesAreRemarkedUpon) {
