@@ -55,7 +55,7 @@ static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
 
 /* The bytes in front of a table's arrays, but for the measured error, and its
  * mask are those of the blob's own. The part was checked. */
-static int is_like_own_table(const uint8_t* part,
+static int matches_own_table(const uint8_t* part,
                              const section_traversal* traversal) {
   const uint8_t* const own = traversal->own;
   const uint32_t data = rg_load_u32(part + RG_REMAP_DATA_OFFSET);
@@ -69,10 +69,10 @@ static int is_like_own_table(const uint8_t* part,
   return memcmp(part + mask, own + mask, traversal->size - mask) == 0;
 }
 
-static int is_like_own(const uint8_t* part,
-                       const section_traversal* traversal) {
+static int matches_own_section(const uint8_t* part,
+                               const section_traversal* traversal) {
   return traversal->type == RG_SECTION_REMAP
-             ? is_like_own_table(part, traversal)
+             ? matches_own_table(part, traversal)
              : memcmp(part, traversal->own,
                       rg_load_u32(part + RG_GRID_DATA_OFFSET)) == 0;
 }
@@ -124,7 +124,7 @@ rg_status rg_validate_stack(const uint8_t* bytes, const uint8_t* section,
           check(bytes, traversal.type, part, traversal.size,
                 sections->of[RG_SECTION_CAMERA].bytes);
       if (status != RG_OK) return status;
-      if (!is_like_own(part, &traversal)) return RG_ERR_STACK;
+      if (!matches_own_section(part, &traversal)) return RG_ERR_STACK;
       part += traversal.size;
     }
     part += RG_STACK_SAMPLE_VALUE_SIZE;

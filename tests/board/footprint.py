@@ -218,7 +218,7 @@ def measure_conditions(arguments, objects, texts, bench):
 def measure_stacks(arguments, objects):
     """Bytes of stack of the calls that stand by themselves, and the most of all others, of programs
     without conditions."""
-    plain = [path for path in objects if not os.path.basename(path).startswith("stack.")]
+    plain = [path for path in objects if not os.path.basename(path).startswith("operating_point.")]
     stack, calls = read_call_graph(arguments.compiler, plain)
     missing = [entry for entry in EVERYTHING if entry not in stack]
     if missing:

@@ -88,7 +88,7 @@ static void check_row(uint32_t log2, uint32_t j, uint32_t num_parts) {
     rg_find_tile_block(&b, 0);
     rg_next_tile_in_thumb2(&b, in_thumb2);
     assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
-    assert_int_equal(a.spans[0].before, b.spans[0].before);
+    assert_int_equal(a.extents[0].before, b.extents[0].before);
   }
 }
 
