@@ -23,6 +23,12 @@ FixedRig ReadFixedRig(const std::string& path,
     rig.cameras.push_back(ParseCamera(path, bytes, at));
     rig.model.camera_from_rig = {Pose()};
   } else {
+    if (at.IsGiven())
+      throw Error(
+          ExitCode::kUsage,
+          fmt::format("{}: --at: the cameras of a rig have no operating "
+                      "point",
+                      path));
     const auto folder = std::filesystem::path(path).parent_path();
     for (const RigFileCamera& camera : ParseRigFile(path, bytes)) {
       rig.names.push_back(camera.name);

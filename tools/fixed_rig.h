@@ -19,7 +19,8 @@ struct FixedRig {
   RigModel model;  ///< refers to the cameras
 };
 
-/// Reads a camera as ReadCamera(), or rig.yaml with its cameras.
+/// Reads a camera as ReadCamera(), or rig.yaml with its cameras. Throws
+/// Error(kUsage) for the operating point of a rig.
 FixedRig ReadFixedRig(const std::string& path,
                       const RequestedOperatingPoint& at);
 

@@ -34,7 +34,8 @@ struct LocalizeArguments {
 };
 
 constexpr const char* kPosesPicture = "poses.png";
-constexpr const char* kLocalizationFiles[] = {"pattern.yaml", "poses.csv",
+constexpr const char* kEstimatedPattern = "estimated_pattern.yaml";
+constexpr const char* kLocalizationFiles[] = {kEstimatedPattern, "poses.csv",
                                               kPosesPicture, "residuals.csv"};
 
 // What was measured in the images of a camera.
@@ -301,10 +302,12 @@ void Print(const FixedRig& rig, const Pattern& pattern,
     fmt::print("estimated target geometry: points moved by {:.3f} mm RMS\n",
                1000 * *summary.target_change_m);
   for (size_t c = 0; c < rig.names.size(); ++c) {
+    const auto& residuals = localization.cameras[c].residuals;
     if (rig.is_rig)
       fmt::print("{}: {}\n", rig.names[c],
-                 FormatErrorMetrics(
-                     ComputeErrorMetrics(localization.cameras[c].residuals)));
+                 residuals.empty()
+                     ? "no features"
+                     : FormatErrorMetrics(ComputeErrorMetrics(residuals)));
     PrintRejectedImages(localization.cameras[c].rejected_images);
   }
   for (const std::string& file : summary.files)
@@ -322,6 +325,16 @@ void RequireNoImageReplaced(const LocalizeArguments& arguments,
     outputs.push_back(
         (std::filesystem::path(arguments.output) / name).string());
   RequireNoInputReplaced(inputs, outputs);
+}
+
+// A result folder has files of the same names: estimated geometry, poses.
+void RequireNoCalibration(const std::string& folder) {
+  for (const char* name : {"result.json", "camera.yaml", "rig.yaml"})
+    if (std::filesystem::exists(std::filesystem::path(folder) / name))
+      throw Error(ExitCode::kOutput,
+                  fmt::format("{}: contains a calibration ({}), whose files "
+                              "would be replaced; use another output folder",
+                              folder, name));
 }
 
 // Replaces the files of an earlier localization.
@@ -348,6 +361,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
   Pattern pattern = given;
   if (arguments.independent_boards) pattern.rigid_targets.clear();
   RequireNoImageReplaced(arguments, {});
+  RequireNoCalibration(arguments.output);
   RequireWritableFolder(arguments.output);
   const std::vector<CameraImages> cameras =
       GatherFeatures(rig, pattern, arguments, common);
@@ -377,7 +391,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
       arguments.output,
       {{"poses.csv", FormatTargetPoses(rig.names.front(), localization.poses)},
        {"residuals.csv", FormatHeldOutResiduals(rig, localization)},
-       {"pattern.yaml", target_change_m ? FormatPattern(pattern) : ""},
+       {kEstimatedPattern, target_change_m ? FormatPattern(pattern) : ""},
        {kPosesPicture,
         EncodePoseSheet(rig, model, cameras, pattern, localization)}});
   if (common.json)
@@ -427,7 +441,7 @@ void AddLocalize(CLI::App* app, CommonOptions* common) {
   BeginGroup(command, help_group::kTarget);
   command->add_flag("--refine-target", arguments->estimate_target,
                     "estimate the target geometry, from at least 3 poses, and "
-                    "write pattern.yaml");
+                    "write estimated_pattern.yaml");
   command->add_flag("--independent-boards", arguments->independent_boards,
                     "estimate a pose per board even if pattern.yaml declares a "
                     "rigid multi-board target");

@@ -160,11 +160,6 @@ void Calibration::EvaluateHeldOutImages() {
       !(selects_model_ && options_.model == models::kNonCentralGeneric);
   std::vector<Trial> not_kept;
   std::vector<Trial>& trials = is_kept ? first.checkpoint.trials : not_kept;
-  const ModelTrials& done = model_trials_.front();
-  const auto tried = done.find(options_.model);
-  if (options_.hold_out.empty() && !IsRig() && tried != done.end() &&
-      options_.model != models::kCentralGeneric)
-    trials.insert(trials.end(), tried->second.begin(), tried->second.end());
   ValidationOptions validation = MakeValidationOptions(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.rigid_targets = bodies_;

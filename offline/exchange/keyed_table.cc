@@ -735,7 +735,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        KeyedSyntax::kLines,
        [](const std::string& text) {
          return StartsLine(text, "K:") && StartsLine(text, "T:") &&
-                text.find_first_of("[{\"") == std::string::npos;
+                text.find_first_of("[{\"") == std::string::npos &&
+                text.find("- ") == std::string::npos;  // no list of YAML
        },
        "",
        {},

@@ -106,21 +106,28 @@ YAML::Node JoinIntrinsics(const YAML::Node& node) {
   };
   if (!has(intrinsic, "fx") || !has(distortion, "k1")) return node;
   constexpr int kNone = 0, kBrownConrady = 3, kBrownConradyK6 = 4;
+  const YAML::Node model = distortion["model"];
+  int number = -1;
+  const bool is_numbered =
+      model.IsDefined() && YAML::convert<int>::decode(model, number);
+  if (is_numbered && number != kNone && number != kBrownConrady &&
+      number != kBrownConradyK6)
+    throw InputError(fmt::format(
+        "distortion/model: {} is not supported; supported are 0, 3 and 4",
+        number));
   YAML::Node joined(YAML::NodeType::Map);
+  for (const auto& entry : node)
+    if (entry.first.Scalar() != "intrinsic" &&
+        entry.first.Scalar() != "distortion")
+      joined[entry.first.Scalar()] = entry.second;
   for (const auto& entry : intrinsic)
-    joined.force_insert(entry.first, entry.second);
-  for (const auto& entry : distortion) {
-    int model = kNone;
-    if (entry.first.Scalar() != "model" ||
-        !YAML::convert<int>::decode(entry.second, model)) {
-      joined.force_insert(entry.first, entry.second);
-      continue;
-    }
-    if (model != kNone && model != kBrownConrady && model != kBrownConradyK6)
-      throw InputError(fmt::format(
-          "distortion/model: {} is not supported; supported are 0, 3 and 4",
-          model));
-  }
+    joined[entry.first.Scalar()] = entry.second;
+  for (const auto& entry : distortion)
+    if (!is_numbered)
+      joined[entry.first.Scalar()] = entry.second;
+    else if (entry.first.Scalar() != "model")
+      joined[entry.first.Scalar()] =
+          number == kNone ? YAML::Node(0) : YAML::Node(entry.second);
   return joined;
 }
 

@@ -120,6 +120,16 @@ class Localize(CommandTest):
         self.assert_nothing_in(self.path("size"))
         self.assert_refused(localize(folder + "/true_camera.yaml", folder), 7, "use another output folder")
 
+    def test_files_of_others_are_kept(self):
+        features = ("--features", self.features)
+        path = write(self.path("own/pattern.yaml"), "mine")
+        self.assert_done(self.localize(self.camera, *features, out="own"))
+        self.assertEqual(read(path), b"mine")
+        write(self.path("result/result.json"), "{}")
+        write(self.path("result/poses.csv"), "mine")
+        self.assert_refused(self.localize(self.camera, *features, out="result"), 7, "contains a calibration")
+        self.assertEqual(set(os.listdir(self.path("result"))), {"result.json", "poses.csv"})
+
     def test_bad_input(self):
         features = ("--features", self.features)
 
@@ -134,6 +144,8 @@ class Localize(CommandTest):
         refused(1, "is a rig", camera=self.path("two/true_rig.yaml"), arguments=(self.folder,))
         refused(1, "no camera 'left'", camera=self.path("two/true_rig.yaml"),
                 arguments=("--camera", "left=" + self.folder))
+        refused(1, "--at", camera=self.path("two/true_rig.yaml"),
+                arguments=("--features", self.path("two/features.csv"), "--at", "temperature=20"))
         refused(2, "missing.yaml", camera=self.path("missing.yaml"))
         refused(2, "missing.csv", arguments=("--features", self.path("missing.csv")))
         refused(2, "pattern", pattern="chessboard:6x5:30mm")

@@ -302,6 +302,14 @@ TEST(PublishedCameras, ReadTextsOfDepthSensors) {
       "T: 1 0 0 0 0 1 0 0 0 0 1 0\n",
       kImage);
   ExpectLens(anything.cameras.at(0), kPinholeLens, &Lens::Pinhole);
+  // A matrix as a list of YAML is of another program.
+  ExpectLens(Read("K:\n- - 410.0\n  - 0.0\n  - 322.5\n- - 0.0\n  - 411.5\n"
+                  "  - 238.0\n- - 0.0\n  - 0.0\n  - 1.0\nD:\n- -0.21\n- 0.06\n"
+                  "- 0.001\n- -0.002\n- 0.0\nwidth: 640\nheight: 480\n"
+                  "R:\n- - 1\n  - 0\n  - 0\n- - 0\n  - 1\n  - 0\n- - 0\n  - 0\n"
+                  "  - 1\nT:\n- 0.0\n- 0.0\n- 0.0\n")
+                 .cameras.at(0),
+             kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(Read("P2: 410 0 322.5 45 0 410 238 0 0 0 1 0.004\n"
                  "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n",
                  kImage)
@@ -380,6 +388,17 @@ TEST(PublishedCameras, ReadIntrinsicAndDistortion) {
   ExpectLens(read.cameras[0], kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(read.cameras[0].name, "cam0");
   EXPECT_EQ(read.cameras[1].name, "cam1");
+  ExpectLens(Read("{\"RGB\": " +
+                  TextWith(camera, "\"model\": 4", "\"model\": 0") + "}")
+                 .cameras.at(0),
+             {kPinholeLens.k, {}}, &Lens::Pinhole);
+  // Other keys of the camera are not skipped.
+  ExpectError(ExitCode::kInput, {"f: ", "distortion_model", "spherical"}, [&] {
+    Read("{\"RGB\": " +
+         TextWith(camera, "{\"width\"",
+                  "{\"distortion_model\": \"spherical\", \"width\"") +
+         "}");
+  });
   for (const char* model : {"2", "5"})
     ExpectError(ExitCode::kInput, {"f: ", "model: ", model}, [&] {
       Read(
