@@ -56,7 +56,7 @@ void AdjustmentState::FitStaticDeformation(
     const std::vector<Eigen::Vector3d>& nominal) {
   SetModes(std::move(deformation_modes), DeformationScope::kBoard);
   if (!HasStaticDeformation()) return;
-  // The modes of a board are orthogonal, with a mean square of 1.
+  // The modes of a board are orthogonal and have a mean square of 1.
   std::vector<double> counts(flex.size());
   for (const int board : modes.boards) ++counts[board];
   for (size_t i = 0; i < points.size(); ++i)

@@ -56,14 +56,14 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
   return CompareCosts(residuals, residuals, huber_px).first;
 }
 
-// The result of a step.
+// Effect of an accepted step.
 struct StepEffect {
   double decrease = 0;          // relative decrease of the cost
   double moved_deviations = 0;  // see ComputeStepInDeviations()
 };
 
-// The displacement of the observed points' projections by a step, relative to
-// their standard deviation by the noise (D. Bates, D. Watts, "A Relative Offset
+// RMS displacement of the projections by a step, per parameter and relative to
+// the standard deviation of the noise (D. Bates, D. Watts, "A Relative Offset
 // Orthogonality Convergence Criterion for Nonlinear Least Squares", 1981).
 double ComputeStepInDeviations(const std::vector<Residual>& before,
                                const std::vector<Residual>& after,
@@ -82,17 +82,18 @@ int NumValid(const std::vector<Residual>& residuals) {
                     [](const Residual& residual) { return residual.valid; }));
 }
 
-// Costs are compared over the residuals that are valid in both states. A step
-// that loses an observation may therefore lower the cost, and so may its
-// return: without kRefused, the optimization could alternate forever.
+// Whether a step may lose observations. Costs are compared over the residuals
+// that are valid in both states, so that both losing an observation and
+// regaining it may reduce the cost: without kRefused, the optimization could
+// alternate between the two states forever.
 enum class Losses { kAllowed, kRefused };
 
-// Steps that move more than this fraction of the observations out of the area
-// are rejected: the cost of the others is meaningless.
+// Steps that move more than this fraction of the observations out of the
+// calibrated area are rejected: the cost of the remaining ones is meaningless.
 constexpr double kMaxLostPart = 0.5;
 
-// Tries steps with increasing damping until one lowers the cost; otherwise
-// leaves the state unchanged.
+// Tries steps with increasing damping until one reduces the cost; leaves the
+// state unchanged if none does.
 StepEffect TakeStep(const NormalEquations& equations,
                     const std::vector<View>& views, const GaussianPrior& prior,
                     const AdjustmentOptions& options, Losses losses,
@@ -135,10 +136,12 @@ void Report(const AdjustmentOptions& options, int iteration,
     options.progress(iteration, TotalCost(residuals, options.huber_px));
 }
 
-// In a flat valley, a short step may precede longer ones.
+// Successive small steps required for convergence: in a flat valley, a short
+// step may precede longer ones.
 constexpr int kEnoughStanding = 3;
 constexpr double kStandstillDecrease = 1e-5;
-// Optimizations that converge have nearly always done so by then.
+// Observations may be lost in the first steps only. Most optimizations have
+// converged by then.
 constexpr int kStepsWithLosses = 50;
 
 AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
@@ -171,11 +174,12 @@ AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
   return summary;
 }
 
-// A damping that is negligible as prior information.
+// Levenberg-Marquardt damping that is negligible compared with the prior.
 constexpr double kEvidenceLambda = 1e-6;
 
-// Moves the mean per-view deformation of each board from the flex and its mean
-// to the points and their mean, which changes no residual.
+// Moves the mean per-view deformation of each board from the deformation and
+// its prior mean to the points and theirs, which leaves all residuals
+// unchanged.
 void MoveMeanDeformation(const std::vector<View>& views, GaussianPrior* prior,
                          AdjustmentState* state) {
   const DeformationModes& modes = state->modes;
@@ -202,7 +206,8 @@ void MoveMeanDeformation(const std::vector<View>& views, GaussianPrior* prior,
   }
 }
 
-// The mean squared displacement of a point per pixel of its projection.
+// Mean squared displacement of a point in metres per squared pixel of its
+// projection.
 double SquaredMetresPerPixel(const AdjustmentState& state,
                              const std::vector<View>& views,
                              const AdjustmentOptions& options) {
@@ -215,9 +220,9 @@ double SquaredMetresPerPixel(const AdjustmentState& state,
   return sum > 0 ? count / sum : 1;
 }
 
-// Initializes precisions that are 0: residuals, second differences and
-// deformation have the same variance, and points the variance that their
-// observations leave together.
+// Initializes precisions that are 0. Second differences and deformation get the
+// variance of the residuals; points get the variance that their observations
+// imply jointly.
 void InitializePrecisions(const std::vector<CameraGroup>& groups,
                           const std::vector<Residual>& residuals,
                           double huber_px, int num_points,
@@ -235,7 +240,7 @@ void InitializePrecisions(const std::vector<CameraGroup>& groups,
     if (weight == 0) weight = 1 / square_metres_per_pixel;
 }
 
-// The effective number of parameters of all groups.
+// Total effective number of parameters over all groups.
 double ComputeEffectiveParameters(const PriorEvidence& evidence,
                                   const ParameterLayout& layout) {
   double count = layout.first_shape + 6.0 * layout.num_poses;
@@ -247,8 +252,9 @@ double ComputeEffectiveParameters(const PriorEvidence& evidence,
   return count;
 }
 
-// Fixes points to nominal positions, and deformation to zero, if the evidence
-// does not support them. Returns whether anything was fixed.
+// Fixes points at their nominal positions, and deformation at zero, if the
+// evidence does not support estimating them. Returns whether anything was
+// fixed.
 bool ExcludeUndetermined(const PriorEvidence& evidence, double variance,
                          const GaussianPrior& prior, bool* fix_points,
                          AdjustmentState* state) {
@@ -272,8 +278,8 @@ bool ExcludeUndetermined(const PriorEvidence& evidence, double variance,
   return is_simpler;
 }
 
-// Updates the prior precisions iteratively. Updates return the maximum change
-// of their logarithms.
+// Updates the prior precisions iteratively. Each update returns the maximum
+// change of their logarithms.
 class PrecisionUpdater {
  public:
   PrecisionUpdater(const std::vector<CameraGroup>& groups,
@@ -314,11 +320,11 @@ class PrecisionUpdater {
   }
 
  private:
-  // Smaller deviations are negligible.
+  // Standard deviations below 1e-3 px are negligible.
   static constexpr double kNegligiblePx2 = 1e-3 * 1e-3;
 
-  // Per-view deformation is bounded relative to the board's size; static
-  // deformation is not.
+  // Limits the standard deviation of per-view deformation to a fraction of the
+  // board size; static deformation is not limited.
   static double MinDeformationPrecision(const AdjustmentState& state,
                                         double variance) {
     if (state.deformation_scope == DeformationScope::kBoard) return 0;
@@ -348,9 +354,9 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
                                            GaussianPrior* prior,
                                            AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
-  constexpr double kStableChange = 0.05;  // of a weight's logarithm
+  constexpr double kStableChange = 0.05;  // of a log precision
   constexpr double kStableCost = 1e-4;
-  constexpr double kMinInitialDecrease = 0.1;  // decrease of the cost
+  constexpr double kMinInitialDecrease = 0.1;  // relative decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;
   const std::vector<CameraGroup> groups = MakeCameraGroups(prior);
   const double square_metres_per_pixel =
@@ -368,7 +374,8 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
   double lambda = kEvidenceLambda;
   bool is_asked = !options.should_accept, should_accept = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
-    // One step, then the evidence from its normal equations.
+    // Takes one step, then computes the evidence from the same normal
+    // equations.
     const FixedParameters fixed_parameters = {fixed.fix_cameras,
                                               fixed.fix_points};
     const ParameterLayout layout(*state, fixed_parameters);

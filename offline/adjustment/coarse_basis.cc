@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Board indices of points: points seen in the same poses share a board.
+// Board index of each point: points observed with a common pose share a board.
 std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
                                int num_points) {
   std::vector<int> parent(num_points);
@@ -25,8 +25,8 @@ std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
   return board;
 }
 
-// Polynomials of second degree along the two longer principal axes of the
-// points, normalized to about 1.
+// Quadratic polynomials along the two longest principal axes of the points,
+// normalized to magnitudes of about 1.
 constexpr int kNumBends = 6;
 Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix3Xd centered(3, points.size());

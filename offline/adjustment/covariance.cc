@@ -9,16 +9,17 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMinObservations = 3;  // for a pixel to count as observed
+constexpr int kMinObservations = 3;  // minimum for a pixel to count as observed
 
-// Jacobians of the projections of the lattice's rays, two rows per pixel: with
-// respect to the parameters, and to a rotation of the camera.
+// Jacobians of the projections of the lattice's rays, two rows per pixel, with
+// respect to the camera parameters and to a rotation of the camera.
 struct LatticeDerivatives {
   Eigen::MatrixXd by_parameters;
   Eigen::MatrixX3d J_rotation;
 };
 
-// False where the camera is undefined.
+// Adds the Jacobians of a pixel; returns false if the camera is undefined
+// there.
 bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
               Eigen::Index row, LatticeDerivatives* derivatives) {
   constexpr double kFarM = 1e4;
@@ -76,9 +77,9 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
-// D after removing the rotation fitted by least squares, weighted by the number
-// of observations. With equal weights, the most uncertain pixels, at the edge,
-// would rotate all others.
+// Jacobian D after removing the rotation, which is fitted by least squares with
+// weights by the number of observations. With equal weights, the most uncertain
+// pixels, at the edge, would rotate all others.
 Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
                                 const std::vector<PixelUncertainty>& pixels) {
   const Eigen::MatrixX3d& rotation = derivatives.J_rotation;
@@ -92,19 +93,20 @@ Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
              square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
 }
 
-// Covariances of x and y of all lattice pixels.
+// Joint covariances of the x and y coordinates of all lattice pixels.
 struct JointCovariances {
   Eigen::MatrixXd by_noise, by_prior;
   Eigen::VectorXd smoothing_px;
 };
 
-// The 2 x 2 block of one pixel.
+// Returns the 2 x 2 covariance block of one pixel.
 Eigen::Matrix2d GetPixelBlock(const Eigen::MatrixXd& joint, size_t pixel) {
   return joint.block<2, 2>(2 * static_cast<Eigen::Index>(pixel),
                            2 * static_cast<Eigen::Index>(pixel));
 }
 
-// The Jacobian of the lattice pixels with respect to a camera's parameters.
+// Jacobian D of the lattice pixels with respect to the parameters of one
+// camera.
 class Lattice {
  public:
   Lattice(const LinearResponse& response, int camera,
@@ -115,11 +117,11 @@ class Lattice {
   const Eigen::MatrixXd& derivatives() const { return derivatives_; }
   int first() const { return first_; }
 
-  // The displacements of pixels for columns of parameters.
+  // Pixel displacements for the parameter changes in each column.
   Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
     return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
   }
-  // D^T, over the parameters before the poses.
+  // D^T as right-hand sides, over all parameters that precede the poses.
   Eigen::MatrixXd Right(const ParameterLayout& layout) const {
     Eigen::MatrixXd right =
         Eigen::MatrixXd::Zero(layout.size, derivatives_.rows());
@@ -132,8 +134,9 @@ class Lattice {
   int first_;
 };
 
-// With X = H^-1 D^T: D X in total, and D H^-1 J^T J H^-1 D^T = D X - X^T P X by
-// noise; D H^-1 g = X^T g by the prior's gradient g = P (c - c0).
+// With X = H^-1 D^T: the total covariance is D X, of which D H^-1 J^T J H^-1
+// D^T = D X - X^T P X is due to noise. The smoothing bias is D H^-1 g = X^T g
+// for the gradient g = P (c - c0) of the prior.
 bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
                          double noise_px, JointCovariances* covariances) {
   const PriorEquations& prior = response.prior();
@@ -146,13 +149,13 @@ bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
   return true;
 }
 
-// Estimates covariances from samples: H^-1 J^T e for noise e, including
-// per-view deformation, and H^-1 g for gradients g of covariance P.
+// Estimates the covariances by Monte Carlo sampling: H^-1 J^T e for noise e,
+// including per-view deformation, and H^-1 g for gradients g with covariance P.
 bool AddSampledCovariances(const LinearResponse& response,
                            const Lattice& lattice, int num_samples,
                            double noise_px, JointCovariances* covariances) {
-  constexpr int kTogether = 4;  // samples
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  constexpr int kTogether = 4;  // samples per solution
+  std::mt19937 random_bits(1);  // sequence is standardized
   const Eigen::Index size = response.layout().num_all();
   const double scale_px2 = noise_px * noise_px / num_samples;
   for (int first = 0; first < num_samples; first += kTogether) {
@@ -176,7 +179,7 @@ bool AddSampledCovariances(const LinearResponse& response,
   return true;
 }
 
-// Standard deviations per pixel, the RMS of both axes.
+// Standard deviations per pixel: the RMS over both axes.
 Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
   Eigen::VectorXd deviations(joint_px2.rows());
   for (Eigen::Index i = 0; i < joint_px2.rows(); i += 2)
@@ -186,7 +189,7 @@ Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
 }
 
 // Scales the eigenmodes of the correlation of observed pixels to agree with the
-// jackknife, and other pixels by their mean factor.
+// jackknife, and all other pixels by the mean factor.
 void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
                       const std::vector<PixelUncertainty>& pixels,
                       JointCovariances* covariances) {
@@ -201,7 +204,8 @@ void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       weights.asDiagonal() * ((total + total.transpose()) / 2) *
       weights.asDiagonal());
-  // In descending order of variance; those of unobserved pixels are zero.
+  // In descending order of variance; unobserved pixels only have modes with
+  // zero variance.
   const Eigen::Index num_seen = (weights.array() > 0).count();
   const Eigen::MatrixXd modes =
       solver.eigenvectors().rowwise().reverse().leftCols(num_seen);

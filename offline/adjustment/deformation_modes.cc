@@ -10,15 +10,16 @@ namespace {
 
 constexpr int kMinOrder = 2, kMaxOrder = 4;
 
-// A board's frame: its center, the two axes of its plane, and its normal.
+// Coordinate frame of a board: its centre, the two axes of its plane, and its
+// normal.
 struct Plane {
   Eigen::Vector3d center;
-  Eigen::Matrix3d axes;  // in columns, the normal last
+  Eigen::Matrix3d axes;  // columns; the normal is last
   bool is_flat = false;
 };
 
 Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kFlatPart = 0.02;  // of its width
+  constexpr double kFlatPart = 0.02;  // of the board's width
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i)
     centered.col(static_cast<Eigen::Index>(i)) = points[i];
@@ -33,7 +34,7 @@ Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
   return plane;
 }
 
-// Coordinates of a point in the plane, from -1 to 1 over the board.
+// Coordinates of the points in the plane, from -1 to 1 over the board.
 Eigen::Matrix2Xd PlaneCoordinates(const Plane& plane,
                                   const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix2Xd coordinates(2, points.size());
@@ -61,8 +62,9 @@ Eigen::ArrayXd Legendre(int order, const Eigen::ArrayXd& x) {
   return value;
 }
 
-// Orthogonalizes a height field against the previous modes and normalizes it to
-// a mean square of 1; false if the points cannot distinguish it.
+// Orthogonalizes a height field against the previous modes, and normalizes it
+// to a mean square of 1. Returns false if the points cannot distinguish it from
+// them.
 bool AddOrthogonal(const Eigen::VectorXd& height,
                    std::vector<Eigen::VectorXd>* heights) {
   constexpr double kMinIndependentPart = 1e-3;

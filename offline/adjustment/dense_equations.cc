@@ -10,21 +10,22 @@
 namespace raygrid {
 namespace {
 
-// Rows of the Schur complement, and their product with its other rows.
+// Row indices of the Schur complement, and the factor's values in these rows.
 struct SparseFactor {
   const std::vector<int>& rows;
   Eigen::MatrixXd values;
 };
 
-// *matrix -= sum of factor factor^T, lower triangle, in panels of rows. Their
-// number does not depend on the number of threads, for deterministic results.
+// *matrix -= sum of factor factor^T, lower triangle, in panels of rows. The
+// number of panels does not depend on the number of threads, for deterministic
+// results.
 void SubtractProducts(const std::vector<SparseFactor>& factors, int num_threads,
                       Eigen::MatrixXd* matrix) {
   constexpr int kPanel = 128;
   const int size = static_cast<int>(matrix->rows());
   const int num_panels = (size + kPanel - 1) / kPanel;
   ParallelFor(num_panels, num_threads, [&](int i) {
-    // The last panels are the longest: process them first.
+    // Processes the longest panels first, which are the last ones.
     const int panel = (num_panels - 1 - i) * kPanel;
     Eigen::MatrixXd product;
     for (const SparseFactor& factor : factors) {
@@ -46,7 +47,7 @@ void SubtractProducts(const std::vector<SparseFactor>& factors, int num_threads,
   });
 }
 
-// w <- w L^-T, with L the lower triangle.
+// w <- w L^-T for a lower triangular matrix L.
 void DivideByTransposed(const PoseMatrix& lower,
                         Eigen::Ref<Eigen::MatrixXd> w) {
   for (Eigen::Index i = 0; i < w.cols(); ++i) {
@@ -55,7 +56,7 @@ void DivideByTransposed(const PoseMatrix& lower,
   }
 }
 
-// The rows that are not zero.
+// Indices of the nonzero rows.
 std::vector<int> NonzeroRows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   std::vector<int> rows;
   for (int row = 0; row < matrix.rows(); ++row)
@@ -63,17 +64,17 @@ std::vector<int> NonzeroRows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   return rows;
 }
 
-// The cost of the product of a sparse factor with itself; sums are read and
-// written once for all of its columns.
+// Cost of the product of a sparse factor with its transpose. Each entry of the
+// result is read and written once for all columns of the factor.
 double ProductCost(size_t num_rows, int num_columns) {
   constexpr double kColumnsPerAccess = 12;
   return std::pow(static_cast<double>(num_rows), 2) *
          (num_columns + kColumnsPerAccess);
 }
 
-// A residual's Jacobians except that of the control points: the camera's global
-// parameters, camera_from_rig, target_from_board, static deformation, and the
-// kept group. Columns ascend.
+// Columns of a residual's Jacobian except those of the control points: the
+// camera's global parameters, camera_from_rig, target_from_board, static
+// deformation and the kept parameters, in ascending order.
 struct OtherColumns {
   static constexpr int kMax = LinearizedProjection::kMaxGlobal + 12 +
                               DeformationModes::kMaxCount + kMaxPerPose;
@@ -92,13 +93,13 @@ struct OtherColumns {
 
 using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPerPose>;
 
-// *y += factor * x, vectors of the given size.
+// *y += factor * x for vectors of the given size.
 void AddScaled(double factor, const double* x, int size, double* y) {
   for (int n = 0; n < size; ++n) y[n] += factor * x[n];
 }
 
-// The product J_node^T J_other, stored column by column; Jacobians are stored
-// as pairs.
+// Computes J_node^T J_other column by column. Jacobians are stored as pairs,
+// since a residual has two rows.
 void MultiplyPairs(const double* J_node, int size, const double* others,
                    int num_others, double* product) {
   for (int other = 0; other < num_others; ++other)
@@ -107,18 +108,18 @@ void MultiplyPairs(const double* J_node, int size, const double* others,
                                   J_node[2 * n + 1] * others[2 * other + 1];
 }
 
-// A residual's contributions that involve its control points. Loops over
-// scalars, because compiling products of small fixed-size matrices takes half a
+// Contributions of a residual that involve its control points. Uses scalar
+// loops, because compiling products of small fixed-size matrices takes half a
 // minute.
 struct NodeContribution {
   const ViewJacobian& jacobian;
-  int column, first;  // of the residual, and the camera's first parameter
+  int column, first;  // of the residual; first camera parameter
   const OtherColumns& others;
   const ByBlock& by_block;
   const Eigen::Vector2d& error;
 
-  // kPerNode as in WithNumPerNode(). Columns of w are those of the residual's
-  // block.
+  // kPerNode is as in WithNumPerNode(). The columns of w belong to the
+  // residual's block.
   template <int kPerNode, typename Columns>
   void AddTo(Eigen::MatrixXd* a, Columns* w, Eigen::MatrixXd* gradient) const {
     constexpr int kMax =
@@ -126,7 +127,7 @@ struct NodeContribution {
     const int size = kPerNode > 0 ? kPerNode : jacobian.num_per_node;
     const int num_block = static_cast<int>(by_block.cols());
     const double* J_node = &jacobian.J_node(0, column);
-    // The Jacobians of all control points are equal except for their weights.
+    // The Jacobians of all control points differ only in their spline weights.
     double node_node[kMax * kMax], node_error[kMax];
     double node_block[kMax * kMaxPerPose];
     double node_others[kMax * OtherColumns::kMax];
@@ -344,7 +345,7 @@ bool DenseEquations::Reduce(double lambda, Reduced* reduced) const {
     reduced->blocks[i].compute(v);
     if (reduced->blocks[i].info() != Eigen::Success) return false;
   }
-  if (a_.size() == 0) return true;  // camera and points are fixed
+  if (a_.size() == 0) return true;  // cameras and points are fixed
   std::vector<SparseFactor> weighted;
   for (const Coupling& coupling : couplings_) {
     weighted.push_back({coupling.rows, coupling.w});
@@ -445,7 +446,7 @@ int NumDenseUnknowns(const ParameterLayout& layout) {
 }
 
 bool DenseIsFaster(const ParameterLayout& layout, double large_operations) {
-  constexpr double kSmall = 1100;  // below this, always fast
+  constexpr double kSmall = 1100;  // always faster below this size
   if (!layout.has_cameras()) return true;
   const double kept = NumDenseUnknowns(layout);
   const double eliminated =

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// Independent parameters, each scaled to the displacement (px) that a unit of
-// it causes; 0 for those that are not in the group.
+// Prior of independent parameters, each scaled by the displacement in pixels
+// that a unit of it causes; 0 for parameters outside the group.
 PriorGroup MakeCoefficientGroup(const Eigen::VectorXd& pixels) {
   PriorGroup group;
   group.precision.resize(pixels.size(), pixels.size());
@@ -26,13 +26,13 @@ PriorGroup MakeCoefficientGroup(const Eigen::VectorXd& pixels) {
 PriorGroup MakeDecentringGroup(const ParametricModel& lens, const Area& area,
                                int num_features) {
   PriorGroup group = MakeCoefficientGroup(DecentringPixels(lens, area));
-  // A residual has two coordinates.
+  // The factor 2 accounts for the two coordinates of a residual.
   group.precision_floor =
       2.0 * num_features * kDecentringPart * kDecentringPart;
   return group;
 }
 
-// A Matern field over the angle, for the displacement (px) by the factor.
+// Matern prior over the angle of incidence, for the displacement in pixels.
 PriorGroup MakeRadialGroup(const CentralRadial& lens) {
   const int count = static_cast<int>(lens.spline().size());
   const double kappa = MaternKappa(lens.max_angle_rad(), lens.cell_rad());

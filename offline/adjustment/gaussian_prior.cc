@@ -22,17 +22,18 @@ void PriorGroup::SetPrecision(double new_weight, double residual_variance) {
 }
 
 void PriorGroup::ApplyRelativePrecisions(const Eigen::VectorXd& holds) {
-  // K integrated over the directions' factors is
-  // K - K D0 (D0^T K D0 + holds)^-1 D0^T K, and D = D0 L^-T with L L^T between.
+  // Marginalizing the coefficients of the directions turns the precision K into
+  // K - K D0 (D0^T K D0 + holds)^-1 D0^T K. This defines D = D0 L^-T, where L
+  // L^T is the matrix in parentheses.
   const Eigen::MatrixXd& directions = relaxed_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
   square.diagonal() += holds;
-  // Parameters of a model may be nearly dependent.
+  // Regularization, since the parameters of a model may be nearly dependent.
   constexpr double kRidge = 1e-10;
   square.diagonal() *= 1 + kRidge;
   const Eigen::LLT<Eigen::MatrixXd> root(square);
   free = root.matrixL().solve(directions.transpose()).transpose();
-  // Rotated to make D^T K D diagonal.
+  // Rotates the directions so that D^T K D is diagonal.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(free.transpose() *
                                                             precision * free);
   free = free * turn.eigenvectors();

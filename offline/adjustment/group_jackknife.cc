@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kMaxGroups = 16;
 
-// The views without a group of poses, and the state without these poses.
+// The views that remain without a group of poses, and the state without these
+// poses.
 struct Remaining {
   std::vector<View> views;
   AdjustmentState state;
@@ -44,7 +45,7 @@ Remaining WithoutGroup(const std::vector<View>& views,
   return remaining;
 }
 
-// Errors of a group of poses, and zeros.
+// Keeps the errors of a group of poses, and sets all others to zero.
 ViewErrors SelectGroupErrors(const LinearResponse& response, ViewErrors errors,
                              int group, int num_groups) {
   for (size_t v = 0; v < errors.size(); ++v)
@@ -53,11 +54,11 @@ ViewErrors SelectGroupErrors(const LinearResponse& response, ViewErrors errors,
   return errors;
 }
 
-// Draws residuals after optimization, for white noise of variance 1 and a
-// random prior mean and deformation.
+// Draws residuals after optimization for white noise with unit variance and
+// random prior means and deformations.
 std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
                                       int count) {
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  std::mt19937 random_bits(1);  // sequence is standardized
   std::vector<ViewErrors> residuals;
   Eigen::MatrixXd right(response.layout().num_all(), count), x;
   for (int k = 0; k < count; ++k) {
@@ -74,19 +75,19 @@ std::vector<ViewErrors> DrawResiduals(const LinearResponse& response,
   return residuals;
 }
 
-// An estimate of a log variance ratio, and its variance.
+// Estimate of a log variance ratio and the variance of this estimate.
 struct LogRatio {
   double mean = 0, variance = 0;
 };
 
-// For sums of n independent squares: log chi^2_n / n has a mean of about -1/n
-// and a variance of about 2/n.
+// For a sum of squares with n degrees of freedom, log chi^2_n / n has a mean of
+// about -1/n and a variance of about 2/n.
 LogRatio ComputeLogRatio(double observed, double predicted,
                          double independent) {
   return {std::log(observed / predicted) + 1 / independent, 2 / independent};
 }
 
-// The posterior mean with a normal prior.
+// Posterior mean and variance of an estimate with a normal prior.
 LogRatio ShrinkImage(const LogRatio& estimate, const LogRatio& prior) {
   const double weight = prior.variance / (prior.variance + estimate.variance);
   return {prior.mean + weight * (estimate.mean - prior.mean),
@@ -96,7 +97,7 @@ LogRatio ShrinkImage(const LogRatio& estimate, const LogRatio& prior) {
 struct Band {
   double observed = 0, predicted = 0, squared_sum = 0, sum_of_squares = 0;
 
-  // The effective number of independent components of the band.
+  // Effective number of independent components in the band.
   double NumIndependent() const {
     return std::max(1.0, squared_sum / sum_of_squares);
   }

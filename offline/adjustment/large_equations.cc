@@ -14,7 +14,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 300;
-// A preconditioner is recomputed if it needs more than twice the iterations
+// A preconditioner is recomputed once it needs more than twice the iterations
 // that it needed when new, plus this number.
 constexpr int kMaxWorse = 6;
 
@@ -45,15 +45,15 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
   }
   AccumulatePoses();
   if (memory_->diagonal.size() != layout_.size) *memory_ = Memory();
-  memory_->local.resize(0, 0);  // of other equations
+  memory_->local.resize(0, 0);  // invalid for new equations
   if (memory_->diagonal.size() == 0) {
     memory_->local = LocalMatrix();
     memory_->diagonal = memory_->local.diagonal();
   }
 }
 
-// The number of chunks does not depend on the number of threads, and their sums
-// are added in order, for deterministic results.
+// Number of chunks. It does not depend on the number of threads, and the
+// results of chunks are added in order, for deterministic results.
 int LargeEquations::NumChunks() const {
   return std::min<int>(16, static_cast<int>(poses_.size()));
 }
@@ -97,11 +97,12 @@ void LargeEquations::AccumulatePoses() {
       });
 }
 
-// The entries of A that the preconditioner uses: between control points, the
-// blocks of points, and the diagonal of the remainder.
+// Entries of A that the preconditioner uses: couplings between control points,
+// the diagonal blocks of the points, and the diagonal for all remaining
+// parameters.
 Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
   std::vector<Eigen::Triplet<double>> triplets;
-  constexpr int kBandRows = 8;  // above 4, the extent of a residual
+  constexpr int kBandRows = 8;  // exceeds the support of a residual, 4
   for (size_t c = 0; c < shapes_.size(); ++c) {
     const GridShape& shape = shapes_[c];
     if (shape.per_node == 0) continue;
@@ -196,7 +197,7 @@ Columns<kNum> LargeEquations::Apply(const System& system,
   const Columns<kNum> moved = moves_.MapToPoints(x);
   Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
-    std::vector<Columns<kNum>> images;  // of x, by view
+    std::vector<Columns<kNum>> images;  // products with x, by view
     Eigen::Matrix<double, Eigen::Dynamic, kNum, 0, kMaxPerPose, kNum> pose;
     pose.setZero(layout_.per_pose, kNum);
     for (const int v : views) {
@@ -277,7 +278,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
   const Eigen::MatrixXd root = basis.transpose() * prior_.root;
   const Eigen::MatrixXd freed = basis.transpose() * prior_.freed;
   matrix += root * root.transpose() - freed * freed.transpose();
-  return matrix;  // its lower triangle
+  return matrix;  // lower triangle only
 }
 
 LargeEquations::CameraLevels LargeEquations::MakeLevels(
@@ -385,7 +386,8 @@ bool LargeEquations::ConjugateGradients(const System& system, bool is_started,
        ++iterations) {
     const Columns<kNum> image = Apply<kNum>(system, direction);
     const Each curvature = dot(direction, image);
-    // A converged solution is not changed, so that solutions are independent.
+    // A converged solution remains unchanged, so that the columns do not affect
+    // each other.
     const Eigen::Array<bool, 1, kNum> is_open = product > target;
     if ((is_open && !(curvature > 0)).any()) return false;
     const Each length = is_open.select(product / curvature, 0.0);
@@ -427,7 +429,8 @@ bool LargeEquations::SolveColumns(const System& system, bool is_started,
   return is_solved;
 }
 
-// Solves for several right-hand sides at once: each Jacobian is read once.
+// Solves for several right-hand sides at once, so that each Jacobian is read
+// only once.
 bool LargeEquations::SolveSystem(const System& system, bool is_started,
                                  Eigen::MatrixXd* sides,
                                  Eigen::MatrixXd* x) const {
@@ -540,7 +543,7 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   Eigen::MatrixXd rest;
   const bool is_solved = SolveAll(lambda, false, right, solution, &rest);
-  memory_->last_solution.resize(0, 0);  // no initial value for other sides
+  memory_->last_solution.resize(0, 0);  // no warm start for other sides
   return is_solved;
 }
 
@@ -548,7 +551,8 @@ bool LargeEquations::SolveWithResidual(double lambda,
                                        const Eigen::MatrixXd& right,
                                        Eigen::MatrixXd* solution,
                                        Eigen::MatrixXd* rest) const {
-  // The solution changes little between successive normal equations.
+  // Warm start: the solution changes little between successive normal
+  // equations.
   const Eigen::MatrixXd& last = memory_->last_solution;
   const bool has_last =
       last.rows() == layout_.size && last.cols() == right.cols();

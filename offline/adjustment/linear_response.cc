@@ -76,9 +76,9 @@ ViewErrors LinearResponse::SampleNoise(std::mt19937* random_bits) const {
   return errors;
 }
 
-// With P = B B^T + R R^T.
+// Draws a prior gradient with the precision P = B B^T + R R^T as covariance.
 Eigen::VectorXd LinearResponse::SamplePrior(std::mt19937* random_bits) const {
-  // In a fixed order of evaluation, independent of the compiler.
+  // Separate statements fix the order of the draws for all compilers.
   const Eigen::VectorXd root_signs =
       RandomSigns(prior_root_.size(), random_bits);
   const Eigen::VectorXd other_signs =

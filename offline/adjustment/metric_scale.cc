@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// nominal = scale rotation point + translation.
+// Similarity transform: nominal = scale * rotation * point + translation.
 struct Similarity {
   double scale = 1;
   Eigen::Quaterniond rotation;
@@ -48,7 +48,8 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
   for (size_t i = 0; i < board.nominal.size(); ++i) {
     Eigen::Vector3d& point = state->points[board.first + i];
     point = s * (r * point) + t;
-    // s R (p + M f) + t is s R p + t with the modes R M and the flex s f.
+    // s R (p + M f) + t equals s R p + t with the modes R M and the deformation
+    // s f.
     if (state->modes.count() > 0) {
       auto& displacements = state->modes.by_point[board.first + i];
       displacements = (rotation * displacements).eval();
@@ -77,7 +78,7 @@ void ApplyToPlace(const Similarity& body, const Similarity& board,
   pose.translation = moved - pose.rotation * board.translation();
 }
 
-// The common scale of similarities, by least squares over all points.
+// Least-squares scale that is common to all similarities.
 double ComputeCommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
   for (const Similarity& similarity : similarities) {
@@ -87,7 +88,7 @@ double ComputeCommonScale(const std::vector<Similarity>& similarities) {
   return weight > 0 ? sum / weight : 1;
 }
 
-// Assigns one scale to the boards of each rigid multi-board target.
+// Assigns a common scale to all boards of a rigid multi-board target.
 void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
                          std::vector<Similarity>* similarities) {
   for (const AlignedBoard& frame : boards) {
@@ -101,7 +102,8 @@ void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
   }
 }
 
-// Updates the poses of a rigid target's boards, one of which is its frame.
+// Updates target_from_board for the boards of a rigid target, relative to the
+// board that defines its frame.
 void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
                    const std::vector<Similarity>& similarities, size_t frame,
                    AdjustmentState* state) {
@@ -115,7 +117,7 @@ void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
 
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state) {
-  // Observation lines that do not intersect determine the scale.
+  // The scale is observable if observation lines of a camera do not intersect.
   const bool scale_is_free =
       std::all_of(state->cameras.begin(), state->cameras.end(),
                   [](const auto& camera) { return camera->IsCentral(); });

@@ -15,7 +15,7 @@ int NumFree(const CameraPrior& prior) {
   return count;
 }
 
-// The index of the first column of the camera in the matrices.
+// Index of the camera's first column in the matrices.
 struct FirstColumns {
   Eigen::Index root = 0, free = 0;
 };
@@ -58,8 +58,8 @@ void AddCameraPrior(const CameraPrior& prior, int first,
       std::sqrt(prior.orientation_precision) * g;
 }
 
-// The operation count of the last conjugate-gradient solution, in units of
-// (faster) matrix-product operations.
+// Operation count of the last conjugate-gradient solution, in equivalent
+// operations of dense matrix products, which are faster.
 double NumOperations(const std::vector<ViewJacobian>& jacobians,
                      const LargeEquations::Memory& memory) {
   constexpr double kPerObservation = 2000;

@@ -9,14 +9,14 @@
 namespace raygrid {
 namespace {
 
-// The effective number of parameters of each group of the prior.
+// Effective number of parameters of each prior group.
 struct Determined {
-  std::vector<double> groups;  // of cameras
+  std::vector<double> groups;  // camera groups
   double points = 0;
   std::array<double, kNumDeformationOrders> flex = {};
 };
 
-// The index of a mode's coefficient among the parameters, and its order.
+// Parameter index of a deformation coefficient, and the order of its mode.
 struct DeformationCoefficient {
   int row;
   DeformationOrder order;
@@ -30,7 +30,7 @@ bool IsDetermined(const DeformationModes& modes, int board, int mode) {
   return false;
 }
 
-// The coefficients of all poses, or of all observed boards.
+// Lists the deformation coefficients of all poses, or of all observed boards.
 std::vector<DeformationCoefficient> ListDeformationCoefficients(
     const ParameterLayout& layout, const std::vector<View>& views,
     const AdjustmentState& state) {
@@ -60,17 +60,18 @@ double NumOfOrder(const std::vector<DeformationCoefficient>& rows,
       }));
 }
 
-// The number of a group's parameters less the trace of the prior's part of H
-// times H's inverse, which is the mean of b^T H^-1 b (Hutchinson, 1989), with
-// b = sqrt(weight) B z of random signs z. For all groups at once: they are
-// independent. Nothing if the system is singular.
+// Effective number of parameters: the number of a group's parameters minus the
+// trace of the product of its prior precision and H^-1. The trace is estimated
+// as the mean of b^T H^-1 b (Hutchinson, 1989) with b = sqrt(weight) B z for
+// random signs z, for all groups at once, since they are independent. Returns
+// nullopt if the system is singular.
 std::optional<Determined> NumDetermined(
     const NormalEquations& equations, const ParameterLayout& layout,
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const std::vector<DeformationCoefficient>& deformation_coefficients,
     int num_seen_points, double lambda) {
   const int num_samples = equations.MaxNumRightSides();
-  std::mt19937 random_bits(1);  // the standard fixes its sequence
+  std::mt19937 random_bits(1);  // sequence is standardized
   std::vector<Eigen::MatrixXd> shares;
   const bool has_flex = layout.per_pose > 6;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
@@ -99,9 +100,9 @@ std::optional<Determined> NumDetermined(
   if (!equations.SolveWithResidual(lambda, right, &solution, &rest))
     return std::nullopt;
   // The effective number of parameters is a small difference of large numbers:
-  // an error e of x alone changes the trace by b^T e, which would dominate.
-  // Adding x^T (b - H x) reduces it to e^T H e. A parameter belongs to one
-  // group, which gets its share.
+  // an error e of x changes b^T x by b^T e, which would dominate. Adding x^T (b
+  // - H x) reduces this to e^T H e. Each parameter contributes to the trace of
+  // its group.
   const auto trace = [&](int first, const Eigen::MatrixXd& share) {
     const auto left =
         (share.array() != 0).select(rest.middleRows(first, share.rows()), 0.0);
@@ -117,7 +118,7 @@ std::optional<Determined> NumDetermined(
     result.groups.push_back(effective_parameters(
         groups[g].group->rank,
         trace(layout.first_camera[groups[g].camera], shares[g])));
-  // A point that is not observed adds 1 to the trace.
+  // Each coordinate of an unobserved point adds 1 to the trace.
   const double num_unseen = layout.num_points - num_seen_points;
   result.points = effective_parameters(
       3.0 * num_seen_points,
@@ -135,9 +136,10 @@ std::optional<Determined> NumDetermined(
   return result;
 }
 
-// The sum of squared coefficients of an order. Views that deviate far from the
-// others show another board or camera, rather than a deformation: they are
-// clipped. Static deformation is not, since a single board may be deformed.
+// Sum of the squared deformation coefficients of one order. Outlying views are
+// clipped, since they show a different board or camera rather than a
+// deformation. Static deformation is not clipped, since a single board may be
+// deformed.
 double SumSquaredDeformation(const AdjustmentState& state,
                              DeformationOrder order) {
   constexpr double kTimesMedian = 9;
@@ -234,13 +236,14 @@ bool FavorsLargerVariance(const GroupEvidence& evidence,
          prior_variance * evidence.effective_parameters;
 }
 
-// For a prior variance u and a variance v by the observations alone, a fraction
-// g = u / (u + v) of the parameters is determined, and their squared distance
-// is g^2 times that without a prior, x v. The evidence is maximal where u is
-// distance / (g count), so with g = 1 - count / x, and decreases towards this
-// value.
+// For a prior variance u and a variance v due to the observations alone, the
+// effective fraction of the parameters is g = u / (u + v), and their squared
+// distance from the prior mean is g^2 times the distance x v without a prior.
+// The evidence is maximal where u = distance / (g count), so where g = 1 -
+// count / x. If the evidence does not favour a larger variance, g decreases
+// towards this value.
 bool IsInsignificant(const GroupEvidence& evidence, double prior_variance) {
-  constexpr double kLeastDetermined = 0.7;  // x is 3.3 times the count
+  constexpr double kLeastDetermined = 0.7;  // at an x of 3.3 times the count
   return evidence.effective_parameters < kLeastDetermined * evidence.count &&
          !FavorsLargerVariance(evidence, prior_variance);
 }
@@ -252,7 +255,7 @@ double PrecisionUpdate::Update(const GroupEvidence& group,
   const double variance = std::max(
       group.squared_distance / group.effective_parameters, smallest_variance);
   double change = std::log(residual_variance / variance / *weight);
-  // The limit of a geometric series of changes.
+  // Extrapolates to the limit of a geometric series of changes.
   const double factor = change / last_change_;
   last_change_ = change;
   if (factor > 0 && factor < kMaxFactor) {
@@ -264,14 +267,15 @@ double PrecisionUpdate::Update(const GroupEvidence& group,
   return std::abs(std::log(*weight / before));
 }
 
-// With u and v as above, the expected distance per parameter is g^2 (u0 + v),
-// u0 being the variance sought; the next estimate is g (u0 + v). The change is
-// g (u0 - u), so 1 / g of it is the full step. If v differs among parameters,
-// that overshoots, and the step changes sign: then it is reduced.
+// With u and v as above, and u0 the variance to estimate, the expected squared
+// distance per parameter is g^2 (u0 + v), and the next estimate is g (u0 + v).
+// The change is g (u0 - u), so that the full step is 1 / g of it. If v varies
+// among the parameters, this overshoots and the step changes its sign; the
+// exponent is reduced in that case.
 double VarianceUpdate::Update(const GroupEvidence& group,
                               double residual_variance,
                               double smallest_variance, double* weight) {
-  constexpr double kMostSmaller = 10, kMostLarger = 100;  // in a round
+  constexpr double kMostSmaller = 10, kMostLarger = 100;  // per round
   const double variance = residual_variance / *weight;
   const double step =
       group.squared_distance / group.effective_parameters - variance;

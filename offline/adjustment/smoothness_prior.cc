@@ -13,14 +13,14 @@
 namespace raygrid {
 namespace {
 
-// A term of a finite difference: control point and factor.
+// Term of a finite difference: a control point and its coefficient.
 struct Term {
   int point;
   double factor;
 };
 
-// The parameters of a field: which of the per_point parameters of each control
-// point.
+// Parameters of a field: the range among the per_point parameters of each
+// control point.
 struct FieldParameters {
   int per_point, first, count;
 
@@ -29,12 +29,12 @@ struct FieldParameters {
 
 class DifferenceRows {
  public:
-  // pixels_per_unit: of the field, for each control point.
+  // pixels_per_unit: scale of the field at each control point.
   DifferenceRows(const FieldParameters& field,
                  const std::vector<double>& pixels_per_unit)
       : field_(field), scale_(pixels_per_unit) {}
 
-  // One row for each coordinate.
+  // Adds one row for each coordinate.
   void Add(const std::vector<Term>& terms, double factor) {
     for (int coordinate = 0; coordinate < field_.count; ++coordinate) {
       for (const Term& term : terms)
@@ -46,7 +46,7 @@ class DifferenceRows {
     }
   }
 
-  // D^T D
+  // Precision matrix D^T D.
   Eigen::SparseMatrix<double> Precision() const {
     Eigen::SparseMatrix<double> rows(num_rows_,
                                      field_.per_point * scale_.size());
@@ -61,7 +61,7 @@ class DifferenceRows {
   int num_rows_ = 0;
 };
 
-// Adds the mixed differences of these orders wherever they fit in the grid.
+// Adds the mixed differences of the given orders at all positions in the grid.
 void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
                    double factor, DifferenceRows* differences) {
   for (int j = 0; j + y_order < surface.rows(); ++j) {
@@ -97,7 +97,7 @@ PriorGroup SmoothGroup(const BSplineSurface& surface,
   return group;
 }
 
-// The Jacobian of the surface at a control point, clamped to the area.
+// Jacobian of the surface at a control point, clamped to the calibrated area.
 Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
                                 const Eigen::Vector2d& pixel) {
   const Area& area = surface.area();
@@ -108,13 +108,13 @@ Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
   return derivative;
 }
 
-// The scale of the chart at a pixel, in pixels per unit.
+// Scale of the chart at a pixel, in pixels per chart unit.
 double PixelsPerChartUnitAt(const BSplineSurface& surface,
                             const Eigen::Vector2d& pixel) {
   return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
 }
 
-// The scale of the chart at each control point, in pixels per unit.
+// Scale of the chart at each control point, in pixels per chart unit.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int i = 0; i < surface.num_points(); ++i)
@@ -122,9 +122,9 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// Unpenalized displacements (px) of a camera without a parametric model: x, y,
-// 1 across and 1 down, then radial terms of third, fifth and seventh order,
-// normalized to one pixel in the area's corners.
+// Unpenalized displacements (px) of a camera without a parametric model: scale
+// in x and y, shifts in both directions, then radial terms of third, fifth and
+// seventh order, normalized to one pixel in the corners of the area.
 Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
                                          const Eigen::Vector2d& pixel) {
   constexpr int kNumRadial = 3;
@@ -140,9 +140,10 @@ Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
   return displacements;
 }
 
-// Radial distortion is penalized a hundredth as much as a pixel of the field.
-// This does not affect what features determine, but if they cover a small part
-// of the image, high orders would displace the rest by any number of pixels.
+// Prior precision of the radial terms, which are penalized a hundredth as much
+// as a pixel of the field. This does not affect observable directions; but if
+// the features cover a small part of the image, high orders would otherwise
+// displace the remainder by arbitrary amounts.
 Eigen::VectorXd PolynomialHolds() {
   constexpr double kRadialHold = 1e-4;
   Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);
@@ -150,8 +151,8 @@ Eigen::VectorXd PolynomialHolds() {
   return holds;
 }
 
-// The displacement of a pixel per unit of each parameter of a model; outside
-// its image circle, that of the last pixel inside.
+// Displacement of a pixel per unit of each model parameter. Outside the image
+// circle, the displacement at the last pixel inside is used.
 class ParameterDisplacements {
  public:
   ParameterDisplacements(const ParametricModel& lens, const Area& area)
@@ -175,9 +176,9 @@ class ParameterDisplacements {
   Eigen::Vector2d center_;
 };
 
-// The control points of surfaces with these values at pixels, one column each.
-// Beyond the area they are extrapolated smoothly, since the smoothness prior
-// would penalize a kink.
+// Fits control points, one column each, to values at pixels. Beyond the area,
+// the values are extrapolated smoothly, since the smoothness prior would
+// penalize a kink.
 Eigen::MatrixXd ControlValues(
     const BSplineSurface& surface, const FieldParameters& field,
     const std::function<Eigen::MatrixXd(const Eigen::Vector2d&)>& at) {
@@ -197,7 +198,7 @@ Eigen::MatrixXd ControlValues(
   return result;
 }
 
-// The Jacobian of control points with respect to the model's parameters.
+// Jacobian of the control points with respect to the model's parameters.
 UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
                                      const FieldParameters& field,
                                      const BaseModel& lens) {
@@ -213,7 +214,8 @@ UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
   return freed;
 }
 
-// The Jacobian with respect to the unpenalized polynomials, without a model.
+// Jacobian of the control points with respect to the unpenalized polynomials,
+// for cameras without a parametric model.
 UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
                                       const FieldParameters& field) {
   UnpenalizedDirections freed;
@@ -230,8 +232,8 @@ UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
   return freed;
 }
 
-// The mean rotation of the directions of pixels, in pixels, as a linear
-// function of the control points.
+// Mean rotation of the directions of pixels, in pixels, as a linear function of
+// the control points.
 Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
                              const FieldParameters& field,
                              const std::vector<Eigen::Vector2d>& pixels,
@@ -239,8 +241,8 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
   Eigen::MatrixXd rotation =
       Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
   for (const Eigen::Vector2d& pixel : pixels) {
-    // Reduces the weight of pixels where the model folds or is extrapolated,
-    // where a unit of the chart is any number of pixels.
+    // Reduces the weight of pixels where the model folds or is extrapolated: a
+    // chart unit may correspond to arbitrarily many pixels there.
     const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
     const Eigen::Matrix<double, 2, 3> J_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *
@@ -255,8 +257,8 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
   return rotation / static_cast<double>(pixels.size());
 }
 
-// Adds the principal directions of a fleet to those of the model: their
-// coefficients are standard normal, so their precision is 1.
+// Adds the principal directions of a camera population to those of the model.
+// Their coefficients are standard normal, so their precision is 1.
 UnpenalizedDirections WithSpread(const UnpenalizedDirections& lens,
                                  const BSplineSurface& surface,
                                  const FieldParameters& field,
@@ -283,9 +285,9 @@ UnpenalizedDirections WithSpread(const UnpenalizedDirections& lens,
   return all;
 }
 
-// Removes the rotation about the orientation term's pixels from directions:
-// otherwise, a shift of the principal point would include a rotation, which the
-// smoothness would have to compensate.
+// Removes the rotation about the pixels of the orientation term from
+// directions. Otherwise, a shift of the principal point would include a
+// rotation, which smooth deformations would have to compensate.
 Eigen::MatrixXd RemoveRotations(const Eigen::MatrixXd& directions,
                                 const Eigen::MatrixXd& orientation,
                                 const BSplineSurface& surface,
@@ -300,8 +302,8 @@ Eigen::MatrixXd RemoveRotations(const Eigen::MatrixXd& directions,
          turns * by_turn.inverse() * (orientation.transpose() * directions);
 }
 
-// The prior of directions, or of their change with an operating point, without
-// its mean: for two parameters of each control point.
+// Prior of the directions, or of their change with an operating point, without
+// a mean: for two parameters of each control point.
 CameraPrior MakeDirectionsPrior(
     const BSplineSurface& base, const FieldParameters& field,
     const std::vector<Eigen::Vector2d>& observed_px, const BaseModel& lens = {},
@@ -311,10 +313,10 @@ CameraPrior MakeDirectionsPrior(
   prior.base_lens = lens;
   prior.spread = spread;
   prior.groups = {SmoothGroup(base, field, PixelsPerChartUnit(base))};
-  // The orientation is defined by displacements in pixels: in chart units,
-  // unobserved directions behind the camera would dominate. Its precision is
-  // similar to that of the other parameters by the observations, which do not
-  // affect it.
+  // The orientation is defined by displacements in pixels, since in chart
+  // units, unobserved directions behind the camera would dominate. The
+  // precision of this term is similar to that of the other parameters given the
+  // observations, which do not depend on it.
   const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
   prior.orientation =
       std::sqrt(base.num_points()) *
@@ -334,9 +336,9 @@ CameraPrior MakeDirectionsPrior(
   return prior;
 }
 
-// The relative precision of a point's position along its line, compared with
-// differences between neighbours: it is not observable, and should not be part
-// of the result.
+// Precision of a point's position along its observation line, relative to that
+// of differences between neighbours. The position is not observable and should
+// not affect the result.
 constexpr double kPrecision = 1e4;
 
 Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,

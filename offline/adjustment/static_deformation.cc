@@ -5,8 +5,8 @@
 namespace raygrid {
 namespace {
 
-// The coordinates from a board's first to its last point; points of other
-// boards in between are unchanged.
+// Coordinates from a board's first to its last point; points of other boards in
+// between are not affected.
 struct Coordinates {
   int begin = 0, end = 0;
 };

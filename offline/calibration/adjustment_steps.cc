@@ -154,7 +154,8 @@ void Calibration::FillResults() {
 void Calibration::EvaluateHeldOutImages() {
   const Stopwatch stopwatch(&result_.seconds["cross_validation"]);
   CameraInProgress& first = cameras_.front();
-  // Stored trials belong to a given model.
+  // The checkpoint stores the trials of the initial model, not those of a
+  // non-central model that was selected later.
   const bool is_kept =
       !IsRig() &&
       !(selects_model_ && options_.model == models::kNonCentralGeneric);
@@ -167,7 +168,8 @@ void Calibration::EvaluateHeldOutImages() {
     Report("cross-validation", 0.7 + 0.15 * done);
   };
   if (!IsRig()) validation.on_done = [&first] { first.Save(); };
-  // Folds of single cameras were initialized before rigid targets were known.
+  // Folds of single cameras were initialized before rigid targets were
+  // detected.
   const bool is_anew = IsRig() || !bodies_.empty();
   Folds anew;
   if (is_anew) anew = MakeFolds(Splits(), InitialCameras());
@@ -184,7 +186,8 @@ void Calibration::EvaluateHeldOutImages() {
           ComputeErrorMetrics(held_out.flexed[c]);
     cameras_[c].result.cross_validated = result_.cross_validated;
   }
-  // A given knot spacing is listed like the candidates for selection.
+  // Reports a fixed knot spacing in the same form as the candidates of the
+  // selection.
   if (!IsRig() && first.result.cross_validated &&
       options_.knot_spacing_px > 0 && first.result.knot_spacing_px > 0)
     first.result.knot_spacing_candidates = {SummarizeCandidate(
@@ -205,7 +208,8 @@ void Calibration::RestartFromFolds() {
   if (!options_.hold_out.empty()) EvaluateHeldOutImages();
 }
 
-// A grid has no larger errors than a parametric model, unless it diverged.
+// Restarts the adjustment from a parametric model if that has smaller errors,
+// which shows that the grid diverged.
 void Calibration::RestartFromComparison() {
   CameraInProgress& camera = cameras_.front();
   if (IsRig() || !bodies_.empty() || options_.ShouldStop() ||

@@ -21,8 +21,8 @@
 namespace raygrid {
 namespace {
 
-// In-plane RMS distance of a board's estimated points from the pattern, after
-// the best similarity transform.
+// In-plane RMS distance in metres between a board's estimated points and its
+// pattern, after alignment with a similarity transform.
 double ComputeShiftM(const Board& given, const Board& found) {
   const auto count = static_cast<Eigen::Index>(given.points.size());
   if (count < 3 || found.points.size() != given.points.size()) return 0;
@@ -40,11 +40,12 @@ double ComputeShiftM(const Board& given, const Board& found) {
          std::sqrt(static_cast<double>(count));
 }
 
-// Warns of boards whose estimated points are far from the pattern: no printer
-// is as inaccurate, and the prior keeps estimates near the pattern.
+// Warns about boards whose estimated points are far from the pattern. Such
+// differences exceed the tolerances of printers, and the prior keeps the
+// estimates close to the nominal geometry.
 void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
                              Assessment* assessment) {
-  constexpr double kMaxFraction = 0.01;  // of a square
+  constexpr double kMaxFraction = 0.01;  // of the square size
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
     const double moved_m = ComputeShiftM(board, found.boards[b]);
@@ -62,7 +63,8 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
 
 }  // namespace
 
-// Mixed images are detected for single cameras only: a rig's are separate.
+// Detects mixed cameras for single-camera input only; the images of a rig are
+// already grouped by camera.
 void Calibration::CheckForMixedCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
@@ -81,7 +83,8 @@ void Calibration::ReportUncertainty(CameraInProgress* camera,
                   &camera->result);
 }
 
-// Estimated concurrently with other models: it hardly needs a second thread.
+// Compares parametric models while the uncertainty, which hardly benefits from
+// a second thread, is estimated concurrently.
 void Calibration::CompareModels() {
   if (!options_.compare_models || options_.ShouldStop()) {
     const Stopwatch stopwatch(&result_.seconds["uncertainty"]);
@@ -90,7 +93,7 @@ void Calibration::CompareModels() {
     return;
   }
   const Stopwatch stopwatch(&result_.seconds["comparison"]);
-  // The flatness of boards does not depend on the model.
+  // Whether boards are flat does not depend on the camera model.
   CalibrationOptions options = options_;
   options.fix_target_geometry =
       options.fix_target_geometry ||
@@ -119,7 +122,7 @@ void Calibration::CompareWithOthers() {
 
 // ---- Assessment ------------------------------------------------------------
 
-// Splits the residuals of each camera by cause.
+// Decomposes the residual variance of each camera by cause.
 void Calibration::SplitResiduals() {
   const Stopwatch stopwatch(&result_.seconds["residual_budget"]);
   for (CameraInProgress& camera : cameras_)
@@ -127,7 +130,7 @@ void Calibration::SplitResiduals() {
         camera.result, MakeBudgetFacts(camera.result, options_)));
 }
 
-// Boards in near-duplicates, localized with the cameras.
+// Estimates board poses in near-duplicate images with the calibrated cameras.
 void Calibration::LocalizeDuplicates() {
   RigModel rig = {{}, result_.camera_from_rig, {}};
   std::vector<Dataset> others;
@@ -149,7 +152,7 @@ void Calibration::LocalizeDuplicates() {
                                     poses[c].begin(), poses[c].end());
 }
 
-// Estimates the deformation of boards that were assumed flat.
+// Estimates the deformation of boards that were assumed to be flat.
 void Calibration::ReportFlatBoards() {
   const double height_m = EstimateFlatnessError(
       pattern_, MakeStoppableOptions(options_), adjusted_);

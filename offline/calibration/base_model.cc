@@ -13,7 +13,8 @@ namespace {
 constexpr const char *kFisheye = models::kThinPrismFisheye,
                      *kPinhole = models::kOpenCv;
 
-// A lens as it was fitted, and what held its parameters.
+// Makes a base model from a fitted parametric model and the precision of its
+// prior.
 BaseModel MakeBaseModel(const CameraPrior& prior, const CameraModel& lens,
                         double residual_variance) {
   BaseModel base;
@@ -25,10 +26,10 @@ BaseModel MakeBaseModel(const CameraPrior& prior, const CameraModel& lens,
   return base;
 }
 
-// Lenses of a model, fitted to the features.
+// Parametric models of one type for all cameras, fitted to the features.
 struct FittedLenses {
   AdjustmentState state;
-  std::vector<BaseModel> lenses;  // empty: the fit failed
+  std::vector<BaseModel> lenses;  // empty if the fit failed
   double median_px = INFINITY;
 };
 
@@ -49,14 +50,15 @@ FittedLenses FitLenses(const std::string& model,
   return fitted;
 }
 
-// The expected log-likelihood of new features under coarse grids around lenses,
-// up to a constant, by generalized cross-validation (Golub, Heath, Wahba,
-// 1979). The better the lenses, the fewer effective parameters a grid needs for
-// the same residuals.
+// Expected log-likelihood of new features for coarse grids around the base
+// models, up to a constant, by generalized cross-validation (Golub, Heath,
+// Wahba, 1979). The better the base models fit, the fewer effective parameters
+// a grid needs to reach the same residuals.
 double PredictionScore(const CalibrationProblem& problem,
                        const FittedLenses& fitted,
                        const AdjustmentOptions& options) {
-  // Along the longer side: with 12, splines do not follow a lens of 80 degrees.
+  // Number of cells along the longer side. With 12 cells, splines are too
+  // coarse for a lens with a field of view of 80 degrees.
   constexpr int kCells = 16;
   std::vector<double> knot_spacings_px;
   for (const ImageSize& size : problem.image_sizes)
@@ -84,8 +86,8 @@ bool ArePinholes(const AdjustmentState& state) {
 
 std::string ChooseBaseModel(const AdjustmentOptions& options,
                             const AdjustmentResult& adjusted) {
-  constexpr double kClearly = 10;       // of log-likelihood
-  constexpr size_t kMinFeatures = 100;  // of a view
+  constexpr double kClearly = 10;       // difference in log-likelihood
+  constexpr size_t kMinFeatures = 100;  // features kept per view
   if (!ArePinholes(adjusted.state)) return kFisheye;
   AdjustmentResult thinned = adjusted;
   for (View& view : thinned.problem.views)

@@ -10,17 +10,18 @@
 namespace raygrid {
 namespace {
 
-// In-plane displacements of one board's points in an image: two numbers per
-// point, 0 for points without a feature.
+// In-plane displacements of the points of one board in an image: x and y for
+// each point, 0 for points without a feature.
 struct Displacements {
   std::string image;
   Eigen::VectorXd metres;
-  Eigen::VectorXd is_seen;  // 0 or 1, like metres
-  double weight = 1;        // px^2/m^2: the inverse of the noise's variance
+  Eigen::VectorXd is_seen;  // 0 or 1, same layout as metres
+  double weight = 1;        // inverse noise variance, px^2/m^2
   int num_points() const { return static_cast<int>(is_seen.sum() / 2); }
 };
 
-// Displacement of the point with this index after a rotation of the board.
+// Transforms the displacements for a board that is rotated by `turn` symmetry
+// steps.
 Displacements Rotated(const Displacements& before, const Board& board,
                       int turn) {
   Displacements after = before;
@@ -38,10 +39,10 @@ Displacements Rotated(const Displacements& before, const Board& board,
   return after;
 }
 
-// Adds the displacements indicated by a view's residuals.
+// Accumulates the in-plane point displacements that explain a view's residuals.
 void AddView(const AdjustmentResult& adjusted, const View& view,
              int first_point, Displacements* sum, Eigen::VectorXd* weights) {
-  constexpr double kLeastSine = 0.15;  // of the angle that points are seen at
+  constexpr double kLeastSine = 0.15;  // minimum sine of the viewing angle
   for (const LinearizedResidual& linear : LinearizeView(adjusted.state, view)) {
     if (!linear.residual.valid) continue;
     const Eigen::Matrix2d by_plane = linear.J_point.leftCols<2>();
@@ -55,7 +56,7 @@ void AddView(const AdjustmentResult& adjusted, const View& view,
   }
 }
 
-// The displacements of a board in each image, over all cameras.
+// Displacements of a board in each image, accumulated over all cameras.
 std::vector<Displacements> ComputeDisplacements(
     const std::vector<AdjustmentResult>& cameras, int board_index,
     const Board& board) {
@@ -90,8 +91,9 @@ std::vector<Displacements> ComputeDisplacements(
   return all;
 }
 
-// Displacements of a board in some images, for each of its rotations, and the
-// rotations for which they agree.
+// Displacements of a board in several images under each symmetry rotation of
+// the board, and a search for the rotations under which they are most
+// consistent.
 class RotationSearch {
  public:
   RotationSearch(const std::vector<Displacements>& images, const Board& board)
@@ -103,7 +105,8 @@ class RotationSearch {
     }
   }
 
-  // Starts from the current rotations, and from the images with most points.
+  // Searches from the current rotations and from several seeds, which are the
+  // images with the most points.
   void Run() {
     constexpr size_t kStarts = 8;
     turns_.assign(turned_.size(), 0);
@@ -131,8 +134,8 @@ class RotationSearch {
 
   const std::vector<int>& turns() const { return turns_; }
 
-  // Whether a rotation matters according to the other images, but is ambiguous
-  // in this image.
+  // Whether the rotation in this image makes a significant difference according
+  // to the other images, but cannot be determined from this image.
   bool IsRotationAmbiguous(size_t image, double sureness) const {
     const Displacements mean =
         MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]);
@@ -143,7 +146,7 @@ class RotationSearch {
     return false;
   }
 
-  // Significance of an image's rotation compared with none, in standard
+  // Significance of an image's rotation relative to no rotation, in standard
   // deviations.
   double RotationSignificance(size_t image) const {
     return Advantage(
@@ -154,8 +157,8 @@ class RotationSearch {
  private:
   using Turns = std::vector<int>;
 
-  // Omits points that are not visible after every rotation, so that rotations
-  // are compared by the same points of an image.
+  // Removes points that are not visible under every rotation, so that all
+  // rotations of an image are compared on the same points.
   Displacements Symmetric(Displacements all) const {
     Eigen::VectorXd is_seen = all.is_seen;
     for (int turn = 1; turn < num_rotations_; ++turn)
@@ -165,7 +168,7 @@ class RotationSearch {
     return all;
   }
 
-  // Weighted sum over all images, each with its rotation.
+  // Weighted sum over all images with their current rotations.
   struct Sum {
     Eigen::VectorXd metres, weights, counts;
   };
@@ -194,7 +197,8 @@ class RotationSearch {
     return MeanOf(sum);
   }
 
-  // The image's rotation with the least difference from other images.
+  // Returns the rotation of the image that is most consistent with the other
+  // images.
   int FindBestRotation(size_t image, const Displacements& others) const {
     int best = 0;
     double most = -INFINITY;
@@ -227,7 +231,7 @@ class RotationSearch {
     }
   }
 
-  // Weighted squares explained by the common mean.
+  // Weighted sum of squares that is explained by the mean displacement.
   double Agreement(const Turns& turns) const {
     const Displacements mean = MeanOf(SumLanes(turns));
     double sum = 0;
@@ -248,8 +252,8 @@ class RotationSearch {
       turn = (turn - most + num_rotations_) % num_rotations_;
   }
 
-  // Whether the board's displacement differs after a rotation by more than the
-  // uncertainty of the mean over images and a relevant amount.
+  // Whether a different rotation changes the board's displacements by more than
+  // the uncertainty of the mean over the images, and by a relevant amount.
   bool IsRotationSignificant(size_t image, int other,
                              const Displacements& mean) const {
     constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
@@ -263,14 +267,15 @@ class RotationSearch {
     };
     const double variance_px2 = square(chosen.metres - mean.metres);
     const double num_images = static_cast<double>(turned_.size());
-    // The errors of the mean and the rotated mean add up.
+    // The errors of the mean and of the rotated mean are independent: their
+    // variances add up.
     return square(after.metres - mean.metres) >
            std::max(kMattersPx2,
                     kManyVariances * 2 * variance_px2 / num_images);
   }
 
   double Advantage(size_t image, int other, const Displacements& mean) const {
-    constexpr double kLeastNoisePx2 = 1e-6;  // less is of rounding
+    constexpr double kLeastNoisePx2 = 1e-6;  // limit of rounding errors
     const Displacements& chosen = turned_[image][turns_[image]];
     const Displacements& otherwise = turned_[image][other];
     const auto seen = chosen.is_seen.array() * mean.is_seen.array();
@@ -284,15 +289,15 @@ class RotationSearch {
     const double count = std::max(1.0, seen.sum());
     const double variance =
         std::max(by_chosen / count, kLeastNoisePx2 / chosen.weight);
-    // <x, a - b> of noise x has the variance s^2 |a - b|^2, and the squares
-    // differ by twice that.
+    // For noise x, <x, a - b> has the variance s^2 |a - b|^2, and the sums of
+    // squares differ by twice that inner product.
     const double apart = std::max(by_other - by_chosen, 0.0);
     return std::sqrt(apart / variance) / 2;
   }
 
   const Board& board_;
   int num_rotations_;
-  std::vector<std::vector<Displacements>> turned_;  // by image, turn
+  std::vector<std::vector<Displacements>> turned_;  // by image, then rotation
   Turns turns_;
 };
 
@@ -375,8 +380,8 @@ Pose ComputeRotation(const Board& board, int turn) {
 
 GeometricRotations ResolveRotationsByGeometry(
     const std::vector<AdjustmentResult>& cameras, const Pattern& pattern) {
-  // Neighbouring errors are correlated, so that chance exceeds the standard
-  // deviations.
+  // Errors of neighbouring points are correlated, so that random scores exceed
+  // their nominal standard deviation.
   constexpr double kSurely = 5;
   constexpr size_t kFewParts = 3;
   GeometricRotations found;
@@ -395,7 +400,8 @@ GeometricRotations ResolveRotationsByGeometry(
         found.turns[view] = search.turns()[i];
       if (search.IsRotationAmbiguous(i, kSurely)) doubtful.push_back(view);
     }
-    // With many doubtful views, noise hides the displacements of the board.
+    // If many views are ambiguous, the board's displacements are below the
+    // noise.
     if (kFewParts * doubtful.size() <= images.size())
       found.doubtful.insert(found.doubtful.end(), doubtful.begin(),
                             doubtful.end());

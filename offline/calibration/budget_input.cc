@@ -15,7 +15,7 @@ namespace {
 
 using PosesOfBoards = std::map<std::pair<std::string, int>, Pose>;
 
-// The points of all boards, in sequence, and their deformation modes.
+// Adds the points of all boards, in sequence, and their deformation modes.
 void AddPoints(const Pattern& pattern, BudgetInput* input,
                std::map<int, int>* first_of_board) {
   std::vector<BoardPoints> boards;
@@ -35,8 +35,8 @@ void AddPoints(const Pattern& pattern, BudgetInput* input,
     input->bends.emplace_back(displacement);
 }
 
-// Computes a residual's Jacobians with respect to its point and its board's
-// pose; false if the camera does not project the point.
+// Computes the Jacobians of a residual with respect to its point and to the
+// board pose. Returns false if the camera cannot project the point.
 bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
                     const Eigen::Vector3d& point, BudgetFeature* feature) {
   LinearizedProjection projection;
@@ -45,7 +45,7 @@ bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
                         &projection))
     return false;
   const Eigen::Vector3d turned = seen - camera_from_board.translation;
-  Eigen::Matrix3d J_rotation;  // of the point seen: rotation x turned
+  Eigen::Matrix3d J_rotation;                // Jacobian of rotation x turned
   J_rotation << 0, turned.z(), -turned.y(),  //
       -turned.z(), 0, turned.x(),            //
       turned.y(), -turned.x(), 0;
@@ -62,7 +62,7 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
   input.image_size = camera.image_size();
   std::map<int, int> first_of_board;
   AddPoints(pattern, &input, &first_of_board);
-  // Residuals are contiguous by view, and views are sorted by time.
+  // The input requires residuals grouped by view and views sorted by time.
   std::map<std::pair<std::string, int>, std::vector<const FeatureResidual*>>
       views;
   for (const FeatureResidual& residual : residuals)

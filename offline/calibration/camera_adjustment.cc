@@ -17,17 +17,17 @@
 namespace raygrid {
 namespace {
 
-// Keeps the points of the pattern at their nominal positions.
+// Fixes the points of the pattern at their nominal positions.
 AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
   options.fix_points = true;
   options.should_accept = {};
   return options;
 }
 
-// First with fixed points, a small problem, from a rough initialization; then,
-// if they may be estimated, with all points, from a good one. Grids would fit
-// the errors of fixed points, so their first stage ends early. Parametric
-// models cannot, and require a good initialization.
+// Optimizes first with fixed points, which is a small problem and tolerates a
+// rough initialization, and then with free points unless they are to be fixed.
+// Grids would fit the errors of fixed points, so the first stage ends early for
+// them. Parametric models cannot do so, and require a good initialization.
 AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
                                    const AdjustmentOptions& options,
                                    GaussianPrior* prior,
@@ -52,7 +52,7 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
   return static_cast<int>(count);
 }
 
-// The prior of a camera centred on its current parameters.
+// Makes a camera prior that is centred on the current parameters.
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
   if (const ParametricModel* lens = camera.Parametric())
@@ -62,7 +62,7 @@ CameraPrior PriorAround(const CameraModel& camera,
                              ObservedPixels(problem, index));
 }
 
-// Optimizes cameras from the current state.
+// Optimizes parametric cameras, starting from the current state.
 AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
                                             const AdjustmentOptions& options,
                                             GaussianPrior* prior,
@@ -74,15 +74,16 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Makes a radial spline with as many control points as the features determine.
-// Its prior smooths superfluous ones (offline/calibration/DESIGN.md).
+// Number of control points of a radial spline that the features can determine.
+// The prior smooths superfluous control points (offline/calibration/DESIGN.md).
 int CountSamples(int num_features) {
   constexpr int kLeast = 24, kMost = 96, kFeaturesPerSample = 20;
   return std::clamp(num_features / kFeaturesPerSample, kLeast, kMost);
 }
 
-// Replaces an initial camera by a parametric one. If it has no axis, the fit
-// finds one, and the camera's poses are rotated with it.
+// Replaces an initial camera by a parametric model that is fitted to it. If the
+// initial camera has no optical axis, the fit estimates the axis, and the
+// camera's poses are rotated accordingly.
 void SetLens(const std::string& model, const CameraModel& lens,
              const CalibrationProblem& problem, int camera,
              AdjustmentState* state) {
@@ -98,8 +99,10 @@ void SetLens(const std::string& model, const CameraModel& lens,
   state->MoveRigToFirstCamera();
 }
 
-// A grid's prior is centred on its parametric initial camera. Others were
-// fitted to the same features, and contain their errors.
+// Returns the prior mean of a grid: the initial grid if it comes from a prior
+// camera or a parametric model. All other initial cameras were fitted to the
+// same features and contain their errors, so a polynomial approximation is
+// used.
 CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
                             const CameraModel& lens,
                             const CentralGeneric& start) {
@@ -108,8 +111,9 @@ CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
              : FitPolynomialGrid(start);
 }
 
-// Non-central cameras, initialized from adjusted central grids. Points are
-// fixed at nominal positions: free points would absorb non-central effects.
+// Optimizes non-central cameras, initialized from optimized central grids.
+// Points are fixed at their nominal positions, since free points would absorb
+// non-central effects.
 AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
                               const InitialValues& starts,
                               const AdjustmentOptions& options,
@@ -128,9 +132,9 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Continues from grids of other knot spacings, with the same prior on the
+// Continues from grids with different knot spacings and the same prior on the
 // continuous field: sums of squared differences of order n are proportional to
-// the spacing to the power of 2 n - 2.
+// the knot spacing to the power of 2 n - 2.
 AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
                                          const InitialValues& starts,
                                          const AdjustmentOptions& options,
@@ -156,8 +160,8 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
   return OptimizeWithLearnedPrior(problem.views, options, prior, state);
 }
 
-// Whether poses and points match the problem: rejected images remove their
-// poses.
+// Whether poses and points match the problem, which loses the poses of rejected
+// images.
 bool IsOfSameImages(const AdjustmentResult* adjusted,
                     const AdjustmentState& state) {
   return adjusted && adjusted->state.rig_from_pattern.size() ==
@@ -226,7 +230,8 @@ AdjustmentSummary OptimizeParametricCameras(const std::string& model,
                                             AdjustmentState* state) {
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
-    // A radial model may be initialized with fewer control points.
+    // The radial model is refitted even if the name matches, since it may have
+    // been initialized with fewer control points.
     if (lenses[c]->Name() != model || model == models::kCentralRadial)
       SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
   }

@@ -13,7 +13,8 @@
 namespace raygrid {
 namespace {
 
-// Displacement in pixels of the area's centre per radian of rotation.
+// Focal length at the centre of the calibrated area: pixels per radian of
+// rotation.
 double FocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 2;
   const Eigen::Vector2d center = camera.area().center();
@@ -55,7 +56,7 @@ ProjectedView Place(const CameraModel& camera, const Pose& pose,
         !camera.Linearize(turned + pose.translation, &observation.pixel,
                           kAdjustmentMarginPx, &linear))
       continue;
-    Eigen::Matrix<double, 3, 6> by_update;  // as UpdatedPose() has it
+    Eigen::Matrix<double, 3, 6> by_update;  // update as in UpdatedPose()
     by_update << 0, turned.z(), -turned.y(), 1, 0, 0,  //
         -turned.z(), 0, turned.x(), 0, 1, 0,           //
         turned.y(), -turned.x(), 0, 0, 0, 1;
@@ -68,7 +69,7 @@ ProjectedView Place(const CameraModel& camera, const Pose& pose,
 
 using FeaturePlace = std::tuple<std::string, int, int, int>;
 
-// Prediction errors of features by cameras that did not use them.
+// Held-out prediction errors by feature.
 using PredictionErrors = std::map<FeaturePlace, Eigen::Vector2d>;
 
 Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
@@ -89,7 +90,8 @@ Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
 
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads) {
-  // Photographs of the same view differ by more than this, due to noise.
+  // Different photographs of the same view differ by more than this due to
+  // noise.
   constexpr double kCopyPx = 0.01;
   const ReferenceCamera known = Known(file);
   CameraCheck check;
@@ -127,8 +129,8 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
 MovementErrors EstimateExcessErrors(
     const CameraFile& file, const std::vector<FeatureResidual>& held_out,
     double training_share, const Pattern& pattern, int num_threads) {
-  constexpr size_t kAtATime = 5;  // as `check` is usually given
-  constexpr size_t kFewest = 8;   // tell no standard deviation
+  constexpr size_t kAtATime = 5;  // typical number of images for `check`
+  constexpr size_t kFewest = 8;   // minimum for a standard deviation
   PredictionErrors errors;
   const Dataset dataset =
       FeaturesOf(held_out, file.camera->image_size(), &errors);

@@ -19,8 +19,8 @@
 namespace raygrid {
 namespace {
 
-// A view whose median error is a larger fraction of the image's width is not
-// localized.
+// Pose estimation of a view fails if its median error exceeds this fraction of
+// the image width.
 constexpr double kMaxMedianPart = 0.02;
 
 double MedianError(const AdjustmentState& state, const View& view,
@@ -35,7 +35,8 @@ double MedianError(const AdjustmentState& state, const View& view,
   return Quantile(norms, 0.5);
 }
 
-// Returns the views that can be localized with a camera, with their poses.
+// Returns the views whose poses can be estimated with a camera, and their
+// poses.
 AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
                            int num_threads) {
   AdjustmentResult localized = all;
@@ -57,7 +58,7 @@ AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
       kept.push_back(*poses[v]);
   }
   RemoveViews(remove, &problem);
-  // The poses are in the order of the views; each view has a separate pose.
+  // Poses are ordered like the views, and each view has a separate pose.
   state.rig_from_pattern = kept;
   return localized;
 }
@@ -68,9 +69,10 @@ int NumImages(const CalibrationProblem& problem) {
           .size());
 }
 
-// Removes features far from their predictions: in a narrow field of view, a few
-// of them distort the model, even with Huber loss. The criterion of the paper's
-// supplement, with a far larger limit, as the model is rough.
+// Removes features with gross reprojection errors: in a narrow field of view, a
+// few of them distort the model despite the Huber loss. Uses the criterion of
+// the paper's supplement with a much larger limit, since the model is still
+// rough.
 void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
                          AdjustmentResult* adjusted) {
   constexpr double kRanges = 30;
@@ -101,7 +103,7 @@ void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
   }
 }
 
-// Selects enough views and features to determine the dozen parameters of a
+// Selects enough views and features for the roughly twelve parameters of a
 // parametric model.
 AdjustmentResult Subsample(const AdjustmentResult& all) {
   constexpr size_t kMaxViews = 100, kMaxFeatures = 60;
@@ -117,14 +119,15 @@ AdjustmentResult Subsample(const AdjustmentResult& all) {
   return thinned;
 }
 
-// Twice: a better camera localizes more views, more accurately.
+// Estimates poses and refines the camera in two rounds: with a better camera,
+// more poses can be estimated, and with higher accuracy.
 std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
                                            const Pattern& pattern,
                                            const AdjustmentResult& all,
                                            const AdjustmentOptions& options) {
   constexpr int kRounds = 2;
   AdjustmentOptions rough = options;
-  rough.max_iterations = 0;  // after the prior is learned
+  rough.max_iterations = 0;  // stop after estimating the prior
   std::optional<AdjustmentResult> adjusted;
   for (int round = 0; round < kRounds; ++round) {
     const std::unique_ptr<CameraModel> lens =
@@ -138,15 +141,16 @@ std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
   return adjusted;
 }
 
-// Fraction of all features without an explanation by a camera: their views
-// cannot be localized, or they have no projection or direction.
+// Misfit of a camera: the fraction of all features whose view has no pose, or
+// which have no projection or observation direction, and the mean error.
 struct Misfit {
   double unexplained_part = 0;
-  double mean_px = 0;  ///< over all features, each no more than the cap
+  double mean_px = 0;  ///< over all features, capped per feature
 };
 
-// Size of a pixel of a 640 px wide image, for which the limits below were
-// chosen: errors in pixels grow with the image size.
+// Returns the size in pixels of one pixel of a 640 px wide image, the size for
+// which the limits below were chosen: errors in pixels grow with the image
+// size.
 double LensPx(const CalibrationProblem& problem) {
   constexpr double kWidth = 640;
   const ImageSize& size = problem.image_sizes[0];
@@ -172,14 +176,14 @@ Misfit ComputeMisfit(const AdjustmentResult& adjusted, size_t num_features) {
   return {unexplained / count, (sum + cap_px * unexplained) / count};
 }
 
-// Factors of the errors of initial cameras in their comparison.
+// Factors on the errors of initial cameras when they are compared.
 double GetComplexityPenalty(const CameraModel& start) {
-  // A pinhole with distortion is preferred if the error is similar: beyond the
-  // outermost features, in the image's corners, it extrapolates better than a
-  // polynomial of the angle (simulated lens of 62 degrees: 0.10 px instead of
-  // 0.21 px in the worst corner).
+  // A pinhole model with distortion is preferred if the errors are similar:
+  // beyond the outermost features, in the image corners, it extrapolates better
+  // than a polynomial in the angle of incidence (simulated lens with a field of
+  // view of 62 degrees: 0.10 px instead of 0.21 px in the worst corner).
   constexpr double kPinholeFavour = 0.8;
-  // A grid fits any lens, but extrapolates poorly.
+  // A grid can represent any lens, but extrapolates poorly.
   constexpr double kGridHandicap = 2;
   if (start.Name() == models::kOpenCv) return kPinholeFavour;
   return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
@@ -191,8 +195,8 @@ size_t NumFeatures(const CalibrationProblem& problem) {
   return count;
 }
 
-// Initial cameras from linear equations for pinholes, and for radially
-// symmetric lenses with any field of view.
+// Estimates initial cameras by linear methods: pinholes, and radially symmetric
+// lenses with any field of view.
 std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
     const Dataset& dataset, const Pattern& pattern) {
   std::vector<std::unique_ptr<CameraModel>> starts;
@@ -203,7 +207,8 @@ std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
   return starts;
 }
 
-// The initial camera for any central lens, over the calibrated area.
+// Estimates an initial generic grid for an arbitrary central lens over the
+// calibrated area.
 std::optional<CentralGeneric> MakeInitialGenericGrid(
     const Dataset& dataset, const Pattern& pattern,
     const CalibrationProblem& problem, int num_threads) {
@@ -215,7 +220,8 @@ std::optional<CentralGeneric> MakeInitialGenericGrid(
   return generic->camera;
 }
 
-// Initial cameras, adjusted to some of the features; the best one is kept.
+// Optimizes initial cameras with a subset of the features, and keeps the best
+// one.
 class StartTrials {
  public:
   StartTrials(const Pattern& pattern, const AdjustmentResult& all,
@@ -239,18 +245,18 @@ class StartTrials {
     least_weighted_ = weighted;
   }
 
-  // Whether the error is consistent with a lens with local distortion.
+  // Whether the error is small enough for a lens with local distortion.
   bool IsNear() const {
     return best_ && least_.mean_px < LensPx(thinned_.problem);
   }
 
-  // Whether the best one is good enough for calibration.
+  // Whether the best initial camera is good enough for calibration.
   bool IsEnough() const {
     constexpr double kMaxUnexplainedPart = 0.25;
     return best_ && least_.unexplained_part <= kMaxUnexplainedPart;
   }
 
-  // Throws if it is not.
+  // Returns the best initial camera; throws if it is not good enough.
   const AdjustmentResult& Best() const {
     if (IsEnough()) return *best_;
     if (!best_)
@@ -276,7 +282,7 @@ class StartTrials {
   double least_weighted_ = INFINITY;
 };
 
-// Initial cameras that do not depend on another one.
+// Tries all initializations that do not depend on a previous camera.
 void TryAll(const Dataset& dataset, const Pattern& pattern,
             const CalibrationProblem& problem, int num_threads,
             StartTrials* trials) {
@@ -312,7 +318,7 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
   AdjustmentResult all;
   all.problem = BuildProblem({dataset}, pattern, &all.rejected_images);
   all.problem.area = area;
-  all.rejected_features.resize(1);  // of one camera
+  all.rejected_features.resize(1);  // single camera
   RequireImages(all.problem);
   StartTrials trials(pattern, all, options);
   if (known) trials.Try(*known);

@@ -46,7 +46,7 @@ std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
     if (view.camera != camera) continue;
-    // The modes are orthogonal, with a mean square of 1.
+    // The modes are orthogonal, and each has a mean square of 1.
     const double rms_m = state.flex[view.pose].norm();
     square += rms_m * rms_m;
     if (most_deformed < 0 || rms_m > bends.views[bends.most_deformed].rms_m) {
@@ -69,9 +69,9 @@ std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
   return bends;
 }
 
-// The normal of a flat board; nullopt for point sets.
+// The normal of a flat board; nullopt for a point set that is not planar.
 std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
-  constexpr double kFlatPart = 0.02;  // of its extent
+  constexpr double kFlatPart = 0.02;  // of the board's extent
   if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
   Eigen::Matrix3Xd points(3, board.points.size());
   for (size_t i = 0; i < board.points.size(); ++i)
@@ -84,7 +84,7 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   return solver.eigenvectors().col(0);
 }
 
-// Normals of all observed boards, in the camera's frame.
+// Normals of all observed boards in camera coordinates.
 std::vector<Eigen::Vector3d> CollectBoardNormals(
     const CalibrationResult& result) {
   std::map<int, std::optional<Eigen::Vector3d>> normals;
@@ -97,7 +97,7 @@ std::vector<Eigen::Vector3d> CollectBoardNormals(
   return seen;
 }
 
-// The largest angle between two boards' planes.
+// The largest angle between the planes of two observed boards.
 double ComputeTilt(const std::vector<Eigen::Vector3d>& normals) {
   double least_cosine = 1;
   for (const Eigen::Vector3d& a : normals)
@@ -106,7 +106,7 @@ double ComputeTilt(const std::vector<Eigen::Vector3d>& normals) {
   return std::acos(least_cosine);
 }
 
-// Point sets have no front.
+// Point sets have no front side.
 bool HasSides(const Board& board) { return !board.IsPointSet(); }
 
 bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
@@ -126,7 +126,7 @@ void AddSides(const CalibrationResult& result, CalibrationMetrics* metrics) {
   }
 }
 
-// A view of a board with all features in the image, also rejected ones.
+// A view of a board with all its detected features, including rejected ones.
 struct SeenBoard {
   const BoardPose* pose;
   std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by column, row
@@ -155,8 +155,8 @@ bool IsSamePose(const Pose& a, const Pose& b) {
              kAlikePart * b.translation.norm();
 }
 
-// Whether a board has the same pose in two images. If all images are
-// near-duplicates, poses are not observable.
+// Whether a board has the same pose in two images, decided by pixel positions:
+// if all images are near-duplicates, poses are not observable.
 bool HasSamePoses(const SeenBoard& a, const SeenBoard& b,
                   const ImageSize& size) {
   constexpr double kAlikePart = 0.005;
@@ -171,7 +171,7 @@ bool HasSamePoses(const SeenBoard& a, const SeenBoard& b,
   return have_common;
 }
 
-// Counts the views of boards that differ from all previous views.
+// Counts the board views that differ from all previous views.
 int CountDifferent(const CalibrationResult& result) {
   std::vector<SeenBoard> different;
   for (const SeenBoard& seen : CollectObservedBoards(result)) {
@@ -202,9 +202,9 @@ std::vector<FeatureResidual> WithoutImages(
   return residuals;
 }
 
-// Correlation of neighbouring errors without the part due to the uncertainty of
-// the camera: a camera from few images has smooth errors, as have its
-// predictions, but not its training residuals.
+// Correlation of neighbouring errors, excluding the contribution of the
+// camera's uncertainty. A camera that is calibrated from few images has smooth
+// errors; they appear in its predictions, but not in its training residuals.
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
   const auto held_out = ComputeNeighborCorrelation(
@@ -221,7 +221,7 @@ bool PredictsBetter(const ModelMetrics& other,
              .Better() == std::string("second");
 }
 
-// Name of a ninth of the image.
+// Describes a position as one of nine image regions.
 std::string DescribePositionInImage(const Eigen::Vector2d& pixel,
                                     const ImageSize& size) {
   const auto third = [](double at, int extent) {
@@ -235,8 +235,8 @@ std::string DescribePositionInImage(const Eigen::Vector2d& pixel,
   return row == 1 ? side : rows[row] + " " + side;
 }
 
-// Images with more outliers than expected by chance, or for a corner at the
-// board's edge.
+// Finds images with more outliers than chance or a few corners at the edge of
+// the board explain.
 void FindMisreadImages(const CalibrationResult& result,
                        CalibrationMetrics* metrics) {
   constexpr int kLeast = 5;
@@ -256,8 +256,8 @@ void FindMisreadImages(const CalibrationResult& result,
   }
 }
 
-// Images with unique coverage are not outliers; finds the regions with most of
-// their largest errors.
+// Separates images with unique coverage from outlier images, and finds the
+// image regions that contain most of their largest errors.
 void SeparateOutlierImages(const CalibrationResult& result,
                            const std::set<std::string>& apart,
                            CalibrationMetrics* metrics) {
@@ -293,7 +293,7 @@ void AddTriedAlternatives(const CalibrationResult& result,
   tried.model = result.camera.camera->Name();
   tried.mixed_cameras = result.mixed_cameras.has_value();
   constexpr double kBetterPart = 0.99;
-  // Boards are rigid in these residuals of all models.
+  // All models are compared with rigid boards.
   const double own_px =
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kBetterPart * own_px;
@@ -309,7 +309,8 @@ void AddTriedAlternatives(const CalibrationResult& result,
   }
 }
 
-// Pixel width / height, in radians, at the area's centre.
+// Ratio of the angular width of a pixel to its height at the centre of the
+// calibrated area.
 std::optional<double> PixelAspect(const CameraModel& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto line = camera.Line(pixel);
@@ -473,8 +474,8 @@ void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
 
 void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
                               int num_threads, CalibrationResult* result) {
-  // Three standard deviations, and twice that, since lenses are less smooth
-  // beyond the features than the prior assumes.
+  // Three standard deviations, doubled because lenses are less smooth beyond
+  // the features than the prior assumes.
   constexpr double kMuchMore = 6;
   std::set<std::string> apart = FindOutlierImages(result->held_out);
   for (const std::string& image : FindOutlierImages(result->training))

@@ -35,8 +35,8 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
   return nullptr;
 }
 
-// Unique names of the cameras' training images: in the order of images for one
-// camera, sorted for a rig.
+// Unique names of the cameras' training images: in image order for one camera,
+// sorted for a rig.
 std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   std::vector<std::string> frames;
   for (const Split& camera : cameras)
@@ -47,8 +47,8 @@ std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   return {sorted.begin(), sorted.end()};
 }
 
-// Frames, grouped by near-duplicates, which a camera predicts well from each
-// other, however poor it is. Sorted by the first frame of each group.
+// Groups frames by near-duplicates, which even a poor camera predicts well from
+// each other. Groups are sorted by their first frame.
 std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
   std::vector<Dataset> datasets;
   double near_px = 0;
@@ -101,8 +101,8 @@ AdjustmentResult StartCameras(const std::vector<Split>& cameras,
   return InitializeRig(names, lenses, rigid_targets, options, &rejected);
 }
 
-// A rig with few connecting views may be disconnected without some of them;
-// then the remaining work is skipped.
+// A rig with few connecting views may be disconnected if some of them are held
+// out; the remaining work of that fold is skipped.
 template <typename Work>
 void SkipIfDisconnected(size_t num_cameras, const Work& work) {
   try {
@@ -114,7 +114,7 @@ void SkipIfDisconnected(size_t num_cameras, const Work& work) {
   }
 }
 
-// The first folds of a cross-validation with num_folds.
+// Returns the first `count` folds of a cross-validation with `num_folds` folds.
 Folds SplitIntoFolds(const std::vector<std::vector<std::string>>& views,
                      const std::vector<Split>& cameras,
                      const std::vector<const CameraModel*>& known, size_t count,
@@ -133,7 +133,8 @@ Folds SplitIntoFolds(const std::vector<std::vector<std::string>>& views,
   return folds;
 }
 
-// Options of each of several adjustments that share the threads.
+// Adjustment options for one of several concurrent adjustments, which share the
+// threads.
 AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
                                        const ValidationOptions& options) {
   AdjustmentOptions adjustment;
@@ -143,7 +144,7 @@ AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
   return adjustment;
 }
 
-// Initializes the folds of the trials.
+// Initializes the folds that the trials need.
 void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
                 const ValidationOptions& options, Folds* folds) {
   const bool is_grid = !IsParametricModel(options.model);
@@ -176,7 +177,8 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
   });
 }
 
-// The next coarser spacing of the ladder, whose grid is the warm start, if any.
+// Returns the next coarser level of the knot-spacing ladder, whose grid is the
+// warm start; nullopt if there is none.
 std::optional<double> FindCoarserSpacing(
     const std::vector<double>& knot_spacing_levels_px,
     const std::vector<double>& knot_spacings_px) {
@@ -190,8 +192,9 @@ std::optional<double> FindCoarserSpacing(
   return *(found - 1);
 }
 
-// The cameras of a fold; nullopt if initialization failed. Results that are not
-// stored are computed again, so that a resumed calibration is identical.
+// Optimizes the cameras of a fold; nullopt if initialization failed. Results
+// that were not checkpointed are recomputed, so that a resumed calibration
+// gives identical results.
 std::optional<AdjustmentResult> OptimizeFoldRigidly(
     const Folds::Fold& fold, const std::vector<double>& knot_spacing_levels_px,
     const Pattern& pattern, const std::string& model,
@@ -213,7 +216,7 @@ std::optional<AdjustmentResult> OptimizeFoldRigidly(
   return adjusted;
 }
 
-// Evaluates adjusted cameras with their test images.
+// Evaluates the optimized cameras on their test images.
 HeldOutResiduals TestCameras(const AdjustmentResult& adjusted,
                              const Pattern& pattern,
                              const std::vector<Split>& cameras,

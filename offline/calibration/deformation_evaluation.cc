@@ -15,7 +15,7 @@ bool IsEven(const Feature& feature) {
   return (feature.column + feature.row) % 2 == 0;
 }
 
-// The features of one half of the lattice positions.
+// Selects the features at even or odd lattice positions.
 Dataset Half(const Dataset& dataset, bool is_even) {
   Dataset half;
   half.image_size = dataset.image_size;
@@ -38,7 +38,8 @@ std::vector<Dataset> Halves(const std::vector<Dataset>& datasets,
   return halves;
 }
 
-// A view of the other half has the pose of the first half's view.
+// Maps each image and board of the first half to its pose, which is used for
+// the second half.
 using Places = std::map<std::pair<std::string, int>, int>;
 
 Places CollectFeaturePositions(const CalibrationProblem& problem) {

@@ -9,8 +9,8 @@
 namespace raygrid {
 namespace {
 
-// Whether deformation may lower squared errors by a fraction, according to the
-// residuals of cameras with rigid boards.
+// Whether deformation can reduce the squared errors by at least the given
+// fraction, estimated from the residuals of cameras with rigid boards.
 bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
                double part) {
   double sum = 0, count = 0;
@@ -24,8 +24,8 @@ bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
   return sum > part * count;
 }
 
-// The gains of deformation in standard deviations; 1 if a single image causes
-// all of a gain.
+// Gains from estimating deformation, in standard deviations; 1 if a single
+// image causes the entire gain.
 struct Gains {
   double alone, flexed;
   double Sum() const { return alone + flexed; }
@@ -36,8 +36,9 @@ Gains GainsOf(const HeldOutResiduals& bent, const HeldOutResiduals& rigid) {
           ComputeLossGain(rigid.flexed.front(), bent.flexed.front())};
 }
 
-// A knot spacing coarser than the medium one is kept if it also predicts
-// deformed boards significantly better: deformation is noise to rigid boards.
+// Keeps a knot spacing that is coarser than the medium one only if it also
+// predicts deformed boards significantly better; with rigid boards, deformation
+// acts as noise and favours coarse grids.
 void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
                      const ValidationOptions& validation,
                      CameraInProgress* camera) {
@@ -74,7 +75,8 @@ bool IsDeformationBetter(const HeldOutResiduals& bent,
 void SelectDeformation(const Pattern& pattern,
                        const CalibrationOptions& options,
                        CameraInProgress* camera) {
-  // Deformation explains more of training than of held-out residuals.
+  // Deformation explains a larger fraction of training residuals than of
+  // held-out residuals.
   constexpr double kLeastShare = 0.01;
   camera->per_view_deformation = false;
   if (options.rigid_board || options.fix_target_geometry ||

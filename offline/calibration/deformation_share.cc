@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// The Gauss-Newton equations of a pose and of the flex there.
+// Gauss-Newton equations of a pose and of its board's per-view deformation.
 struct PoseDeformationEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
@@ -16,7 +16,8 @@ struct PoseDeformationEquations {
   int num_features = 0;
 };
 
-// How much a step of the first parameters lowers the squared residuals.
+// Reduction of the sum of squared residuals by a Gauss-Newton step in the first
+// `count` parameters.
 double Decrease(const PoseDeformationEquations& equations, Eigen::Index count) {
   const Eigen::VectorXd gradient = equations.gradient.head(count);
   return gradient.dot(
@@ -47,7 +48,7 @@ double ComputeDeformationShare(const AdjustmentResult& adjusted,
   }
   double squares = 0, degrees = 0, taken = 0, num_bends = 0;
   for (const PoseDeformationEquations& pose : poses) {
-    // With fewer, bends take noise as well as errors.
+    // With fewer features, deformation modes would fit noise.
     if (pose.num_features < size) continue;
     squares += pose.squares;
     degrees += 2 * pose.num_features - 6;
@@ -55,7 +56,7 @@ double ComputeDeformationShare(const AdjustmentResult& adjusted,
     num_bends += static_cast<double>(
         (pose.matrix.diagonal().tail(size - 6).array() > 0).count());
   }
-  if (!(degrees > 2 * num_bends)) return 1;  // too few features to tell
+  if (!(degrees > 2 * num_bends)) return 1;  // not observable
   const double noise = (squares - taken) / (degrees - num_bends);
   return squares > 0 ? (taken - num_bends * noise) / squares : 0;
 }

@@ -26,12 +26,13 @@ double ErrorCapPx(const ImageSize& size) {
 double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
                           const AdjustmentResult& start) {
   const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
-  double less = 0;  // than all features at the cap
+  double less = 0;  // reduction relative to all features at the cap
   for (const Residual& residual :
        ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
     if (residual.valid)
       less += cap_px - std::min(residual.error_px.norm(), cap_px);
-  // Features that were not projected have no error.
+  // The error of rejected features that could not be projected is stored as
+  // zero.
   for (const auto& rejected : adjusted.rejected_features)
     for (const FeatureResidual& residual : rejected)
       if (!residual.error_px.isZero(0))

@@ -15,7 +15,8 @@ double AngleFromAxis(const Eigen::Vector3d& ray) {
   return std::atan2(ray.head<2>().norm(), ray.z());
 }
 
-// How a lens goes on beyond an angle.
+// Extrapolates the radial projection curve of a lens beyond its valid angle of
+// incidence.
 class Continuation {
  public:
   explicit Continuation(const CameraModel& lens)
@@ -24,14 +25,14 @@ class Continuation {
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const {
     if (!center_) return std::nullopt;
     const Eigen::Vector2d side = pixel - *center_;
-    // From where the lens ends on this side.
+    // Largest valid angle of incidence on this side of the image.
     double end = kMaxAngleRad;
     while (end > kStep && !RadiusPx(end, side)) end -= kStep;
     const auto radius = RadiusPx(end, side);
     const auto before = RadiusPx(end - kStep, side);
     if (!radius || !before || !(*radius > *before) || side.norm() < *radius)
       return std::nullopt;
-    // The slope tends to infinity where a lens is about to fold.
+    // The slope tends to infinity near a fold of the projection.
     const double slope =
         std::min(kStep / (*radius - *before), kMaxSlope * end / *radius);
     const double room = kLargest - end;
@@ -41,16 +42,16 @@ class Continuation {
 
  private:
   static constexpr double kStep = 0.02, kLargest = kMaxAngleRad + kStep;
-  static constexpr double kMaxSlope = 2;  // of the mean one as far as the end
+  static constexpr double kMaxSlope = 2;  // relative to the mean slope
 
-  // The direction at an angle from the axis, to the side of an offset from the
-  // centre in the image.
+  // Direction at an angle from the optical axis, towards an image offset from
+  // the centre.
   static Eigen::Vector3d At(double angle_rad, const Eigen::Vector2d& side) {
     const Eigen::Vector2d across = std::sin(angle_rad) * side.normalized();
     return {across.x(), across.y(), std::cos(angle_rad)};
   }
 
-  // The distance of that direction's pixel from the centre.
+  // Distance in pixels of that direction's projection from the centre.
   std::optional<double> RadiusPx(double angle_rad,
                                  const Eigen::Vector2d& side) const {
     constexpr double kAnywherePx = 1e9;

@@ -11,11 +11,11 @@
 namespace raygrid {
 namespace {
 
-// 1/50 of the maximum acceptable rotation of a frame.
+// Rotations below 1/50 of the maximum acceptable frame rotation are negligible.
 constexpr double kStillRad = kMaxFrameRotationRad / 50;
 
-// Rotates the prior of a grid: same precision, rotated mean. Points of lines
-// have the prior mean 0 in any frame.
+// Rotates the prior of a grid: the mean is rotated and the precision is kept.
+// The points of observation lines have the prior mean 0 in any frame.
 CameraPrior MakeRotatedPrior(const CameraPrior& prior,
                              const CameraModel& camera,
                              const std::vector<Eigen::Vector2d>& observed_px,
@@ -39,9 +39,10 @@ CameraPrior MakeRotatedPrior(const CameraPrior& prior,
   return turned;
 }
 
-// Rotated surfaces are fitted anew; parts without observations, such as corners
-// behind a fold, are then arbitrary, so the orientation is fixed relative to
-// the state's own.
+// Rotates a camera and its prior. The rotated surfaces are refitted, which
+// leaves parts without observations arbitrary, such as corners behind a fold;
+// the orientation constraint is therefore defined relative to the refitted
+// state.
 void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
                   AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
@@ -58,7 +59,8 @@ void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
       state.camera_from_rig[camera];
 }
 
-// Returns whether any camera was rotated.
+// Rotates cameras to their reference frames; returns whether any camera was
+// rotated.
 bool RotateCameras(AdjustmentResult* adjusted) {
   bool have_turned = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// camera_from_pattern of each view, estimated by its camera alone.
+// Estimates camera_from_pattern of each view from its camera alone.
 std::vector<std::optional<Pose>> LocalizeAlone(
     const RigModel& rig, const CalibrationProblem& problem, int num_threads) {
   std::vector<std::optional<Pose>> poses(problem.views.size());
@@ -33,8 +33,8 @@ double ComputeLoss(const AdjustmentState& state,
   return loss;
 }
 
-// Selects the best of the single views' poses, then minimizes the robust cost
-// over all views.
+// Estimates a frame's pose: selects the best of the single-view poses, then
+// minimizes the robust cost over all views.
 std::optional<Pose> LocalizeTogether(
     const AdjustmentState& rig, const std::vector<View>& views,
     const std::vector<Pose>& rig_from_pattern) {

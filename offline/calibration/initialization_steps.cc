@@ -20,8 +20,8 @@
 namespace raygrid {
 namespace {
 
-// Whether there are enough images for each camera without near-duplicates and
-// held-out images.
+// Whether each camera has enough images without near-duplicates and held-out
+// images.
 bool HasEnoughViews(const std::vector<Dataset>& cameras,
                     const std::vector<NearDuplicates>& groups,
                     const std::vector<std::string>& held_out) {
@@ -57,9 +57,9 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
   DetectNearDuplicates();
 }
 
-// Near-duplicates of training images are predicted well by any camera, so that
-// they count as one image from here on. If too few images remain, all are kept,
-// since the assessment then reports that they are similar.
+// Detects near-duplicates: any camera predicts them well from each other, so
+// each group counts as one image from here on. If too few images remain, all
+// are kept, and the assessment reports their similarity.
 void Calibration::DetectNearDuplicates() {
   std::vector<Dataset> datasets;
   for (const CameraInProgress& camera : cameras_)
@@ -120,7 +120,7 @@ bool Calibration::DoBoardsDeform() const {
 // ---- Initialization --------------------------------------------------------
 
 void Calibration::StartFromImages(CameraInProgress* camera) const {
-  // The camera from before the refinement of features, if any.
+  // Camera from before the feature refinement, if any.
   const auto& known = camera->lens.state.cameras;
   const std::string base_model = camera->lens.problem.base_model;
   try {
@@ -177,10 +177,11 @@ void Calibration::RefineFeatures() {
 
 // ---- Board rotations -------------------------------------------------------
 
-// Adds rotations to a camera's, and initializes it again.
+// Applies additional rotations to the boards of a camera, and repeats its
+// initialization.
 void Calibration::RotateBoards(const BoardRotations& turns,
                                CameraInProgress* camera) const {
-  BoardRotations own;  // of images that this camera has
+  BoardRotations own;  // of images of this camera
   for (const ImageFeatures& image : camera->input->dataset.images)
     for (const Board& board : pattern_.boards)
       if (const auto found = turns.find({image.image, board.id});
@@ -207,7 +208,8 @@ void Calibration::RotateBoardsAcrossCameras() {
   result_.ambiguous_pairs = std::move(found.ambiguous);
 }
 
-// Nominal points are invariant to a rotation; only estimated ones reveal it.
+// Resolves board rotations from the estimated geometry; the nominal geometry is
+// invariant to them.
 void Calibration::RotateBoardsByGeometry() {
   CalibrationOptions nominal = options_;
   nominal.fix_target_geometry = true;
@@ -224,7 +226,8 @@ void Calibration::RotateBoardsByGeometry() {
   const auto [turns, doubtful] = ResolveRotationsByGeometry(cameras, pattern_);
   WarnAboutAmbiguousRotations(doubtful);
   if (turns.empty()) return;
-  // Errors of the model may resemble board errors: estimated points decide.
+  // Model errors may resemble board errors, so that rotations are kept only if
+  // the estimated points support them.
   struct AsBefore {
     BoardRotations turns;
     Dataset dataset;
@@ -281,8 +284,10 @@ bool Calibration::AreLineDelaysRequested() const {
   });
 }
 
-// A first camera and its board partly absorb the motion, and reduce the line
-// delay. It is estimated again from features without most of the motion.
+// Estimates the line delay and compensates the rolling shutter. The initial
+// camera and board poses absorb part of the motion, which biases the line delay
+// towards zero; the estimation is therefore repeated on features from which
+// most of the motion was removed.
 void Calibration::CompensateRollingShutter(CameraInProgress* camera) const {
   constexpr int kMaxRounds = 6;
   double before_s = 0;

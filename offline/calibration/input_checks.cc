@@ -18,7 +18,8 @@
 namespace raygrid {
 namespace {
 
-// Other parametric models have no prior for unobservable parameters yet.
+// Requires a model that supports calibration; other parametric models have no
+// prior for unobservable parameters yet.
 void RequireKnownModel(const std::string& model) {
   std::vector<std::string> known = ListCalibratedModels();
   known.insert(known.begin(), kAutoModel);
@@ -47,8 +48,8 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
                       cameras.size() > 1 ? "no frame" : "no image"));
 }
 
-// Connected by boards that both observe in one frame, or by boards of possible
-// rigid targets.
+// Requires a rig that is connected by boards that two cameras observe in one
+// frame, or by boards that may form a rigid target.
 void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
                              const Pattern& pattern, bool independent_boards) {
   std::vector<std::string> names;
@@ -69,7 +70,8 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   RequireConnected(names, problem);
 }
 
-// One camera given as two would be a rig without a baseline.
+// Rejects identical images for two cameras: they would form a rig with a zero
+// baseline.
 void RequireDistinctImages(const std::vector<CalibrationInput>& cameras) {
   for (size_t c = 1; c < cameras.size(); ++c)
     for (size_t other = 0; other < c; ++other) {

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// A finer grid has to gain more, as it takes time: in standard deviations.
+// Minimum gain of a finer grid, in standard deviations; finer grids are slower.
 constexpr double kFinerGain = 2;
 
 bool Try(std::vector<int> resolutions,
@@ -28,7 +28,7 @@ bool Try(std::vector<int> resolutions,
   return true;
 }
 
-// The residuals in the images of others.
+// Selects the residuals in images that also occur in `others`.
 std::vector<FeatureResidual> SelectResidualsInImages(
     const std::vector<FeatureResidual>& others,
     const std::vector<FeatureResidual>& residuals) {
@@ -45,7 +45,8 @@ std::vector<FeatureResidual> SelectResidualsInImages(
 double ComputeLossGain(const std::vector<FeatureResidual>& others,
                        const std::vector<FeatureResidual>& residuals,
                        double huber_px) {
-  // A feature that only one of both has counts as huber_px off.
+  // A feature that is missing in one of the sets counts with an error of
+  // huber_px.
   struct Losses {
     double others, ours;
   };
@@ -91,14 +92,14 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
   const auto may_gain = [&](int to) {
     if (!probe || search.tried.count(to) > 0) return true;
     const std::vector<FeatureResidual> part = probe(to);
-    if (part.empty()) return true;  // after a stop
+    if (part.empty()) return true;  // cancelled
     return ComputeLossGain(
                SelectResidualsInImages(part, search.tried.at(search.chosen)),
                part) > 0;
   };
   medium = std::min(medium, num_resolutions - 1);
   search.chosen = medium;
-  // Two at a time are done sooner than one after the other.
+  // Evaluating two candidates concurrently is faster than in sequence.
   std::vector<int> first = {medium};
   if (medium > 0) first.push_back(medium - 1);
   if (!Try(first, measure, &search)) return std::nullopt;

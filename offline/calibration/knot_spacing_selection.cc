@@ -13,7 +13,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxGridParameters = 40000;
-constexpr int kMedium = 2;  // candidate
+constexpr int kMedium = 2;  // index of the medium candidate
 
 }  // namespace
 
@@ -55,7 +55,7 @@ KnotSpacingCandidate SummarizeCandidate(
         HuberLoss(norms.back(), 1) / static_cast<double>(held_out.size());
   }
   candidate.median_px = Quantile(norms, 0.5);
-  if (norms.empty()) candidate.loss = INFINITY;  // nothing could be localised
+  if (norms.empty()) candidate.loss = INFINITY;  // no pose could be estimated
   return candidate;
 }
 
@@ -73,7 +73,8 @@ void SelectKnotSpacing(const Pattern& pattern,
   const int num_folds = camera->folds.count();
   if (num_folds == 0) return;
 
-  // Others are initialized from the camera: they are coarser, or come first.
+  // Trials of the remaining candidates are initialized from the camera; they
+  // use coarser grids or run first.
   if (kMedium < static_cast<int>(cells.size()))
     camera->folds.knot_spacing_levels_px.assign(cells.begin() + kMedium,
                                                 cells.end());
@@ -81,7 +82,8 @@ void SelectKnotSpacing(const Pattern& pattern,
   ValidationOptions validation = MakeValidationOptions(options);
   validation.keep_rigid = true;
   validation.on_done = [camera] { camera->Save(); };
-  // The number of candidates is not known in advance.
+  // The total number of candidates is not known in advance, so progress covers
+  // half of the remainder each time.
   double done = 0;
   const auto measure = [&](const std::vector<int>& which) {
     const double left = 1 - done;

@@ -17,10 +17,11 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinPartImages = 4;  // of each camera
-constexpr size_t kMaxFeatures = 60;   // of an image, to look for parts
-// Maximum ratio of the RMS residuals of two cameras and one. Random splits, or
-// a single lens with local distortion, reduce the residuals far less.
+constexpr size_t kMinPartImages = 4;  // minimum images per camera
+constexpr size_t kMaxFeatures = 60;   // per image, for the search
+// Maximum ratio of the RMS residuals of two cameras to those of one. Random
+// splits, or a single lens with local distortion, reduce the residuals much
+// less.
 constexpr double kMuchBetter = 0.8;
 constexpr size_t kNumChanceSplits = 2;
 
@@ -51,7 +52,7 @@ bool HasCorrelatedErrors(const std::vector<FeatureResidual>& residuals) {
                              ComputeErrorMetrics(residuals));
 }
 
-// Returns a name without its digits.
+// Removes the digits from a name.
 std::string Stem(const std::string& name) {
   std::string stem;
   for (const char c : name)
@@ -69,8 +70,8 @@ std::optional<Names> FirstOfTwoStems(const Dataset& dataset) {
   return by_stem.begin()->second;
 }
 
-// The images whose residuals, as a field over the image, are on one side of
-// their mean: along the few directions in which they differ most.
+// Splits the images by the sign of their residual fields, relative to the mean
+// field, along each of the first principal directions of variation.
 std::vector<Names> SplitsByResiduals(
     const std::vector<FeatureResidual>& residuals, const ImageSize& size) {
   constexpr int kNumSplits = 3;
@@ -111,7 +112,7 @@ std::vector<Names> SplitsByResiduals(
   return splits;
 }
 
-// The first half of the sorted images: files of two cameras in one folder.
+// The first half of the sorted images, for files of two cameras in one folder.
 Names FirstHalf(const Dataset& dataset) {
   Names all;
   for (const ImageFeatures& image : dataset.images) all.insert(image.image);
@@ -164,14 +165,14 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
   return names;
 }
 
-// The knot spacing of an initial camera that is a grid.
+// Knot spacing of an initial camera that is a grid; 0 for other models.
 double GetKnotSpacingPx(const CameraModel& lens) {
   const BSplineSurface* grid = lens.DirectionGrid();
   return grid ? std::max(grid->cell_width(), grid->cell_height()) : 0;
 }
 
-// Residuals of a camera of its own whose board may bend, too, from the lens of
-// all images; none if it cannot be adjusted.
+// Residuals of a separate camera with board deformation, initialized from the
+// joint camera; empty if the adjustment fails.
 std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
                                            const Pattern& pattern,
                                            const CameraModel& joint,
@@ -188,7 +189,7 @@ std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
   }
 }
 
-// Returns the views of some images, or of all others.
+// Returns the views of the named images, or of all other images.
 AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
                         bool is_first) {
   AdjustmentResult part = joint;
@@ -204,7 +205,8 @@ AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
   return part;
 }
 
-// Two cameras, each optimized for its views, initialized from the joint camera.
+// Two cameras, each optimized on its own views and initialized from the joint
+// camera.
 class TwoFits {
  public:
   TwoFits(const AdjustmentResult& joint, const Pattern& pattern,
@@ -226,7 +228,7 @@ class TwoFits {
     return MeanSquareOfBoth(residuals_[0], residuals_[1]);
   }
 
-  // The images that the first camera predicts better.
+  // The images that the first camera predicts better than the second one.
   Names PreferringFirst(const Dataset& dataset) const {
     std::map<std::string, double> better;
     for (int k = 0; k < 2; ++k) {
@@ -255,8 +257,8 @@ class TwoFits {
   std::vector<std::vector<FeatureResidual>> residuals_;
 };
 
-// A part of the features that suffices to determine the dozen parameters of two
-// cameras.
+// Selects a subset of the features that suffices for the roughly twelve
+// parameters of each of two cameras.
 Dataset Subsample(const Dataset& all) {
   constexpr size_t kMaxImages = 40;
   Dataset thinned = all;
@@ -266,7 +268,7 @@ Dataset Subsample(const Dataset& all) {
   return thinned;
 }
 
-// The views of a thinned dataset.
+// Selects the views of a subsampled dataset.
 AdjustmentResult SelectSubsampledViews(const AdjustmentResult& joint,
                                        const Dataset& thinned) {
   const std::vector<std::string> names = NamesOf(thinned);
@@ -276,15 +278,16 @@ AdjustmentResult SelectSubsampledViews(const AdjustmentResult& joint,
   return only;
 }
 
-// The split of all images whose two cameras fit some images best, if it is
-// worth a full adjustment.
+// Returns the split of all images whose two cameras fit a subset of the images
+// best, if it justifies a full adjustment.
 std::optional<Names> FindBestSplit(
     const Dataset& all, const Pattern& pattern, const AdjustmentResult& joint,
     const std::vector<FeatureResidual>& residuals,
     const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
   constexpr double kWorthAnotherLook = 0.9;
-  // A linear step predicts the remaining share of an adjustment to 0.003.
+  // One linear step predicts the residual ratio of a full adjustment to within
+  // 0.003.
   constexpr double kWorthAdjusting = 0.92;
   double best = kWorthAnotherLook * MeanSquare(residuals);
   std::optional<Names> best_split;
@@ -312,8 +315,9 @@ std::optional<Names> FindBestSplit(
   return best_split;
 }
 
-// The mean square of two cameras that are fully adjusted to parts of the
-// images; infinite if they cannot be, or still err alike and must not.
+// Mean squared residual of two cameras that are fully adjusted to their parts
+// of the images. Infinite if an adjustment fails, or if residuals are still
+// correlated and this is not allowed.
 double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
                          const CameraModel& joint,
                          const AdjustmentOptions& options, bool may_err_alike) {
@@ -328,9 +332,9 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
   return MeanSquareOfBoth(residuals[0], residuals[1]);
 }
 
-// The smallest mean square of two parts of the same sizes, with images at equal
-// intervals in the order of names. If the model does not fit the lens, any two
-// parts are fitted better.
+// The smallest mean squared residual over control splits into parts of the same
+// sizes, with images at equal intervals in name order. If the model does not
+// fit the lens, any split reduces the residuals.
 double MeanSquareByChance(const Dataset& dataset, size_t num_first,
                           const Pattern& pattern, const CameraModel& joint,
                           const AdjustmentOptions& options) {
@@ -356,7 +360,8 @@ std::optional<MixedCameras> DetectMixedCameras(
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
-  // Points that are free in each part would absorb more than camera models can.
+  // Points that are estimated separately for each part would absorb more than
+  // the camera models.
   AdjustmentOptions fixed = options;
   fixed.fix_points = true;
   const auto first = FindBestSplit(training, pattern, joint, residuals, fixed);

@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-// The origin of a non-central camera's frame is the point nearest to all lines,
-// since it is not observable.
+// Moves the origin of each non-central camera, which is not observable, to the
+// point closest to all observation lines.
 void CenterLines(AdjustmentState* state) {
   bool have_moved = false;
   for (size_t c = 0; c < state->cameras.size(); ++c) {
@@ -38,7 +38,8 @@ void CenterLines(AdjustmentState* state) {
   if (have_moved) state->MoveRigToFirstCamera();
 }
 
-// Without outliers, board deformation may become observable.
+// Estimates static deformation, which may become observable once outliers are
+// removed.
 void EstimateStaticDeformation(AdjustmentResult* adjusted) {
   AdjustmentState& state = adjusted->state;
   state.ApplyStaticDeformation();
@@ -52,7 +53,7 @@ void ContinueOptimization(const AdjustmentOptions& options,
       adjusted->problem.views, options, &adjusted->prior, &adjusted->state);
 }
 
-// Initial grids with the base models as prior mean, and a prior precision
+// Initializes grids with the base models as prior mean and a prior precision
 // according to the residuals.
 void InitializeGrids(const std::string& model, const InitialValues& starts,
                      const AdjustmentOptions& options,
@@ -83,7 +84,7 @@ void InitializeGrids(const std::string& model, const InitialValues& starts,
     for (PriorGroup& group : prior.groups) group.SetPrecision(1, variance);
 }
 
-// The steps of OptimizeWithRigidBoards() from the current state.
+// Performs the steps of OptimizeWithRigidBoards() from the current state.
 void AdjustFromLenses(const Pattern& pattern, const std::string& model,
                       const std::vector<double>& knot_spacings_px,
                       const AdjustmentOptions& options,
@@ -97,7 +98,7 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
         {lenses, knot_spacings_px, adjusted->base_lenses, other_spacing}, with,
         &adjusted->prior, &adjusted->state);
   };
-  // Stop early if there are outliers, which are removed first.
+  // Stops the first stage early if there are outliers, which are then removed.
   AdjustmentOptions first = options;
   if (!IsParametricModel(model))
     first.should_accept = [adjusted](const std::vector<Residual>& residuals) {
@@ -112,7 +113,8 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
       ContinueOptimization(options, adjusted);
       break;
     case RemovalResult::kPartOfArea:
-      // Initial cameras without an axis may have been rotated (SetLens()).
+      // Initial cameras without an optical axis may have been rotated by
+      // SetLens().
       if (!AreParametric(lenses)) adjusted->state = start;
       if (!IsParametricModel(model)) {
         for (size_t c = 0; c < lenses.size(); ++c)
@@ -126,8 +128,8 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
 }
 
 // Adjusts from initial cameras of other models if the given one diverges. If
-// all diverge, a grid fitted to the given one is the result, not converged, if
-// it has the smallest error.
+// all of them diverge, a grid fitted to the given one is returned, marked as
+// not converged, provided it has the smallest error.
 void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                            const std::vector<double>& knot_spacings_px,
                            const AdjustmentOptions& options,
@@ -149,7 +151,8 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     *adjusted = std::move(from);
   }
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
-  // The knot spacing may be too coarse for the lens: then this is no better.
+  // If the knot spacing is too coarse for the lens, the initial grid is no
+  // better.
   AdjustmentResult around = start;
   InitializeGrids(model, {CopyCameras(start.state), knot_spacings_px, {}},
                   options, &around);
@@ -157,8 +160,8 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
     *adjusted = std::move(around);
 }
 
-// Whether the initial cameras were of the same model: others may fit the lens
-// better than the model can.
+// Whether divergence can be assessed: only if the initial cameras had the same
+// model, since other models may fit the lens better than this one can.
 bool CanJudge(const AdjustmentState& start, const std::string& model) {
   return !IsParametricModel(model) ||
          std::all_of(
@@ -209,7 +212,7 @@ double EstimateFlatnessError(const Pattern& pattern,
   AlignBoards(pattern, &adjusted);
   double height_m = 0;
   for (const Board& board : MakeEstimatedPattern(pattern, adjusted).boards)
-    if (!board.IsPointSet())  // these may have depth
+    if (!board.IsPointSet())  // point sets may be non-planar
       height_m = std::max(height_m, MeasureFlatness(board).rms_height_m);
   return height_m;
 }
@@ -243,7 +246,7 @@ void FinalizeCameras(AdjustmentResult* adjusted) {
 
 void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted) {
   const CalibrationProblem& problem = adjusted->problem;
-  // Poses of a rigid target are poses of the board that defines its frame.
+  // The pose of a rigid target is the pose of the board that defines its frame.
   std::vector<std::set<int>> poses(pattern.boards.size());
   std::vector<bool> is_seen(pattern.boards.size());
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -270,7 +273,7 @@ void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted) {
 
 bool HavePointsMoved(const AdjustmentResult& adjusted) {
   constexpr double kRoundingM = 1e-9;
-  constexpr Eigen::Index kLeast = 3;  // fewer do not tell a motion
+  constexpr Eigen::Index kLeast = 3;  // minimum to determine a rigid motion
   const std::vector<int>& firsts = adjusted.problem.first_points;
   const std::vector<Eigen::Vector3d>& points = adjusted.state.points;
   for (size_t b = 0; b < firsts.size(); ++b) {
@@ -281,7 +284,8 @@ bool HavePointsMoved(const AdjustmentResult& adjusted) {
       from.col(i) = adjusted.problem.nominal[firsts[b] + i];
       to.col(i) = points[firsts[b] + i];
     }
-    // Alignment includes static deformation, which moves and scales a board.
+    // The alignment removes the part of static deformation that moves and
+    // scales a board.
     if (count >= kLeast)
       from = (Eigen::umeyama(from, to) * from.colwise().homogeneous())
                  .topRows<3>()

@@ -52,7 +52,7 @@ std::optional<Dataset> RefineFeaturesWithModel(
       model, first.pattern,
       LocalizeAllBoards(model, camera.dataset, first.pattern,
                         NumThreads(options.num_threads)));
-  if (options.ShouldStop()) return std::nullopt;  // it may not be complete
+  if (options.ShouldStop()) return std::nullopt;  // possibly incomplete
   return RemoveDuplicates(again, camera.result.near_duplicates);
 }
 

@@ -15,10 +15,10 @@ namespace {
 using models::kCentralGeneric;
 using models::kNonCentralGeneric;
 
-// Gains over the central grid, in standard errors.
+// Minimum gains over the central grid, in standard errors.
 constexpr double kParametricGain = 1, kNoncentralGain = 2;
 
-// One camera's cross-validation of several models.
+// Cross-validates several models of one camera.
 class ModelComparison {
  public:
   ModelComparison(const Pattern& pattern, const CalibrationOptions& options,
@@ -43,10 +43,11 @@ class ModelComparison {
 
   bool IsValid() const { return HasResiduals(grid_); }
 
-  // Trials of the camera's folds.
+  // Trials of the camera's folds by model.
   const ModelTrials& trials() const { return trials_; }
 
-  // In standard errors; minus infinity for a model that fails.
+  // Gain over the central grid in standard errors; minus infinity if the model
+  // fails.
   double ComputeGain(const std::string& model, double knot_spacing_px) {
     const HeldOutResiduals held_out = CrossValidated(model, knot_spacing_px);
     if (!HasResiduals(held_out))
@@ -73,7 +74,7 @@ class ModelComparison {
       CrossValidate(pattern_, validation, {{knot_spacing_px}}, &folds_,
                     &trials);
     } catch (const Error&) {
-      return {};  // views that the model cannot describe
+      return {};  // views that the model cannot represent
     }
     if (camera_->folds.count() > 0) trials_[model] = trials;
     return JoinFolds(trials, folds_.count(), {knot_spacing_px},
@@ -95,7 +96,7 @@ class ModelComparison {
   Folds folds_;
   ModelTrials trials_;
   HeldOutResiduals grid_;
-  // Losses are Huber's of this, so that a few outliers do not decide.
+  // Huber threshold of the losses, so that a few outliers do not dominate.
   double grid_median_px_ = 1;
 };
 
@@ -111,7 +112,7 @@ ModelSelection SelectModel(const Pattern& pattern,
     comparisons.emplace_back(pattern, options, &camera);
     if (!comparisons.back().IsValid()) return selection;
   }
-  // The least gain of all cameras counts.
+  // The smallest gain over all cameras decides.
   const auto gain_of = [&](const std::string& model, bool is_grid) {
     double least = std::numeric_limits<double>::infinity();
     for (size_t c = 0; c < cameras->size(); ++c) {

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// A board in one camera's image of a frame.
+// The features of one board in one camera's image of a frame.
 struct SeenPart {
   size_t camera;
   int board;
@@ -21,8 +21,7 @@ struct FrameSet {
   std::string name;
   bool is_held_out = false;
   size_t num_features = 0;
-  std::vector<SeenPart> parts;  // by camera and board; those too small to use
-                                // are left out
+  std::vector<SeenPart> parts;  // by camera and board, without small parts
 };
 
 void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
@@ -40,7 +39,7 @@ void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
   }
 }
 
-// Sorted by priority as a representative.
+// Sorts frames by their priority as the representative of a group.
 std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
                                  const std::vector<std::string>& held_out) {
   std::vector<FrameSet> frame_sets;
@@ -69,7 +68,7 @@ std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
   return frame_sets;
 }
 
-// Whether a part adds no information to the other one.
+// Whether a part adds no information to another one.
 bool IsDetermined(const SeenPart& part, const SeenPart& other,
                   double duplicate_px) {
   constexpr double kCommonPart = 0.5, kMovedPart = 0.1;
@@ -80,7 +79,7 @@ bool IsDetermined(const SeenPart& part, const SeenPart& other,
     if (found == other.pixels.end()) continue;
     ++num_common;
     if ((found->second - pixel).norm() < duplicate_px) continue;
-    // Most views differ, which a few features show.
+    // Most views differ, and a few moved features suffice to show it.
     if (static_cast<double>(++num_moved) > kMovedPart * size) return false;
   }
   const auto common = static_cast<double>(num_common);
@@ -167,7 +166,7 @@ std::vector<NearDuplicates> FindNearDuplicates(
   groups.erase(std::remove_if(groups.begin(), groups.end(),
                               [](const auto& g) { return g.others.empty(); }),
                groups.end());
-  // Sorted by name, whichever has the most features.
+  // Sorts by name, independent of which image has the most features.
   for (NearDuplicates& group : groups)
     std::sort(group.others.begin(), group.others.end());
   std::sort(groups.begin(), groups.end(),

@@ -28,7 +28,7 @@
 namespace raygrid {
 namespace {
 
-// Fraction of the variance of one variable that is uncorrelated with the other
+// Fraction of the variance of one parameter that is uncorrelated with the other
 // one.
 double ComputeUncorrelatedFraction(const Eigen::MatrixX2d& values) {
   const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
@@ -37,13 +37,13 @@ double ComputeUncorrelatedFraction(const Eigen::MatrixX2d& values) {
   return 1 - product * product / (squares[0] * squares[1]);
 }
 
-// Throws if all images have one value of a variable, or the two variables are
-// correlated.
+// Throws if a parameter has the same value in all images, or if the two
+// parameters are correlated.
 void RequireSpread(const ImageOperatingPoints& conditions,
                    const std::vector<OperatingPoint>& values) {
   for (size_t k = 0; k < conditions.conditions.size(); ++k) {
     const std::string name = OperatingParameterName(conditions.conditions[k]);
-    // Nothing changes by less.
+    // Smaller differences have no measurable effect on a camera.
     const double least =
         conditions.conditions[k] == OperatingParameter::kLensPosition ? 0.01
                                                                       : 0.1;
@@ -69,7 +69,7 @@ void RequireSpread(const ImageOperatingPoints& conditions,
                                                : std::string("--vary-with")));
   }
   if (conditions.conditions.size() < 2) return;
-  // Below this, changes cannot be attributed to one of the variables.
+  // Below this fraction, changes cannot be attributed to one of the parameters.
   constexpr double kMinFraction = 0.05;
   Eigen::MatrixX2d both(values.size(), 2);
   for (size_t i = 0; i < values.size(); ++i)
@@ -82,10 +82,10 @@ void RequireSpread(const ImageOperatingPoints& conditions,
         "calibrate over only one of the two quantities");
 }
 
-// Maximum value in a blob: formats/SPEC.md, "Operating points".
+// Maximum value that a blob can store: formats/SPEC.md, "Operating points".
 constexpr double kMostValue = 1024;
 
-// Requires equal values of images that are copies of each other.
+// Requires equal operating points for duplicate images.
 void RequireEqualValuesOfDuplicates(const Dataset& dataset,
                                     const ImageOperatingPoints& conditions) {
   const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
@@ -131,8 +131,8 @@ void RequireConditions(const Dataset& dataset,
 
 using FeatureKey = std::tuple<std::string, int, int, int>;
 
-// The features of the images that have poses, where images show them, but for
-// those that were rejected.
+// Returns the features of the images with poses, at their observed positions
+// and without rejected ones.
 Dataset SelectUsedImages(const Dataset& given,
                          const CalibrationResult& result) {
   std::set<FeatureKey> rejected;
@@ -151,8 +151,8 @@ Dataset SelectUsedImages(const Dataset& given,
   return used;
 }
 
-// The problem of all images at their conditions, from where the camera in the
-// middle left poses and boards.
+// Sets up the problem of all images at their operating points, starting from
+// the poses and boards of the mid-range camera.
 AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
                            const ImageOperatingPoints& conditions,
                            const Pattern& pattern,
@@ -190,7 +190,7 @@ AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
   return adjusted;
 }
 
-// Continues with all images at their operating points.
+// Optimizes all images at their operating points.
 void OptimizeOperatingPointModel(const CalibrationResult& result,
                                  const Pattern& pattern,
                                  const CalibrationOptions& options,
@@ -218,10 +218,11 @@ void OptimizeOperatingPointModel(const CalibrationResult& result,
   AlignBoards(pattern, adjusted);
 }
 
-// Returns all tuples of evenly spaced values of the ranges, ascending.
+// Returns the Cartesian product of evenly spaced values over the ranges, in
+// ascending order.
 std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
-  // The second condition changes the camera little, and each value takes time
-  // and room.
+  // The second parameter changes the camera little, and each value costs
+  // computation time and storage.
   constexpr int kNumFirst = 5, kNumSecond = 3;
   std::vector<OperatingPoint> all = {{}};
   for (const OperatingRange& range : stack.ranges()) {
@@ -237,7 +238,7 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
   return all;
 }
 
-// Computes the model's standard deviations at values over its ranges.
+// Computes the standard deviations of the model at values over its ranges.
 std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
     const AdjustmentResult& adjusted, int num_threads) {
   const OperatingPointModel& stack = *adjusted.state.camera().Stack();
@@ -253,7 +254,7 @@ std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
   return deviations;
 }
 
-// RMS of the part of t^(order + 1) that polynomials of this order cannot fit.
+// RMS of the residual of t^(order + 1) after fitting polynomials of this order.
 double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
   Eigen::MatrixXd powers(t.size(), order + 1);
   for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);
@@ -263,7 +264,7 @@ double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
   return std::sqrt(beyond.squaredNorm() / static_cast<double>(t.size()));
 }
 
-// Returns the centre of the widest gap between values.
+// Returns the centre of the widest gap between the values.
 double FindWidestGapCenter(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   size_t widest = 1;
@@ -273,11 +274,11 @@ double FindWidestGapCenter(std::vector<double> values) {
   return (values[widest - 1] + values[widest]) / 2;
 }
 
-// A line fits any two values: images there show no error of the cameras between
-// them.
+// Returns parameters whose polynomial order cannot be validated: a line fits
+// any two values, so that images at these reveal no interpolation error.
 std::vector<std::string> FindUntestedParameters(
     const OperatingPointModel& stack, const AdjustmentResult& adjusted) {
-  constexpr double kMinFraction = 0.3;  // of what evenly spread values show
+  constexpr double kMinFraction = 0.3;  // relative to evenly spaced values
   std::vector<std::string> untested;
   for (size_t k = 0; k < stack.ranges().size(); ++k) {
     const OperatingRange& range = stack.ranges()[k];
@@ -328,8 +329,8 @@ void WarnAboutCheck(const OperatingPointCheck& check, Assessment* assessment) {
   Warn(names + ": correct the values, or remove these images", assessment);
 }
 
-// Adjusts a model to the images of a problem from their features alone: its
-// previous state may have been distorted by images that were removed.
+// Optimizes a model from the features of a problem alone, since its previous
+// state may be distorted by images that were removed.
 void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
                           const Pattern& pattern,
                           const CalibrationOptions& options,
@@ -365,7 +366,8 @@ void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
                                                &adjusted->prior, &state);
 }
 
-// Replaces the result of the mid-range camera by the result of all images.
+// Replaces the result of the mid-range camera by that of the operating-point
+// model.
 void PutResult(const CalibrationInput& input,
                const ImageOperatingPoints& conditions, const Pattern& pattern,
                const CalibrationOptions& options,
@@ -384,7 +386,7 @@ void PutResult(const CalibrationInput& input,
   const auto readjust = [&](AdjustmentResult* fewer) {
     try {
       OptimizeFromFeatures(conditions, pattern, options, fewer);
-    } catch (const Error&) {  // they lead to no lens: the stack stays
+    } catch (const Error&) {  // not solvable: keeps the model
     }
   };
   std::vector<RejectedImage> rejected;
@@ -392,7 +394,8 @@ void PutResult(const CalibrationInput& input,
       adjusted, BuildProblem({input.dataset}, pattern, &rejected), readjust,
       options.num_threads);
   if (!check.unexplained.empty()) {
-    // Residuals of wrong values resemble board, motion or focus errors.
+    // Residuals due to wrong values resemble deformation, motion or focus
+    // errors.
     result->budget.reset();
     result->mixed_cameras.reset();
     result->flatness_error_m = 0;
@@ -441,7 +444,8 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   }
   CalibrationInput in_middle = input;
   in_middle.dataset = MapFeaturesToReference(input.dataset, conditions, *start);
-  // It would look where features were moved to.
+  // Refinement would search at the mapped, not at the observed feature
+  // positions.
   in_middle.refine_features = nullptr;
   CalibrationOptions of_mean = options;
   of_mean.progress = [&](const std::string& stage, double done) {
@@ -449,10 +453,10 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   };
   RigResult result = Calibrate({in_middle}, pattern, of_mean);
   CalibrationResult& camera = result.cameras.front();
-  // Features as given, but with boards rotated according to their poses.
+  // The observed features, with boards rotated according to their poses.
   const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
   if (options.ShouldStop()) {
-    // The camera is the mid-range camera, but files list the observed features.
+    // The result is the mid-range camera, but files list the observed features.
     camera.features = SelectUsedImages(turned, camera);
     return result;
   }

@@ -14,15 +14,17 @@
 namespace raygrid {
 namespace {
 
-// Minimum reported error, as a fraction of the range.
+// Minimum error to report, as a fraction of the range.
 constexpr double kMinFraction = 0.05;
-constexpr double kStatedPart = 0.02;   // of the range, that decimals show
-constexpr double kPerMedian = 1.4826;  // a normal deviation by a median
-// Probability that a calibration without wrong values names any image.
+constexpr double kStatedPart = 0.02;   // displayed resolution
+constexpr double kPerMedian = 1.4826;  // standard deviation / median
+// Probability of reporting any image in a calibration without wrong values.
 constexpr double kChance = 1e-3;
-// Reported if errors up to this fraction of the range are undetectable.
+// A parameter is reported if errors up to this fraction of its range are
+// undetectable.
 constexpr double kHardlyNoticed = 0.5;
-// Maximum fraction of wrong values; beyond it, the variable is unexplained.
+// Maximum fraction of wrong values; if there are more, the parameter does not
+// explain the images.
 constexpr double kMostLeftOut = 1.0 / 3;
 
 const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
@@ -31,7 +33,7 @@ const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
 
 double GetWidth(const OperatingRange& range) { return range.high - range.low; }
 
-// Converts a quantile of Student's distribution to the normal distribution
+// Converts a quantile of Student's t-distribution to the normal distribution
 // (Wallace, "Bounds on normal approximations to Student's and the chi-square
 // distributions", 1959).
 double NormalScore(double student, double freedom) {
@@ -39,14 +41,16 @@ double NormalScore(double student, double freedom) {
          std::sqrt(freedom * std::log1p(student * student / freedom));
 }
 
-// Whether the maximum of n random scores may be as large.
+// Whether a score exceeds the maximum that `count` random scores would reach by
+// chance.
 bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
          kChance;
 }
 
-// Detects wrong values by their deviations.
+// Detects wrong values from the steps that the normal equations suggest for
+// them.
 class StepOutlierTest {
  public:
   StepOutlierTest(const AdjustmentResult& adjusted,
@@ -58,7 +62,7 @@ class StepOutlierTest {
       scatters_.push_back(ComputeScatter(r, equations));
   }
 
-  // The smallest error of a value with a given deviation that is doubtful.
+  // Smallest detectable error of a value with the given standard deviation.
   double ComputeMinDetectableError(double deviation, int range) const {
     constexpr double kStep = 1.05;
     double error = kMinFraction * GetWidth(ranges_[range]);
@@ -72,8 +76,8 @@ class StepOutlierTest {
   }
 
  private:
-  // Scatter of the steps of a range in units of their deviations: other model
-  // errors shift values, too.
+  // Ratio of the actual scatter of the steps of a range to their standard
+  // deviations: other model errors shift values as well.
   static double ComputeScatter(int range, const ValueEquations& equations) {
     std::vector<double> scores;
     for (Eigen::Index i = range; i < equations.count();
@@ -88,7 +92,7 @@ class StepOutlierTest {
   Eigen::Index count_;
 };
 
-// Returns the images whose values are doubtful by the normal equations.
+// Returns the images whose values are inconsistent with the normal equations.
 std::set<std::string> FindImagesWithDoubtfulValues(
     const AdjustmentResult& adjusted, const ValueEquations& equations) {
   const StepOutlierTest judge(adjusted, equations);
@@ -118,7 +122,7 @@ void RemoveImages(const std::set<std::string>& images,
   if (state.HasPerViewDeformation()) adjusted->state.flex = std::move(flex);
 }
 
-// The views of an image with all of its features: features that are least
+// Returns the views of an image with all its features, since those least
 // consistent with the stated value were rejected as outliers.
 std::vector<View> ViewsOf(const std::string& image,
                           const CalibrationProblem& problem,
@@ -135,7 +139,8 @@ std::vector<View> ViewsOf(const std::string& image,
 }
 
 // Whether images differ significantly, but stated values explain the
-// differences no better than random ones, or leave most unexplained.
+// differences no better than permuted values, or leave most of them
+// unexplained.
 bool AreUnexplained(const ValueRegression& regression,
                     const OperatingRange& range) {
   constexpr double kManyDeviations = 3, kLikely = 0.01, kLeftPart = 0.15;
@@ -145,7 +150,8 @@ bool AreUnexplained(const ValueRegression& regression,
           regression.left > kLeftPart * GetWidth(range));
 }
 
-// Images whose fitted values deviate from the regression on stated values.
+// Finds images whose fitted values deviate from the regression on stated
+// values.
 std::set<std::string> FindInconsistentImages(
     const std::vector<FittedValue>& values, const ValueRegression& regression) {
   const size_t count = regression.scores.size();
@@ -157,8 +163,9 @@ std::set<std::string> FindInconsistentImages(
   return images;
 }
 
-// How well an image's features determine the value of a range: where the camera
-// hardly depends on it, wrong values cannot be detected.
+// Summarizes how well the features of an image determine the value of a range.
+// Where the camera hardly depends on the value, wrong values cannot be
+// detected.
 UncertainOperatingParameter UncertaintyOf(
     const std::vector<FittedValue>& values, const OperatingRange& range,
     int index, const StepOutlierTest& judge) {
@@ -179,7 +186,7 @@ UncertainOperatingParameter UncertaintyOf(
   return uncertainty;
 }
 
-// Fits the values of images to a model that was adjusted without them.
+// Estimates the values of images with a model that was adjusted without them.
 std::vector<SuspectOperatingPoint> PredictValues(
     const std::set<std::string>& images, const AdjustmentResult& all,
     const CalibrationProblem& given, const AdjustmentResult& without,
@@ -259,8 +266,9 @@ OperatingPointCheck CheckOperatingPoints(
                             adjusted.problem.images.end())
           .size();
   OperatingPointCheck check;
-  // Wrong values distort the model, which hides them and makes others doubtful:
-  // it is adjusted without them, and again without images detected then.
+  // Wrong values distort the model, which masks them and makes correct values
+  // suspect. The model is therefore adjusted without the suspect images,
+  // repeatedly if this reveals more of them.
   AdjustmentResult without = adjusted;
   std::set<std::string> left_out;
   for (int round = 0; round < kMaxRounds; ++round) {

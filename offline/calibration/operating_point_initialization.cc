@@ -16,10 +16,10 @@
 namespace raygrid {
 namespace {
 
-// Selects images with the closest values of the first variable, enough for a
-// camera, and all others with the same values; of several such groups, the most
-// central one. A second variable, temperature, changes a lens by less than the
-// differences accepted here.
+// Selects the images with the most similar values of the first parameter,
+// enough to initialize a camera, and all others within the same interval; of
+// several such groups, the most central one. The second parameter, temperature,
+// changes the camera by less than the differences accepted here.
 Dataset SelectImagesOfSimilarValue(const Dataset& dataset,
                                    const ImageOperatingPoints& conditions) {
   constexpr size_t kEnough = 12;
@@ -47,7 +47,7 @@ Dataset SelectImagesOfSimilarValue(const Dataset& dataset,
   return like;
 }
 
-// Returns the different values of a variable, ascending.
+// Returns the distinct values of a parameter in ascending order.
 std::set<double> ReadParameterValues(const Dataset& dataset,
                                      const ImageOperatingPoints& conditions,
                                      size_t condition) {
@@ -57,9 +57,9 @@ std::set<double> ReadParameterValues(const Dataset& dataset,
   return values;
 }
 
-// Adds polynomial terms of one variable after the other, starting with linear
-// ones, while that improves Akaike's criterion. A term has at least the number
-// of parameters that its prior leaves free.
+// Adds polynomial terms of one parameter after another, beginning with linear
+// ones, as long as Akaike's information criterion improves. The penalty of a
+// term counts the parameters that its prior leaves unpenalized.
 class OrderChoice {
  public:
   OrderChoice(const CentralGeneric& base, const CalibrationProblem& problem,
@@ -83,7 +83,7 @@ class OrderChoice {
   }
 
  private:
-  // Returns the cost, and the decrease required for another term.
+  // Returns the cost, and the decrease required to accept another term.
   double OptimizeCameras(OperatingPointModel* stack, double* needed) {
     state_->SetCamera(OperatingPointGrid(*stack, stack->Center()));
     GaussianPrior prior;
@@ -180,9 +180,9 @@ Dataset MapFeaturesToReference(const Dataset& dataset,
 
 namespace {
 
-// Transfers the terms of one range to a grid: polynomials through the model's
-// directions at as many values as there are terms, with the other variable at
-// mid-range.
+// Transfers the terms of one range to a grid: polynomials interpolate the
+// model's directions at as many values as there are terms, with the other
+// parameter at mid-range.
 void TransferTermsToGrid(const OperatingPointModel& stack, size_t range,
                          const Eigen::Matrix3d& turn,
                          const std::vector<Eigen::Vector2d>& pixels,

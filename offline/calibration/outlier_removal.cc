@@ -26,7 +26,7 @@ bool IsOutlier(const Residual& residual, double threshold) {
   return !residual.valid || residual.error_px.norm() > threshold;
 }
 
-// Residuals beyond the thresholds leave the problem; they are returned by
+// Removes residuals beyond the thresholds from the problem, and returns them by
 // camera.
 std::vector<std::vector<FeatureResidual>> RemoveOutlierResiduals(
     const Pattern& pattern, const std::vector<Residual>& residuals,

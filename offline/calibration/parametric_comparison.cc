@@ -18,15 +18,17 @@ using Beside = std::function<void(int num_threads)>;
 
 struct Candidate {
   std::string model;
-  double knot_spacing_px = 0;  // of grids
+  double knot_spacing_px = 0;  // for grids
 };
 
-// A model whose two parts are computed concurrently.
+// Evaluation of a model, whose training and held-out parts are computed
+// concurrently.
 struct Measurement {
   Candidate candidate;
   ModelMetrics metrics;  // of all training images
   HeldOutResiduals held_out;
-  // Parts that came to an end: a fisheye may be beyond what a model can say.
+  // Whether each part was completed; models without a wide field of view may
+  // fail on a fisheye.
   std::array<bool, 2> is_done = {};
 };
 
@@ -43,7 +45,7 @@ void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
   const std::vector<FeatureResidual> training =
       ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
   const CameraModel& model = adjusted.state.camera();
-  // Images to test with are given, or there are folds.
+  // Uses the given test images if any, and cross-validation otherwise.
   if (!camera.split.test.images.empty())
     measurement->held_out =
         EvaluateHeldOut(adjusted, pattern, {camera.split}, validation,
@@ -98,7 +100,8 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
   const int num_beside = beside ? 1 : 0;
   ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
     if (i < num_beside) return beside(std::max(1, num_threads / 2));
-    // The last models have the most parameters, so the slowest start first.
+    // The last models have the most parameters; starting the slowest ones first
+    // balances the load.
     const int from_last = (i - num_beside) / 2, part = (i - num_beside) % 2;
     Measurement& measurement = measurements[candidates.size() - 1 - from_last];
     ValidationOptions validation = MakeValidationOptions(options);
@@ -110,7 +113,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
       if (part == 0) {
         MeasureTraining(camera, pattern, validation, adjustment, &measurement);
       } else {
-        Folds folds = camera.folds;  // which other models start, too
+        Folds folds = camera.folds;  // copied for each model
         MeasureHeldOut(camera, pattern, validation, done, &folds, &measurement);
       }
       measurement.is_done[part] = true;

@@ -6,13 +6,15 @@
 namespace raygrid {
 namespace {
 
-// Degree for cameras without an axis: degree 3 has larger errors than 5, in
-// corners without features and elsewhere (offline/calibration/DESIGN.md).
+// Polynomial degree for cameras without an optical axis. Degree 3 has larger
+// errors than 5, both in corners without features and elsewhere
+// (offline/calibration/DESIGN.md).
 constexpr int kDegree = 5;
 constexpr int kNumPolynomials = (kDegree + 1) * (kDegree + 2) / 2;
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 
-// Products of Chebyshev polynomials of a pixel within [-1, 1]^2.
+// Products of Chebyshev polynomials in pixel coordinates that are normalized to
+// [-1, 1]^2.
 Polynomials EvaluatePolynomials(const Eigen::Vector2d& pixel,
                                 const Area& area) {
   const double at[2] = {(pixel.x() - area.center().x()) / (area.width() / 2),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDimensions = RelativeBoardPose::kDimensions;
 
-// Which pose a board has at each instant, by image and board.
+// Index of each board's pose, by image and board.
 std::map<std::string, std::map<int, int>> PosesByImage(
     const CalibrationProblem& problem) {
   std::map<std::string, std::map<int, int>> poses;
@@ -57,7 +57,8 @@ RelativeBoardPose ComputeRelation(const std::string& image, int first_pose,
   return relation;
 }
 
-// The relation of one instant that most others agree with.
+// Returns the relative pose of the frame that is most consistent with all
+// frames.
 MeanRelativePose FindConsensusPose(
     const std::vector<RelativeBoardPose>& relations) {
   constexpr size_t kMaxCandidates = 100;
@@ -166,7 +167,7 @@ PoseEquations::PoseEquations(const AdjustmentResult& adjusted,
                              const Pattern& pattern, int num_threads)
     : response_(adjusted.problem.views, adjusted.prior,
                 OptionsFor(adjusted, num_threads), adjusted.state) {
-  // No camera follows its lens better, even if features are exact.
+  // Camera models have errors of at least this size, even with exact features.
   constexpr double kLeastNoisePx = 0.01;
   variance_ = std::pow(std::max(adjusted.summary.noise_px, kLeastNoisePx), 2);
   const int num_cameras = static_cast<int>(adjusted.state.cameras.size());

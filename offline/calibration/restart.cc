@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// The requested model, initialized from a camera of another model.
+// Optimizes the requested model, initialized from a camera of another model.
 AdjustmentResult AdjustAround(const std::string& other, const Pattern& pattern,
                               const CalibrationOptions& calibration,
                               bool are_boards_rigid, double knot_spacing_px,
@@ -78,7 +78,7 @@ void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
       least_px = error_px;
       *adjusted = std::move(again);
       best_lens = camera->lens;
-    } catch (const Error&) {  // this fold's lens is no start
+    } catch (const Error&) {  // this fold has no usable camera
     }
   }
   camera->lens = std::move(best_lens);
@@ -89,7 +89,7 @@ bool RestartFromComparison(const Pattern& pattern,
                            bool are_boards_rigid, CameraInProgress* camera,
                            AdjustmentResult* adjusted) {
   const double own_px = camera->result.camera.training->median_px;
-  // Few images have no folds to select the knot spacing with.
+  // Without folds, the knot spacing could not be selected.
   std::vector<double> knot_spacings_px = {camera->result.knot_spacing_px};
   if (camera->folds.count() == 0 && options.knot_spacing_px == 0)
     knot_spacings_px.push_back(

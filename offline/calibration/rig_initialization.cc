@@ -17,25 +17,26 @@
 namespace raygrid {
 namespace {
 
-// A relative pose is invalid if its error exceeds this fraction of the image's
-// width in half of the shared views.
+// A relative pose is invalid if its error in half of the shared views exceeds
+// this fraction of the image width.
 constexpr double kMaxDisagreementPart = 0.05;
-constexpr double kUnseenPx = 1e4;  // the error of a point that is not projected
+constexpr double kUnseenPx = 1e4;  // error of a point without a projection
 constexpr int kMaxCandidates = 40;
-// Views with smaller errors are left to outlier removal.
+// Outlier removal handles views with smaller errors.
 constexpr double kMinViewErrorPx = 1;
 
 using Views = std::vector<int>;
 
-// A rig's problem, and camera_from_pattern of each view by its camera alone, in
-// the frame of the rigid target.
+// The problem of a rig, and camera_from_pattern of each view as estimated by
+// its camera alone, in the frame of the rigid target.
 struct Joined {
   CalibrationProblem problem;
   std::vector<Pose> camera_from_pattern;
   std::vector<Pose> target_from_board;
 };
 
-// Views of a rigid target in images of the same name share a pose.
+// Joins the problems of single cameras. Views of a rigid target in images of
+// the same name share a pose.
 Joined Join(const std::vector<AdjustmentResult>& cameras,
             const RigidTargets& rigid_targets) {
   Joined joined;
@@ -81,7 +82,7 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
   return views;
 }
 
-// The pairs of views in which two cameras observed a target in one frame.
+// Pairs of views in which two cameras observe a target in the same frame.
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
@@ -94,7 +95,7 @@ std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
   return shared;
 }
 
-// Median distance of a view's features from their projections.
+// Median reprojection error of a view.
 double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
                    const View& view,
                    const std::vector<Eigen::Vector3d>& points) {
@@ -108,7 +109,7 @@ double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
   return Quantile(errors, 0.5);
 }
 
-// Returns a view's camera_from_board from its target's pose.
+// Returns camera_from_board of a view for a given pose of its target.
 Pose OnRigidTarget(const Joined& joined, int view,
                    const Pose& camera_from_target) {
   return ComputeBoardPose(joined.problem.views[view], camera_from_target,
@@ -117,11 +118,11 @@ Pose OnRigidTarget(const Joined& joined, int view,
 
 struct RelativePose {
   Pose second_from_first;
-  double error_px = INFINITY;  // in half of the shared views at most
+  double error_px = INFINITY;  // maximum over the best half of the shared views
 };
 
-// The error of a view for a pose of its target, minimized over the board's
-// rotations if these are to be resolved.
+// Error of a view for a given pose of its target, minimized over the rotations
+// of a symmetric board if these are to be resolved.
 struct RotatedViewError {
   double error_px = INFINITY;
   int turn = 0;
@@ -148,8 +149,8 @@ RotatedViewError FindBestRotation(const Joined& joined,
   return best;
 }
 
-// The relative poses from single shared views, for each of the boards'
-// rotations that are to be resolved.
+// Relative poses estimated from single shared views, for each board rotation
+// that is to be resolved.
 std::vector<RelativePose> RelativePoses(
     const Joined& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads,
@@ -190,7 +191,8 @@ const RelativePose& SelectBest(const std::vector<RelativePose>& candidates) {
                            });
 }
 
-// Returns the best of the relative poses from single shared views.
+// Returns the best of the relative poses that are estimated from single shared
+// views.
 RelativePose EstimateBestRelativePose(
     const Joined& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads) {
@@ -198,7 +200,7 @@ RelativePose EstimateBestRelativePose(
       RelativePoses(joined, second, shared, num_threads, nullptr));
 }
 
-// Whether a relative pose with a very different rotation is about equally good.
+// Whether another relative pose has a comparable error.
 bool IsAsGood(const RelativePose& other, const RelativePose& best) {
   constexpr double kMuchWorse = 3;
   return other.error_px < kMuchWorse * best.error_px + kMinViewErrorPx;
@@ -215,7 +217,8 @@ bool IsAmbiguous(const std::vector<RelativePose>& candidates,
                      });
 }
 
-// Returns the pair of a reached and an unreached camera with most shared views.
+// Returns the pair of a connected and an unconnected camera with the most
+// shared views.
 std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
                              const std::vector<bool>& reached) {
   std::pair<int, int> best = {-1, -1};
@@ -229,7 +232,7 @@ std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
   return best;
 }
 
-// Returns the cameras connected to one of them by shared views.
+// Returns the cameras that shared views connect to the first one.
 std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
                           int first) {
   std::vector<bool> reached(num_shared.size());
@@ -239,7 +242,7 @@ std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
   return reached;
 }
 
-// Groups of cameras with known relative poses, one per tree.
+// Groups of cameras with known relative poses: one tree per group.
 class PlacedCameras {
  public:
   explicit PlacedCameras(size_t count) : tree_(count, -1), from_first_(count) {}
@@ -248,7 +251,7 @@ class PlacedCameras {
     tree_[camera] = static_cast<int>(camera);
     order_.push_back(camera);
   }
-  // second stays alone where first is.
+  // Leaves the second camera unconnected if the first one is unconnected.
   void Add(size_t first, size_t second, const Pose& second_from_first) {
     if (tree_[first] < 0) return;
     tree_[second] = tree_[first];
@@ -259,7 +262,7 @@ class PlacedCameras {
     if (tree_[from] < 0 || tree_[from] != tree_[to]) return std::nullopt;
     return from_first_[to] * from_first_[from].Inverse();
   }
-  // The view of the camera that was added first.
+  // Returns the view of the camera that was added first.
   int FindEarliest(const CalibrationProblem& problem,
                    const Views& views) const {
     for (const size_t camera : order_)
@@ -269,7 +272,7 @@ class PlacedCameras {
   }
 
  private:
-  std::vector<int> tree_;  // its first camera
+  std::vector<int> tree_;  // index of its first camera
   std::vector<Pose> from_first_;
   std::vector<size_t> order_;
 };
@@ -286,7 +289,7 @@ void RequireAgreement(const std::vector<std::string>& names, int first,
                   names[first], names[second], num_shared, best.error_px));
 }
 
-// camera_from_rig, along the tree.
+// Computes camera_from_rig by chaining relative poses along the spanning tree.
 std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
                                    const Joined& joined,
                                    const AdjustmentState& state,
@@ -308,8 +311,8 @@ std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
   }
 }
 
-// The rig's poses, each from the view that explains all of the pose's views
-// best.
+// Initializes the rig's poses, each from the view that best explains all views
+// of the pose.
 std::vector<Pose> InitializeRigPoses(const Joined& joined,
                                      const AdjustmentState& state) {
   std::vector<Pose> rig_from_pattern;
@@ -338,8 +341,8 @@ std::vector<Pose> InitializeRigPoses(const Joined& joined,
   return rig_from_pattern;
 }
 
-// Views that share their pose and are off by more than the third quartile of
-// such views + 6 interquartile ranges.
+// Finds views with shared poses whose error exceeds the third quartile of such
+// views by more than 6 interquartile ranges.
 std::vector<bool> FindInconsistentViews(const CalibrationProblem& problem,
                                         const AdjustmentState& state) {
   const std::vector<Views> views_of_poses = ViewsOfPoses(problem);
@@ -360,7 +363,8 @@ std::vector<bool> FindInconsistentViews(const CalibrationProblem& problem,
   return disagreeing;
 }
 
-// Removes views from the problem, and poses without views from the state.
+// Removes views from the problem, and poses without remaining views from the
+// state.
 void RemoveViewsAndPoses(const std::vector<bool>& remove,
                          AdjustmentResult* adjusted) {
   std::vector<int> old_pose;
@@ -438,7 +442,7 @@ RigRotations ResolveRotationsAcrossCameras(
       const auto candidates =
           RelativePoses(joined, camera, shared, num_threads, &pattern);
       RelativePose best = SelectBest(candidates);
-      // If they disagree, InitializeRig() reports it.
+      // InitializeRig() reports inconsistent views.
       if (best.error_px >
           kMaxDisagreementPart * problem.image_sizes[second].width)
         continue;
@@ -446,7 +450,8 @@ RigRotations ResolveRotationsAcrossCameras(
         result.ambiguous.push_back({static_cast<size_t>(first),
                                     static_cast<size_t>(second),
                                     static_cast<int>(shared.size())});
-        // Boards are upright in the images, then, as detection has them.
+        // Ambiguous rotations: prefers boards that are upright in the images,
+        // as detected.
         const RelativePose upright =
             EstimateBestRelativePose(joined, camera, shared, num_threads);
         if (IsAsGood(upright, best)) best = upright;

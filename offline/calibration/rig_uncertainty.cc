@@ -18,7 +18,8 @@ std::vector<Pose> WithUpdate(std::vector<Pose> camera_from_rig, int parameter,
   return camera_from_rig;
 }
 
-// Distance and rotation of two cameras by the poses' parameters, in four rows.
+// Jacobian of the distance and rotation between two cameras (four rows) with
+// respect to the pose parameters.
 Eigen::MatrixXd ComputeJacobianOfBaseline(
     const std::vector<Pose>& camera_from_rig, const Baseline& baseline,
     int num_parameters) {
@@ -42,7 +43,8 @@ Eigen::MatrixXd ComputeJacobianOfBaseline(
   return derivative / (2 * kStep);
 }
 
-// The baselines by the poses of all cameras but the first, four rows each.
+// Jacobian of the baselines, four rows each, with respect to the poses of all
+// cameras but the first.
 Eigen::MatrixXd ComputeJacobianOfBaselines(
     const std::vector<Pose>& camera_from_rig,
     const std::vector<Baseline>& baselines) {
@@ -54,7 +56,8 @@ Eigen::MatrixXd ComputeJacobianOfBaselines(
   return rows;
 }
 
-// Leaves the deviations empty if the equations are singular.
+// Adds the standard deviations of the baselines; leaves them empty if the
+// equations are singular.
 void AddDeviations(const AdjustmentResult& adjusted, AdjustmentOptions options,
                    std::vector<Baseline>* baselines) {
   options.fix_points = !HavePointsMoved(adjusted);

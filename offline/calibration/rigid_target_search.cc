@@ -14,11 +14,12 @@ namespace {
 
 // Minimum number of frames for a decision.
 constexpr size_t kMinFrames = 3;
-// An instant may show something else: a misread board. So many do not.
+// Maximum fraction of frames with an inconsistent relative pose; single misread
+// boards are tolerated.
 constexpr double kMaxInconsistentFraction = 0.1;
 
-// 99.9 % of chi-square (E. Wilson, M. Hilferty, "The Distribution of
-// Chi-Square", 1931).
+// 99.9 % quantile of the chi-square distribution (E. Wilson, M. Hilferty, "The
+// Distribution of Chi-Square", 1931).
 double ComputeChiSquareLimit(double degrees) {
   constexpr double kNormalQuantile = 3.090232;
   const double part = 2 / (9 * degrees);
@@ -31,7 +32,7 @@ Eigen::Vector3d ComputeBoardCenter(const Board& board) {
   return sum / static_cast<double>(board.points.size());
 }
 
-// Counts the frames with different poses of the first board.
+// Counts the frames with distinct poses of the first board.
 size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
   constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
   std::vector<const Pose*> different;
@@ -47,12 +48,12 @@ size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
   return different.size();
 }
 
-// The result for a pair of boards.
+// Test result for a pair of boards.
 struct PairFinding {
   BoardPair board_pair;
   int first = 0, second = 0;  // indices
   Pose first_from_second;
-  std::vector<std::string> far_images;  // which show them elsewhere
+  std::vector<std::string> far_images;  // with inconsistent relative pose
 };
 
 std::optional<PairFinding> AnalysePair(
@@ -85,7 +86,7 @@ std::optional<PairFinding> AnalysePair(
       square_sum <=
           std::max(ComputeChiSquareLimit(degrees), kRoughly * degrees);
   if (!is_observed && finding.far_images.size() * 2 < relations.size())
-    return std::nullopt;  // always in one view
+    return std::nullopt;  // not observable: all poses are alike
   double number = 0;
   for (const RelativeBoardPose& relation : relations) {
     if (board_pair.fixed &&
@@ -118,8 +119,8 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
   for (int first = 0; first < num_boards; ++first)
     for (int second = first + 1; second < num_boards; ++second) {
       const Eigen::Vector3d center = ComputeBoardCenter(pattern.boards[second]);
-      // Unconnected groups of cameras have separate scales: the group with most
-      // views of both boards decides.
+      // Unconnected groups of cameras have separate scales, so only the group
+      // with the most views of both boards is used.
       std::vector<RelativeBoardPose> most;
       size_t teller = 0;
       for (size_t g = 0; g < adjusted.size(); ++g) {
@@ -154,7 +155,7 @@ RigidTargets NoRigidTargets(size_t num_boards) {
   return rigid_targets;
 }
 
-// Merges the targets of two boards.
+// Merges the rigid targets of two boards.
 void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
   const int kept = rigid_targets->frames[finding.first];
   const int joined = rigid_targets->frames[finding.second];
@@ -171,7 +172,7 @@ void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
   }
 }
 
-// Whether merging would join two boards with varying relative poses.
+// Whether merging would combine two boards with varying relative poses.
 bool HasVaryingPoses(const PairFinding& finding,
                      const RigidTargets& rigid_targets,
                      const std::vector<PairFinding>& findings) {
@@ -185,8 +186,8 @@ bool HasVaryingPoses(const PairFinding& finding,
   });
 }
 
-// In images with an inconsistent relative pose of a target's boards, the board
-// in most of these pairs is separated, then the next one.
+// Separates boards in images with inconsistent relative poses: first the board
+// that occurs in most inconsistent pairs, and so on until none remain.
 void ExcludeInconsistentBoards(const std::vector<PairFinding>& findings,
                                RigidTargets* rigid_targets) {
   std::map<std::string, std::vector<const PairFinding*>> far;
@@ -215,7 +216,7 @@ void ExcludeInconsistentBoards(const std::vector<PairFinding>& findings,
   }
 }
 
-// Counts the images of a camera that show each two of some boards.
+// Counts the images that show each pair of boards.
 std::map<std::pair<int, int>, size_t> CountTogether(
     const CalibrationProblem& problem) {
   std::map<std::pair<std::string, int>, std::vector<int>> boards;

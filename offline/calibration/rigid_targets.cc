@@ -11,7 +11,8 @@ bool IsApart(const RigidTargets& rigid_targets,
              {problem.images[view], problem.boards[view]}) > 0;
 }
 
-// The frame of each board, of which something is seen where the body is.
+// Returns the board that defines the frame of each board's target: one that is
+// observed at its rigid position.
 std::vector<int> FindReferenceBoards(const RigidTargets& rigid_targets,
                                      const CalibrationProblem& problem) {
   std::vector<bool> is_seen(rigid_targets.frames.size());
@@ -78,7 +79,8 @@ void JoinBoards(const RigidTargets& rigid_targets, CalibrationProblem* problem,
         rigid_targets.frame_from_board[frame].Inverse() *
         rigid_targets.frame_from_board[b]);
   }
-  // Frame, board that defines the pose, and whether it is separated.
+  // Key: frame, board that defines the pose, and whether the board is
+  // separated.
   std::map<std::pair<std::string, std::pair<int, bool>>, int> pose_of;
   for (size_t v = 0; v < problem->views.size(); ++v) {
     View& view = problem->views[v];

@@ -18,7 +18,8 @@ MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
           &times,    is_final};
 }
 
-// Returns the images that lost all features in the compensation.
+// Returns the images that lost all features in the rolling-shutter
+// compensation.
 std::set<std::string> ListExcludedImages(const Dataset& measured,
                                          const Dataset& still) {
   std::set<std::string> names;

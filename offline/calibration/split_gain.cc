@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxParameters = 200;
 
-// The Jacobian of a view's residuals with respect to its camera's parameters:
-// two rows per residual.
+// Jacobian of a view's residuals, two rows each, with respect to the parameters
+// of its camera.
 Eigen::MatrixXd GetCameraBlock(const ViewJacobian& jacobian,
                                int num_parameters) {
   Eigen::MatrixXd by_camera =
@@ -56,7 +56,7 @@ SplitGain::SplitGain(const AdjustmentResult& joint, double huber_px,
 
 double SplitGain::ComputeRemainingShare(
     const std::set<std::string>& first) const {
-  constexpr double kRidge = 1e-9;  // of directions that no view determines
+  constexpr double kRidge = 1e-9;  // regularizes unobservable directions
   if (views_.empty()) return 0;
   const Eigen::Index size = views_.front().gradient.size();
   double gain = 0;

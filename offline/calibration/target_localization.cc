@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kPoseHuberPx = 1;
 
-// The residuals of a target in a frame, with Huber weights.
+// Normal equations of a target pose in a frame, with Huber weights.
 struct PoseInformation {
   PoseCovariance matrix = PoseCovariance::Zero();  // J^T J
-  double sum = 0, weight = 0;  // squared errors; coordinates
-  int view = -1;               // the first one
+  double sum = 0, weight = 0;  // weighted sum of squares; weighted coordinates
+  int view = -1;               // first view of the pose
   int num_features = 0;
 
   double DegreesOfFreedom() const { return std::max(weight - 6, 0.0); }
@@ -65,17 +65,17 @@ double PooledVariance(const std::vector<PoseInformation>& information) {
   return degrees > 0 ? sum / degrees : 0;
 }
 
-// The variance of one pose's noise. Images differ in sharpness, but few
-// features determine it poorly: the variance over all poses counts as much as
-// ten features.
+// Noise variance of one pose. Images differ in sharpness, but a few features
+// determine the variance poorly, so the pooled variance over all poses
+// contributes with the weight of ten features.
 double VarianceOf(const PoseInformation& pose, double pooled) {
   constexpr double kPooledDegrees = 20;
   return (kPooledDegrees * pooled + pose.sum) /
          (kPooledDegrees + pose.DegreesOfFreedom());
 }
 
-// The inverse; nullopt if it is singular to working precision. Lengths are
-// scaled, so that rotations and translations are comparable.
+// Inverts an information matrix; nullopt if it is numerically singular.
+// Parameters are scaled, so that rotations and translations are comparable.
 std::optional<PoseCovariance> Invert(const PoseCovariance& information) {
   constexpr double kSingular = 1e-12;
   const Eigen::Matrix<double, 6, 1> scale =
@@ -89,13 +89,14 @@ std::optional<PoseCovariance> Invert(const PoseCovariance& information) {
                         vectors.transpose());
 }
 
-// The board that defines the frame of a view's target.
+// Index of the board that defines the frame of a view's target.
 int FrameBoard(const CalibrationProblem& problem, int view) {
   const int board = problem.boards[view];
   return problem.views[view].place < 0 ? board : problem.frames[board];
 }
 
-// The poses that were found in an adjustment's form, without other views.
+// Converts estimated poses to an adjustment result, and drops views without a
+// pose.
 AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
   AdjustmentResult adjusted;
   std::vector<bool> is_lost;
@@ -112,7 +113,8 @@ AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
   return adjusted;
 }
 
-// The sum of the distances of a rig's cameras from its origin; 1 if it is zero.
+// Sum of the distances of a rig's cameras from its origin; 1 if the sum is
+// zero.
 double ScaleOf(const std::vector<Pose>& camera_from_rig) {
   double sum = 0;
   for (const Pose& pose : camera_from_rig) sum += pose.translation.norm();
@@ -126,7 +128,7 @@ void ScaleTargets(double scale, Pattern* pattern) {
     for (Pose& pose : target.first_from_board) pose.translation *= scale;
 }
 
-// The targets of several boards in the form of a pattern.
+// Lists the rigid targets with more than one board for a pattern.
 std::vector<RigidTarget> ListRigidTargets(const Pattern& pattern,
                                           const RigidTargets& rigid_targets) {
   std::vector<RigidTarget> list;
@@ -208,7 +210,8 @@ Pattern EstimateTargetGeometry(const RigModel& rig,
     estimated.rigid_targets = ListRigidTargets(
         pattern, UpdateRigidTargets(rig.rigid_targets, adjusted.problem,
                                     state.target_from_board));
-  // AlignBoards() gave the rig the scale of the nominal target.
+  // AlignBoards() scaled the rig to the nominal target; restores the scale of
+  // the rig.
   ScaleTargets(ScaleOf(rig.camera_from_rig) / ScaleOf(state.camera_from_rig),
                &estimated);
   return estimated;

@@ -9,22 +9,25 @@
 namespace raygrid {
 namespace {
 
-// The data determines the camera where its standard deviation is at most this
-// multiple of the noise's, or this small: there the prior's part is negligible.
+// The observations determine the camera where its standard deviation is at most
+// this multiple of the noise, or below this value; the influence of the prior
+// is negligible there.
 constexpr double kDeterminedPart = 0.5;
 constexpr double kDeterminedPx = 0.025;
-// The default limit of the valid region.
+// Default uncertainty limits of the valid region.
 constexpr double kValidPx = 0.25, kValidPerNoise = 3;
 // Beyond the features, lenses are less smooth than the prior assumes. In twelve
 // calibrations of four simulated lenses, observed in the central 60 % of the
-// width, 90 % of the pixels beyond were within twice a deviation larger by 1.0
-// to 1.9, depending on the calibration (benchmarks/README.md).
+// image width, the standard deviation had to be scaled by 1.0 to 1.9, depending
+// on the calibration, to contain the errors of 90 % of the extrapolated pixels
+// within 2 sigma (benchmarks/README.md).
 constexpr double kBeyondFeatures = 2;
-// A cell is extrapolated unless this many features are within this many cells
-// to all sides.
+// A cell is extrapolated unless at least this many features lie within this
+// many cells on all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
 
-// About square, and within the limits of a blob.
+// Returns a lattice with approximately square cells, within the size limits of
+// a blob.
 UncertaintyOptions LatticeOver(const Area& area) {
   constexpr int kIntervals = 16;
   const double longer = std::max(area.width(), area.height());
@@ -38,7 +41,7 @@ UncertaintyOptions LatticeOver(const Area& area) {
   return options;
 }
 
-// Number of features in each cell.
+// Counts the features in each cell.
 std::vector<int> CountFeatures(const AdjustmentResult& adjusted, int camera,
                                const ValidityMask& mask) {
   std::vector<int> counts(mask.is_valid.size(), 0);
@@ -62,7 +65,7 @@ int CountNear(const std::vector<int>& counts, const ValidityMask& mask,
   return sum;
 }
 
-// The cells with features nearby.
+// Marks the cells with nearby features.
 ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
   ValidityMask near =
       ValidityMask::Over(adjusted.state.cameras[camera]->image_size());
@@ -72,8 +75,8 @@ ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
   return near;
 }
 
-// The strongest modes of a covariance of the lattice's pixels, on a coarser
-// lattice. Pixels where the camera is undefined have no displacement.
+// Principal modes of the joint covariance of the lattice's pixels, on a coarser
+// lattice. Pixels at which the camera is undefined have no displacement.
 ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
                                const UncertaintyOptions& size) {
   constexpr int kMaxModes = 12;
@@ -90,7 +93,7 @@ ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
     rest_px2 -= variance;
     Eigen::VectorXd mode =
         std::sqrt(variance) * solver.eigenvectors().col(last - k);
-    // The sign of a mode is arbitrary.
+    // Fixes the arbitrary sign of a mode.
     Eigen::Index largest;
     mode.cwiseAbs().maxCoeff(&largest);
     if (mode[largest] < 0) mode = -mode;
@@ -217,8 +220,8 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
   uncertainty.modes = GetDeformationModes(joint_px2, size);
   uncertainty.scatter = scatter;
   if (!scales.empty()) uncertainty.jackknife_scale = Quantile(scales, 0.5);
-  // The deviation that smoothing takes away cannot be estimated where
-  // observations are few.
+  // Where observations are sparse, the bias due to smoothing cannot be
+  // estimated.
   uncertainty.lattice = seen;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (!effective_parameters.IsValidAt(pixels[i].pixel))
@@ -232,7 +235,8 @@ std::map<std::string, double> PredictHeldOutDeviations(
     const AdjustmentResult& adjusted, int camera,
     const std::set<std::string>& images, int num_threads) {
   constexpr Eigen::Index kMaxRows = 2000;
-  // Beside the ones of what other images tell, too.
+  // Minimum eigenvalue of I - A for the residuals to be determined by the
+  // remaining images.
   constexpr double kUndetermined = 1e-8;
   const CalibrationProblem& problem = adjusted.problem;
   const LinearResponse response = ComputeResponse(adjusted, num_threads);
@@ -246,9 +250,9 @@ std::map<std::string, double> PredictHeldOutDeviations(
     num_rows += 2 * response.jacobians()[v].count();
   }
   if (num_rows == 0 || num_rows > kMaxRows || !response.IsExact()) return {};
-  // The moves of the residuals with errors of the same observations: A = J H^-1
-  // J^T. Without these observations, residuals have the covariance s^2 (1 -
-  // A)^-1, but for what poses of their own take up.
+  // Response of the residuals to errors of the same observations: A = J H^-1
+  // J^T. Without these observations, the residuals have the covariance s^2 (I -
+  // A)^-1, apart from the part that the free poses absorb.
   ViewErrors none;
   for (const ViewJacobian& jacobian : response.jacobians())
     none.push_back(Eigen::Matrix2Xd::Zero(2, jacobian.count()));

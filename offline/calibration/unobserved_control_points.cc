@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Whether a feature depends on each control point.
+// Marks the control points that influence at least one feature.
 std::vector<bool> FindObservedControlPoints(const CalibrationProblem& problem,
                                             int camera_index,
                                             const BSplineSurface& grid) {

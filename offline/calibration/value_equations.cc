@@ -10,11 +10,11 @@
 namespace raygrid {
 namespace {
 
-constexpr double kPartOfRange = 1e-3;  // the step of differences
+constexpr double kPartOfRange = 1e-3;  // step of numeric differentiation
 constexpr int kNumPose = 6;
 
-// The derivatives of projections by a stack's values at those of a view, by
-// differences.
+// Numeric derivatives of projections with respect to the operating point of a
+// view.
 class ValueDerivatives {
  public:
   ValueDerivatives(const OperatingPointModel& stack, const View& view) {
@@ -28,7 +28,8 @@ class ValueDerivatives {
     }
   }
 
-  // A column of 2 for each value; zero where a camera does not see the point.
+  // One column (2 rows) per parameter; zero where a camera cannot project the
+  // point.
   Eigen::Matrix2Xd At(const Eigen::Vector3d& point,
                       const Eigen::Vector2d& pixel) const {
     Eigen::Matrix2Xd derivatives(2, static_cast<Eigen::Index>(sides_.size()));
@@ -52,13 +53,15 @@ class ValueDerivatives {
   std::vector<Sides> sides_;
 };
 
-// The valid residuals of a view, two rows each, times the square root of the
-// loss's weight, and their derivatives by the view's pose and by its values.
+// The valid residuals of a view, two rows each, scaled by the square root of
+// the loss weight, and their Jacobians with respect to the view's pose and its
+// operating point.
 struct ViewEquations {
   Eigen::VectorXd error;
   Eigen::MatrixXd J_pose, by_values;
 
-  // The moves of the pose that are nearest to errors, and what they leave.
+  // Least-squares pose step for the given errors. EliminatePose() returns the
+  // errors that remain after this step.
   Eigen::MatrixXd PoseStep(const Eigen::MatrixXd& errors) const {
     const Eigen::MatrixXd normal = J_pose.transpose() * J_pose;
     return normal.ldlt().solve(J_pose.transpose() * errors);
@@ -98,7 +101,8 @@ ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
   return equations;
 }
 
-// The standard deviation of residuals, but for what poses and values take up.
+// Standard deviation of the residuals, corrected for the degrees of freedom of
+// poses and values.
 double NoisePx(const std::vector<ViewEquations>& views) {
   double squares = 0;
   Eigen::Index freedom = 0;
@@ -120,7 +124,8 @@ double NoisePx(const std::vector<ViewEquations>& views) {
              : 0;
 }
 
-// The number of each view's image, in the order of the images.
+// Returns the image index of each view, and lists the images in order of
+// appearance.
 std::vector<int> NumberImages(const CalibrationProblem& problem,
                               std::vector<std::string>* images) {
   std::vector<int> numbers;
@@ -135,7 +140,8 @@ std::vector<int> NumberImages(const CalibrationProblem& problem,
 }  // namespace
 
 ValueStep ValueEquations::ComputeStep(Eigen::Index unknown) const {
-  // Beside the information that an image has by itself.
+  // Minimum ratio of the information to that with a fixed camera; less is not
+  // observable.
   constexpr double kUndetermined = 1e-6;
   const double found = information[unknown];
   if (!(found > kUndetermined * fixed_camera_information[unknown]))
@@ -173,7 +179,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
     const ViewEquations equations = EquationsOf(adjusted.state, views[v]);
     const Eigen::Index first =
         static_cast<Eigen::Index>(image_of[v]) * result.num_ranges;
-    // The pose is eliminated at once, since it takes up nearly all.
+    // The pose is eliminated per view, since it absorbs most of the change.
     const Eigen::MatrixXd beside = equations.EliminatePose(equations.by_values);
     result.gradient.segment(first, result.num_ranges) +=
         beside.transpose() * equations.error;

@@ -15,9 +15,9 @@
 namespace raygrid {
 namespace {
 
-constexpr double kDeviationPerMedian = 1.4826;  // of normal errors
+constexpr double kDeviationPerMedian = 1.4826;  // of a normal distribution
 
-// Mean and slope of a power of t, over the values of t.
+// Fits a line to a power of t over the given values; returns mean and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
   Eigen::MatrixX2d line(t.size(), 2);
   line << Eigen::VectorXd::Ones(t.size()), t.matrix();
@@ -29,7 +29,8 @@ void AddTerm(double factor, const BSplineSurface& term, BSplineSurface* sum) {
     sum->points()[k] += factor * term.points()[k];
 }
 
-// The linear model that is closest to a model over the values of the views.
+// Returns the linear model that best approximates a model over the values of
+// the views.
 OperatingPointModel MakeLinearModel(const OperatingPointModel& stack,
                                     const std::vector<View>& views) {
   const size_t num_ranges = stack.ranges().size();
@@ -53,8 +54,8 @@ OperatingPointModel MakeLinearModel(const OperatingPointModel& stack,
   return straight;
 }
 
-// Weighted equations of fitted values and powers of the stated values, which
-// are scaled to -1 to 1.
+// Weighted regression of fitted values on powers of the stated values, which
+// are scaled to [-1, 1].
 struct Equations {
   Eigen::MatrixXd powers;  // without weights
   Eigen::VectorXd fitted, weight;
@@ -69,7 +70,7 @@ Eigen::MatrixXd ComputePowers(const std::vector<double>& values) {
       2 * (Eigen::Map<const Eigen::ArrayXd>(values.data(), count) - *low) /
           std::max(*high - *low, 1e-12) -
       1;
-  // A curve, if enough values remain to test its fit.
+  // Uses a quadratic if enough distinct values remain to test its fit.
   const bool is_line =
       std::set<double>(values.begin(), values.end()).size() < 4;
   Eigen::MatrixXd powers(count, is_line ? 2 : 3);
@@ -78,14 +79,15 @@ Eigen::MatrixXd ComputePowers(const std::vector<double>& values) {
   return powers;
 }
 
-// The squared residuals that count, and the residuals times their weights.
+// Sum of the smallest squared residuals, and all weighted residuals.
 struct TrimmedFit {
   double trimmed = INFINITY;
   Eigen::VectorXd residuals;
 };
 
-// Least trimmed squares: the best of fits to random subsets with one image per
-// coefficient, each refined by fits to the images closest to it.
+// Least trimmed squares: minimum over random subsets with one image per
+// coefficient, each refined by repeated fits to the images with the smallest
+// residuals.
 TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
                       std::mt19937* random_bits) {
   constexpr int kNumImprovements = 2;
@@ -137,7 +139,7 @@ double ComputeScatter(const TrimmedFit& fit) {
          Quantile({sizes.data(), sizes.data() + sizes.size()}, 0.5);
 }
 
-// The squares of residuals, each no more than of those that are surely apart.
+// Sum of squared residuals, each truncated at three standard deviations.
 double TruncatedSquares(const TrimmedFit& fit, double scatter) {
   const double most = 3 * scatter;
   return fit.residuals.cwiseAbs().cwiseMin(most).squaredNorm();
@@ -152,7 +154,7 @@ std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
   AdjustmentState state = adjusted.state;
   const OperatingPointModel straight = MakeLinearModel(stack, views);
   state.SetCamera(OperatingPointGrid(straight, straight.Center()));
-  // Wide limits: wrong values make the change seem small.
+  // Wide limits: wrong values bias the model towards a smaller change.
   OperatingRange limits = stack.ranges()[range];
   const double width = limits.high - limits.low;
   limits.low -= 2 * width;
@@ -194,7 +196,7 @@ ValueRegression RegressValues(const std::vector<FittedValue>& values) {
     equations.fitted[i] = value.fitted;
     equations.weight[i] = 1 / value.deviation;
   }
-  std::mt19937 random_bits;  // of a fixed seed
+  std::mt19937 random_bits;  // default seed: reproducible
   regression.scatter_without =
       ComputeScatter(FitTrimmed(equations, kNumTrials, &random_bits));
   equations.powers = ComputePowers(stated);

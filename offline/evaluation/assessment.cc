@@ -14,24 +14,24 @@ namespace {
 
 constexpr int kMinViews = 3;
 constexpr double kEnoughTiltRad = 5 * M_PI / 180;
-constexpr double kEnoughArea = 0.5;    // share of the image
+constexpr double kEnoughArea = 0.5;    // fraction of the image
 constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
 // Larger systematic errors cause a warning, smaller ones a note.
 constexpr double kMattersPx = 0.15;
-// Smaller errors, or below a tenth of the noise, are not reported.
+// Errors below this limit, or below a tenth of the noise, are not reported.
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
-// Median uncertainties that cause a warning, and a failure.
+// Median uncertainties that cause a warning and a failure, respectively.
 constexpr double kUncertainPx = 1, kUselessPx = 5;
-constexpr double kMaxAspect = 4;  // anamorphic lenses have 2
-// Shares of the image: valid, at least; extrapolated, at most.
+constexpr double kMaxAspect = 4;  // anamorphic lenses reach 2
+// Fractions of the image: minimum valid, maximum extrapolated.
 constexpr double kEnoughValid = 0.5, kMostExtrapolated = 0.05;
-// Correlations of neighbouring residuals: significant by five standard errors
-// with the fewest pairs; and dominating the error.
+// Correlations of neighbouring residuals: significant at five standard errors
+// for the minimum number of pairs, and dominant.
 constexpr double kCorrelated = 0.25, kNearlyAll = 0.9;
 
-// A finding, and its severity.
+// Severity of a finding.
 enum class Severity { kNote, kWarning, kFailure };
 struct Finding {
   Severity severity;
@@ -47,7 +47,7 @@ class Findings {
     findings_.push_back({severity, text});
   }
 
-  // Most serious first.
+  // Sorts the findings by severity, most serious first.
   Assessment Conclude() const {
     Assessment assessment = {"pass", {}};
     for (const Severity severity :
@@ -78,12 +78,12 @@ bool IsNegligible(double error_px, const ErrorMetrics& noise) {
   return error_px < std::max(kNegligiblePx, kNegligiblePart * noise.rms_px);
 }
 
-// The first of several images.
+// Names the first of several images.
 std::string Named(const std::vector<std::string>& images) {
   return images.front() + (images.size() > 1 ? ", ..." : "");
 }
 
-// "3 images (a.png, ...)".
+// Formats images as "3 images (a.png, ...)".
 std::string Counted(const std::vector<std::string>& images) {
   return fmt::format("{} image{} ({})", images.size(),
                      images.size() == 1 ? "" : "s", Named(images));
@@ -121,8 +121,8 @@ void AssessNumberOfImages(const CalibrationMetrics& metrics,
 }
 
 void AssessImageSize(const CalibrationMetrics& metrics, Findings* findings) {
-  // Pixel coordinates start at the top left corner: features measured in
-  // smaller images are there.
+  // Pixel coordinates start at the top left corner, so features that were
+  // detected in smaller images cover only that part of a larger one.
   constexpr double kHalf = 0.55;
   const Area& area = metrics.features_area;
   const ImageSize& size = metrics.image_size;
@@ -150,8 +150,8 @@ void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
                     *metrics.tilt_rad * 180 / M_PI));
 }
 
-// All views from behind are those of a camera whose features have another
-// order. Many among others bias it: no camera has both.
+// If all views are from behind, the features have another order than the
+// pattern. Many such views among others bias the camera, which cannot fit both.
 void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
   constexpr double kMany = 0.25;
   if (metrics.mirrored_images.empty()) return;
@@ -207,8 +207,8 @@ void AssessOutlyingImages(const CalibrationMetrics& metrics,
                   metrics.outlier_images.size() == 1 ? "it" : "them"));
 }
 
-// Large held-out errors of images with normal training errors: without them,
-// the camera is extrapolated there.
+// Images with large held-out errors but normal training errors: without them,
+// the camera is extrapolated in their region.
 void AssessInfluentialImages(const CalibrationMetrics& metrics,
                              Findings* findings) {
   if (metrics.unique_coverage_images.empty()) return;
@@ -220,8 +220,8 @@ void AssessInfluentialImages(const CalibrationMetrics& metrics,
       metrics.unique_coverage_images.size() == 1 ? "it" : "them"));
 }
 
-// Images with more outliers than expected by chance, or from a corner at the
-// target's edge: the remaining features fit.
+// Images with more outliers than chance or a few corners at the edge of the
+// target explain; their remaining features fit.
 void AssessMisreadImages(const CalibrationMetrics& metrics,
                          Findings* findings) {
   if (metrics.num_misread_images == 0) return;
@@ -262,8 +262,8 @@ void AssessPopulationDistance(const CalibrationMetrics& metrics,
   if (distance && distance->IsOutlier()) findings->Warn(distance->Warning());
 }
 
-// "the corners of the image are extrapolated: expect errors up to 0.7 px
-// there".
+// Returns a sentence such as "the corners of the image are extrapolated: expect
+// errors up to 0.7 px there".
 std::string FormatExtrapolation(const ExtrapolatedRegion& region) {
   const bool is_plural = region.where.back() == 's' ||
                          region.where.find(" and ") != std::string::npos;
@@ -333,7 +333,8 @@ void AssessPixelAspect(const CalibrationMetrics& metrics, Findings* findings) {
                   aspect));
 }
 
-// Corners outside a fisheye's image circle fold in good calibrations, too.
+// Image corners outside a fisheye's image circle also fold in good
+// calibrations.
 void AssessFoldOver(const CalibrationMetrics& metrics, Findings* findings) {
   const FoldOver& fold_over = metrics.fold_over;
   if (fold_over.valid_part > 0)
@@ -368,7 +369,7 @@ bool HasCorrelatedResiduals(const CalibrationMetrics& metrics) {
              metrics.held_out ? *metrics.held_out : metrics.training);
 }
 
-// An identified cause takes precedence over hypotheses.
+// Identified causes take precedence over hypotheses.
 void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
   if (!HasCorrelatedResiduals(metrics)) return;
   const double correlation = *metrics.neighbor_correlation;
@@ -394,7 +395,7 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
             AdviseOnCorrelatedErrors(metrics.tried)));
 }
 
-// The cause and the remedy, unless AssessCorrelation() reported them.
+// Names the cause and the remedy, unless AssessCorrelation() reported them.
 std::string AdviseOnError(const CalibrationMetrics& metrics) {
   if (!metrics.limit.IsDetermined())
     return "; use sharper images or a flatter target";
@@ -466,7 +467,7 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
        {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,
         AssessSides, AssessRejectedImages})
     assess(metrics, &findings);
-  // Errors of an interrupted calibration are meaningless.
+  // Error metrics of an interrupted calibration are meaningless.
   if (metrics.interrupted) return findings.Conclude();
   for (const auto assess :
        {AssessTimestamps, AssessOutlyingImages, AssessInfluentialImages,

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Indices of the points that are features.
+// Indices of the board's points that are detectable features.
 std::vector<int> FeaturePoints(const Board& board) {
   std::vector<int> indices;
   for (int row = 0; row < board.rows; ++row)
@@ -50,7 +50,7 @@ BoardFlatness MeasureFlatness(const Board& board) {
   shape.rms_height_m = heights.norm() / std::sqrt(count);
   shape.max_height_m = heights.cwiseAbs().maxCoeff();
 
-  if (board.IsPointSet()) return shape;  // they are what is nominal
+  if (board.IsPointSet()) return shape;  // no nominal plane
   const Eigen::Matrix3Xd nominal = Select(board.NominalPoints(), indices);
   const Eigen::Matrix4d similarity = Eigen::umeyama(nominal, points, true);
   const Eigen::Matrix3Xd difference =

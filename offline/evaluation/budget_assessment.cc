@@ -32,7 +32,7 @@ std::string AdviseOnImagePosition(const BudgetFacts& facts) {
   return "reduce --knot-spacing-px";
 }
 
-// The recommendation for a cause, unless it was already tried.
+// Recommends a remedy for a cause, unless it was already tried.
 std::string AdviseOnCause(ErrorCause cause, const BudgetFacts& facts) {
   switch (cause) {
     case ErrorCause::kImagePosition:
@@ -92,9 +92,9 @@ std::optional<ErrorCause> FindLargestCause(const ResidualBudget& budget) {
 
 int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
 
-// The causes that explain the views as well as the largest does: few tilts or a
-// narrow field of view cannot separate them. A cause that explains no more than
-// the control, column-wise motion, is not identified either.
+// Lists the causes that explain the views as well as the largest one does: few
+// tilts or a narrow field of view cannot separate them. A cause that explains
+// no more than the control, column-wise motion, is not identified either.
 std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)
@@ -103,8 +103,8 @@ std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
   return names;
 }
 
-// Model errors and incorrect target geometry also cause such errors, and can be
-// tested without new images.
+// Model errors and an incorrect target geometry cause similar errors, and can
+// be tested without new images.
 std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid() && !facts.tried_generic)
@@ -153,7 +153,8 @@ BudgetAssessment MakeOutlierAssessment(const ResidualBudget& budget) {
           "features there"};
 }
 
-// "; effects that these images do not determine: ...", or empty.
+// Returns "; effects that these images do not determine: ...", or an empty
+// string.
 std::string DescribeUnresolvedCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)

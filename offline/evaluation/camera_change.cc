@@ -12,15 +12,16 @@
 namespace raygrid {
 namespace {
 
-constexpr double kAlarmSigmas = 3.09;  // p = 1/1000
-constexpr double kFoundSigmas = 2.33;  // power of 99 %
-constexpr double kClipSigmas = 5;      // of a feature's error
+constexpr double kAlarmSigmas = 3.09;  // false-alarm probability 1/1000
+constexpr double kFoundSigmas = 2.33;  // detection power 99 %
+constexpr double kClipSigmas = 5;      // limit for single features
 constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
 constexpr int kLocalColumns = 6, kLocalRows = 4;
 constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;
 constexpr int kNumMovements = kNumSmooth + kNumLocal;
 
-// Local changes are bumps, bilinear between the lattice's nodes.
+// Weight of a local change: bilinear interpolation between the nodes of a
+// lattice.
 double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
   const double x = (pixel.x() - area.x0) / area.width() * (kLocalColumns - 1);
   const double y = (pixel.y() - area.y0) / area.height() * (kLocalRows - 1);
@@ -30,9 +31,9 @@ double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
 
 using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
 
-// The Jacobian of a pixel with respect to the scale (relative), a shift in
-// pixels, a tilt of the sensor about its vertical and horizontal axes in
-// radians, and local changes in pixels.
+// Jacobian of a pixel with respect to a relative scale, a shift in pixels, a
+// tilt of the sensor about its vertical and horizontal axes in radians, and
+// local changes in pixels.
 Displacements DisplacementsAt(const ReferenceCamera& camera,
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
@@ -52,7 +53,7 @@ Displacements DisplacementsAt(const ReferenceCamera& camera,
 
 // ---- Equations -------------------------------------------------------------
 
-// The errors and Jacobians of a view, after eliminating its pose.
+// Errors and Jacobians of a view after eliminating its pose.
 struct ReducedView {
   Eigen::MatrixXd by_modes, by_movements;
   Eigen::VectorXd error;
@@ -67,8 +68,9 @@ ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const ProjectedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    // Evaluated at the projection: at the observed pixel, the noise would
-    // correlate with a change that poses nearly compensate, by its gradient.
+    // Evaluated at the projection, not at the observed pixel: there, the
+    // Jacobian would depend on the noise, which would correlate with changes
+    // that the pose nearly compensates.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     J_pose.middleRows<2>(row) = feature.J_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
@@ -87,8 +89,8 @@ ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
           reduced.middleCols<kNumMovements>(num_modes), reduced.rightCols<1>()};
 }
 
-// The information on the changes and its right-hand side, in units of the noise
-// including the camera's own uncertainty; and the squared errors.
+// Information matrix of the changes and its right-hand side, in units of the
+// noise including the camera's uncertainty, and the sum of squared errors.
 struct Information {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right;
@@ -119,11 +121,11 @@ Information Gather(const std::vector<ReducedView>& views, double noise_px) {
   return information;
 }
 
-// The eigenvectors of a symmetric matrix, scaled to unit diagonal, whose
-// eigenvalues differ from zero. For a pinhole, a shift of the image and a tilt
-// of the sensor are not distinguishable on a board.
+// Eigenvectors of a symmetric matrix, scaled to unit diagonal, with eigenvalues
+// that differ from zero. For a pinhole, for instance, a planar board cannot
+// distinguish a shift of the image from a tilt of the sensor.
 struct ObservableDirections {
-  Eigen::VectorXd unit;     // of each parameter
+  Eigen::VectorXd unit;     // scale of each parameter
   Eigen::MatrixXd vectors;  // columns
   Eigen::VectorXd values;   // eigenvalues
 };
@@ -136,14 +138,14 @@ ObservableDirections FindObservableDirections(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       observable.unit.asDiagonal() * matrix * observable.unit.asDiagonal());
   const Eigen::Index size = matrix.rows();
-  Eigen::Index first = 0;  // eigenvalues ascend
+  Eigen::Index first = 0;  // eigenvalues are ascending
   while (first < size && solver.eigenvalues()[first] < kSmallest) ++first;
   observable.vectors = solver.eigenvectors().rightCols(size - first);
   observable.values = solver.eigenvalues().tail(size - first);
   return observable;
 }
 
-// The estimate of some changes, all others being zero.
+// Estimate of a subset of the changes while all others are zero.
 struct Estimate {
   Eigen::VectorXd values, deviations;
   double chi_squared = 0;
@@ -181,7 +183,7 @@ Estimate EstimateParameters(const Information& information,
   return estimate;
 }
 
-// The inverse of ChiSquaredSigmas(). Inaccurate below one degree of freedom.
+// Inverse of ChiSquaredSigmas(); inaccurate below one degree of freedom.
 double ChiSquaredAt(double sigmas, int degrees_of_freedom) {
   constexpr double kLeast = 0.02;  // times the degrees of freedom
   const double k = degrees_of_freedom;
@@ -189,8 +191,8 @@ double ChiSquaredAt(double sigmas, int degrees_of_freedom) {
   return k * std::max(kLeast, std::pow(root, 3));
 }
 
-// The displacement in standard deviations that is detected with a power of 99
-// %: the cube root of a noncentral chi-squared variable is nearly normal
+// Displacement in standard deviations that is detected with a power of 99 %.
+// The cube root of a noncentral chi-squared variable is nearly normal
 // (Abdel-Aty, 1954).
 double MovementFound(int degrees_of_freedom) {
   const double k = degrees_of_freedom,
@@ -206,8 +208,8 @@ double MovementFound(int degrees_of_freedom) {
   return std::sqrt(high);
 }
 
-// The result of testing some changes, with an additional standard deviation per
-// direction for the calibration's own errors.
+// Result of testing a group of changes, with an additional standard deviation
+// per direction for the errors of the calibration.
 struct GroupTest {
   double chi_squared = 0;
   int degrees_of_freedom = 0;
@@ -243,7 +245,7 @@ GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
   return test;
 }
 
-// Normal equations of local changes, after eliminating the smooth ones.
+// Normal equations of local changes after eliminating the smooth ones.
 struct LocalEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right;
@@ -253,7 +255,7 @@ LocalEquations RemoveSmoothComponent(const Information& information) {
   const auto& matrix = information.matrix;
   const ObservableDirections observable =
       FindObservableDirections(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
-  // R with R R^T the inverse of the information on smooth changes.
+  // Square root R of the inverse information on smooth changes: R R^T.
   const Eigen::MatrixXd root =
       observable.unit.asDiagonal() * observable.vectors *
       observable.values.cwiseSqrt().cwiseInverse().asDiagonal();
@@ -290,7 +292,7 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
 
 // ---- Noise -----------------------------------------------------------------
 
-// The residuals after fitting all changes.
+// Residuals after fitting all changes.
 std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
                                         const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
@@ -299,8 +301,8 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
   return remainders;
 }
 
-// The variance inflation of smooth sums by correlated residuals: an AR(1)
-// correlation of r between features, in both directions.
+// Variance inflation of smooth sums due to correlated residuals, assuming an
+// AR(1) correlation r between neighbouring features in both directions.
 double ComputeInflation(const std::vector<ProjectedView>& views,
                         const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
@@ -346,8 +348,8 @@ Movement MakeMovement(const std::string& name,
   return movement;
 }
 
-// The smallest set of smooth changes that leaves nothing significant; of equal
-// sizes, the one with the smallest remainder.
+// Returns the smallest set of smooth changes whose remainder is insignificant;
+// among sets of equal size, the one with the smallest remainder.
 std::vector<std::string> Explain(const Information& information,
                                  double smooth_chi_squared) {
   struct Candidate {
@@ -380,8 +382,8 @@ std::vector<std::string> Explain(const Information& information,
   return {"scale", "shift", "tilt"};
 }
 
-// Weakly observable directions are shrunk, assuming changes as large in all
-// others as their chi-squared variable indicates.
+// Finds the largest local change. Weakly observable directions are shrunk, with
+// a prior variance according to the excess of the chi-squared value.
 void FindLargestLocal(const ReferenceCamera& camera,
                       const LocalEquations& local, const GroupTest& test,
                       CameraChange* change) {
@@ -405,8 +407,8 @@ void FindLargestLocal(const ReferenceCamera& camera,
   }
 }
 
-// The errors of views, and the information on changes for the noise used in the
-// test.
+// Errors of the views, and the information on changes for the noise that the
+// test uses.
 struct Judged {
   std::vector<ReducedView> reduced;
   Information information;
@@ -491,7 +493,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   const GroupTest& of_local = tests[3];
   const Movement local = MakeMovement("local", {}, of_local);
   change.local_sigmas = local.sigmas;
-  // A local change is partly explained by smooth ones.
+  // Smooth changes explain part of a local change.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
@@ -537,15 +539,15 @@ MovementErrors ComputeExcessErrors(
     return ChiSquaredSigmas(chi_squared[g], degrees_of_freedom[g]) >
            kChanceSigmas;
   };
-  // A local change partly resembles the others, which may not show it with
-  // their few degrees of freedom: they get the limit that is exceeded in one of
-  // six cases.
+  // A local change partly resembles the smooth ones, which may not become
+  // significant with their few degrees of freedom: they get a limit that is
+  // exceeded in one of six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);
   std::array<double, kNumGroups> deviations = {};
   for (int g = 0; g < kNumGroups; ++g) {
     if (!is_local && !is_more_than_chance(g)) continue;
-    // The chi-squared variable is below this equally rarely.
+    // The chi-squared variable is below this limit with equal probability.
     const double below = is_more_than_chance(g) ? -kChanceSigmas : -1;
     const double largest =
         chi_squared[g] / ChiSquaredAt(below, degrees_of_freedom[g]);

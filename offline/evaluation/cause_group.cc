@@ -16,7 +16,7 @@ CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
   return budget->causes[static_cast<size_t>(cause)];
 }
 
-// The minimum share of a cause to be significant.
+// Minimum share of a cause to be significant.
 double MinSignificantGain(const CauseShare& share) {
   constexpr double kNegligible = 0.002;
   return std::max(share.chance_high, kNegligible);
@@ -31,7 +31,7 @@ double SumLanes(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Whether the difference of two causes' shares is insignificant.
+// Whether the difference between the shares of two causes is insignificant.
 bool IsDifferenceInsignificant(const std::vector<double>& more,
                                const std::vector<double>& less) {
   constexpr double kByChance = 0.01;
@@ -50,11 +50,11 @@ double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
          squares_;
 }
 
-// Simulates errors of equal size at the same positions, with random signs.
+// Simulates errors of the same size at the same positions with random signs.
 void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
                                ResidualBudget* budget) const {
   constexpr double kDeviations = 3;
-  std::mt19937_64 bits(1);  // the standard fixes its sequence
+  std::mt19937_64 bits(1);  // sequence is standardized
   std::vector<double> sums(fits_.size(), 0), squares(fits_.size(), 0);
   for (int draw = 0; draw < kChanceDraws; ++draw) {
     Eigen::VectorXd tossed = errors;
@@ -77,7 +77,7 @@ void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
   }
 }
 
-// The cause with the largest significant share of the remainder.
+// Returns the cause with the largest significant share of the remaining errors.
 std::optional<size_t> CauseGroup::FindNextCause(
     const Halves& left, const std::vector<bool>& is_taken,
     ResidualBudget* budget) const {
@@ -95,7 +95,8 @@ std::optional<size_t> CauseGroup::FindNextCause(
   return best;
 }
 
-// Each feature's errors, with coefficients estimated from the other half.
+// Remaining error of each feature, with coefficients estimated from the other
+// half.
 Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
   Eigen::VectorXd joined = left[0];
   for (Eigen::Index at = 0; !fits_.empty() && at < joined.size(); at += 2) {
@@ -113,8 +114,8 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
     share.alone = Gain(named.fit, {errors, errors});
   }
   MeasureChance(errors, budget);
-  // Each half continues with the remainder by its own coefficients, so that the
-  // halves stay independent.
+  // Each half continues with the residuals of its own coefficients, so that the
+  // halves remain independent.
   Halves left = {errors, errors};
   std::vector<bool> is_taken(fits_.size(), false);
   while (const auto next = FindNextCause(left, is_taken, budget)) {

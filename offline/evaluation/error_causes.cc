@@ -13,7 +13,7 @@ Eigen::Index GetColumn(size_t feature) {
   return 2 * static_cast<Eigen::Index>(feature);
 }
 
-// Consecutive images are similar: they are assigned to one half.
+// Assigns consecutive images to one half, since they are similar.
 std::vector<int> SplitByView(const BudgetInput& input) {
   const int num_views = static_cast<int>(CountFeaturesByView(input).size());
   std::vector<int> half;
@@ -22,7 +22,8 @@ std::vector<int> SplitByView(const BudgetInput& input) {
   return half;
 }
 
-// Neighbours share errors of unmodelled causes. Blocks keep most of them within
+// Splits the features into halves by blocks of the lattice: neighbouring
+// features share errors of unmodelled causes, which blocks mostly keep within
 // one half.
 std::vector<int> SplitByLattice(const BudgetInput& input) {
   constexpr int kBlocksAlongBoard = 6;
@@ -40,7 +41,7 @@ std::vector<int> SplitByLattice(const BudgetInput& input) {
   return half;
 }
 
-// Chosen for about 16 features per cell.
+// Cell size for about 16 features per cell.
 double CellPx(const BudgetInput& input) {
   constexpr double kFeaturesInCell = 16, kMinCellPx = 16, kMinCells = 6;
   Area area = {1e9, 1e9, -1e9, -1e9};
@@ -55,7 +56,7 @@ double CellPx(const BudgetInput& input) {
                     std::max(kMinCellPx, std::max(width, height) / kMinCells));
 }
 
-// A board's center, axes and radius.
+// Centre and axes of a board.
 struct BoardPlane {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
@@ -88,8 +89,8 @@ std::vector<BoardPlane> FitBoardPlanes(const BudgetInput& input) {
   return planes;
 }
 
-// The Jacobian of a point for stretches along both axes of its board, and a
-// shear.
+// Jacobian of a point with respect to stretches along both axes of its board
+// and to a shear.
 Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
                             const Eigen::Vector3d& point) {
   const double x = plane.x.dot(point - plane.center);
@@ -99,9 +100,9 @@ Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
   return moves;
 }
 
-// The feature's projected position: the observed one contains its noise, so
-// that a column of observed positions would fit noise, after eliminating the
-// pose.
+// Projected position of a feature relative to the image centre. A column of
+// observed positions contains the noise, and would fit it after the pose is
+// eliminated.
 Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
                                     const BudgetFeature& feature) {
   return feature.pixel + feature.error_px -
@@ -110,7 +111,7 @@ Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
              2;
 }
 
-// The Jacobian of a feature for the coefficients of a per-view cause.
+// Jacobian of a feature with respect to the coefficients of a per-view cause.
 Eigen::Matrix2Xd ApplyJacobian(ErrorCause cause, const BudgetInput& input,
                                const std::vector<BoardPlane>& planes,
                                const BudgetFeature& feature) {
@@ -132,7 +133,7 @@ Eigen::Matrix2Xd ApplyJacobian(ErrorCause cause, const BudgetInput& input,
   }
 }
 
-// Scales columns to an RMS of 1.
+// Scales each row to an RMS of 1.
 void ScaleRows(Eigen::MatrixXd* columns) {
   const double count = static_cast<double>(columns->cols());
   for (Eigen::Index k = 0; k < columns->rows(); ++k) {

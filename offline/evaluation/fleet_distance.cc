@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// The Jacobian of the mean camera's projections with respect to a rotation
-// about each axis, two rows per pixel; zero where it is undefined.
+// Jacobian of the mean camera's projections with respect to a rotation about
+// each axis, two rows per pixel; zero where the camera is undefined.
 Eigen::MatrixXd ComputeRotationJacobian(
     const CameraModel& mean, const std::vector<Eigen::Vector2d>& positions) {
   Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
@@ -20,7 +20,7 @@ Eigen::MatrixXd ComputeRotationJacobian(
     const auto ray = mean.Unproject(positions[i]);
     LinearizedProjection projection;
     if (!ray || !mean.Linearize(*ray, &positions[i], 1, &projection)) continue;
-    Eigen::Matrix3d cross;  // w x ray, for w
+    Eigen::Matrix3d cross;  // w -> w x ray
     cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
         -ray->x(), 0;
     by_turn.middleRows<2>(2 * i) = projection.J_point * cross;
@@ -38,14 +38,14 @@ Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
   return columns;
 }
 
-// The sum of squares of columns, after removing rotations.
+// Sum of squares of the columns after removing rotations.
 double SumSquaresWithoutRotation(const Eigen::MatrixXd& by_turn,
                                  const Eigen::MatrixXd& columns) {
   return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
       .squaredNorm();
 }
 
-// The sum of squared distances between the rays of the camera and those of the
+// Sum of squared distances between the rays of the camera and those of the
 // mean.
 double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& positions) {
@@ -85,7 +85,7 @@ bool FleetDistance::IsOutlier() const {
 }
 
 std::string FleetDistance::Text() const {
-  // Two significant digits, or all integer digits.
+  // Uses two significant digits, or all integer digits.
   const auto digits = [](double px) {
     return px < 99.5 ? fmt::format("{:.2g}", px) : fmt::format("{:.0f}", px);
   };

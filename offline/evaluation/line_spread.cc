@@ -29,7 +29,7 @@ std::vector<ObservationLine> SampleObservationLines(const CameraModel& camera) {
 LineSpread MeasureLineSpread(const CameraModel& camera) {
   LineSpread spread;
   if (camera.IsCentral()) return spread;
-  // The sum of |(I - d d^T)(c - o)|^2 is minimal at c.
+  // The sum of |(I - d d^T)(c - o)|^2 is minimal at the centre c.
   const std::vector<ObservationLine> lines = SampleObservationLines(camera);
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();

@@ -10,13 +10,14 @@
 namespace raygrid {
 namespace {
 
-// The lines of a pixel in two cameras, at infinity or at a distance.
+// Observation lines of a pixel in two cameras, compared at infinity or at a
+// finite distance.
 struct LinePair {
   Eigen::Vector2d pixel;
   ObservationLine first, second;
   double inverse_distance = 0;
-  // The Jacobian of the first camera's pixel with respect to the direction from
-  // its line's origin.
+  // Jacobian of the first camera's pixel with respect to the direction from the
+  // origin of its line.
   Eigen::Matrix<double, 2, 3> pixel_by_direction;
 };
 
@@ -48,7 +49,8 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
   return pairs;
 }
 
-// The point on the second line, seen from the first camera, over its distance.
+// Direction from the first line's origin to the point on the second line, in
+// units of its distance.
 Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
   return first_from_second.rotation * pair.second.direction +
          pair.inverse_distance *
@@ -59,7 +61,7 @@ Eigen::Vector2d ErrorPx(const LinePair& pair, const Pose& first_from_second) {
   return pair.pixel_by_direction * Sight(pair, first_from_second);
 }
 
-// Wahba's problem by singular value decomposition (Markley, 1988).
+// Solves Wahba's problem by singular value decomposition (Markley, 1988).
 Eigen::Quaterniond WeightedRotation(const std::vector<LinePair>& pairs,
                                     const std::vector<double>& weights) {
   Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
@@ -74,7 +76,7 @@ Eigen::Quaterniond WeightedRotation(const std::vector<LinePair>& pairs,
                                             svd.matrixV().transpose()));
 }
 
-// Huber weights with a threshold of twice the median.
+// Huber weights with a threshold of twice the median norm.
 std::vector<double> Weights(const std::vector<LinePair>& pairs,
                             const Pose& first_from_second) {
   std::vector<double> norms;
@@ -87,7 +89,7 @@ std::vector<double> Weights(const std::vector<LinePair>& pairs,
   return weights;
 }
 
-// A Gauss-Newton step, in pixels.
+// Performs a Gauss-Newton step on the pixel distances.
 Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
   const std::vector<double> weights = Weights(pairs, pose);
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();

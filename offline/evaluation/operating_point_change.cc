@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// Pixels per radian at the centre of the area: the geometric mean along two
-// axes perpendicular to the line of sight.
+// Focal length in pixels per radian at the centre of the area: the geometric
+// mean along two axes perpendicular to the line of sight.
 double FocalPx(const CentralGeneric& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto direction = camera.Unproject(pixel);
@@ -40,8 +40,8 @@ Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   return center;
 }
 
-// The displacements of distant points' projections between two cameras, from
-// pixels of the first; NaN where one of them is undefined.
+// Displacements of distant points' projections between two cameras, starting
+// from pixels of the first one; NaN where either camera is undefined.
 std::vector<Eigen::Vector2d> ComputeMoves(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {
@@ -56,8 +56,8 @@ std::vector<Eigen::Vector2d> ComputeMoves(
   return moves;
 }
 
-// Removes from displacements what a scale about a centre and a shift explain,
-// and returns the scale; nothing for fewer than three.
+// Removes the scale about a centre and the shift from displacements, and
+// returns the scale; nullopt for fewer than three points.
 std::optional<double> RemoveScaleAndShift(
     const Eigen::Vector2d& center, const std::vector<Eigen::Vector2d>& pixels,
     std::vector<Eigen::Vector2d>* moves) {

@@ -24,13 +24,14 @@ double SquaresOf(const BudgetInput& input) {
   return squares;
 }
 
-// The standard deviation per coordinate, from the median norm.
+// Robust standard deviation per coordinate from the median norm.
 double ComputeRobustStdDev(std::vector<double> norms) {
   return Quantile(std::move(norms), 0.5) / std::sqrt(2 * std::log(2.0));
 }
 
-// Limits of errors per view: five standard deviations, of its own or of all.
-// Views differ, depending on the causes; few large errors would mask all else.
+// Error limits per view: five standard deviations of the view or of all views,
+// whichever is larger. Views differ, depending on the causes; a few large
+// errors would mask the rest.
 std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
   constexpr double kDeviations = 5;
   std::vector<std::vector<double>> norms(CountFeaturesByView(input).size());
@@ -46,7 +47,7 @@ std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
   return longest;
 }
 
-// The errors in sequence, without those beyond the limit.
+// Errors in sequence, each clipped to the limit of its view.
 Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
   const std::vector<double> longest = ComputeMaxErrorByView(input);
   Eigen::VectorXd errors(2 * input.features.size());
@@ -85,7 +86,7 @@ Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
   return CauseGroup(std::move(fits), nullptr, squares).Explain(errors, budget);
 }
 
-// Whether half of the features are in views with many features.
+// Whether at least half of the features are in views with many features.
 bool HaveViewsMany(const BudgetInput& input) {
   size_t in_these = 0;
   for (const int count : CountFeaturesByView(input))
@@ -123,8 +124,8 @@ void ExplainByViews(const BudgetInput& input, double squares,
 
 // ---- Noise -----------------------------------------------------------------
 
-// The variance of a feature's white noise, from second differences along the
-// lattice: these remove constant and linear components.
+// Variance of the white noise of features from second differences along the
+// lattice, which remove constant and linear components.
 Eigen::Vector2d NoiseVariance(const BudgetInput& input,
                               const Eigen::VectorXd& errors) {
   constexpr double kVarianceOfDifferences = 1 + 4 + 1;
@@ -159,8 +160,7 @@ void AddNoise(const BudgetInput& input, double squares,
               const Eigen::VectorXd& errors, ResidualBudget* budget) {
   const Eigen::Vector2d variance = NoiseVariance(input, errors);
   budget->noise_px = variance.cwiseSqrt();
-  // Fitted parameters reduce the variance by their number over that of the
-  // observations.
+  // Fitting reduces the variance by the ratio of parameters to observations.
   const double count = static_cast<double>(input.features.size());
   const double left = std::max(
       0.0, 1 - (input.num_parameters + 6.0 * budget->num_views) / (2 * count));
@@ -218,8 +218,8 @@ ResidualBudget ComputeResidualBudget(const BudgetInput& input) {
   const double explained = budget.large + budget.PerViewShare() +
                            budget.Of(ErrorCause::kImagePosition).in_turn +
                            budget.Of(ErrorCause::kBoardPosition).in_turn;
-  // Neighbours with opposite residuals make the noise appear larger than all
-  // residuals.
+  // If residuals of neighbours are anticorrelated, the noise estimate exceeds
+  // the variance of all residuals.
   budget.noise = std::min(budget.noise, std::max(0.0, 1 - explained));
   budget.rest = 1 - explained - budget.noise;
   return budget;

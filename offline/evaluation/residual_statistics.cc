@@ -23,7 +23,7 @@ int GetBinIndex(double value) {
   return std::clamp(static_cast<int>(std::floor(position)), 0, kBins - 1);
 }
 
-// Probabilities of the bins for a standard normal variable; the outermost ones
+// Probabilities of the bins for a standard normal variable; the outermost bins
 // include the tails.
 std::array<double, kBins> NormalBins() {
   std::array<double, kBins> bins;
@@ -145,7 +145,7 @@ std::optional<double> ComputeBias(const std::vector<FeatureResidual>& residuals,
 std::optional<double> ComputeNoiseBias(
     const std::vector<FeatureResidual>& residuals, const Area& area) {
   constexpr int kDraws = 5;
-  std::mt19937_64 bits(1);  // the standard fixes its sequence
+  std::mt19937_64 bits(1);  // sequence is standardized
   const auto uniform = [&bits] {
     return static_cast<double>((bits() >> 11) + 1) * 0x1p-53;
   };

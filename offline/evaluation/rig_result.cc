@@ -6,8 +6,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kMinSharedViews = 5;
-// With pure noise, a board localized by several cameras fits each of them
-// nearly as well as if localized by it alone.
+// Maximum ratio of joint to single-camera errors. With pure noise, a board pose
+// from several cameras fits each of them nearly as well as a pose from that
+// camera alone.
 constexpr double kMaxTogetherRatio = 1.5;
 
 ErrorMetrics ComputeRigMetrics(

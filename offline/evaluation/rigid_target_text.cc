@@ -9,7 +9,8 @@
 namespace raygrid {
 namespace {
 
-// RMS deviations of pairs over all their frames, and their expectation.
+// RMS deviations of board pairs over all their frames, and the expected
+// deviations.
 struct PairDeviation {
   double square_m2 = 0, square_rad2 = 0;
   double expected_m2 = 0, expected_rad2 = 0;

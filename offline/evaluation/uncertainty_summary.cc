@@ -11,15 +11,15 @@
 namespace raygrid {
 namespace {
 
-// A cell of the image, and the number of its pixels that count.
+// Cell of the image, and the number of its pixels to be counted.
 struct CountedCell {
   int cell = 0;
   Eigen::Vector2d center;
   double num_pixels = 0;
-  bool is_calibrated = false;  // in the camera's area
+  bool is_calibrated = false;  // within the camera's area
 };
 
-// Lists the cells of the image, or of its image circle.
+// Lists the cells of the image, or of its image circle if known.
 std::vector<CountedCell> CellsOf(const CameraModel& camera,
                                  const std::optional<ImageCircle>& circle,
                                  const ValidityMask& mask) {
@@ -49,12 +49,12 @@ double SumLanes(const std::vector<CountedCell>& cells) {
   return sum;
 }
 
-// The third of the image, across or down, that contains a pixel: 0 to 2.
+// Third of the image, across or down, that contains a pixel: 0 to 2.
 int GetThird(double position, int extent) {
   return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
 }
 
-// "left", "left and right", "left, top and right".
+// Joins words: "left", "left and right", "left, top and right".
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
   for (size_t k = 0; k < words.size(); ++k)
@@ -62,7 +62,7 @@ std::string Joined(const std::vector<std::string>& words) {
   return text;
 }
 
-// A side or corner of the image, as a ninth of it.
+// Side or corner of the image: one of nine regions.
 struct ImagePlace {
   const char* name;
   int column, row;
@@ -74,8 +74,8 @@ constexpr ImagePlace kCorners[] = {{"top left", 0, 0},
                                    {"bottom left", 0, 2},
                                    {"bottom right", 2, 2}};
 
-// Describes the sides and corners with much extrapolation. Corners of a named
-// side are omitted.
+// Describes sides and corners with a large extrapolated fraction. Corners of a
+// side that is already named are omitted.
 std::string DescribePositions(
     const std::array<std::array<double, 3>, 3>& shares) {
   constexpr double kMuchOfSide = 0.2, kMuchOfCorner = 0.03;

@@ -11,12 +11,12 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 30;
-constexpr double kSmoothnessPx = 2;  // of second differences between nodes
+constexpr double kSmoothnessPx = 2;  // of second differences of control points
 constexpr int kNumNodes = 16;
 
-// The reprojection error to first order: (ds/dx)^-1 (s(x) - chart(p)). The
-// Jacobian is that of the current surface; with a fixed one, shrinking the
-// surface would reduce the residuals.
+// First-order reprojection error: (ds/dx)^-1 (s(x) - chart(p)). Uses the
+// Jacobian of the current surface; with a fixed Jacobian, shrinking the surface
+// would reduce the residuals.
 struct SurfaceError {
   SplineSupport support;
   Eigen::Vector3d point;
@@ -48,7 +48,7 @@ struct SurfaceError {
   }
 };
 
-// The second difference of three control points, minus its initial value.
+// Second difference of three control points minus its initial value.
 struct SmoothnessError {
   Eigen::Vector2d start;
   double weight;
@@ -87,7 +87,7 @@ void AddObservation(const ChartObservation& observation,
   problem->AddResidualBlock(cost, new ceres::HuberLoss(1), blocks);
 }
 
-// The typical pixel size in chart coordinates.
+// Typical size of a pixel in chart coordinates.
 double ChartPerPixel(const BSplineSurface& surface) {
   Eigen::Matrix2d derivative;
   surface.Evaluate(surface.area().center(), &derivative);

@@ -10,16 +10,16 @@ namespace raygrid {
 namespace {
 
 constexpr int kPixelsAlong = 160;
-constexpr int kMaxWidth = 3;  // of a square, in board squares
+constexpr int kMaxWidth = 3;  // side of a lattice square, in board squares
 
-// A square's corners in cyclic order: in the image, or on the board.
+// Corners of a square in cyclic order, in the image or on the board.
 using Corners = std::array<Eigen::Vector2d, 4>;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// Convex, and not mirrored.
+// Whether the quadrilateral is convex and not mirrored.
 bool IsImageOfSquare(const Corners& corners) {
   for (int k = 0; k < 4; ++k)
     if (!(Cross(corners[(k + 1) % 4] - corners[k],
@@ -35,7 +35,8 @@ bool Contains(const Corners& corners, const Eigen::Vector2d& pixel) {
   return true;
 }
 
-// Maps the unit vectors to the first three corners, their sum to the fourth.
+// Projective basis that maps the unit vectors to the first three corners, and
+// their sum to the fourth one.
 Eigen::Matrix3d ProjectiveBasis(const Corners& corners) {
   Eigen::Matrix3d basis;
   for (int k = 0; k < 3; ++k) basis.col(k) = corners[k].homogeneous();
@@ -43,7 +44,7 @@ Eigen::Matrix3d ProjectiveBasis(const Corners& corners) {
   return basis * lengths.asDiagonal();
 }
 
-// The features of a view, indexed by column and row.
+// Features of a view, indexed by column and row.
 class ViewFeatures {
  public:
   ViewFeatures(const Board& board, const ImageFeatures& image)
@@ -54,8 +55,8 @@ class ViewFeatures {
         pixels_[board.PointIndex(feature.column, feature.row)] = feature.pixel;
   }
 
-  // Finds the corners of the square of the given width at a position; false
-  // unless all of its features exist.
+  // Finds the corners of the square with the given width and position; returns
+  // false unless all of its features were detected.
   bool FindSquare(int column, int row, int width, Corners* pixels,
                   Corners* points) const {
     const int dx[4] = {0, width, width, 0}, dy[4] = {0, 0, width, width};
@@ -76,7 +77,8 @@ class ViewFeatures {
 
 using PointsByPixel = std::vector<std::optional<Eigen::Vector2d>>;
 
-// Sets lattice pixels without a point.
+// Sets the points of the lattice pixels inside a square that do not have one
+// yet.
 void FillSquare(const Corners& pixels, const Corners& points,
                 const PixelLattice& lattice, PointsByPixel* filled) {
   Eigen::Vector2d low = pixels[0], high = pixels[0];

@@ -14,9 +14,9 @@
 namespace raygrid {
 namespace {
 
-// The number of triplets from which models are grown; the best is used.
+// Number of triplets from which models are extended; the best model is used.
 constexpr int kNumGrown = 3;
-constexpr size_t kMaxAdjustedFeatures = 60;  // of a view
+constexpr size_t kMaxAdjustedFeatures = 60;  // per view
 
 Area GetFeatureArea(const Dataset& dataset) {
   Area area = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -31,7 +31,8 @@ Area GetFeatureArea(const Dataset& dataset) {
   return area;
 }
 
-// Returns the model that covers most pixels of most views.
+// Extends models from the best triplets, and returns the one that covers most
+// pixels in most views.
 std::optional<PixelwiseModel> GrowBestModel(
     const std::vector<DenseView>& views, const PixelLattice& lattice,
     const GenericInitializationOptions& options) {
@@ -51,7 +52,7 @@ std::optional<PixelwiseModel> GrowBestModel(
   return best;
 }
 
-// Chart coordinates at the pixels of a lattice.
+// Chart coordinates at the pixels of a lattice; nullopt if unobserved.
 using ChartValues = std::vector<std::optional<Eigen::Vector2d>>;
 
 ChartValues ComputeChart(const PixelwiseModel& model) {
@@ -63,7 +64,7 @@ ChartValues ComputeChart(const PixelwiseModel& model) {
   return chart;
 }
 
-// Fits coefficients of functions of the pixel by least squares.
+// Least-squares fit of a linear combination of functions of the pixel.
 template <int N, typename Functions>
 Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
                                          const ChartValues& chart,
@@ -79,7 +80,7 @@ Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
   return normal.ldlt().solve(right);
 }
 
-// Rotates the camera axes.
+// Rotates the axes of the camera frame.
 void Turn(const Eigen::Quaterniond& rotation, PixelwiseModel* model) {
   for (auto& direction : model->directions)
     if (direction) direction = rotation * *direction;
@@ -95,8 +96,9 @@ void RotateMeanToZ(PixelwiseModel* model) {
        model);
 }
 
-// Makes x point right and y down: rotates about z until the linear part of the
-// chart's Jacobian has no rotation. False if the image is mirrored.
+// Rotates about z until the linear part of the chart's Jacobian contains no
+// rotation, so that x points right and y down. Returns false if the image is
+// mirrored.
 bool AlignAxesWithImage(const PixelLattice& lattice, PixelwiseModel* model) {
   const Eigen::Matrix2d linear =
       FitFunctions<3>(lattice, ComputeChart(*model),
@@ -112,7 +114,8 @@ bool AlignAxesWithImage(const PixelLattice& lattice, PixelwiseModel* model) {
   return true;
 }
 
-// Monomials up to the third degree, of a pixel within [-1, 1]^2.
+// Monomials up to third degree in pixel coordinates that are normalized to [-1,
+// 1]^2.
 using Cubic = Eigen::Matrix<double, 10, 1>;
 Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
   const double x = (pixel.x() - area.center().x()) / (area.width() / 2);
@@ -123,7 +126,7 @@ Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
   return monomials;
 }
 
-// The mean of the neighbours with values.
+// Mean of the neighbouring values; nullopt if there are none.
 std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
                                           const PixelLattice& lattice,
                                           int index) {
@@ -144,7 +147,7 @@ std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
   return sum / count;
 }
 
-// Extrapolates values ring by ring. At least one must exist.
+// Extrapolates values ring by ring; requires at least one value.
 void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
   for (bool complete = false; !complete;) {
     complete = true;
@@ -157,8 +160,9 @@ void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
   }
 }
 
-// The chart at all pixels of an area: extrapolated by a cubic polynomial fitted
-// to the observed pixels, plus the neighbours' deviations from it.
+// Chart values at all pixels of an area. Unobserved pixels are extrapolated by
+// a cubic polynomial that is fitted to the observed pixels, plus the deviations
+// of neighbours from it.
 std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
                                            const PixelLattice& lattice,
                                            const Area& area) {
@@ -182,7 +186,8 @@ std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
   return samples;
 }
 
-// The features of the localized views, at most count each; one pose per view.
+// Features of the views with poses, at most max_count per view; one pose per
+// view.
 std::vector<ChartObservation> ObservationsOf(
     const std::vector<InitialView>& views, const Dataset& dataset,
     const Pattern& pattern, size_t max_count) {
@@ -212,7 +217,7 @@ BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
                     CompleteSamples(ComputeChart(model), lattice, area));
 }
 
-// The grid and the views of a model, after optimization.
+// Fits a grid to a pixelwise model, and optimizes the grid and the poses.
 GenericInitialization AdjustedStart(
     const PixelwiseModel& model, const std::vector<DenseView>& dense,
     const PixelLattice& lattice, const Dataset& dataset, const Pattern& pattern,

@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kMinSights = 4;
 
 // A match with its observation line, and the Jacobian of the pixel with respect
-// to directions near the line's, from its origin.
+// to directions from the line's origin.
 struct Sight {
   Eigen::Vector3d point;
   Eigen::Vector3d origin, ray;
@@ -21,8 +21,9 @@ std::vector<Sight> ComputeObservationRays(
     const CameraModel& camera, const std::vector<PointPixelMatch>& matches) {
   std::vector<Sight> sights;
   for (const PointPixelMatch& match : matches) {
-    // Linearized at a distance of a metre, which is uncritical: the scale
-    // depends on distance only by the displacement of origins between pixels.
+    // The distance of 1 m for the linearization is uncritical: the scale
+    // depends on it only through the displacement of line origins between
+    // pixels.
     const auto line = camera.Line(match.pixel);
     LinearizedProjection projection;
     if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
@@ -33,15 +34,15 @@ std::vector<Sight> ComputeObservationRays(
   return sights;
 }
 
-// A rotation of the mean ray to the z axis, so that even a board at a right
-// angle to the optical axis has a perspective image.
+// Rotation of the mean ray to the z axis. In the rotated frame, even a board at
+// a right angle to the optical axis has a perspective image.
 Eigen::Quaterniond EstimateMeanRayRotation(const std::vector<Sight>& sights) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Sight& sight : sights) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
-// About the board's size, and a power of two, for exact scaling.
+// Power of two close to the board's size in metres, for exact scaling.
 double ComputeUnit(const std::vector<Sight>& sights) {
   double extent = 0;
   for (const Sight& sight : sights)
@@ -49,8 +50,8 @@ double ComputeUnit(const std::vector<Sight>& sights) {
   return extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
 }
 
-// OpenCV considers points within some millimetres identical, so lengths are
-// scaled.
+// Estimates a pose from the perspective image of the rays. Lengths are scaled,
+// since OpenCV treats points within a few millimetres as identical.
 std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
   if (sights.empty()) return std::nullopt;
   const double unit = ComputeUnit(sights);
@@ -86,9 +87,10 @@ std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-// The cost of the reprojection errors of a pose (Huber loss, 1 px), and its
-// Gauss-Newton equations for the update of UpdatedPose(). Errors are of first
-// order in the angle between ray and point; J_ray does not depend on lengths.
+// Cost of a pose (Huber loss of the reprojection errors with a threshold of 1
+// px), and its Gauss-Newton equations for the update of UpdatedPose(). Errors
+// are first-order in the angle between ray and point; J_ray does not depend on
+// lengths.
 struct PoseEquations {
   double cost = 0;
   Vector6d gradient = Vector6d::Zero();
@@ -119,11 +121,11 @@ PoseEquations EquationsOf(const std::vector<Sight>& sights, const Pose& pose) {
   return equations;
 }
 
-// Levenberg-Marquardt.
+// Refines a pose by the Levenberg-Marquardt method.
 std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
   constexpr int kMaxSteps = 50;
-  constexpr double kTolerance = 1e-12;      // relative, of the cost
-  constexpr double kNegligiblePx2 = 1e-20;  // of the cost, per sight
+  constexpr double kTolerance = 1e-12;      // relative decrease of the cost
+  constexpr double kNegligiblePx2 = 1e-20;  // cost per ray
   double lambda = 1e-4;
   PoseEquations equations = EquationsOf(sights, pose);
   for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost);
@@ -150,7 +152,7 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
   return pose;
 }
 
-// Reprojection errors of a pose, to first order as above.
+// First-order reprojection errors of a pose in pixels.
 std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
                              const Pose& pose) {
   std::vector<double> errors;
@@ -172,8 +174,8 @@ double ComputeMedianErrorPx(const std::vector<Sight>& sights,
   return *median;
 }
 
-// The best pose from all sights; if most are inconsistent with it, also from
-// subsets, which contain fewer outliers.
+// Estimates the pose from all rays and, if most of them are inconsistent with
+// it, also from subsets, some of which contain fewer outliers.
 std::optional<Pose> EstimateBestPose(const std::vector<Sight>& sights) {
   constexpr size_t kParts = 6;
   constexpr double kGoodPx = 1;
@@ -199,7 +201,7 @@ std::optional<Pose> EstimateBestPose(const std::vector<Sight>& sights) {
   return best;
 }
 
-// The sights without outliers relative to a pose.
+// Selects the rays that are inliers for a pose.
 std::vector<Sight> Consistent(const std::vector<Sight>& sights,
                               const Pose& pose) {
   constexpr double kTimesMedian = 6, kAlwaysPx = 3;

@@ -9,11 +9,11 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxParametricViews = 16;
-// If the error is larger, the fit has failed.
-constexpr double kMaxRmsPart = 0.02;  // of the image's width
+// Maximum RMS error of a successful fit.
+constexpr double kMaxRmsPart = 0.02;  // of the image width
 
-// LAPACK, which OpenCV calls, rounds differently with the alignment of its
-// data: the last digits are discarded for reproducible results.
+// Discards the last digits for reproducible results: LAPACK, which OpenCV
+// calls, rounds differently depending on the memory alignment of its data.
 constexpr int kPixelBits = 6, kRatioBits = 20;
 double Rounded(double value, int bits) {
   return std::ldexp(std::round(std::ldexp(value, bits)), -bits);

@@ -13,15 +13,16 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMinRays = 30;
-constexpr size_t kMaxRays = 300;  // for one pose
+constexpr size_t kMaxRays = 300;  // per pose
 constexpr double kMinRaysAhead = 0.9;
 constexpr double kOutlierAngles = 6;
 constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
-// Minimum fractions of a view with directions, in order of preference.
+// Minimum fractions of a view's pixels with known directions, in order of
+// preference.
 constexpr double kOverlapParts[] = {0.7, 0.5, 0.3};
 constexpr int kAveragingRounds = 3;
-// Views with larger errors are inconsistent with the existing directions.
+// Maximum error of views that are consistent with the existing directions.
 constexpr double kMaxErrorPx = 8;
 
 Eigen::Vector3d RayOf(const Pose& pose, const Eigen::Vector2d& point) {
@@ -36,8 +37,8 @@ std::vector<double> AngleErrors(const std::vector<PointRayMatch>& matches,
   return errors;
 }
 
-// The homography from homogeneous points to rays; lengths are relative to the
-// visible part of the board.
+// Homography from homogeneous board points to rays. Points are normalized to
+// the visible part of the board.
 struct BoardHomography {
   Eigen::Vector2d centroid;
   double unit_m = 1;
@@ -68,7 +69,8 @@ void FitRays(const std::vector<PointRayMatch>& matches,
   const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(normal);
   const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
   homography->rays_from_board = Eigen::Map<const Eigen::Matrix3d>(h.data());
-  // The camera is in front of the board: its z axis points away.
+  // The board's z axis points away from the camera, which is in front of the
+  // board.
   if (homography->rays_from_board.determinant() < 0)
     homography->rays_from_board *= -1;
 }
@@ -123,7 +125,7 @@ Pose PoseOf(const BoardHomography& homography) {
   return pose;
 }
 
-// The sum of the Cauchy loss of the angles.
+// Sum of the Cauchy losses of the angular errors.
 double RobustCost(const std::vector<PointRayMatch>& matches, const Pose& pose,
                   double scale) {
   double cost = 0;
@@ -132,7 +134,7 @@ double RobustCost(const std::vector<PointRayMatch>& matches, const Pose& pose,
   return cost;
 }
 
-// Levenberg-Marquardt, iteratively reweighted.
+// Refines a pose by iteratively reweighted Levenberg-Marquardt steps.
 Pose RefinePose(const std::vector<PointRayMatch>& matches, const Pose& start) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -180,7 +182,7 @@ Pose RefinePose(const std::vector<PointRayMatch>& matches, const Pose& start) {
   return pose;
 }
 
-// The matches of a view at pixels with directions.
+// Matches of a view at pixels with known directions.
 std::vector<PointRayMatch> MatchesWithDirections(const DenseView& view,
                                                  const PixelwiseModel& model) {
   std::vector<PointRayMatch> matches;
@@ -198,7 +200,7 @@ std::vector<PointRayMatch> Subsample(const std::vector<PointRayMatch>& all) {
   return some;
 }
 
-// The typical angle between adjacent lattice pixels.
+// Typical angle between adjacent lattice pixels.
 double TypicalRadiansPerPixel(const PixelLattice& lattice,
                               const PixelwiseModel& model) {
   std::vector<double> angles;
@@ -211,7 +213,7 @@ double TypicalRadiansPerPixel(const PixelLattice& lattice,
   return Median(angles);
 }
 
-// Averages the directions of all localized views.
+// Averages the directions over all views with poses.
 void AverageDirections(const std::vector<DenseView>& views,
                        const PixelLattice& lattice, PixelwiseModel* model) {
   std::vector<Eigen::Vector3d> sums(lattice.size(), Eigen::Vector3d::Zero());
@@ -227,7 +229,7 @@ void AverageDirections(const std::vector<DenseView>& views,
   model->radians_per_px = TypicalRadiansPerPixel(lattice, *model);
 }
 
-// Localizes views; nothing where it fails.
+// Estimates the poses of the given views; nullopt for views that fail.
 std::vector<std::optional<Pose>> LocalizeSome(
     const std::vector<DenseView>& views, const PixelwiseModel& model,
     const std::vector<int>& which, int num_threads) {
@@ -242,8 +244,8 @@ std::vector<std::optional<Pose>> LocalizeSome(
   return poses;
 }
 
-// Adds the views with the given fraction of known directions; false if none can
-// be localized.
+// Adds the views whose fraction of pixels with known directions is sufficient.
+// Returns false if no pose can be estimated.
 bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
               double overlap_part, int num_threads, PixelwiseModel* model) {
   std::vector<int> candidates;

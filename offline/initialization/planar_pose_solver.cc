@@ -1,31 +1,32 @@
 // The three points observed at one pixel are collinear. In the first board's
-// frame they are
+// frame, they are
 //   P1 = (X1, Y1, 0),  P2 = R2 (X2, Y2, 0) + t2,  P3 = R3 (X3, Y3, 0) + t3,
-// and with the centre O = (ox, oy, -d) the 4 x 4 matrix of the homogeneous O,
-// P1, P2, P3 has rank two. Its minors with O and two of the points say that
-// P1 is the image of P2, and of P3, seen from O in the plane of board 1:
+// and with the centre O = (ox, oy, -d), the 4 x 4 matrix of the homogeneous O,
+// P1, P2, P3 has rank two. Its minors with O and two of the points imply that
+// P1 is the projection of P2 and of P3 through O onto the plane of board 1:
 //   (X1, Y1, 1) ~ K (P2 - O) = K [r21 r22 t2 - O] (X2, Y2, 1) = H2 (X2, Y2, 1)
 //   K = [d 0 ox; 0 d oy; 0 0 1]
-// with r21, r22 the first columns of R2; likewise H3. (Minors without O follow
-// from these.) Matches give H2 and H3 linearly, and thus the poses once K is
-// known. Since r21 and r22 are orthogonal and of one length, each H = [h1 h2
-// h3] gives two equations in W ~ K^-T K^-1:
+// with r21, r22 the first columns of R2, and likewise for H3. (Minors without O
+// follow from these.) H2 and H3 are estimated linearly from matches, and yield
+// the poses once K is known. Since r21 and r22 are orthogonal and of equal
+// length, each H = [h1 h2 h3] gives two equations in W ~ K^-T K^-1:
 //   h1' W h2 = 0,  h1' W h1 = h2' W h2
 //   W ~ [w1 0 w2; 0 w1 w3; w2 w3 w4],  ox = -w2 / w1,  oy = -w3 / w1,
 //   d^2 = w4 / w1 - ox^2 - oy^2.
-// These are four linear equations for three unknowns. In other words: the first
-// board is the image plane of a pinhole camera with square pixels, which is
-// calibrated with two views of planes (Zhang, 2000).
+// These are four linear equations for three unknowns. This is equivalent to
+// calibrating a pinhole camera with square pixels, whose image plane is the
+// first board, from two views of planes (Zhang, 2000).
 //
-// When is W unique? It is a conic through the circular points of the boards'
-// lines at infinity: two given by its form, two by each H. Five points of a
-// proper conic determine it, and circular points of boards that are not
-// parallel differ. So W is unique when no two boards are parallel. Where two
-// are, their equations are the same, or empty if one of them is the first.
+// Uniqueness of W: it is a conic through the circular points of the boards'
+// planes, two given by its form and two by each H. Five points determine a
+// proper conic, and boards that are not parallel have different circular
+// points, so that W is unique if no two boards are parallel. The equations of
+// parallel boards are identical, or empty if one of them is the first board.
 //
-// d and -d give the same W and mirrored poses: with z away from the camera, d
-// is positive. H's scale puts observed points in front of the camera; then
-// det H > 0 means that the camera sees the other board from its front, too.
+// d and -d give the same W and mirrored poses: with z pointing away from the
+// camera, d is positive. The sign of H is chosen so that observed points are in
+// front of the camera; det H > 0 then means that the camera also sees the other
+// board from its front.
 #include "initialization/planar_pose_solver.h"
 
 #include <ceres/ceres.h>
@@ -48,13 +49,13 @@ constexpr double kMinPartAhead = 0.9;
 constexpr double kOutlierMedians = 6;
 constexpr double kMinLossScaleM = 1e-9;
 
-// Points of two boards at the same pixel.
+// Points of two boards that are observed at the same pixel.
 struct PlaneMatch {
   Eigen::Vector2d from, to;
 };
 
-// Coordinates of a board relative to the centroid of its matches, in a unit
-// common to all boards.
+// Normalized coordinates: relative to the centroid of each board's matches, in
+// a length unit that is common to all boards.
 struct Normalization {
   std::array<Eigen::Vector2d, 3> centroid;
   double unit_m = 1;
@@ -84,7 +85,7 @@ Eigen::Vector2d Transfer(const Eigen::Matrix3d& homography,
   return (homography * point.homogeneous()).hnormalized();
 }
 
-// Direct linear transformation.
+// Estimates a homography by direct linear transformation (DLT).
 Eigen::Matrix3d FitHomography(const std::vector<PlaneMatch>& matches) {
   Eigen::MatrixXd equations =
       Eigen::MatrixXd::Zero(std::max<size_t>(9, 2 * matches.size()), 9);
@@ -107,7 +108,8 @@ Eigen::Matrix3d FitHomography(const std::vector<PlaneMatch>& matches) {
   return homography;
 }
 
-// Two passes: the second without the outliers of the first.
+// Estimates a homography in two passes; the second one omits the outliers of
+// the first.
 Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   const Eigen::Matrix3d first = FitHomography(matches);
   std::vector<double> errors;
@@ -120,8 +122,9 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   return near.size() == matches.size() ? first : FitHomography(near);
 }
 
-// Signed so that observed points are in front of the camera; nothing if many
-// cannot be, or if the board would be seen from behind.
+// Homography with the sign that puts the observed points in front of the
+// camera; nullopt if many points cannot be in front of it, or if the board
+// would be seen from behind.
 std::optional<Eigen::Matrix3d> EstimateFacingHomography(
     const std::vector<PlaneMatch>& matches) {
   Eigen::Matrix3d homography = FitHomographyRobustly(matches);
@@ -144,7 +147,7 @@ Eigen::RowVector4d ConicRow(const Eigen::Vector3d& a,
           a.y() * b.z() + a.z() * b.y(), a.z() * b.z()};
 }
 
-// The centre (ox, oy, -d) in the first board's frame.
+// Solves for the centre (ox, oy, -d) in the first board's frame.
 std::optional<Eigen::Vector3d> SolveCenter(const Eigen::Matrix3d& h2,
                                            const Eigen::Matrix3d& h3,
                                            double* conditioning) {
@@ -164,7 +167,7 @@ std::optional<Eigen::Vector3d> SolveCenter(const Eigen::Matrix3d& h2,
   return Eigen::Vector3d(ox, oy, -std::sqrt(d_squared));
 }
 
-// K for a centre in the first board's frame.
+// Intrinsic matrix K for a centre in the first board's frame.
 Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
   Eigen::Matrix3d k;
   k << -center.z(), 0, center.x(), 0, -center.z(), center.y(), 0, 0, 1;
@@ -175,7 +178,7 @@ Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
 Pose PoseOfHomography(const Eigen::Matrix3d& homography,
                       const Eigen::Vector3d& center) {
   const Eigen::Matrix3d columns = PinholeAt(center).inverse() * homography;
-  // The closest orthonormal pair to the first two columns, and their scale.
+  // Closest orthonormal pair to the first two columns, and their common scale.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
       columns.leftCols<2>(), Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Matrix<double, 3, 2> pair =
@@ -215,8 +218,8 @@ ThreeViews ScaleToMetres(const ThreeViews& normalized,
   return views;
 }
 
-// The projection of another board's point through the centre to the first
-// board, minus its matching point there.
+// Transfer error: the projection of another board's point through the centre
+// onto the first board, minus the matching point there.
 struct TransferError {
   const BoardPointTriple& match;
 
@@ -240,7 +243,7 @@ struct TransferError {
   }
 };
 
-// The parameter blocks of three views, for Ceres.
+// Parameter blocks of three views for Ceres.
 class ParameterBlocks {
  public:
   explicit ParameterBlocks(const ThreeViews& views) : center_(views.center) {
@@ -270,7 +273,7 @@ class ParameterBlocks {
   std::array<Eigen::Vector3d, 2> rotation_, translation_;
 };
 
-// The median over matches of the larger of both distances.
+// Median over the matches of the larger one of both transfer errors.
 double MedianError(const std::vector<BoardPointTriple>& matches,
                    const ThreeViews& views) {
   std::array<Eigen::Matrix3d, 3> homography;
@@ -298,7 +301,7 @@ double DistanceFromBoard(const std::vector<BoardPointTriple>& matches,
   return Median(distances);
 }
 
-// The standard deviation of the centre, for errors of unit deviation.
+// Standard deviation of the centre for errors with unit standard deviation.
 double CenterDeviation(ceres::Problem* problem, ParameterBlocks* blocks) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks->Pointers();

@@ -12,8 +12,8 @@ namespace {
 
 constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // per view
 
-// Removes gross outliers, which are far from the midpoints of their neighbours
-// on either side. Features next to an outlier at an edge may be removed, too.
+// Removes gross outliers, which are far from the midpoint of their neighbours
+// on either side. This may also remove inliers at an edge next to an outlier.
 std::vector<Feature> WithoutOutliers(const std::vector<Feature>& features) {
   constexpr double kTimesMedian = 8, kAlwaysPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;

@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxRadialViews = 20;
-constexpr int kNumCoefficients = 4;  // of G
+constexpr int kNumCoefficients = 4;  // of the polynomial G
 
 double ComputeQuantile(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -25,8 +25,8 @@ double MedianOf(const std::vector<double>& values) {
   return ComputeQuantile(values, 0.5);
 }
 
-// Weights for iteratively reweighted least squares: zero for outliers, which
-// are far above the median.
+// Weights for iteratively reweighted least squares; zero for outliers, which
+// are defined by a multiple of the median.
 std::vector<double> RobustWeights(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
@@ -57,7 +57,8 @@ std::vector<double> LineErrors(const PlanarView& view,
   return errors;
 }
 
-// Reweighted for geometric instead of algebraic errors, and for outliers.
+// Estimates a radial homography, with weights that convert algebraic to
+// geometric errors and suppress outliers.
 Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   constexpr int kRounds = 6;
   std::vector<double> weights(view.points.size(), 1);
@@ -89,7 +90,7 @@ Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   return side < 0 ? Rows(-rows) : rows;
 }
 
-// The sum of absolute errors, limited for outliers.
+// Sum of absolute errors, each capped to limit the influence of outliers.
 double CenterCost(const std::vector<PlanarView>& views,
                   const Eigen::Vector2d& center) {
   constexpr double kCapPx = 10;
@@ -100,8 +101,8 @@ double CenterCost(const std::vector<PlanarView>& views,
   return cost;
 }
 
-// Finds the centre by pattern search around the image centre, within a tenth of
-// the image size.
+// Finds the distortion centre by pattern search around the image centre, within
+// a tenth of the image size.
 Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
                            const ImageSize& size) {
   const Eigen::Vector2d image_center((size.width - 1) / 2.0,
@@ -129,13 +130,13 @@ Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
 
 // ---- Step 2: poses, except signs and forward translations ------------------
 
-// A view in cylindrical coordinates; image lengths are relative to half the
-// diagonal.
+// A view in cylindrical coordinates. Image lengths are in units of half the
+// image diagonal.
 struct CylindricalView {
   std::vector<double> r;     // of pixels
   std::vector<double> rho;   // of points
   std::vector<double> tilt;  // r31 X + r32 Y, for s = 1
-  double sine = 0;           // of the tilt's angle
+  double sine = 0;           // of the tilt angle
 };
 
 CylindricalView ToCylindrical(const PlanarView& view,
@@ -172,7 +173,7 @@ struct RadialSolution {
   std::vector<double> signs, forward;  // s and t3 by view
 };
 
-// theta of a point minus that of its pixel.
+// Difference of the angles of incidence of a point and of its pixel.
 double AngleError(const CylindricalView& view, size_t i, double sign,
                   double forward, const Coefficients& g) {
   return std::atan2(view.rho[i], sign * view.tilt[i] + forward) -
@@ -187,14 +188,14 @@ std::vector<double> AzimuthErrors(const CylindricalView& view, double sign,
   return errors;
 }
 
-// The ratio of the equation's error to that of the angle.
+// Ratio of the algebraic error to the angular error.
 double ErrorPerAngle(const CylindricalView& view, size_t i,
                      const Coefficients& g) {
   const double r = view.r[i], along = Polynomial(g, r);
   return view.rho[i] * (r * r + along * along) / std::max(r, 1e-6);
 }
 
-// t3 of a view as the median over its points, given its sign and G.
+// Median over the view's points of t3, for a given sign and G.
 double MedianForward(const CylindricalView& view, double sign,
                      const Coefficients& g) {
   std::vector<double> forward;
@@ -206,14 +207,15 @@ double MedianForward(const CylindricalView& view, double sign,
 }
 
 double SumOfAbsolute(const std::vector<double>& errors) {
-  constexpr double kCap = 0.2;  // radians; limit for outliers
+  constexpr double kCap = 0.2;  // radians; limits outliers
   double sum = 0;
   for (const double error : errors) sum += std::min(std::abs(error), kCap);
   return sum;
 }
 
-// Solves for all forward translations and G with given signs; views with sign 0
-// are ignored. In the first round, angles are weighted by the solution's G.
+// Solves for all forward translations and for G with the given signs; views
+// with sign 0 are ignored. The equations are weighted to minimize angular
+// errors, in the first round according to the solution's initial G.
 bool SolveForwards(const std::vector<CylindricalView>& views,
                    int num_coefficients, RadialSolution* solution) {
   constexpr int kRounds = 5;
@@ -268,7 +270,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
   return true;
 }
 
-// Chooses the better sign of each view.
+// Selects the sign of each view with the smaller error.
 bool ChooseSigns(const std::vector<CylindricalView>& views,
                  RadialSolution* solution) {
   bool changed = false;
@@ -288,14 +290,14 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
   return changed;
 }
 
-// The number of coefficients of G, for one view and for all: more than the lens
-// requires are harmful.
+// Number of coefficients of G for the first view and for all views. More
+// coefficients than the lens requires are harmful.
 struct Degrees {
   int first, all;
 };
 constexpr Degrees kDegrees[] = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {2, 4}};
 
-// Solves for one view, and adds the others.
+// Solves for one view first, and then adds the other views.
 std::optional<RadialSolution> SolveFromView(
     const std::vector<CylindricalView>& views, size_t first,
     const Degrees& degrees) {
@@ -313,7 +315,7 @@ std::optional<RadialSolution> SolveFromView(
   return solution;
 }
 
-// The maximum observed radius, without outliers.
+// Maximum observed radius without outliers.
 double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
   std::vector<double> radii;
   for (const CylindricalView& view : views)
@@ -321,7 +323,7 @@ double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
   return ComputeQuantile(radii, 0.98);
 }
 
-// d theta / d r of pixels.
+// d theta / d r of a pixel.
 double AnglePerRadius(const Coefficients& g, double r) {
   double slope = 0;  // of G, over r
   for (int k = kNumCoefficients; k-- > 1;) slope = slope * r * r + 2 * k * g[k];
@@ -329,13 +331,14 @@ double AnglePerRadius(const Coefficients& g, double r) {
   return (along - r * r * slope) / (r * r + along * along);
 }
 
-// The sum of absolute errors of radii, limited for outliers.
+// Sum of absolute radial errors, each capped to limit the influence of
+// outliers; infinite if the projection folds.
 double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
                    const RadialSolution& solution) {
   constexpr double kCap = 0.05;
   for (double part = 0; part <= 1; part += 0.05)
     if (!(AnglePerRadius(solution.g, part * farthest) > 0))
-      return INFINITY;  // it folds
+      return INFINITY;  // projection folds
   double cost = 0;
   for (size_t v = 0; v < views.size(); ++v) {
     for (size_t i = 0; i < views[v].r.size(); ++i) {
@@ -351,7 +354,7 @@ double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
 
 // ---- Step 4 ----------------------------------------------------------------
 
-// Fits f, f k1, f k2 by least squares over the observed radii.
+// Fits f, f k1 and f k2 by least squares over the observed radii.
 std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
                                        double unit_px,
                                        const Eigen::Vector2d& center,
@@ -378,7 +381,8 @@ std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
   return std::nullopt;
 }
 
-// Relative to their means and maximum, for numerical conditioning.
+// Normalizes points by their mean and the maximum norm, for numerical
+// conditioning.
 void NormalizeViews(std::vector<PlanarView>* views) {
   double largest = 0;
   for (PlanarView& view : *views) {

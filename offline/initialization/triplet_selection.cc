@@ -11,11 +11,11 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxTries = 100000;
-constexpr size_t kMinOverlap = 150;  // pixels of the lattice
+constexpr size_t kMinOverlap = 150;  // lattice pixels
 constexpr size_t kMaxRefined = 48;
 constexpr size_t kMaxMatches = 200;  // per solution
 
-// The pixels that a view covers.
+// Bit set of the lattice pixels that a view covers.
 class Coverage {
  public:
   Coverage(const DenseView& view, const PixelLattice& lattice)
@@ -38,8 +38,8 @@ class Coverage {
 
 using ViewIndices = std::array<int, 3>;
 
-// Draws different overlapping triplets, with any order: the first view's board
-// is the reference.
+// Draws distinct ordered triplets of overlapping views. The order matters,
+// since the first view's board is the reference.
 std::vector<ViewIndices> SampleTriplets(const std::vector<DenseView>& views,
                                         const PixelLattice& lattice,
                                         const TripletOptions& options) {
@@ -91,7 +91,7 @@ Candidate Solve(const std::vector<DenseView>& views,
   const ThreeViewsSolution solution = SolveThreeViews(candidate.matches);
   if (solution.status != ThreeViewsStatus::kSolved) return candidate;
   candidate.triplet.poses = solution.views;
-  // The effect of noise, in units of the overlap's width, is inversely
+  // The effect of noise, relative to the width of the overlap, is inversely
   // proportional to the conditioning.
   candidate.promise =
       solution.conditioning * static_cast<double>(matches.size());

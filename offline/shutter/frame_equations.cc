@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHuberPx = 1;  // as in bundle adjustment
 
-// Polynomial terms in the plane, up to the third degree.
+// Polynomial terms in board coordinates, up to third degree.
 Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
     const Eigen::Vector2d& place) {
   const double x = place.x(), y = place.y();
@@ -19,7 +19,8 @@ Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
   return terms;
 }
 
-// Up to the fourth degree at a pixel; the image's longer side is -1 to 1.
+// Polynomial terms in pixel coordinates, up to fourth degree; the longer side
+// of the image is scaled to [-1, 1].
 Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
                                                    const ImageSize& size) {
   const double half = std::max(size.width, size.height) / 2.0;
@@ -31,16 +32,18 @@ Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
   return terms;
 }
 
-// A residual with its Jacobians.
+// A residual with its Jacobians with respect to the pose and the shared
+// parameters.
 struct PointEquations {
   Eigen::Vector2d error_px;
   Eigen::Matrix<double, 2, 6> J_pose;
   Eigen::Matrix<double, 2, kShared> by_shared;
-  double row = 0;  // relative to the middle one
+  double row = 0;  // relative to the middle row
 };
 
-// The predicted pixel of a point, for the row at which it is observed. There,
-// Jacobians do not depend on the noise of the observation.
+// Predicted pixel of a point at the time when its observed row is read out.
+// Jacobians that are evaluated there do not depend on the noise of the
+// observation.
 std::optional<Eigen::Vector2d> PredictPixelAtRow(const FrameInput& input,
                                                  const TrackPoint& point) {
   const double reference_row = GetReferenceRow(input.camera->image_size());
@@ -50,7 +53,7 @@ std::optional<Eigen::Vector2d> PredictPixelAtRow(const FrameInput& input,
       kShutterMarginPx);
 }
 
-// False where the camera does not project the point.
+// Linearizes a residual; returns false if the camera cannot project the point.
 bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
                     PointEquations* equations) {
   const SharedVector& shared = input.shared;
@@ -71,7 +74,7 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
                                kShutterMarginPx, &projection))
     return false;
   equations->error_px = projection.pixel - point.pixel;
-  Eigen::Matrix3d J_rotation;  // of the point seen: rotation x turned
+  Eigen::Matrix3d J_rotation;                // Jacobian of rotation x turned
   J_rotation << 0, turned.z(), -turned.y(),  //
       -turned.z(), 0, turned.x(),            //
       turned.y(), -turned.x(), 0;

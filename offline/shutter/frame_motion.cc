@@ -19,7 +19,7 @@ MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
     const double t = (times_s[first + j] - times_s[frame]) / step_s;
     powers.row(j) << 1, t, t * t, t * t * t, t * t * t * t;
   }
-  // Coefficients of the polynomial as a function of its values.
+  // The inverse maps values at the frame times to polynomial coefficients.
   const Eigen::Matrix<double, kFrames, kFrames> inverse = powers.inverse();
   stencil.by_velocity = inverse.row(1).transpose() / step_s;
   stencil.by_acceleration = 2 * inverse.row(2).transpose() / (step_s * step_s);

@@ -16,19 +16,19 @@
 namespace raygrid {
 namespace {
 
-// Standard deviations of the coefficients of camera bias (px) and board
-// deformation (fraction of half a board): weakly informative.
+// Prior standard deviations of the coefficients of camera bias (px) and board
+// deformation (fraction of half the board's size): weakly informative.
 constexpr double kImageBendPx = 10, kBoardBendPart = 0.02;
 
-// A frame with a motion estimate.
+// A frame for which the motion can be estimated.
 struct MovingFrame {
   const MotionStencil* stencil = nullptr;
   FrameMotion motion;
   FrameEquations equations;
   double information = 0;  // on the line delay, after eliminating biases
 
-  // Frames at the ends of sequences have a motion estimate that suffices to
-  // correct their poses, but do not contribute to the line delay.
+  // Frames at the ends of sequences have a motion estimate that is sufficient
+  // to correct their poses, but do not contribute to the line delay.
   bool IsObservable() const { return stencil->IsCentral(); }
 };
 
@@ -37,17 +37,17 @@ struct MovingBoard {
   std::vector<MovingFrame> frames;
 };
 
-// The line delay from each of several consecutive parts of the frames.
+// Line-delay estimate from one of several consecutive groups of frames.
 struct PartEstimate {
   double seconds = 0, deviation_s = 0;
 };
 
-// A frame's information on the line delay, and its gradient.
+// Information of a frame on the line delay, and its gradient.
 struct FramePull {
   double information = 0, gradient = 0;
 };
 
-// The line delay of some frames, from that of all.
+// Line delay of some frames relative to that of all frames.
 PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         double noise_variance) {
   double information = 0, gradient = 0, squares = 0;
@@ -62,7 +62,7 @@ PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         information};
 }
 
-// The mean weighted by information; infinite variance if there are none.
+// Information-weighted mean; infinite standard deviation if there are no parts.
 PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
   double information = 0, sum = 0;
   for (const PartEstimate& part : parts) {
@@ -81,12 +81,12 @@ class LineDelayOptimization {
  public:
   explicit LineDelayOptimization(const MovingViews& views);
 
-  // Gauss-Newton steps over poses and shared parameters. A given line delay is
-  // fixed.
+  // Performs Gauss-Newton steps over poses and shared parameters. The line
+  // delay is fixed if it is given.
   void OptimizeCameras(std::optional<double> line_delay_s);
 
-  // Recomputes the noise variance with camera bias and board deformation, after
-  // convergence. Motions are constant.
+  // Recomputes the noise variance after convergence, with the estimated camera
+  // bias and board deformation and with fixed motions.
   void Bend();
 
   LineDelayEstimate Result(int num_images) const;
@@ -101,7 +101,7 @@ class LineDelayOptimization {
     double squares = 0;
     int64_t degrees = 0;
 
-    // With optimal poses and shared parameters.
+    // Noise variance at the optimal poses and shared parameters.
     double NoiseVariance() const {
       const double explained = gradient.dot(information.ldlt().solve(gradient));
       return (squares - explained) /
@@ -112,7 +112,8 @@ class LineDelayOptimization {
   double DeviationByNoise() const {
     return std::sqrt(noise_variance_ * covariance_(0, 0));
   }
-  // The parameters shared by the frames of a board, among all shared ones.
+  // Extracts the shared parameters that affect a board from all shared
+  // parameters.
   SharedVector SharedOf(size_t board, const Eigen::VectorXd& all) const;
   void AddSharedOf(size_t board, const SharedVector& own,
                    Eigen::VectorXd* all) const;
@@ -138,7 +139,7 @@ class LineDelayOptimization {
   const bool is_camera_final_;
   ImageSize size_;
   std::vector<MovingBoard> boards_;
-  Eigen::Index count_ = 0;  // of shared parameters: common, per board
+  Eigen::Index count_ = 0;  // shared parameters: common and per board
   bool is_row_time_held_ = false;
   double row_time_s_ = 0;
   Eigen::VectorXd bends_;
@@ -199,13 +200,15 @@ void LineDelayOptimization::OptimizeCameras(
   row_time_s_ = line_delay_s.value_or(0);
   for (int step = 0; step < kMaxSteps; ++step) {
     const double change_s = Step();
-    // Motions follow the poses of the step before.
+    // Motions are computed from the poses of the previous step, so the first
+    // steps cannot indicate convergence.
     if (step > 1 && !(std::abs(change_s) > 1e-3 * DeviationByNoise())) break;
   }
 }
 
-// The spurious information on the line delay if the noise of a weighted sum of
-// poses is interpreted as velocity, since it enters squared. For noise of 1 px.
+// Spurious information on the line delay, for noise of 1 px. The velocity is a
+// weighted sum of noisy poses and enters squared, so that noise is mistaken for
+// motion.
 double LineDelayOptimization::NoisePart(
     const MovingBoard& board, const MovingFrame& frame,
     const Eigen::Matrix<double, 5, 1>& weights) const {
@@ -226,7 +229,7 @@ void LineDelayOptimization::FollowPoses() {
       frame.motion = ComputeMotion(*frame.stencil, board.track.poses);
 }
 
-// Linearizes all frames at their poses and motions.
+// Linearizes the residuals of all frames at their poses and motions.
 LineDelayOptimization::Sums LineDelayOptimization::Linearize(
     const Eigen::VectorXd& shared) {
   Sums sums = {Eigen::MatrixXd::Zero(count_, count_),
@@ -259,7 +262,8 @@ LineDelayOptimization::Sums LineDelayOptimization::Linearize(
   return sums;
 }
 
-// Limits the noise's share to half of the information; otherwise, all is noise.
+// Subtracts the spurious information due to noise, limited to half of the
+// total; if the limit is exceeded, noise dominates the estimate.
 void LineDelayOptimization::RemoveNoise(Sums* sums) {
   double noise = 0, motion = 0;
   for (const MovingBoard& board : boards_)
@@ -272,7 +276,8 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
     }
   const double variance =
       sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
-  // The larger share: after biases, or of all, without accelerations.
+  // Larger fraction of two: after eliminating biases, or of the total
+  // information without accelerations.
   noise_part_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
@@ -288,9 +293,9 @@ void LineDelayOptimization::MovePoses(const Eigen::VectorXd& change) {
     }
 }
 
-// Makes a step, and returns that of the line delay. Poses do not follow the
-// biases: otherwise, motions would depend on the noise of all frames along
-// almost unconstrained biases of camera and board.
+// Performs a Gauss-Newton step, and returns the change of the line delay. Poses
+// are not updated for the biases: otherwise, the motions would depend on the
+// noise of all frames along almost unobservable biases of camera and board.
 double LineDelayOptimization::Step() {
   const Eigen::VectorXd line_delay = Eigen::VectorXd::Unit(count_, 0);
   FollowPoses();
@@ -323,8 +328,9 @@ void LineDelayOptimization::Bend() {
   noise_variance_ = Linearize(line_delay + bends_).NoiseVariance();
 }
 
-// The variance of the line delay from the gradients of single frames: includes
-// errors shared by the features of a frame, and errors of velocities.
+// Empirical variance of the line delay from the gradients of single frames.
+// Includes errors that are common to the features of a frame, and errors of
+// velocities.
 double LineDelayOptimization::VarianceByFrames() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)
@@ -338,10 +344,10 @@ double LineDelayOptimization::VarianceByFrames() const {
   return count > 1 ? sum * count / (count - 1) : 0;
 }
 
-// The relative bias of the line delay by fast motion, which finite differences
+// Relative bias of the line delay due to fast motion, which finite differences
 // underestimate. A motion of frequency f is underestimated by u = (2 pi f T)^2
-// / 6 with two neighbours, and by 1.2 u^2 with four, so the difference of both
-// determines it.
+// / 6 with two neighbours, and by 1.2 u^2 with four, so that u and the bias
+// follow from the difference of both velocities.
 double LineDelayOptimization::BiasByQuickMotion() const {
   double difference = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -356,8 +362,8 @@ double LineDelayOptimization::BiasByQuickMotion() const {
   return all > 0 ? 1.2 * difference / all : 0;
 }
 
-// The variance of time stamps, in s^2: the deviation from smooth motion beyond
-// the noise of poses. Includes motions that are too fast for the frame rate.
+// Variance of the time stamps in s^2: the deviation from smooth motion beyond
+// the noise of poses. Includes motion that is too fast for the frame rate.
 double LineDelayOptimization::TimeVariance() const {
   double uneven = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -373,9 +379,10 @@ double LineDelayOptimization::TimeVariance() const {
   return all > 0 ? std::max(0.0, uneven / all) : 0;
 }
 
-// The relative bias of the line delay by time-stamp noise, which causes errors
-// of velocities and thus spurious motion like the noise of poses. Velocities
-// are too large by the same fraction, since they are quotients of noisy values.
+// Relative bias of the line delay due to time-stamp noise. The noise causes
+// velocity errors, and thus spurious motion like the noise of poses. It also
+// increases velocities by the same fraction, since they are quotients of noisy
+// values.
 double LineDelayOptimization::BiasByTimes() const {
   double pretended = 0;
   for (const MovingBoard& board : boards_)
@@ -388,7 +395,8 @@ double LineDelayOptimization::BiasByTimes() const {
   return 2 * TimeVariance() * pretended * covariance_(0, 0);
 }
 
-// The maximum readout time of a frame, from the shortest frame interval.
+// Maximum line delay: the readout time of a frame cannot exceed the shortest
+// frame interval.
 double MaxLineDelay(const std::vector<MovingBoard>& boards, int height) {
   constexpr double kUsualIntervalS = 1 / 30.0;
   double shortest_s = kUsualIntervalS;
@@ -417,8 +425,8 @@ std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
   return tracks;
 }
 
-// Consecutive frames in parts of similar information. Each part yields a line
-// delay from its gradient, with the biases of all frames.
+// Groups consecutive frames into parts with similar information. The line delay
+// of each part follows from its gradient, with the biases of all frames.
 std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
   constexpr int kParts = 6;
   std::multimap<double, FramePull> by_time;
@@ -449,8 +457,9 @@ std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
   return parts;
 }
 
-// Finds a time at which the line delay of the recording changes significantly,
-// as with a varying clock rate; empty if there is none.
+// Finds a time at which the line delay changes significantly during the
+// recording, for example due to a varying clock rate. Returns an empty string
+// if there is none.
 std::string LineDelayOptimization::FindUnlikeParts() const {
   constexpr double kSurely = 5, kMatters = 0.1;
   std::string found;
@@ -476,7 +485,7 @@ std::string LineDelayOptimization::FindUnlikeParts() const {
 }
 
 LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
-  // A smaller fraction of the maximum is irrelevant.
+  // Smaller fractions of the maximum are irrelevant.
   constexpr double kMinIndependentPart = 0.05;
   LineDelayEstimate result;
   result.num_images = num_images;
@@ -526,7 +535,7 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
   return result;
 }
 
-// The number of images used: those with two neighbours on either side.
+// Number of images used, which have two neighbours on either side.
 int CountImages(const std::vector<MovingBoard>& boards) {
   std::set<size_t> images;
   for (const MovingBoard& board : boards)
@@ -538,8 +547,8 @@ int CountImages(const std::vector<MovingBoard>& boards) {
   return static_cast<int>(images.size());
 }
 
-// The displacement from the observed position to that at the time of the middle
-// row; 0 if unknown.
+// Displacement from the observed position to the position at the readout time
+// of the middle row; zero if it cannot be computed.
 Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
                             const MovingFrame& frame, const TrackPoint& point,
                             double line_delay_s) {

@@ -12,15 +12,15 @@ namespace {
 
 constexpr size_t kOnEitherSide = 3, kMaxFrames = 8;
 
-// The error of the interval before a frame: the frames around it follow a cubic
-// polynomial in time, after shifting the later ones along the motion by this
-// error.
+// Error of the interval between two frames. If the later frames are shifted
+// along the motion by this error, the surrounding frames follow a cubic
+// polynomial in time.
 struct IntervalError {
   const TimedPose *before = nullptr, *behind = nullptr;
   double seconds = 0;
   double deviation_s =
-      0;                  ///< by noise, and by motions too quick for the frames
-  double by_scatter = 0;  ///< standard, where stamps scatter by a second
+      0;                  ///< due to noise, and to motion too fast for sampling
+  double by_scatter = 0;  ///< per unit standard deviation of the time stamps
 };
 
 std::string ToText(const IntervalError& error) {
@@ -31,7 +31,8 @@ std::string ToText(const IntervalError& error) {
       1e3 * (reported_s + error.seconds));
 }
 
-// Coefficients of eight frames' updates that yield the step and the velocity.
+// Coefficients of up to eight frames' pose updates that yield the step and the
+// velocity.
 struct StepFit {
   Eigen::VectorXd of_step, of_velocity;
 };
@@ -51,13 +52,14 @@ StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
           solution.row(1).transpose() / unit_s};
 }
 
-// A step relative to the noise of poses: along the motion, as caused by wrong
-// times, and across it, as caused only by noise and fast motion.
+// A discontinuity of the motion relative to the noise of poses: its component
+// along the motion, as caused by wrong time stamps, and across it, as caused
+// only by noise and fast motion.
 struct StepNoises {
   IntervalError error;
   double speed = 0;     // 1/s
-  double across = 0;    // its square, of one of five directions
-  double by_noise = 0;  // expected square by noise
+  double across = 0;    // mean square over five directions
+  double by_noise = 0;  // expected square due to noise
 };
 
 std::optional<StepNoises> StepAt(const TimedPose* first,
@@ -88,7 +90,7 @@ std::optional<StepNoises> StepAt(const TimedPose* first,
   return at;
 }
 
-// A sequence of neighbouring frames.
+// A sequence of consecutive frames without gaps.
 struct Run {
   const TimedPose *begin = nullptr, *end = nullptr;
 
@@ -121,7 +123,7 @@ void AddSteps(const Run& run, double noise_variance_px2,
   }
 }
 
-// The median, which must exist.
+// Median of at least one value.
 double MedianOf(std::vector<double> values) {
   const auto median =
       values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -129,10 +131,11 @@ double MedianOf(std::vector<double> values) {
   return *median;
 }
 
-// Evaluates all intervals that the motion determines.
+// Estimates the errors of all intervals whose motion is observable.
 std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
                                           double noise_variance_px2) {
-  // A single interval may by chance have a small cross-motion component.
+  // Limits the variance from below, since a single interval may have a small
+  // component across the motion by chance.
   constexpr double kTimesMedian = 4;
   std::vector<StepNoises> steps;
   for (const TimedTrack& track : tracks)
@@ -164,12 +167,13 @@ double MeanInterval(const std::vector<TimedTrack>& tracks) {
   return count > 0 ? sum_s / count : 0;
 }
 
-// The standard deviation of time stamps: robust, and RMS including outliers.
+// Standard deviation of the time stamps: robust, and as RMS including outliers.
 struct Scatter {
   double usual_s = 0, rms_s = 0;
 };
 
-// Uses the intervals that determine it; 0 if there are few.
+// Estimates the scatter from the intervals with sufficient precision; 0 if
+// there are too few of them.
 Scatter ComputeScatter(const std::vector<IntervalError>& errors,
                        double interval_s) {
   constexpr double kToldPart = 0.1, kSigmasOfMedian = 0.6745;
@@ -188,8 +192,8 @@ Scatter ComputeScatter(const std::vector<IntervalError>& errors,
           std::sqrt(std::max(0.0, squares) / count)};
 }
 
-// Finds pauses between sequences across which the motion is discontinuous: the
-// recording then consists of bursts with inconsistent times.
+// Finds pauses between sequences across which the motion is discontinuous,
+// which indicates a recording in bursts with inconsistent time stamps.
 std::string FindBursts(const std::vector<TimedTrack>& tracks,
                        double noise_variance_px2) {
   constexpr double kLongestPauseS = 1, kWrongPart = 0.6, kSurely = 6;
@@ -225,8 +229,9 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
 
 std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
                             double noise_variance_px2) {
-  // Fractions of the frame interval. A missing frame is a whole one; smaller
-  // deviations are reported with their standard deviation.
+  // Limits as fractions of the frame interval. A missing frame amounts to an
+  // entire interval; smaller deviations are reported by their standard
+  // deviation.
   constexpr double kWrongPart = 0.6, kScatterPart = 0.15;
   constexpr double kSurely = 6, kBeyondScatter = 4.5;
   const double interval_s = MeanInterval(tracks);
