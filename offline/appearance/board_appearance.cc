@@ -10,10 +10,10 @@
 namespace raygrid {
 namespace {
 
-// The cells of a tag within its black border, which all tags and markers have
-// one cell wide.
+// Returns the code cells within the black border, which is one cell wide for
+// all tags and markers.
 MarkerBits CodeBits(const MarkerBits& all, bool is_april_tag) {
-  // AprilTags come with a white margin of one cell.
+  // Bitmaps of AprilTags include a white margin of one cell.
   const int around = is_april_tag ? 2 : 1;
   MarkerBits code;
   code.size = all.size - 2 * around;
@@ -34,7 +34,8 @@ MarkerBits WithBorder(const MarkerBits& code, int border_cells) {
   return bits;
 }
 
-// The cells of a marker; with a border of its own, without a white margin.
+// Returns the cells of a marker. Markers with a separate border width have no
+// white margin.
 MarkerBits GetMarkerBits(const MarkerPlace& place) {
   const MarkerBits bits = place.is_april_tag
                               ? AprilTagBits(place.family, place.id)
@@ -43,7 +44,7 @@ MarkerBits GetMarkerBits(const MarkerPlace& place) {
   return WithBorder(CodeBits(bits, place.is_april_tag), place.border_cells);
 }
 
-// Black cells of a row that touch are one rectangle.
+// Adds rectangles for runs of adjacent black cells of each row.
 void AddCells(const PlacedMarker& marker, InkLayer* layer) {
   for (int row = 0; row < marker.bits.size; ++row) {
     for (int column = 0; column < marker.bits.size; ++column) {

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// The cell and the position within it, along one axis.
+// Cell index and fractional position in the cell along one axis.
 struct CellPosition {
   int cell;
   double t;
@@ -35,9 +35,9 @@ std::array<double, 4> WeightDerivatives(double t, double cell_size) {
           (-3 * t * t + 2 * t + 1) / 2 / cell_size, t * t / 2 / cell_size};
 }
 
-// Normal matrix of a surface's control points. A sample couples points that are
-// at most three columns and rows apart, so that each point is coupled with 7 x
-// 7 points.
+// Normal matrix of a surface's control points. A sample couples control points
+// at most three columns and rows apart, so each of them is coupled with 7 x 7
+// control points.
 class SurfaceNormalMatrix {
  public:
   SurfaceNormalMatrix(int columns, int rows)
@@ -45,7 +45,7 @@ class SurfaceNormalMatrix {
     for (auto& partners : partners_) partners.fill(0);
   }
 
-  // Adds weight * row^T row for a row given sparsely, by control point.
+  // Adds weight * row^T row for a sparse row, indexed by control point.
   template <size_t N>
   void AddProduct(const std::array<int, N>& point,
                   const std::array<double, N>& row, double weight) {
@@ -80,7 +80,7 @@ class SurfaceNormalMatrix {
   std::vector<std::array<double, 49>> partners_;
 };
 
-// Second differences along both axes.
+// Adds a penalty on second differences along both axes.
 void AddSmoothness(int columns, int rows, double weight,
                    SurfaceNormalMatrix* normal) {
   const std::array<double, 3> difference = {1, -2, 1};
@@ -96,7 +96,8 @@ void AddSmoothness(int columns, int rows, double weight,
   }
 }
 
-// Whether the surface is folded at a control point, judged by its neighbours.
+// Whether the surface is folded at a control point, according to its
+// neighbours.
 bool IsFoldedAt(const BSplineSurface& surface, int index,
                 const UnfoldedSide& side) {
   const int columns = surface.columns();
@@ -144,7 +145,7 @@ SplineSupport BSplineSurface::Support(const Eigen::Vector2d& pixel) const {
           WeightDerivatives(y.t, cell_height())};
 }
 
-// Bit-identical to the other overload's value, in half of the time.
+// Same value, bit by bit, as the overload with derivatives, in half the time.
 Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel) const {
   const CellPosition x =
       Locate(pixel.x(), area_.x0, cell_width(), columns_ - 3);
@@ -199,7 +200,7 @@ int FindDominantHandedness(const BSplineSurface& surface) {
 }
 
 UnfoldedSide FindUnfoldedSide(const BSplineSurface& surface) {
-  constexpr double kMaxStep = 1 / 32.0;  // of the longer side
+  constexpr double kMaxStep = 1 / 32.0;  // relative to the longer side
   const Area& area = surface.area();
   const UnfoldedSide side = {FindDominantHandedness(surface),
                              kMaxStep * std::max(area.width(), area.height())};

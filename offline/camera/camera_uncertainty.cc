@@ -11,8 +11,8 @@ namespace raygrid {
 
 namespace {
 
-// A position on a lattice: the node above and to the left of it, and the
-// fractions to the next nodes.
+// A position on a lattice: the node at the top left, and the fractions of the
+// distance to the next nodes.
 struct LatticePosition {
   int node;
   double x, y;
@@ -106,7 +106,8 @@ void ValidityMask::InvalidateAbove(double max_deviation_px,
   const double half = knot_spacing_px / 2.0;
   for (size_t cell = 0; cell < is_valid.size(); ++cell) {
     const Eigen::Vector2d center = CellCenter(static_cast<int>(cell));
-    // Within a cell, deviations are nearly bilinear.
+    // Standard deviations are nearly bilinear within a cell, so its corners are
+    // sufficient.
     for (const double dy : {-half, half})
       for (const double dx : {-half, half}) {
         const Eigen::Vector2d corner(
@@ -132,8 +133,8 @@ bool CameraUncertainty::HasDeviations() const {
 
 double CameraUncertainty::ValidFraction(const ImageSize& size,
                                         const Area& area) const {
-  // Cells and the area are rectangles, so rows and columns are counted instead
-  // of pixels, of which an image may have hundreds of millions.
+  // Counts rows and columns instead of pixels, because cells and the area are
+  // rectangles and images may have hundreds of megapixels.
   std::vector<int64_t> in_column(mask.columns), in_row(mask.rows);
   for (int x = 0; x < size.width; ++x)
     in_column[mask.CellIndex({x, 0}) % mask.columns] +=

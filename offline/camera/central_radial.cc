@@ -10,7 +10,7 @@ namespace {
 
 using Radial = CentralRadial;
 
-// Parameters that determine g near an angle, and their weights.
+// Spline coefficients that determine g at an angle, and their weights.
 template <typename T>
 struct RadialSupport {
   int first = 0, count = 4;
@@ -30,7 +30,7 @@ RadialSupport<T> ComputeSupport(const T& theta, double cell_rad,
   const int cell = std::clamp(static_cast<int>(std::floor(ValueOf(position))),
                               0, num_parameters - 2);
   const T t = position - static_cast<double>(cell), s = 1.0 - t;
-  // Weights of s_(cell - 1) .. s_(cell + 2).
+  // Uniform cubic B-spline weights of s_(cell - 1) to s_(cell + 2).
   const std::array<T, 4> w = {
       s * s * s / 6.0, (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
       (4.0 + s * s * (3.0 * s - 6.0)) / 6.0, t * t * t / 6.0};
@@ -57,7 +57,8 @@ PlanarDistortion<T> MakePlanarDistortion(
           p[Radial::kP1], p[Radial::kP2], p[Radial::kSx1], p[Radial::kSy1]};
 }
 
-// |uv|, with zero derivative in the centre, where the derivative of g is zero.
+// Returns |uv|, with zero derivative in the centre, where the derivative of g
+// is zero.
 template <typename T>
 T Length(const Eigen::Matrix<T, 2, 1>& uv) {
   using std::sqrt;

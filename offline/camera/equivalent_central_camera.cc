@@ -5,7 +5,8 @@
 namespace raygrid {
 namespace {
 
-// Distance along a line to the surface; for a sphere, to the far intersection.
+// Returns the distance along an observation line to the scene surface; for a
+// sphere, to the far intersection.
 std::optional<double> SliceAlong(const ObservationLine& line,
                                  const SceneSurface& scene) {
   if (scene.normal) {
@@ -54,7 +55,7 @@ bool EquivalentCentralCamera::Linearize(
   if (!reach ||
       !camera().Linearize(*reach * direction, start, margin_px, projection))
     return false;
-  // The surface point follows the direction and stays on the surface.
+  // Derivative of the surface point with respect to the direction.
   const Eigen::Vector3d unit = direction.normalized();
   const Eigen::RowVector3d off =
       scene_.normal ? Eigen::RowVector3d(scene_.normal->transpose() /

@@ -43,7 +43,8 @@ LensModel ModelOf(ModelUse use) {
 }
 
 StartList OpenCvStarts(double f, double cx, double cy) {
-  // Padé approximant of atan(r) / r: an equidistant lens.
+  // The second initialization is an equidistant camera: Padé approximant of
+  // atan(r) / r.
   return AsVectors<OpenCvModel::kCount>(
       {{f, f, cx, cy, 0, 0, 0, 0, 0, 0, 0, 0},
        {f, f, cx, cy, 1190 / 1155.0, 231 / 1155.0, 0, 1575 / 1155.0,

@@ -10,15 +10,16 @@ namespace {
 
 constexpr Index kPacked = 4;  // rows of a, and columns of b
 
-// Eigen's own kernel under another name.
+// Instantiates Eigen's generic kernel for another mapper type, because the
+// specialization below replaces it for ProductMapper.
 struct EigensMapper : ProductMapper {
   explicit EigensMapper(const ProductMapper& mapper) : ProductMapper(mapper) {}
 };
 using EigensKernel =
     gebp_kernel<double, double, Index, EigensMapper, 4, 4, false, false>;
 
-// Adds alpha times the product of kPanels panels of a's rows and kCols columns
-// of b to c. Not sanitized, which would be slow: the callers are.
+// Adds alpha times the product of kPanels panels of rows of a and kCols columns
+// of b to c. Excluded from sanitizers for speed; the callers are sanitized.
 template <int kPanels, int kCols>
 __attribute__((target("avx"), no_sanitize("address", "undefined"))) void
 AddProduct(const double* a, Index panel_stride, const double* b, Index depth,

@@ -13,21 +13,21 @@
 namespace raygrid {
 namespace {
 
-constexpr double kAnywherePx = 1e9;  // a margin
-constexpr double kLostPx = 100;      // the error of what is not projected
+constexpr double kAnywherePx = 1e9;  // margin that accepts any projection
+constexpr double kLostPx = 100;      // error of samples without a projection
 
 struct Sample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray;
   bool is_valid = true;
 
-  // Weight of invalid pixels, so that they matter only where no valid pixel
-  // determines the model.
+  // Invalid pixels have a small weight, so that they only matter where no valid
+  // pixel determines the model.
   double Weight() const { return is_valid ? 1 : 1e-3; }
 };
 
-// Rays of a lattice of pixels with the given columns and rows; of valid pixels
-// only, or of all pixels.
+// Adds rays of a lattice of across x across pixels: of valid pixels only, or of
+// all pixels.
 void AddRays(const CameraModel& camera, const Area& area, int across,
              const ValidityMask* valid_region, bool only_valid,
              std::vector<Sample>* samples) {
@@ -60,8 +60,8 @@ std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
   return samples;
 }
 
-// Returns the rotation after which the area's centre is on the z axis and its
-// pixel row is along x: an initial value independent of the camera's frame.
+// Returns the rotation that maps the area's centre to the z axis and its pixel
+// row to the x direction: an initial value independent of the camera frame.
 Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
                                    const Area& area) {
   constexpr double kStepPart = 0.05;
@@ -78,8 +78,8 @@ Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
   return Eigen::Quaterniond(level_from_camera);
 }
 
-// Returns the principal point of the rotated camera and its focal length there;
-// from the spread of the samples if it has no ray along z.
+// Principal point of the rotated camera and the focal length there; estimated
+// from the extent of the samples if the camera has no ray along z.
 struct Center {
   Eigen::Vector2d pixel;
   double focal_px;
@@ -129,13 +129,13 @@ std::vector<std::unique_ptr<ParametricModel>> MakeInitialModels(
   return starts;
 }
 
-// The target of a fit, and the cost of distortion: the weighted sum of squared
-// deviations of the parameters from their initial values.
+// Data of a fit, and the regularization of the distortion: the weighted sum of
+// squared deviations of the parameters from their initial values.
 struct Target {
   std::vector<Sample> samples;
   Eigen::VectorXd start;
   Eigen::VectorXd distortion_weights;
-  double lost_px = kLostPx;  // larger errors have no say
+  double lost_px = kLostPx;  // larger errors are truncated
 };
 
 double DistortionCost(const CameraModel& model, const Target& target) {
@@ -144,14 +144,14 @@ double DistortionCost(const CameraModel& model, const Target& target) {
       .dot(target.distortion_weights);
 }
 
-// The least-squares problem; the rotation's update is last.
+// Normal equations; the rotation update is the last parameter block.
 struct Equations {
   double cost = 0;
   Eigen::MatrixXd normal;
   Eigen::VectorXd gradient;
 };
 
-// Projection errors of all samples, except for samples without a projection.
+// Returns the reprojection errors of all samples that have a projection.
 std::vector<double> ErrorsPx(const CameraModel& model,
                              const Eigen::Quaterniond& rotation,
                              const Target& target) {
@@ -175,8 +175,8 @@ double ComputeCost(const CameraModel& model, const Eigen::Quaterniond& rotation,
   return cost;
 }
 
-// Adds equations that keep parameters without effect, such as a spline's beyond
-// the samples, smooth and small.
+// Regularizes parameters that are not observable, such as spline coefficients
+// beyond the samples, towards smoothness.
 void AddRidge(const ParametricModel& model, Equations* equations) {
   constexpr double kWeightPx = 1e-3;
   const Eigen::VectorXd parameters = model.Parameters();
@@ -212,8 +212,9 @@ Equations Linearize(const ParametricModel& model,
   Equations equations;
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
-  Eigen::MatrixX2d by_parameters(size, 2);  // of the pixel's x and y
-  std::vector<int> affecting;  // parameters: only a few of a spline's
+  Eigen::MatrixX2d by_parameters(size, 2);  // Jacobian of pixel x and y
+  std::vector<int> affecting;  // indices of non-zero Jacobian rows: few for
+                               // splines
   for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
@@ -235,7 +236,7 @@ Equations Linearize(const ParametricModel& model,
       if (!by_parameters.row(k).isZero(0)) affecting.push_back(k);
     for (const int k : affecting) {
       for (const int l : affecting) {
-        if (l > k) break;  // the upper triangle
+        if (l > k) break;  // upper triangle only
         equations.normal(l, k) += by_parameters(l, 0) * by_parameters(k, 0) +
                                   by_parameters(l, 1) * by_parameters(k, 1);
       }
@@ -250,10 +251,11 @@ Equations Linearize(const ParametricModel& model,
   return equations;
 }
 
-// The free parameters of a fit.
+// Parameters that are optimized in a fit.
 struct Freedom {
-  std::vector<Eigen::Index> parameters;  // and the rotation behind them
-  bool ties_focal_lengths = false;       // fy is fx, and not among them
+  std::vector<Eigen::Index> parameters;  // the rotation follows them
+  bool ties_focal_lengths = false;       // fy equals fx and is not a free
+                                         // parameter
   bool rotation = false;
 };
 
@@ -276,7 +278,7 @@ Freedom SelectFreedom(const ParametricModel& model, const FitOptions& options) {
   return freedom;
 }
 
-// Step of the free parameters and the rotation.
+// Computes the damped step of the free parameters and the rotation.
 Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
                      const Equations& equations, double lambda) {
   const std::vector<Eigen::Index>& free = freedom.parameters;
@@ -297,8 +299,8 @@ Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
   return step;
 }
 
-// Levenberg-Marquardt until a step reduces the cost by less than this fraction.
-// Returns the cost.
+// Runs Levenberg-Marquardt until a step reduces the cost by less than this
+// fraction. Returns the cost.
 double Refine(const Target& target, const Freedom& freedom,
               double converged_part, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
@@ -331,8 +333,8 @@ double Refine(const Target& target, const Freedom& freedom,
   return cost;
 }
 
-// Returns the errors of the given fraction of valid samples that are fitted
-// best, in ascending order.
+// Returns the given fraction of the errors of valid samples, the smallest ones,
+// in ascending order.
 std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
                                    double part) {
   const std::vector<double> all =
@@ -355,8 +357,9 @@ double RmsPx(const FittedModel& fit, const Target& target) {
                         : std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
-// Weights of parameter deviations: a corner displacement of 1 px costs as much
-// as errors of bend_px (radial terms) or tilt_px (tilt terms) at all samples.
+// Computes the weights of the regularization: a corner displacement of 1 px
+// costs as much as errors of bend_px (radial terms) or tilt_px (tilt terms) at
+// all samples.
 Eigen::VectorXd DistortionWeights(const ParametricModel& start,
                                   const Area& area, double num_samples,
                                   double bend_px, double tilt_px) {
@@ -365,12 +368,12 @@ Eigen::VectorXd DistortionWeights(const ParametricModel& start,
   return num_samples * parts.cwiseAbs2();
 }
 
-// With a free rotation, tilt parameters are regularized, first for a lens with
-// local distortion, then according to the remaining error. Outliers, such as
-// corners of a grid without observations, then have no weight. Radial
-// parameters are free at first, until they are near the solution, and then
-// weakly regularized: coefficients of a numerator and a denominator can
-// compensate each other. Returns the cost, without the distortion's.
+// Optimizes in rounds. With a free rotation, tilt parameters are regularized,
+// at first for a lens with local distortion, then according to the remaining
+// error; outliers, such as corners of a grid without observations, then have no
+// weight. Radial parameters are almost free in the first round and then weakly
+// regularized, because coefficients of numerator and denominator can compensate
+// each other. Returns the cost without the regularization.
 double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
                       FittedModel* fit) {
   constexpr int kRounds = 4;
@@ -405,7 +408,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
              : ComputeCost(*fit->model, fit->model_from_camera, *target);
 }
 
-// Whether the parameters to be held are 0 in a model.
+// Whether the parameters to be held constant are 0 in a model.
 bool IsWithout(const ParametricModel& lens,
                const std::vector<std::string>& held) {
   const std::vector<std::string>& names = lens.ParameterNames();

@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-// A pixel's line and its derivatives with respect to the pixel.
+// Observation line of a pixel, and its derivatives with respect to the pixel.
 struct NonCentralGeneric::LineDerivatives {
   Eigen::Vector2d chart;
   Eigen::Matrix2d chart_by_pixel;
@@ -158,7 +158,8 @@ NonCentralGeneric FitNonCentralGeneric(const CameraModel& model,
                                        const Area& area, int columns, int rows,
                                        int samples_per_cell) {
   const BSplineSurface grid(area, columns, rows);
-  // A surface has two coordinates.
+  // Surfaces have two components, so the z coordinate of points is a separate
+  // one.
   std::vector<SurfaceSample> directions, points_xy, points_z;
   for (const Eigen::Vector2d& pixel : grid.SamplePixels(samples_per_cell)) {
     const auto line = model.Line(pixel);

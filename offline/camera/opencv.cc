@@ -12,7 +12,7 @@ namespace {
 
 using OpenCv = OpenCvModel;
 
-// Pixels of normalized coordinates, by the equations of the header.
+// Projects normalized coordinates to pixels by the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
   const T r2 = x * x + y * y;
@@ -29,9 +29,10 @@ Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
           p[OpenCv::kFy] * yd + p[OpenCv::kCy]};
 }
 
-// The radius up to which r g(r) increases and its denominator is positive.
+// Returns the radius up to which r g(r) increases and the denominator of g is
+// positive.
 double FindMaxRadius(const OpenCv::ParameterArray& p) {
-  constexpr double kStep = 0.01, kLargest = 20;  // tan 87 degrees
+  constexpr double kStep = 0.01, kLargest = 20;  // tan(87 degrees)
   double previous = 0;
   for (double r = kStep; r < kLargest; r += kStep) {
     const double r2 = r * r;
@@ -46,7 +47,7 @@ double FindMaxRadius(const OpenCv::ParameterArray& p) {
   return kLargest;
 }
 
-// Inverts the distortion by Newton's method; with damping, no step increases
+// Inverts the distortion by Newton's method; with damping, steps never increase
 // the error.
 std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
                                              const Eigen::Vector2d& pixel,
@@ -65,7 +66,7 @@ std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
     if (error.norm() < 1e-10) return at;
     Eigen::Vector2d step = derivative.inverse() * error;
     if (!step.allFinite()) return std::nullopt;
-    // Stay where the model is invertible.
+    // Limits the step to the invertible domain.
     while ((at + step).norm() > max_radius && step.norm() > 1e-12) step /= 2;
     const auto is_worse = [&] {
       const Eigen::Vector2d next = at + step;
@@ -80,7 +81,7 @@ std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
   return std::nullopt;
 }
 
-// The position of a pixel without tangential distortion.
+// Undistorts the position of a pixel without the tangential distortion.
 Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
                                   const OpenCv::ParameterArray& p,
                                   double max_radius) {
@@ -98,8 +99,9 @@ Eigen::Vector2d UndistortRadially(const Eigen::Vector2d& distorted,
   return radius > 0 ? Eigen::Vector2d(distorted * (low / radius)) : distorted;
 }
 
-// Starts from the distorted position; if that diverges, as at a local bump of
-// the distortion, from the undistorted position without tangential distortion.
+// Undistorts a pixel, starting from the distorted position; if that diverges,
+// e.g. at a local extremum of the distortion, from the position undistorted
+// without the tangential distortion.
 std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
                                          const OpenCv::ParameterArray& p,
                                          double max_radius) {

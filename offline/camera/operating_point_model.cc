@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Adds a term times a factor to a surface.
+// Adds factor * term to a surface.
 void AddTerm(double factor, const BSplineSurface& term,
              BSplineSurface* surface) {
   for (int k = 0; k < surface->num_points(); ++k)

@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-// The part of a mode's frames covered by the calibrated area.
+// Returns the area of a mode's frames that the calibrated area covers.
 Area AreaInMode(const Area& area, const SensorMode& mode) {
   const Eigen::Vector2d a = mode.FromCalibrated({area.x0, area.y0});
   const Eigen::Vector2d b = mode.FromCalibrated({area.x1, area.y1});
@@ -16,7 +16,7 @@ Area AreaInMode(const Area& area, const SensorMode& mode) {
           std::min(std::max(a.y(), b.y()), image.y1)};
 }
 
-// The image circle in a mode's frames.
+// Returns the image circle in a mode's frames.
 std::optional<ImageCircle> CircleInMode(
     const std::optional<ImageCircle>& circle, const SensorMode& mode) {
   if (!circle) return std::nullopt;

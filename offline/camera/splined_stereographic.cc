@@ -16,7 +16,7 @@ Eigen::Vector2d ToPlane(const Eigen::Vector3d& direction) {
   return 2 * ToChart(direction);
 }
 
-// u + d(u), and its derivative with respect to u.
+// Returns u + d(u), and its derivative with respect to u.
 Eigen::Vector2d Corrected(const BSplineSurface& surface,
                           const Eigen::Vector2d& u,
                           Eigen::Matrix2d* derivative) {
@@ -49,8 +49,9 @@ struct PlaneSample {
   double weight;
 };
 
-// Lattice of pixels, `across` or so along the longer side, without directions
-// that a blob cannot hold, which cover most of a stereographic plane.
+// Samples a lattice of pixels, about `across` along the longer side. Omits
+// directions that blobs cannot represent and that cover most of the
+// stereographic plane.
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
                                      const ValidityMask* valid_region,
                                      double across) {
@@ -77,7 +78,7 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
   return samples;
 }
 
-// Focal length and centre along an axis, from a line through the samples.
+// Fits the focal length and principal point along an axis by linear regression.
 std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
                                   int axis) {
   double sum = 0, sum_u = 0, sum_x = 0, sum_uu = 0, sum_ux = 0;
@@ -94,7 +95,7 @@ std::pair<double, double> FitLine(const std::vector<PlaneSample>& samples,
   return {focal_px, (sum_x - focal_px * sum_u) / sum};
 }
 
-// Maximum angle of the samples from the axis.
+// Returns the maximum stereographic coordinates of the samples.
 Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
   Eigen::Array2d widest = Eigen::Array2d::Constant(1e-3);
   for (const PlaneSample& sample : samples)
@@ -102,15 +103,16 @@ Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
   return widest;
 }
 
-// Field of view whose cells end at an edge or slightly beyond.
+// Returns the field of view in degrees of a grid that ends at an edge or
+// slightly beyond.
 int FovDegOfEdge(double edge) {
   constexpr int kMaxDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
   return std::min(kMaxDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
 }
 
-// Makes a grid with at least the given number of control points along the
-// longer side that covers all samples.
+// Makes a grid that covers all samples, with at least `along` control points
+// along the longer side.
 SplineGrid MakeCoveringGrid(const Eigen::Array2d& widest, int along) {
   const double least_cell = 2 * widest.maxCoeff() / (along - 3);
   SplineGrid grid;
@@ -122,7 +124,8 @@ SplineGrid MakeCoveringGrid(const Eigen::Array2d& widest, int along) {
   return grid;
 }
 
-// Returns the prescribed grid, which covers all samples if its angle is 0.
+// Returns the prescribed grid; if its field of view is 0, it is set such that
+// the grid covers all samples.
 SplineGrid SelectGrid(const Eigen::Array2d& widest, SplineGrid grid) {
   if (grid.fov_x_deg != 0) return grid;
   const double edge_of_rows = widest.y() * (grid.columns - 3) / (grid.rows - 3);
@@ -139,8 +142,9 @@ Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
   return parameters;
 }
 
-// Error criterion for choosing a grid: RMS of valid samples, or the median of
-// all samples if it is larger, since errors of invalid ones may be arbitrary.
+// Error criterion for the selection of a grid: RMS error of valid samples, or
+// the median of all samples if it is larger, because errors of invalid samples
+// may be arbitrary.
 double ChoiceErrorPx(const SplinedStereographic& model,
                      const std::vector<PlaneSample>& samples) {
   const Eigen::Vector4d others = model.Parameters().tail<4>();
@@ -229,7 +233,8 @@ std::optional<Eigen::Vector3d> SplinedStereographic::Unproject(
     solution = FindPixel(domain, NearestPlace(surface_, target), 0, error);
   if (!solution || !(solution->derivative.determinant() > 0))
     return std::nullopt;
-  // The search ends at a step of 1e-9, which is that many focal lengths.
+  // Adds a final Newton step: the search ends at steps of 1e-9, in units of the
+  // focal length.
   Eigen::Matrix2d ignored;
   const Eigen::Vector2d u =
       solution->pixel +

@@ -17,7 +17,7 @@ T RadialFactor(const T& theta2, const T* p) {
                         theta2 * (p[Prism::kK3] + theta2 * p[Prism::kK4])));
 }
 
-// Pixels of equidistant coordinates, by the equations of the header.
+// Projects equidistant coordinates to pixels by the equations of the header.
 template <typename T>
 Eigen::Matrix<T, 2, 1> Distort(const Eigen::Matrix<T, 2, 1>& uv, const T* p) {
   const PlanarDistortion<T> planar = {

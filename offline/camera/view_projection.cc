@@ -23,7 +23,7 @@ std::optional<ViewProjection> FindProjection(const std::string& name) {
 
 bool ShowsDirection(ViewProjection projection,
                     const Eigen::Vector3d& direction) {
-  constexpr double kLeast = 1e-12;  // of the length
+  constexpr double kLeast = 1e-12;  // relative to the length
   const double length = direction.norm();
   switch (projection) {
     case ViewProjection::kPinhole:

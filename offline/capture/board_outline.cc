@@ -7,8 +7,9 @@
 namespace raygrid {
 namespace {
 
-// The homography from a board's plane that best fits the visible part, and the
-// side of the plane at infinity on which the board is.
+// Homography from the board plane to pixels, fitted to the visible part, and
+// the sign of the homogeneous coordinate on the board's side of the plane at
+// infinity.
 struct BoardHomography {
   Eigen::Matrix3d pixel_from_board;
   double sign = 1;
@@ -16,18 +17,19 @@ struct BoardHomography {
   Eigen::Vector2d operator*(const Eigen::Vector3d& point) const {
     Eigen::Vector3d pixel =
         pixel_from_board * Eigen::Vector3d(point.x(), point.y(), 1);
-    // A point in the plane of the pupil would project to infinity.
+    // Clamps the depth: points in the principal plane would project to
+    // infinity.
     const double least = 1e-3 * pixel_from_board.row(2).norm();
     pixel.z() = std::max(sign * pixel.z(), least) * sign;
     return pixel.hnormalized();
   }
 };
 
-// Nothing for fewer than four features.
+// Direct linear transform; nullopt for fewer than four features.
 std::optional<BoardHomography> FitHomography(const CameraModel& camera,
                                              const Board& board,
                                              const Pose& camera_from_board) {
-  // Normalization to about 1 for numerical conditioning.
+  // Normalizes coordinates to about 1 for numerical conditioning.
   const double pixels = camera.image_size().width;
   const double metres = std::max(board.columns, board.rows) * board.square_m;
   Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();

@@ -7,8 +7,8 @@
 namespace raygrid {
 namespace {
 
-// The scale in pixels per radian at a pixel along an image axis; 0 if the
-// camera is undefined.
+// Returns the angular resolution in pixels per radian at a pixel along an image
+// axis; 0 if the camera is undefined there.
 double PixelsPerRadian(const CameraModel& camera, const Eigen::Vector2d& pixel,
                        const Eigen::Vector2d& axis) {
   const Area& area = camera.area();

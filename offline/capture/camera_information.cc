@@ -13,11 +13,11 @@
 namespace raygrid {
 namespace {
 
-// A subset of a view's features is used, with a larger weight.
+// Maximum number of features per view; a subset is weighted accordingly.
 constexpr size_t kMaxFeatures = 64;
 
-// The Jacobian of a view's pixels, two rows per feature. It is sparse: a
-// feature depends on the control points around its pixel.
+// Jacobian of a view's pixels, two rows per feature. It is sparse: a projection
+// depends only on nearby control points.
 struct ViewDerivatives {
   Eigen::SparseMatrix<double, Eigen::RowMajor> by_parameters;
   Eigen::Matrix<double, Eigen::Dynamic, 6> J_pose;
@@ -37,8 +37,8 @@ void AddRows(const LinearizedProjection& linear, int row,
     add(linear.first_global + i, linear.J_global.col(i));
 }
 
-// The Jacobian of a subset of features, weighted. Features without a projection
-// are omitted.
+// Computes the weighted Jacobian of a subset of features. Features without a
+// projection are omitted.
 ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
                               const std::vector<Eigen::Vector3d>& points,
                               const std::vector<Eigen::Vector2d>& pixels,
@@ -65,14 +65,16 @@ ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
   return view;
 }
 
-// The pose step that compensates the derivatives: times J_pose.
+// Pseudo-inverse of J_pose: maps pixel displacements to the least-squares pose
+// step.
 Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
     const ViewDerivatives& view) {
   const MotionMatrix square = view.J_pose.transpose() * view.J_pose;
   return square.ldlt().solve(view.J_pose.transpose());
 }
 
-// J^T J, with J the Jacobian after eliminating the pose.
+// Returns J^T J, where J is the Jacobian after elimination of the pose (Schur
+// complement).
 Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
   Eigen::MatrixXd j = view.by_parameters;
   const Eigen::MatrixXd made_up = PoseTakenBy(view) * view.by_parameters;
@@ -80,11 +82,11 @@ Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
   return j.transpose() * j;
 }
 
-// J M J^T for a symmetric M. The pose is eliminated last, to retain the
+// Returns J M J^T for a symmetric M. The pose is eliminated last, to retain the
 // sparsity of the Jacobian in products.
 Eigen::MatrixXd PoseFreeProduct(const ViewDerivatives& view,
                                 const Eigen::MatrixXd& matrix) {
-  // Row-major, since whole rows are added.
+  // Row-major, because whole rows are added.
   using RowMatrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const RowMatrix half =

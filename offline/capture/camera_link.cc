@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-// A board in an image, with its pose by a calibrated camera.
+// A board in an image, with its pose estimated by a calibrated camera.
 struct AdjustedView {
   Pose camera_from_board;
   std::vector<PointPixelMatch> seen;
@@ -33,7 +33,7 @@ ViewsByFrame ViewsOf(const AdjustmentResult& adjusted) {
   return views;
 }
 
-// The information matrix of features on a small motion of their board, for a
+// Information matrix of a small motion of the board, given by features with a
 // noise of 1 px.
 MotionMatrix MotionInformation(const CameraModel& camera,
                                const std::vector<PointPixelMatch>& features,
@@ -50,7 +50,8 @@ MotionMatrix MotionInformation(const CameraModel& camera,
   return information;
 }
 
-// The adjoint: a small motion in the first frame, expressed in the second.
+// Returns the adjoint, which transforms a small motion in the first frame to
+// the second.
 MotionMatrix ComputeAdjoint(const Pose& second_from_first) {
   const Eigen::Matrix3d rotation =
       second_from_first.rotation.toRotationMatrix();
@@ -62,14 +63,14 @@ MotionMatrix ComputeAdjoint(const Pose& second_from_first) {
   return adjoint;
 }
 
-// Zero if a matrix is singular.
+// Inverts a matrix; returns zero if it is singular.
 MotionMatrix InvertMotion(const MotionMatrix& matrix) {
   const Eigen::LDLT<MotionMatrix> factor(matrix);
   if (!(factor.vectorD().minCoeff() > 0)) return MotionMatrix::Zero();
   return factor.solve(MotionMatrix::Identity());
 }
 
-// The motion, not necessarily small, from one pose to another.
+// Returns the motion, not necessarily small, from one pose to another.
 Eigen::Matrix<double, 6, 1> MotionBetween(const Pose& from, const Pose& to) {
   const Pose motion = to * from.Inverse();
   const Eigen::AngleAxisd turn(motion.rotation);
@@ -114,7 +115,8 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
   return link;
 }
 
-// The mean of the boards' relative poses, weighted by information.
+// Estimates the mean of the boards' relative poses, weighted by their
+// information matrices.
 void CameraLink::EstimateRelativePose(const std::vector<SharedBoard>& boards) {
   second_from_first_ =
       boards[0].second_from_board * boards[0].first_from_board.Inverse();

@@ -11,7 +11,8 @@
 namespace raygrid {
 namespace {
 
-// The minimum angle between distinct tilts before a first calibration.
+// Minimum angle between tilts that count as distinct before a first
+// calibration.
 constexpr double kOtherTiltRad = 0.25;
 
 std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
@@ -24,7 +25,8 @@ std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
 }
 
 double AngleBetween(const LocatedBoard& a, const LocatedBoard& b) {
-  // The normal relative to the line of sight: translation is not tilt.
+  // The normal relative to the line of sight, because translation must not
+  // count as tilt.
   const auto normal = [](const LocatedBoard& located) -> Eigen::Vector3d {
     const Pose& pose = located.camera_from_board;
     return Eigen::Quaterniond::FromTwoVectors(
@@ -103,7 +105,8 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
       first_views_.push_back(located);
   const Board& board = pattern_->boards.front();
   const ImageSize size = live.images().image_size;
-  // The first of the initial views with a tilt unlike those kept.
+  // Selects the first initial view whose tilt differs from those of kept
+  // images.
   for (int index = 0; index < 2 * kNumFirstViews; ++index) {
     const auto pose = PoseOf(FirstView(index, size), board, *assumed_);
     if (!pose) continue;
@@ -115,7 +118,7 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
   }
 }
 
-// The best view unlike those kept.
+// Returns the best view that differs from kept images.
 std::optional<NextView> CaptureGuide::FindBestNewView(
     const Board& board) const {
   std::vector<Pose> avoided = options_.avoided;
@@ -129,7 +132,7 @@ std::optional<NextView> CaptureGuide::FindBestNewView(
   return std::nullopt;
 }
 
-// Simulates all features of a board at a pose that the camera can see.
+// Simulates the features of a board at a pose, as far as the camera sees them.
 ImageFeatures CaptureGuide::ImageOf(const Board& board,
                                     const Pose& camera_from_board) const {
   ImageFeatures image;
@@ -178,7 +181,7 @@ double CaptureGuide::ComputeGain(const ImageFeatures& image) const {
     };
     return std::any_of(located.begin(), located.end(), is_other) ? 1 : 0;
   }
-  double left = 1;  // fraction of the variance
+  double left = 1;  // remaining fraction of the variance
   for (const LocatedBoard& board : located) {
     std::vector<Eigen::Vector3d> points;
     std::vector<Eigen::Vector2d> pixels;
@@ -196,7 +199,8 @@ bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
   if (!knowledge_) return gain > 0.5;
   const double wanted =
       next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
-  // Before the smoothness is determined, every image with any gain counts.
+  // Before the smoothness prior is determined, any image with a positive gain
+  // is kept.
   const double least = is_floor() ? 0 : options_.min_gain;
   return gain > 0 && gain >= std::max(least, wanted);
 }
@@ -213,15 +217,16 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
 
 std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
-  // At first, standard deviations decrease faster than predicted.
+  // Initially, standard deviations decrease faster than predicted.
   constexpr int kFewestImages = 6;
   const int num_missing = std::max(1, kMinReliableImages - num_images_);
   if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
-  // The mean variance decreases by the n-th image as n^(-n gain): fast at
-  // first, and as 1 / n in the end.
+  // After n images, the mean variance decreases as n^(-n gain): fast at first,
+  // finally as 1 / n.
   const double n = num_images_, power = n * next_->gain;
   if (!(power > 0)) return std::nullopt;
-  // Ends when gains fall below min_gain, or the target is reached.
+  // Capture ends when gains fall below min_gain or the target uncertainty is
+  // reached.
   double most = std::min(1.0, power) / options_.min_gain;
   if (options_.target_px > 0) {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;

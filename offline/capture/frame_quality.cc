@@ -11,11 +11,11 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMeasuredFeatures = 48;  // measured per image
+constexpr int kMeasuredFeatures = 48;  // maximum per image
 constexpr double kLeastHalfPx = 2.5, kMostHalfPx = 6;
 constexpr double kMinContrast = 15;  // grey levels
 
-// Interpolates the grey level between pixels; nothing outside the image.
+// Interpolates the grey level between pixels; nullopt outside the image.
 std::optional<double> LevelAt(const ImageSize& size,
                               const std::vector<float>& levels,
                               const Eigen::Vector2d& pixel) {
@@ -30,10 +30,10 @@ std::optional<double> LevelAt(const ImageSize& size,
          down * ((1 - right) * below[0] + right * below[1]);
 }
 
-// An edge in an image.
+// Measured properties of an edge in an image.
 struct SeenEdge {
   Eigen::Vector2d normal;
-  double step = 0;  // from 1 px before to 1 px after it, grey levels
+  double step = 0;  // grey-level difference from 1 px before to 1 px after it
   double low = 0, high = 0;
   double spread_px = 0;
 };
@@ -57,15 +57,16 @@ std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
   edge.low = *std::min_element(profile.begin(), profile.end());
   edge.high = *std::max_element(profile.begin(), profile.end());
   if (edge.high - edge.low < kMinContrast) return std::nullopt;
-  // The feature may be a pixel off.
+  // Uses the maximum, because the feature position may be wrong by a pixel.
   for (size_t k = 2 * kStepsPerPx; k < profile.size(); ++k)
     edge.step = std::max(edge.step,
                          std::abs(profile[k] - profile[k - 2 * kStepsPerPx]));
   return edge;
 }
 
-// The standard deviation of a Gaussian for the fraction of a step within 1 px
-// on both sides: part = erf(1 / (sqrt(2) deviation)).
+// Returns the standard deviation, in pixels, of a Gaussian blur from the
+// fraction of a step within 1 px on both sides: part = erf(1 / (sqrt(2)
+// deviation)).
 double SpreadOf(double part) {
   double low = 0.05, high = 20;
   for (int halving = 0; halving < 30; ++halving) {
@@ -75,7 +76,8 @@ double SpreadOf(double part) {
   return low;
 }
 
-// Fits S of n^T S n = spread^2, without outliers.
+// Fits the blur covariance S with n^T S n = spread^2 for edge normals n,
+// robustly.
 Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
   Eigen::Vector3d s = Eigen::Vector3d::Zero();  // xx, xy, yy
   for (int round = 0; round < 3; ++round) {
@@ -108,8 +110,8 @@ Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
 
 }  // namespace
 
-// Whether the drawing has one colour on each side within the profile, also
-// along the edge.
+// Whether the nominal appearance is uniform on each side of the edge within the
+// profile, also along the edge.
 bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
   for (const double nearness : {0.85, 1.0, 1.15})
     for (const double part : {0.1, 0.4, 0.7, 1.0}) {
@@ -143,7 +145,7 @@ QualityMeter::QualityMeter(const Board& board)
       if (appearance_.IsBlack(at + radius_m * along(angle - 0.01)) ==
           appearance_.IsBlack(at + radius_m * along(next - 0.01)))
         continue;
-      // The edge is between both.
+      // Locates the edge by bisection.
       double low = angle - 0.01, high = next - 0.01;
       const bool first = appearance_.IsBlack(at + radius_m * along(low));
       for (int halving = 0; halving < 12; ++halving) {
@@ -176,7 +178,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
   for (const Feature& feature : features)
     at[board_.PointIndex(feature.column, feature.row)] = &feature;
   const std::vector<Eigen::Vector3d> points = board_.NominalPoints();
-  // The local scale of the image, from a feature's neighbours.
+  // Local image scale, from the neighbours of a feature.
   const auto slope = [&](const Feature& feature, int right,
                          int down) -> std::optional<Eigen::Vector2d> {
     const auto place = [&](int side) -> int {
@@ -226,7 +228,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
     blacks.push_back(edge.low);
     clipped += edge.high >= kFull;
   }
-  // Intermediate edges nearby reach neither value.
+  // Quantiles, because profiles near other edges reach neither level.
   constexpr double kMost = 0.75;
   quality.white = Quantile(whites, kMost);
   quality.black = Quantile(blacks, 1 - kMost);

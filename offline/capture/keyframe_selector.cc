@@ -15,7 +15,7 @@ struct WordAndRemedy {
   const char* remedy;
 };
 
-// By FrameStatus.
+// Indexed by FrameStatus.
 constexpr WordAndRemedy kWords[] = {
     {"kept", ""},
     {"absent", "show the board"},
@@ -48,7 +48,7 @@ const char* GetRemedy(FrameStatus word) {
 
 bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
                                 const FeaturePositions& places) const {
-  // Motion blurs only the edges across it.
+  // Motion blurs only edges perpendicular to it.
   const FrameQuality& quality = frame.quality;
   const double streak_px =
       std::sqrt(std::max(0.0, std::pow(quality.most_spread_px, 2) -
@@ -57,7 +57,7 @@ bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
   if (streak_px > kMostStreakPx) return true;
   if (!frame.time_s || !last_time_s_) return false;
   const auto moved_px = DistancePx(places, last_places_);
-  if (!moved_px) return true;  // just detected
+  if (!moved_px) return true;  // the target was not visible before
   const double passed_s = *frame.time_s - *last_time_s_;
   if (!(passed_s > 0)) return *moved_px > options_.still_px;
   constexpr double kFrameS = 1 / 30.0;
@@ -69,9 +69,9 @@ bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
 bool KeyframeSelector::IsBlurred(const FrameQuality& quality) {
   if (!(quality.most_spread_px > 0)) return false;
   constexpr size_t kMaxFrames = 500;
-  constexpr double kSharpPx = 1.2;      // never blurred
+  constexpr double kSharpPx = 1.2;      // smaller spreads are never blurred
   constexpr double kMostOfSharp = 1.5;  // relative to the camera's sharp frames
-  constexpr double kAnyPx = 5;          // always blurred
+  constexpr double kAnyPx = 5;          // larger spreads are always blurred
   spreads_px_.push_back(quality.most_spread_px);
   if (spreads_px_.size() > kMaxFrames) spreads_px_.pop_front();
   const double sharp_px =

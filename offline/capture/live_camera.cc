@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kCells = 16;  // along the longer side
+constexpr double kCells = 16;  // of the grid along the longer image side
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void LiveCamera::OptimizeFromScratch() {
     adjusted_ = std::move(adjusted);
     num_at_anew_ = images_.images.size();
   } catch (const Error&) {
-    // Later images may determine what these do not.
+    // Not enough images: later ones may determine the missing parameters.
     if (adjusted_) GoOn();
   }
 }

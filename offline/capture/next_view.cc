@@ -23,7 +23,7 @@ class Search {
     if (!pose || !ShowsHalf(*pose) || IsAvoided(*pose)) return;
     found_.push_back({view, *pose, gain_(*pose)});
   }
-  /// Keeps only the best count candidates.
+  /// Keeps only the `count` candidates with the largest gain.
   void Save(size_t count) {
     std::stable_sort(
         found_.begin(), found_.end(),
@@ -69,7 +69,7 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
                                          const ViewGain& gain,
                                          const std::vector<Pose>& avoided) {
   constexpr int kColumns = 7, kRows = 5;
-  constexpr double kWidths[] = {0.4, 0.7, 1.1};  // of the image's
+  constexpr double kWidths[] = {0.4, 0.7, 1.1};  // relative to the image width
   const ImageSize size = camera.image_size();
   Search search(camera, board, gain, avoided);
   int turn = 0;
@@ -82,7 +82,7 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
                     0.5,
                     (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
                     0});
-  // Around each of the best: vary tilt, and rotate by 90 degrees.
+  // Varies tilt, and rotates by 90 degrees, around each of the best candidates.
   search.Save(3);
   for (const NextView& start : std::vector<NextView>(search.found())) {
     for (const double turn_rad : {0.0, M_PI / 2}) {
@@ -100,7 +100,7 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
   }
   search.Save(1);
   if (search.found().empty()) return std::nullopt;
-  // Intermediate positions and widths.
+  // Refines position and width around the best candidate.
   const BoardView best = search.found().front().view;
   for (const double x : {-0.25, 0.0, 0.25})
     for (const double y : {-0.25, 0.0, 0.25})

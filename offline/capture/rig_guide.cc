@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Sets of cameras connected by links.
+// Union-find structure of cameras connected by links.
 class ConnectedCameras {
  public:
   explicit ConnectedCameras(size_t count) : set_(count) {
@@ -49,7 +49,7 @@ bool RigGuide::IsKnown(size_t camera) const {
   return guide(camera) && guide(camera)->knowledge();
 }
 
-// Builds the spanning tree of the most certain links.
+// Builds the minimum-variance spanning tree of links (Kruskal's algorithm).
 void RigGuide::FindLinks() {
   std::vector<Link> all;
   for (size_t a = 0; a < num_cameras(); ++a)
@@ -166,12 +166,12 @@ bool RigGuide::IsInformativeForLink(
     const Link* link, size_t first, size_t second,
     const std::vector<const ImageFeatures*>& images) const {
   const ImageFeatures &in_first = *images[first], &in_second = *images[second];
-  // Views that both cameras already have would only reduce the noise.
+  // Views that are redundant for both cameras would only reduce noise.
   if (guide(first)->ComputeGain(in_first) <= 0 &&
       guide(second)->ComputeGain(in_second) <= 0)
     return false;
   const std::vector<LocatedBoard> seen = guide(second)->Locate(in_second);
-  double left = 1;  // of the link's variance
+  double left = 1;  // remaining fraction of the link's variance
   bool is_shared = false, is_next = false;
   for (const LocatedBoard& board : guide(first)->Locate(in_first)) {
     const LocatedBoard* const other = FindBoard(seen, board.board->id);

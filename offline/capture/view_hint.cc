@@ -10,13 +10,13 @@
 namespace raygrid {
 namespace {
 
-// A motion component. Its size is 1 at the threshold for a hint.
+// A motion component; its size is 1 at the threshold for a hint.
 struct Move {
   double size = 0;
   std::string words;
 };
 
-// The rotation of a board relative to the line of sight to its centre.
+// Returns the rotation of a board relative to the line of sight to its centre.
 Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
   const Eigen::Vector3d sight = pose * ComputeBoardCenter(board);
   return Eigen::Quaterniond::FromTwoVectors(sight, Eigen::Vector3d::UnitZ())
@@ -24,12 +24,13 @@ Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
          pose.rotation.toRotationMatrix();
 }
 
-// The tilt towards image right and down, radians: which side is farther away.
+// Returns the tilt in radians towards image right and down, i.e. which side is
+// farther away.
 Eigen::Vector2d ComputeTilt(const Eigen::Matrix3d& facing) {
   const Eigen::Vector3d behind = facing.col(2);  // away from the camera
   const double across = behind.head<2>().norm();
   if (across < 1e-9) return Eigen::Vector2d::Zero();
-  // A board whose back points to the left has its right side farther away.
+  // If the back of a board points to the left, its right side is farther away.
   return -std::atan2(across, std::abs(behind.z())) * behind.head<2>() / across;
 }
 
@@ -43,7 +44,7 @@ Move Tilt(double change_rad, const char* plus, const char* minus) {
           std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
 }
 
-// The motion components between two poses, largest first.
+// Returns the motion components between two poses, largest first.
 std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
                                           const Board& board, const Pose& from,
                                           const Pose& to) {
@@ -52,7 +53,7 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
   const auto seen = camera.Project(from * center);
   const auto wanted = camera.Project(to * center);
   if (seen && wanted) {
-    constexpr double kWorth = 0.08;  // of the image's width
+    constexpr double kWorth = 0.08;  // relative to the image width
     const Eigen::Vector2d shift =
         (*wanted - *seen) / (kWorth * camera.image_size().width);
     moves.push_back({std::abs(shift.x()), shift.x() > 0 ? "right" : "left"});
@@ -67,7 +68,7 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
   const Eigen::Vector2d tilt = ComputeTilt(then) - ComputeTilt(now);
   moves.push_back(Tilt(tilt.x(), "right", "left"));
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
-  // Half a turn is ignored: boards look alike then.
+  // Rotations by 180 degrees are ignored: boards look the same then.
   constexpr double kWorthTurn_rad = 0.5;
   const double turn =
       std::remainder(ComputeRotation(then) - ComputeRotation(now), M_PI);

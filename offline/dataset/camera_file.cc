@@ -25,8 +25,8 @@
 namespace raygrid {
 namespace {
 
-// A surface of directions; if control points have more values,
-// numbers_per_point in all, others receives the remainder.
+// Parses the B-spline surface of directions. If control points have further
+// values (numbers_per_point in all), others receives these.
 BSplineSurface ParseGrid(const YAML::Node& root, const Area& area,
                          size_t numbers_per_point,
                          std::vector<std::vector<double>>* others) {
@@ -78,7 +78,6 @@ std::shared_ptr<CameraModel> ParseNonCentralGeneric(const YAML::Node& root,
                                              std::move(points));
 }
 
-// Parses the named parameters of a model.
 void ParseParameters(const YAML::Node& root,
                      const std::vector<std::string>& names,
                      double* parameters) {
@@ -168,7 +167,7 @@ std::optional<ErrorMetrics> ParseMetrics(const YAML::Node& node) {
                       node["count"].as<int>()};
 }
 
-// The section is missing in files of earlier versions.
+// Files of earlier versions lack this section.
 MovementErrors ParseBeyond(const YAML::Node& node) {
   if (!node) return {};
   const MovementErrors beyond = {
@@ -182,7 +181,7 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
   return beyond;
 }
 
-// modes is missing in files of earlier versions.
+// Files of earlier versions lack modes.
 ErrorModes ParseModes(const YAML::Node& node) {
   ErrorModes modes;
   if (!node) return modes;
@@ -267,7 +266,7 @@ std::optional<LineDelay> ParseLineDelay(const YAML::Node& root) {
   return value;
 }
 
-// Throws exceptions of yaml-cpp, and InputError without the file's name.
+// Throws exceptions of yaml-cpp, and InputError without the file name.
 CameraFile Parse(const YAML::Node& root) {
   RequireKind(root, "camera");
   if (root["raygrid_camera"].as<int>() != 1)
@@ -427,7 +426,8 @@ void EmitParameters(const ParametricModel& lens, Digits digits,
   *out << YAML::EndMap;
 }
 
-// Writes the camera's parameters, with equal numbers per control point.
+// Writes the parameters of a grid, with the same number of values per control
+// point.
 void EmitGrid(const BSplineSurface& surface, const Eigen::VectorXd& parameters,
               YAML::Emitter* out) {
   *out << YAML::Key << "grid" << YAML::Value << YAML::Flow << YAML::BeginMap
@@ -501,7 +501,8 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.spread) EmitSpread(*file.spread, &out);
   if (file.stack) EmitOperatingPointModel(*file.stack, &out);
   if (file.line_delay) EmitLineDelay(*file.line_delay, &out);
-  // The required key, the model, comes last: a truncated file is invalid.
+  // The model, which is mandatory, is written last: truncated files are
+  // invalid.
   EmitModel(camera, digits, &out);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";

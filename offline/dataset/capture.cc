@@ -6,13 +6,13 @@
 namespace raygrid {
 namespace {
 
-// The limits of formats/SPEC.md.
+// Limits of formats/SPEC.md.
 constexpr double kLargestDioptres = 1024, kLargestZoom = 1024;
 constexpr double kHottestC = 1024, kLongestUs = 1 << 30;
 constexpr double kSmallestGain = 1 / 65536.0, kLargestGain = 1024;
 constexpr int kLargestCrop = 65536, kLargestScale = 64;
 
-// Whether an axis of a crop is possible for an image.
+// Whether the extent of a crop along one axis is valid for the image size.
 bool IsPossible(int start, int span, int image) {
   return start >= -kLargestCrop && start <= kLargestCrop && span >= 1 &&
          span <= kLargestCrop && span <= int64_t{kLargestScale} * image &&

@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-// Numbers that are stored, but not compared.
+// Values that are stored, but not compared between files.
 struct CaptureNumber {
   const char* key;
   std::optional<double> Capture::*value;
@@ -22,7 +22,7 @@ constexpr CaptureNumber kNumbers[] = {
     {"exposure_us", &Capture::exposure_us},
     {"analogue_gain", &Capture::analogue_gain}};
 
-// A misspelt key would disable the comparison.
+// Rejects unknown keys: a misspelt key would silently disable the comparison.
 void RequireCaptureKeys(const YAML::Node& node) {
   static const std::set<std::string> kKnown = {
       "lens_position", "lens_tolerance",       "crop",        "zoom",

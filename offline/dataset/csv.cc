@@ -26,7 +26,8 @@ class RecordReader {
   RecordReader(const std::string& name, const std::string& text)
       : name_(name), text_(text) {}
 
-  // The next one that is neither empty nor a comment; false at the end.
+  // Reads the next record that is neither empty nor a comment; returns false at
+  // the end.
   bool Read(std::vector<std::string>* fields) {
     while (place_ < text_.size()) {
       const size_t end = std::min(text_.find('\n', place_), text_.size());
@@ -41,13 +42,14 @@ class RecordReader {
     return false;
   }
 
-  // The next record of any kind; false if there are more after it.
+  // Reads the next record, even if empty or a comment; returns false if it is
+  // not the last one.
   bool ReadLast(std::vector<std::string>* fields) {
     ReadFields(fields);
     return place_ >= text_.size();
   }
 
-  // The first line of the last record.
+  // The line where the most recent record starts.
   int record_line() const { return record_line_; }
 
  private:
@@ -96,7 +98,7 @@ class RecordReader {
     return field;
   }
 
-  // Skips to the line after the given end of line.
+  // Continues at the line after the given line break.
   void Skip(size_t end_of_line) {
     place_ = end_of_line + 1;
     ++line_;

@@ -70,7 +70,7 @@ class FeatureCollector {
   ImageFeatures* image_ = nullptr;
 };
 
-// A feature that occurs twice in an image.
+// Returns a feature that occurs twice in an image, if any.
 std::optional<FeatureKey> FindRepeated(const ImageFeatures& image) {
   std::vector<FeatureKey> keys;
   keys.reserve(image.features.size());
@@ -96,7 +96,7 @@ std::string ReadCameraName(const CsvReader& table, bool has_camera) {
   return has_camera ? table.Text("camera") : "";
 }
 
-// Throws InputError with the line of the repeated feature.
+// Throws InputError with the line number of the duplicate feature.
 void RefuseSecond(const std::string& path, const std::string& text,
                   const std::string& camera, const std::string& image,
                   const FeatureKey& key) {
@@ -110,7 +110,7 @@ void RefuseSecond(const std::string& path, const std::string& text,
       FeatureCollector::ThrowOnSecond(table);
 }
 
-// The lines of features, each led by prefix.
+// Formats one line per feature, each starting with prefix.
 std::string FormatFeatureLines(const std::string& prefix,
                                const Dataset& dataset) {
   std::string text;
@@ -139,7 +139,8 @@ std::string PoseLines(const std::string& prefix,
   return text;
 }
 
-// The last digits of a file name without extension and leading zeros.
+// Returns the last number of a file name without extension, without its leading
+// zeros.
 std::string LastNumber(const std::string& file_name) {
   const std::string stem = file_name.substr(0, file_name.rfind('.'));
   const char digits[] = "0123456789";
@@ -196,7 +197,7 @@ std::string FormatFeatures(const std::vector<NamedDataset>& cameras) {
 }
 
 void RenameImagesByNumber(const std::string& source, Dataset* dataset) {
-  std::map<std::string, std::string> names;  // by number
+  std::map<std::string, std::string> names;  // image names by number
   for (ImageFeatures& image : dataset->images) {
     const std::string number = LastNumber(image.image);
     if (number.empty())

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// Not named in libexif 0.6.24: EXIF 2.31.
+// Tag of EXIF 2.31 that libexif 0.6.24 does not define.
 constexpr auto kAmbientTemperature = static_cast<ExifTag>(0x9400);
 
 struct FreeExif {
@@ -18,7 +18,7 @@ struct FreeExif {
 };
 using Exif = std::unique_ptr<ExifData, FreeExif>;
 
-// Null if a file has none.
+// Returns null if the file has no EXIF data.
 Exif LoadExif(const std::string& name, const std::string& bytes) {
   const ImageHeader header = ParseImageHeader(name, bytes);
   if (header.exif_bytes == 0) return nullptr;
@@ -34,7 +34,8 @@ Exif LoadExif(const std::string& name, const std::string& bytes) {
   return exif;
 }
 
-// The entry of a tag, if it has one rational number of 8 bytes.
+// Returns the entry of a tag if its value is a single rational number of 8
+// bytes.
 const ExifEntry* FindRational(const Exif& exif, ExifTag tag,
                               ExifFormat format) {
   const ExifEntry* entry =
@@ -53,11 +54,11 @@ std::optional<double> LensPosition(const Exif& exif) {
       exif_get_rational(entry->data, exif_data_get_byte_order(exif.get()));
   if (distance_m.numerator == 0) return std::nullopt;
   if (distance_m.numerator == 0xffffffff) return 0;
-  // 0 in files of programs that write 1 / dioptres, such as rpicam-still:
-  // infinity, too.
+  // Programs that write 1 / dioptres, such as rpicam-still, write a zero
+  // denominator for infinity.
   const double dioptres =
       static_cast<double>(distance_m.denominator) / distance_m.numerator;
-  constexpr double kNearest = 100;  // a centimetre; more is invalid
+  constexpr double kNearest = 100;  // 1 cm; larger values are invalid
   if (dioptres > kNearest) return std::nullopt;
   return dioptres;
 }

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws if a folder to be created has a typical file name: then the user
+// Throws if a folder to be created has a typical file extension: the user then
 // expects a file.
 void RequireFolderName(const fs::path& folder) {
   const std::string extension = folder.extension().string();
@@ -36,7 +36,7 @@ void RequireFolderName(const fs::path& folder) {
                               folder.stem().string()));
 }
 
-// The folder of a path, created if need be.
+// Creates the parent folder of a path if it does not exist.
 void MakeFolderOf(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   RequireFolderName(folder);
@@ -49,7 +49,7 @@ std::string TemporaryName(const std::string& path) {
   return fmt::format("{}.part-{}", path, getpid());
 }
 
-// Whether a name is a pipe or a device, which is written to instead of being
+// Whether a path is a pipe or a device, which is written to instead of being
 // replaced.
 bool IsStream(const std::string& path, Links links) {
   std::error_code ignored;
@@ -60,14 +60,15 @@ bool IsStream(const std::string& path, Links links) {
          !fs::is_symlink(status);
 }
 
-// The target of a link: it is replaced, and the link is kept.
+// Returns the target of a symbolic link: the target is replaced, and the link
+// is kept.
 std::string FollowLinks(const std::string& path) {
   std::error_code error;
   const fs::path file = fs::canonical(path, error);
   return error ? path : file.string();
 }
 
-// Returns 0 or an errno.
+// Writes contents to an open file; returns 0 or an errno.
 int WriteTo(int file, const std::string& contents) {
   if (file < 0) return errno;
   int error = 0;
@@ -83,10 +84,10 @@ int WriteTo(int file, const std::string& contents) {
   return error;
 }
 
-// The maximum wait for the other end of a pipe.
+// Timeout for opening the other end of a pipe.
 constexpr auto kPatience = std::chrono::seconds(5);
 
-// Calls is_there until it returns true; false on timeout.
+// Polls is_there until it returns true; returns false on timeout.
 bool WaitFor(const std::function<bool()>& is_there) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   while (!is_there()) {
@@ -96,14 +97,14 @@ bool WaitFor(const std::function<bool()>& is_there) {
   return true;
 }
 
-// Into a pipe or a device.
+// Writes to a pipe or a device; returns 0 or an errno.
 int WriteStream(const std::string& path, const std::string& contents) {
   int file = -1;
   WaitFor([&] {
     file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
-    return file >= 0 || errno != ENXIO;  // of pipes: nobody reads
+    return file >= 0 || errno != ENXIO;  // the pipe has no reader yet
   });
-  if (file >= 0) fcntl(file, F_SETFL, 0);  // from here on, slow readers may be
+  if (file >= 0) fcntl(file, F_SETFL, 0);  // then wait for slow readers
   return WriteTo(file, contents);
 }
 
@@ -124,8 +125,8 @@ class OpenFile {
   int file_;
 };
 
-// Whether a pipe has data, or a writer: without a writer, reading yields its
-// end. Data read is appended to contents.
+// Whether a pipe has data or a writer: without a writer, read() returns end of
+// file. The byte that is read is appended to contents.
 bool HasWriter(int pipe, std::string* contents) {
   char first;
   const ssize_t size = read(pipe, &first, 1);
@@ -133,7 +134,7 @@ bool HasWriter(int pipe, std::string* contents) {
   return size != 0;
 }
 
-// The rest of a file; returns 0 or an errno.
+// Reads the rest of a file; returns 0 or an errno.
 int ReadRest(int file, std::string* contents) {
   struct stat status = {};
   if (fstat(file, &status) == 0 && S_ISREG(status.st_mode))
@@ -149,7 +150,7 @@ int ReadRest(int file, std::string* contents) {
   }
 }
 
-// Creates a file; removes the remains of a killed program of this name.
+// Creates a file after removing one of the same name left by a killed process.
 int WriteNew(const std::string& path, const std::string& contents) {
   unlink(path.c_str());
   return WriteTo(
@@ -186,7 +187,7 @@ std::string ReadFile(const std::string& path) {
                      "first, or use a file");
   int failure = file.number() < 0 ? errno : 0;
   if (failure == 0) {
-    fcntl(file.number(), F_SETFL, 0);  // a slow writer is waited for
+    fcntl(file.number(), F_SETFL, 0);  // then wait for slow writers
     failure = ReadRest(file.number(), &contents);
   }
   if (failure != 0)

@@ -10,8 +10,9 @@
 namespace raygrid {
 namespace {
 
-// Standard deviations with one condition held, which is removed from their
-// values: interpolated between lattices of equal shape.
+// Fixes one parameter of the operating point: interpolates the standard
+// deviations linearly between samples with equal lattices, and removes the
+// parameter from their operating points.
 std::vector<OperatingPointUncertainty> FixParameter(
     const std::vector<OperatingPointUncertainty>& known, size_t range,
     double value) {
@@ -24,7 +25,7 @@ std::vector<OperatingPointUncertainty> FixParameter(
   }
   std::vector<OperatingPointUncertainty> held;
   for (const auto& [others, line] : by_others) {
-    // The ends of a range may have been rounded.
+    // The value may be outside the range by rounding.
     const double inside = std::clamp(value, line.front()->values[range],
                                      line.back()->values[range]);
     for (size_t k = 1; k < line.size(); ++k) {
@@ -124,7 +125,7 @@ std::optional<CameraUncertainty> ComputeMaxUncertainty(
     const std::vector<double>& there = known.lattice.deviation_px;
     if (there.size() != most.size()) continue;
     for (size_t i = 0; i < most.size(); ++i)
-      // Undefined where one of them is NaN.
+      // The maximum is NaN where any of the values is NaN.
       if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
   }
   ReplaceStandardDeviations(largest, stack.camera->area(), &worst);

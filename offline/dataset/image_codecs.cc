@@ -34,7 +34,7 @@ cv::Mat DecodeWebp(const std::string& bytes, PixelConversion conversion) {
 
 // ---- PGM and PPM
 
-// The next number of a header or of a text file; -1 if there is none.
+// Reads the next number of a header or of text pixels; -1 if there is none.
 int NextNumber(const std::string& bytes, size_t* position) {
   size_t& at = *position;
   while (at < bytes.size() &&
@@ -60,7 +60,7 @@ cv::Mat DecodePnm(const std::string& bytes, PixelConversion conversion) {
   cv::Mat pixels(rows, columns,
                  CV_MAKETYPE(is_wide ? CV_16U : CV_8U, channels));
   const size_t count = pixels.total() * channels;
-  ++at;  // one space ends the header
+  ++at;  // one white-space character ends the header
   if (!is_text &&
       bytes.size() - std::min(at, bytes.size()) < count * (is_wide ? 2 : 1))
     return {};

@@ -21,13 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How a JPEG file ends. The decoder fills missing parts with grey, and reports
-// it only for a sequential scan with all components.
+// How a JPEG file ends: with a marker, after its only scan, or truncated. The
+// decoder fills missing parts with grey and warns only about sequential scans
+// with all components.
 enum class JpegEnd { kMarked, kAfterOnlyScan, kCut };
 
 // Bytes after the end-of-image marker are ignored: phones append megabytes of
-// metadata and video. Thumbnails, which have such markers of their own, are
-// within segments.
+// metadata and video. Thumbnails with end markers are within segments, which
+// are skipped.
 JpegEnd EndOfJpeg(const std::string& bytes) {
   const auto byte = [&bytes](size_t at) {
     return at < bytes.size() ? static_cast<uint8_t>(bytes[at]) : 0;
@@ -43,7 +44,7 @@ JpegEnd EndOfJpeg(const std::string& bytes) {
     const bool stands_alone =
         marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
     if (byte(at) != 0xff || marker == 0 || marker == 0xff) {
-      ++at;  // of a scan, or padding
+      ++at;  // scan data or padding
     } else if (marker == 0xd9) {
       return is_any_scan ? JpegEnd::kMarked : JpegEnd::kCut;
     } else if (stands_alone) {
@@ -74,7 +75,7 @@ const std::set<std::string> kOtherKinds = {
     ".arw",  ".avif", ".cr2", ".cr3", ".dng", ".exr", ".gif",
     ".heic", ".heif", ".jp2", ".jxl", ".nef", ".raf"};
 
-// Pictures that calibrate and detect --overlay write to their folders.
+// Images that calibrate and detect --overlay write to their output folders.
 const std::set<std::string> kOwnPictures = {"coverage.png", "example_after.png",
                                             "example_before.png",
                                             "uncertainty.png"};
@@ -103,7 +104,8 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
     throw InputError(folder + ": contains no images (png, jpg, tif, bmp, pgm)");
 }
 
-// libtiff rotates images unless their tag says that they are upright.
+// Sets the orientation tag to upright, because libtiff otherwise rotates
+// images.
 std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   const bool is_little_endian = bytes[0] == 'I';
   const size_t last = header.orientation_bytes - 1;
@@ -112,7 +114,7 @@ std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
   return bytes;
 }
 
-// Decodes an image as stored; a corrupt one is an error.
+// Decodes an image without applying its orientation; throws if it is corrupt.
 cv::Mat Decode(const std::string& name, const std::string& file,
                PixelConversion conversion) {
   const ImageHeader header = ParseImageHeader(name, file);
@@ -121,7 +123,8 @@ cv::Mat Decode(const std::string& name, const std::string& file,
     changed = WithoutOrientation(file, header);
   const bool is_jpeg = file.compare(0, 2, "\xff\xd8") == 0;
   const JpegEnd end = is_jpeg ? EndOfJpeg(file) : JpegEnd::kMarked;
-  // With a marker, the decoder reports what the scan lacks, not the marker.
+  // With an end marker, the decoder reports missing scan data instead of the
+  // missing marker.
   if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";
   const std::string& bytes = changed.empty() ? file : changed;
   cv::Mat decoded;
@@ -134,7 +137,7 @@ cv::Mat Decode(const std::string& name, const std::string& file,
   return decoded;
 }
 
-// The full scale of a camera whose brightest 16-bit value is this.
+// Returns the full-scale value of a camera by the maximum of its 16-bit values.
 double FullScale(double brightest) {
   for (const int bits : {8, 10, 12, 14})
     if (brightest < 1 << bits) return (1 << bits) - 1;
@@ -148,7 +151,7 @@ double FullScale(const cv::Mat& image) {
   return FullScale(brightest);
 }
 
-// Decodes an image of 8 or 16 bits a channel; others are an error.
+// Decodes an image with 8 or 16 bits per channel; throws for others.
 cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
                        PixelConversion conversion) {
   const cv::Mat decoded = Decode(name, bytes, conversion);

@@ -16,7 +16,7 @@ std::atomic<bool> huge_is_allowed{false};
 
 enum class Order { kBigEndian, kLittleEndian };
 
-// Reads numbers of a file; throws std::out_of_range at its end.
+// Reads integers of a file; throws std::out_of_range at the end.
 class Bytes {
  public:
   Bytes(const std::string& bytes, Order order) : bytes_(bytes), order_(order) {}
@@ -39,10 +39,10 @@ class Bytes {
   Order order_;
 };
 
-// Sizes as stored in the file, before any limit.
+// Fields of the file header before any limit is checked.
 struct RawHeader {
   uint64_t width = 0, height = 0;
-  // A TIFF tile is decoded as a whole, however small the image is.
+  // TIFF tiles are decoded as a whole, even if the image is smaller.
   uint64_t tile_width = 0, tile_height = 0;
   int orientation = 1;
   size_t orientation_at = 0, orientation_bytes = 0;
@@ -51,7 +51,8 @@ struct RawHeader {
 
 // ---- TIFF, and EXIF, which is TIFF without an image -------------------------
 
-// The size of a number in a directory entry: 1, 2, 4 or 8 bytes, else 0.
+// Returns the size of an integer type of directory entries in bytes; 0 for
+// other types.
 size_t BytesOfType(uint64_t type) {
   switch (type) {
     case 1:  // BYTE
@@ -71,7 +72,7 @@ bool IsTagOfSize(uint64_t tag) {
   return tag == 256 || tag == 257 || tag == 322 || tag == 323;
 }
 
-// The first directory of the TIFF data from start on.
+// Parses the first directory of the TIFF data at start.
 void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
   const Order order = bytes.compare(start, 2, "II") == 0 ? Order::kLittleEndian
                                                          : Order::kBigEndian;
@@ -147,7 +148,7 @@ void ParsePng(const std::string& bytes, RawHeader* header) {
   }
 }
 
-// Segments up to the frame's header.
+// Parses segments up to the frame header.
 void ParseJpeg(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   for (size_t at = 2;;) {
@@ -180,7 +181,7 @@ void ParseBmp(const std::string& bytes, RawHeader* header) {
     header->height = (uint64_t{1} << 32) - header->height;
 }
 
-// PBM, PGM and PPM.
+// Parses the header of PBM, PGM and PPM files.
 void ParsePnm(const std::string& bytes, RawHeader* header) {
   size_t at = 2;
   for (uint64_t* number : {&header->width, &header->height}) {
@@ -219,7 +220,7 @@ void ParseWebp(const std::string& bytes, RawHeader* header) {
   }
 }
 
-// False for files of other kinds.
+// Returns false for files of unsupported types.
 bool ParseByKind(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   const auto starts = [&file](const char* text, size_t size) {
@@ -249,8 +250,8 @@ void RequireAllowed(const std::string& name, uint64_t width, uint64_t height) {
   if (!why.empty()) throw InputError(name + ": " + why);
 }
 
-// Rejects files much smaller than their pixels, which are not photographs: they
-// need gigabytes of memory for kilobytes of file.
+// Rejects files with implausibly many pixels per byte: these are not
+// photographs, and a file of kilobytes would need gigabytes of memory.
 void RequirePlausibleFileSize(const std::string& name, const RawHeader& header,
                               size_t num_bytes) {
   constexpr struct {

@@ -9,9 +9,10 @@
 namespace raygrid {
 namespace {
 
-// The total number of pixels of images processed at a time.
+// Returns the maximum total number of pixels of images processed concurrently,
+// such that they use half of the memory.
 int64_t MaxPixels() {
-  constexpr int64_t kBytesPerPixel = 50;  // during detection
+  constexpr int64_t kBytesPerPixel = 50;  // peak during detection
   const int64_t pages = sysconf(_SC_PHYS_PAGES);
   const int64_t bytes = std::max<int64_t>(0, pages) * sysconf(_SC_PAGESIZE);
   return bytes / 2 / kBytesPerPixel;

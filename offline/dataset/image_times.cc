@@ -13,7 +13,7 @@
 namespace raygrid {
 
 ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
-  // The minimum frame interval of the fastest cameras.
+  // Minimum frame interval, of the fastest cameras.
   constexpr double kLeastApartS = 1e-6;
   CsvReader table(path, text, {"image", "time_s"});
   table.LimitRows(kMaxTableImages);

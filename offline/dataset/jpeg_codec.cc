@@ -1,8 +1,8 @@
 // jpeglib.h requires the types of stdio.h.
 #include <cstdio>
-// It has to come first.
+// jpeglib.h must precede jerror.h.
 #include <jpeglib.h>
-// It needs jpeglib.h.
+// jerror.h requires jpeglib.h.
 #include <jerror.h>
 
 #include <csetjmp>
@@ -15,15 +15,15 @@
 namespace raygrid {
 namespace {
 
-// Libraries of C jump out of a call that fails. A function that calls setjmp()
-// has nothing to destroy.
+// On errors, libjpeg leaves its functions by longjmp(). Functions that call
+// setjmp() therefore have no local variables with destructors.
 
 struct JpegErrors {
   jpeg_error_mgr manager;
   jmp_buf failure;
 };
 
-// libjpeg fills in missing data, with only a warning.
+// Whether a warning indicates corrupt data, which libjpeg only warns about.
 bool IsDamage(int warning) {
   return warning == JWRN_ARITH_BAD_CODE || warning == JWRN_EXTRANEOUS_DATA ||
          warning == JWRN_HIT_MARKER || warning == JWRN_HUFF_BAD_CODE ||
@@ -34,7 +34,7 @@ void FailJpeg(j_common_ptr info) {
   longjmp(reinterpret_cast<JpegErrors*>(info->err)->failure, 1);
 }
 
-// Levels from 0 on are trace messages.
+// Treats warnings about corrupt data as errors; levels >= 0 are trace messages.
 void ReceiveJpegMessage(j_common_ptr info, int level) {
   if (level < 0 && IsDamage(info->err->msg_code)) FailJpeg(info);
 }

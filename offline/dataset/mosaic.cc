@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kNumPhases = 4;  // 2 (y % 2) + x % 2
+constexpr int kNumPhases = 4;  // of a 2 x 2 mosaic: 2 (y % 2) + x % 2
 
 int GetPhase(int x, int y) { return 2 * (y % 2) + x % 2; }
 
@@ -17,7 +17,7 @@ float At(const GreyLevels& image, int x, int y) {
   return image.levels[static_cast<size_t>(y) * image.size.width + x];
 }
 
-// The mean around a pixel with equal weights of the phases, exact for linear
+// Local mean around a pixel with equal weights of the phases; exact for linear
 // gradients.
 float MeanAround(const GreyLevels& image, int x, int y) {
   const auto row = [&](int r) {
@@ -33,8 +33,8 @@ T MedianOf(std::vector<T> values) {
   return *median;
 }
 
-// The relative brightness of each phase compared with its surroundings, in a
-// block of the image.
+// Relative difference of each phase from the local mean, in a block of the
+// image.
 using Excess = std::array<double, kNumPhases>;
 
 constexpr int kBlockPx = 16;
@@ -67,7 +67,8 @@ std::vector<Excess> ComputeExcessOfBlocks(const GreyLevels& image) {
   return blocks;
 }
 
-// Whether a phase is brighter or darker than the others all over the image.
+// Whether a phase is consistently brighter or darker than the local mean over
+// the image.
 bool IsMosaic(const GreyLevels& image) {
   constexpr size_t kMinBlocks = 20;
   constexpr double kMinExcess = 0.02, kMinPart = 0.8;
@@ -87,7 +88,7 @@ bool IsMosaic(const GreyLevels& image) {
   return false;
 }
 
-// The levels of a phase as a linear function of those around them.
+// Models the levels of a phase as a linear function of the local mean.
 struct Line {
   double slope = 1, offset = 0;
 };
@@ -115,8 +116,8 @@ std::vector<Sample> SamplesOf(const GreyLevels& image, int phase) {
   return samples;
 }
 
-// Robust least squares: outliers, such as colours and edges, have little
-// weight.
+// Fits the line by robust (iteratively reweighted) least squares: outliers such
+// as colours and edges are downweighted.
 Line FitLine(const std::vector<Sample>& samples) {
   constexpr int kNumRounds = 8;
   Line line;
@@ -153,7 +154,7 @@ bool BalanceMosaic(GreyLevels* image) {
   constexpr double kMinSlope = 0.02, kFullScale = 255;
   constexpr size_t kMinSamples = 100;
   std::array<Line, kNumPhases> lines;
-  double brightest = kFullScale;  // representable by all phases
+  double brightest = kFullScale;  // maximum level that all phases can represent
   for (int phase = 0; phase < kNumPhases; ++phase) {
     const std::vector<Sample> samples = SamplesOf(*image, phase);
     if (samples.size() < kMinSamples) return false;

@@ -22,7 +22,8 @@ OperatingParameter ParseCondition(const std::string& name) {
   return *condition;
 }
 
-// The nodes of a model's conditions: for a single one, the model's own.
+// Returns the nodes of a model's parameters of the operating point; a single
+// parameter is in the model's own node.
 std::vector<YAML::Node> SplitConditionNodes(const YAML::Node& node) {
   const YAML::Node several = node["conditions"];
   if (!several) return {node};
@@ -68,7 +69,7 @@ int ParseOrder(const YAML::Node& node) {
   return static_cast<int>(count);
 }
 
-// what: the name of the list, for messages.
+// what: name of the list for error messages.
 void ParseTerm(const YAML::Node& node, const std::string& what,
                BSplineSurface* term) {
   const size_t expected = 2 * term->points().size();
@@ -87,7 +88,8 @@ void ParseTerm(const YAML::Node& node, const std::string& what,
   }
 }
 
-// A number, or for several conditions a list.
+// Parses an operating point: a number, or a list if there are several
+// parameters.
 OperatingPoint ParseValues(const YAML::Node& node, size_t count) {
   const char* const kName =
       "operating-point model ('stack'): 'at' in 'deviations'";
@@ -122,7 +124,7 @@ void EmitNumbers(const std::vector<double>& numbers, YAML::Emitter* out) {
   *out << YAML::EndSeq;
 }
 
-// Writes the keys of one condition to the current map.
+// Writes the keys of one parameter of the operating point to the current map.
 void EmitCondition(const OperatingPointModel& cameras, size_t range,
                    YAML::Emitter* out) {
   const OperatingRange& over = cameras.ranges()[range];

@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 
 // ---- The hidden folder -----------------------------------------------------
 
-// The hidden folder's name within the folder, before its number.
+// Name prefix, before a number, of the hidden folder within the output folder.
 constexpr char kWithin[] = ".raygrid-";
 
-// Empties and locks a folder; returns 0, or an errno.
+// Locks and empties a folder; returns 0 or an errno.
 int LockEmptied(const std::string& path, int file) {
   struct stat status;
   if (fstat(file, &status) != 0) return errno;
@@ -39,8 +39,8 @@ int LockEmptied(const std::string& path, int file) {
   return is_empty ? 0 : ENOTEMPTY;
 }
 
-// Locks the folder of this name: a new one, or the remains of a killed program,
-// emptied. Nothing if another program uses it, or it is another user's.
+// Locks a folder, which is created or was left by a killed process and is then
+// emptied. Returns nullopt if another process uses it or another user owns it.
 std::optional<int> LockNewFolder(const std::string& path) {
   const bool is_new = mkdir(path.c_str(), 0700) == 0;
   if (!is_new && errno != EEXIST) ThrowWriteError(path, errno);
@@ -49,7 +49,7 @@ std::optional<int> LockNewFolder(const std::string& path) {
   const int error = file < 0 ? errno : LockEmptied(path, file);
   if (error == 0) return file;
   if (file >= 0) close(file);
-  if (is_new && error != EWOULDBLOCK) {  // others would fail, too
+  if (is_new && error != EWOULDBLOCK) {  // other names would also fail
     rmdir(path.c_str());
     ThrowWriteError(path, error);
   }
@@ -70,7 +70,8 @@ bool IsWorkingDirectoryIn(const fs::path& folder) {
                  .first == folder.end();
 }
 
-// Beside the folder if they can be exchanged; otherwise within it.
+// Returns the path prefix of the hidden folder: next to the output folder if
+// the two can be exchanged, otherwise within it.
 std::string HiddenPrefix(const fs::path& folder) {
   const fs::path parent = folder.parent_path();
   const bool is_beside = folder.has_relative_path() &&
@@ -83,14 +84,15 @@ std::string HiddenPrefix(const fs::path& folder) {
 
 // ---- Contents --------------------------------------------------------------
 
-// Paths within a folder; parents come before what they hold.
+// Relative paths within a folder; sorting puts parents before their contents.
 using Paths = std::set<std::string>;
 
 struct Contents {
   Paths files, folders;
 };
 
-// Lists a folder's contents except our hidden folder; links are files.
+// Lists a folder's contents except the hidden folder; symbolic links count as
+// files.
 Contents List(const std::string& folder, const std::string& hidden) {
   Contents contents;
   std::error_code error;
@@ -112,8 +114,7 @@ bool Has(const Paths& paths, const std::string& path) {
   return paths.count(path) > 0;
 }
 
-// Whether a file is removed by the replacement: one of the same name replaces
-// it, or it is stale.
+// Whether the commit removes a file: it is overwritten or stale.
 bool IsToBeRemoved(const std::string& path, const Contents& written,
                    const Paths& stale) {
   return Has(written.files, path) || Has(written.folders, path) ||
@@ -131,11 +132,11 @@ void Synchronize(const std::string& path) {
   if (file < 0) ThrowWriteError(path, errno);
   const int error = fsync(file) == 0 ? 0 : errno;
   close(file);
-  // Some file systems cannot do it for folders.
+  // Some file systems do not support fsync() of folders.
   if (error != 0 && error != EINVAL) ThrowWriteError(path, error);
 }
 
-// Flushes the written files of a folder to disk, not those of others.
+// Flushes the files written by this process to disk, not those of others.
 void SynchronizeAll(const std::string& folder, const Contents& written) {
   for (const std::string& path : written.files)
     Synchronize(folder + "/" + path);
@@ -146,7 +147,7 @@ void SynchronizeAll(const std::string& folder, const Contents& written) {
 
 // ---- All at once -----------------------------------------------------------
 
-// Mode and owner; false if they cannot be had.
+// Copies mode and owner; returns false if this fails.
 bool CopyOwner(const std::string& from, const std::string& to) {
   struct stat status, own;
   if (stat(from.c_str(), &status) != 0 || stat(to.c_str(), &own) != 0 ||
@@ -156,8 +157,8 @@ bool CopyOwner(const std::string& from, const std::string& to) {
          chown(to.c_str(), status.st_uid, status.st_gid) == 0;
 }
 
-// Links the old folder's other files, neither replaced nor stale, into the new
-// one; false, without any links, if one fails.
+// Hard-links the remaining files of the old folder, which are neither replaced
+// nor stale, into the new one. On failure, removes all links and returns false.
 bool LinkOthers(const std::string& folder, const Contents& old,
                 const std::string& hidden, const Contents& written,
                 const Paths& stale) {
@@ -178,7 +179,8 @@ bool LinkOthers(const std::string& folder, const Contents& old,
   return true;
 }
 
-// Folders of the old contents that are neither written nor of stale files.
+// Whether the old folder has subfolders that are neither written nor contain
+// stale files.
 bool HasFoldersOfOthers(const Contents& old, const Contents& written,
                         const Paths& stale) {
   return std::any_of(
@@ -187,8 +189,8 @@ bool HasFoldersOfOthers(const Contents& old, const Contents& written,
       });
 }
 
-// The old files are now in the hidden folder: those listed are removed, and
-// files added since are moved back.
+// After the exchange, the old files are in the hidden folder: removes the
+// listed ones and moves back files that were added since.
 void RemoveOld(const std::string& hidden, const std::string& folder,
                const Contents& listed) {
   const Contents now = List(hidden, "");
@@ -204,7 +206,8 @@ void RemoveOld(const std::string& hidden, const std::string& folder,
   rmdir(hidden.c_str());
 }
 
-// False if the folders cannot be exchanged.
+// Replaces the folder atomically; returns false if the folders cannot be
+// exchanged.
 bool Exchange(const std::string& folder, const Contents& old,
               const std::string& hidden, const Contents& written,
               const Paths& stale) {
@@ -226,8 +229,8 @@ bool Exchange(const std::string& folder, const Contents& old,
 
 // ---- One by one ------------------------------------------------------------
 
-// The hidden folder is within the folder, so that moves stay in one file
-// system.
+// Replaces files one by one. The hidden folder is within the output folder, so
+// all renames are within one file system.
 void MoveOneByOne(const std::string& folder, const Contents& old,
                   const std::string& hidden, const Contents& written,
                   const Paths& stale) {
@@ -237,7 +240,7 @@ void MoveOneByOne(const std::string& folder, const Contents& old,
       unlink((folder + "/" + path).c_str());
   for (const std::string& path : old.folders)
     if (!Has(written.folders, path) && HoldsStale(path, stale))
-      rmdir((folder + "/" + path).c_str());  // unless others have files there
+      rmdir((folder + "/" + path).c_str());  // fails if others have files there
   for (const std::string& path : written.folders) {
     const std::string made = folder + "/" + path;
     if (mkdir(made.c_str(), 0777) != 0 && errno != EEXIST)
@@ -272,7 +275,7 @@ OutputFolder::~OutputFolder() {
   std::error_code error, ignored;
   if (!hidden_.empty()) fs::remove_all(hidden_, error);
   close(lock_);
-  // The lock's descriptor may have been the last one available.
+  // Retries: the lock may have used the last available file descriptor.
   if (error) fs::remove_all(hidden_, ignored);
 }
 

@@ -14,9 +14,9 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxCoordinateM = 1e5;  // of points; no board is beyond
+constexpr double kMaxCoordinateM = 1e5;  // limit for points of targets
 
-// Two boards with one tag could not be told apart.
+// Throws if boards share a tag: they would be indistinguishable.
 void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
   std::map<int, int> board_of_tag;
   for (const Board& board : pattern.boards) {
@@ -63,7 +63,7 @@ Board ParseBoard(const std::string& position, const YAML::Node& node) {
   return board;
 }
 
-// Throws what yaml-cpp throws, too.
+// Also throws exceptions of yaml-cpp.
 std::vector<RigidTarget> ParseRigidTargets(const std::string& name,
                                            const YAML::Node& list,
                                            const Pattern& pattern) {
@@ -218,8 +218,7 @@ std::string FormatPattern(const Pattern& pattern) {
   root.remove("board_bodies");
   if (!pattern.rigid_targets.empty())
     root["board_bodies"] = MakeRigidTargetsNode(pattern.rigid_targets);
-  // The key that no pattern lacks comes last: a file that was cut is no
-  // pattern.
+  // The mandatory key is written last: truncated files are invalid.
   root.remove("raygrid_pattern");
   root["raygrid_pattern"] = 1;
   YAML::Emitter emitter;

@@ -10,15 +10,15 @@
 namespace raygrid {
 namespace {
 
-// Libraries of C jump out of a call that fails. A function that calls setjmp()
-// has nothing to destroy.
+// On errors, libpng leaves its functions by longjmp(). Functions that call
+// setjmp() therefore have no local variables with destructors.
 
 struct PngInput {
   const std::string* bytes;
   size_t position;
 };
 
-// Without them, libpng prints lines of its own.
+// Error handlers; libpng's default ones print messages.
 [[noreturn]] void LeavePng(png_structp png, png_const_charp) {
   png_longjmp(png, 1);
 }
@@ -89,10 +89,10 @@ void AppendPng(png_structp png, png_bytep data, size_t size) {
 
 void FlushPng(png_structp) {}
 
-// The bytes of cv::imencode(): fast rather than small.
+// Encodes like cv::imencode(), favouring speed over size.
 bool EncodePngFile(const cv::Mat& pixels, std::string* bytes,
                    std::vector<png_bytep>* rows) {
-  constexpr int kFastest = 1, kRunLengths = 3;  // of zlib
+  constexpr int kFastest = 1, kRunLengths = 3;  // zlib's level and strategy
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr,
                                             LeavePng, IgnorePngWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;

@@ -27,7 +27,7 @@ Eigen::Matrix<double, 3, 4> ParseProjection(const YAML::Node& rows,
   return p;
 }
 
-// Throws exceptions of yaml-cpp, and InputError without the file's name.
+// Throws exceptions of yaml-cpp, and InputError without the file name.
 RectifiedFile ParsePair(const YAML::Node& root) {
   if (!root.IsMap() || !root["raygrid_rectified"] ||
       root["raygrid_rectified"].as<int>() != 1)

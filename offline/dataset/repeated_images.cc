@@ -19,7 +19,7 @@ PixelsByPlace ByPlace(const ImageFeatures& image) {
   return pixels;
 }
 
-// Compares images with equal numbers of features.
+// Whether two images with equal numbers of features have the same ones.
 bool AreSame(const PixelsByPlace& first, const PixelsByPlace& second) {
   for (auto a = first.begin(), b = second.begin(); a != first.end(); ++a, ++b)
     if (a->first != b->first || (a->second - b->second).norm() > kSamePx)
@@ -31,7 +31,7 @@ bool AreSame(const PixelsByPlace& first, const PixelsByPlace& second) {
 
 std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset) {
   std::vector<PixelsByPlace> images;
-  std::map<size_t, std::vector<size_t>> by_count;  // images that are not copies
+  std::map<size_t, std::vector<size_t>> by_count;  // without duplicates
   std::vector<std::optional<size_t>> repeated(dataset.images.size());
   for (size_t i = 0; i < dataset.images.size(); ++i) {
     images.push_back(ByPlace(dataset.images[i]));

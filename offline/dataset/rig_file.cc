@@ -16,7 +16,7 @@
 namespace raygrid {
 namespace {
 
-// Throws exceptions of yaml-cpp, and InputError without the file's name.
+// Throws exceptions of yaml-cpp, and InputError without the file name.
 std::vector<RigFileCamera> ParseCameras(const YAML::Node& root) {
   RequireKind(root, "rig");
   if (root["raygrid_rig"].as<int>() != 1)
@@ -67,7 +67,7 @@ std::string FormatRigFile(const std::vector<RigFileCamera>& cameras) {
         camera.name, camera.file);
     text += FormatPose(camera.camera_from_rig, "      ");
   }
-  // The required key comes last: a truncated file is invalid.
+  // The mandatory key is written last: truncated files are invalid.
   return text + "raygrid_rig: 1\n";
 }
 

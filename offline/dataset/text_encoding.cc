@@ -14,10 +14,10 @@ namespace {
 
 struct Character {
   uint32_t code = 0;
-  size_t num_bytes = 0;  // 0: not UTF-8
+  size_t num_bytes = 0;  // 0: invalid UTF-8
 };
 
-// The first character of text, which must not be empty.
+// Decodes the first character of a non-empty text.
 Character FirstCharacter(std::string_view text) {
   const auto lead = static_cast<uint8_t>(text[0]);
   if (lead < 0x80) return {lead, 1};
@@ -36,8 +36,8 @@ Character FirstCharacter(std::string_view text) {
   return {code, num_bytes};
 }
 
-// Control characters of ASCII and Latin-1; line and paragraph separators; and
-// characters that change the text direction.
+// Whether a character is a control character of ASCII or Latin-1, a line or
+// paragraph separator, or a bidirectional formatting character.
 bool IsControl(uint32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e ||
          code == 0x200f || (code >= 0x2028 && code <= 0x202e) ||

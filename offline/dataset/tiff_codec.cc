@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstring>
 #include <vector>
-// It has names of OpenCV, too.
+// tiffio.h must precede OpenCV's headers, which declare the same names.
 #include <tiffio.h>
 
 #include "dataset/pixel_conversion.h"
@@ -39,7 +39,7 @@ uint64_t SizeOfTiff(thandle_t handle) {
   return static_cast<TiffInput*>(handle)->bytes->size();
 }
 
-// Calls return that they failed.
+// Suppresses messages; errors are reported by return values.
 int IgnoreTiffMessage(TIFF*, void*, const char*, const char*, va_list) {
   return 1;
 }
@@ -79,7 +79,7 @@ bool ReadWideTiff(TIFF* tiff, cv::Mat* pixels) {
   return true;
 }
 
-// Reads any file as 8 bits: libtiff converts it to RGBA.
+// Reads a file of any format as 8-bit samples: libtiff converts it to RGBA.
 bool ReadNarrowTiff(TIFF* tiff, int channels, cv::Mat* pixels) {
   std::vector<uint32_t> raster(pixels->total());
   if (!TIFFReadRGBAImageOriented(tiff, static_cast<uint32_t>(pixels->cols),
@@ -110,7 +110,8 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
   const int rows = static_cast<int>(height), columns = static_cast<int>(width);
   if (rows <= 0 || columns <= 0) return {};
   if (bits > 16 || format != SAMPLEFORMAT_UINT)
-    return cv::Mat(rows, columns, CV_32F);  // rejected with its name
+    return cv::Mat(rows, columns, CV_32F);  // rejected by the caller, with its
+                                            // name
   if (bits == 16 && Keeps16Bits(conversion)) {
     if ((channels != 1 && channels != 3 && channels != 4) ||
         (channels > 1 && planar != PLANARCONFIG_CONTIG))
@@ -129,7 +130,7 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
   cv::Mat pixels(rows, columns, CV_MAKETYPE(CV_8U, kept));
   if (!ReadNarrowTiff(tiff, kept, &pixels)) return {};
   if (!is_grey) return Converted(pixels, conversion);
-  // Grey has three equal channels.
+  // Grey images are decoded to three equal channels.
   cv::Mat grey(rows, columns, CV_8U);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) grey.ptr(y)[x] = pixels.ptr(y)[kept * x];

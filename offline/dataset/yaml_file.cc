@@ -17,11 +17,12 @@
 namespace raygrid {
 namespace {
 
-// The largest number in a file: its squares and products stay finite.
+// Maximum magnitude of numbers in a file, such that squares and products remain
+// finite.
 constexpr double kLargestNumber = 1e12;
 
-// Processes the events of a document, and throws at the second key of a name.
-// Aliases are not followed, so the work is linear in the file size.
+// Handles the events of a document and throws at duplicate keys. Aliases are
+// not followed, so the time is linear in the file size.
 class DuplicateKeyFinder : public YAML::EventHandler {
  public:
   explicit DuplicateKeyFinder(const std::string& path) : path_(path) {}
@@ -53,17 +54,17 @@ class DuplicateKeyFinder : public YAML::EventHandler {
   }
   void OnMapEnd() override { open_.pop_back(); }
 
-  // Whether the document is a map, as for cameras, patterns and rigs.
+  // Whether the document is a map, as camera, pattern and rig files are.
   bool is_map() const { return is_map_; }
 
  private:
   struct Collection {
     bool is_map = false;
-    bool is_value_next = false;  // in a map; else a key
+    bool is_value_next = false;  // in maps: the next node is a value, not a key
     std::set<std::string> keys;
   };
 
-  // key is empty for non-scalars.
+  // key: empty for nodes that are not scalars.
   void OnValue(const YAML::Mark& mark, const std::string& key) {
     if (open_.empty() || !open_.back().is_map) return;
     Collection& map = open_.back();
@@ -78,8 +79,8 @@ class DuplicateKeyFinder : public YAML::EventHandler {
   bool is_map_ = false;
 };
 
-// A number or word at the end of the last line may be truncated, unless the
-// line ends.
+// Throws if the last line is not terminated: a number or word at its end may be
+// truncated.
 void RequireWholeLastLine(const std::string& path, const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r");
   if (last == std::string::npos || std::strchr("\n}]", text[last])) return;
@@ -88,7 +89,8 @@ void RequireWholeLastLine(const std::string& path, const std::string& text) {
       ": truncated within a line; use the complete file, or end the last line");
 }
 
-// The parser reads a final quote as an empty text.
+// Throws for an unclosed quote at the end, which yaml-cpp parses as an empty
+// string.
 void RequireClosedQuote(const std::string& path, const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r\n");
   if (last == std::string::npos || !std::strchr("\"'", text[last])) return;
@@ -101,7 +103,7 @@ void RequireClosedQuote(const std::string& path, const std::string& text) {
         path + ": truncated within a quoted string; use the complete file");
 }
 
-// Parsers of one document ignore what follows it.
+// Throws for content after the document, which yaml-cpp otherwise ignores.
 void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
   const char* const what = "unexpected content after the end of the document";
   DuplicateKeyFinder ignored(path);
@@ -114,7 +116,7 @@ void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
   throw InputError(fmt::format("{}: {}; remove it", path, what));
 }
 
-// A missing node has no line.
+// Describes the position of a node; missing nodes have no line number.
 std::string InLine(const YAML::Node& node) {
   return node.IsDefined() && !node.Mark().is_null()
              ? fmt::format(" in line {}", node.Mark().line + 1)
@@ -133,7 +135,7 @@ void RequireYamlFile(const std::string& path, const std::string& text,
   try {
     parser.HandleNextDocument(finder);
   } catch (const YAML::Exception&) {
-    return;  // reported by parsing
+    return;  // the caller's parser reports it
   }
   RequireNothingMore(path, &parser);
   RequireClosedQuote(path, text);
@@ -171,7 +173,6 @@ void RequireYamlList(const YAML::Node& node, const char* name, int size) {
 }
 
 InputError YamlError(const std::string& path, const YAML::Exception& error) {
-  // A missing key has no line number.
   const std::string position =
       error.mark.is_null()
           ? path

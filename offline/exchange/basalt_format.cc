@@ -20,9 +20,9 @@ constexpr char kPoses[] = "T_imu_cam";
 constexpr char kLenses[] = "intrinsics";
 constexpr char kSizes[] = "resolution";
 constexpr char kType[] = "camera_type";
-constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0 is no limit
+constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0: unlimited
 
-// Parameters of the forms are Basalt's keys.
+// Parameter names are Basalt's JSON keys.
 const std::vector<ExternalModel>& GetBasaltModels() {
   static const std::vector<ExternalModel> external_models = [] {
     ExternalModel fisheye = MakeOpenCvFisheyeModel("kb4");
@@ -38,8 +38,8 @@ const std::vector<ExternalModel>& GetBasaltModels() {
   return external_models;
 }
 
-// Keys that Basalt requires, all but one for its IMU. The values are the
-// initial values of its own calibration.
+// Mandatory keys that raygrid does not estimate, nearly all of them IMU
+// parameters. The values are the initial values of Basalt's calibration.
 const Json& DefaultsOfOthers() {
   static const Json defaults = {
       {"calib_accel_bias", std::vector<double>(9, 0)},
@@ -93,7 +93,7 @@ Pose ReadBasaltPose(const YAML::Node& node) {
   return PoseFromQuaternion(numbers);
 }
 
-// Returns an entry per camera; empty if there is no list of this name.
+// Returns one entry per camera; empty if the list is missing.
 std::vector<YAML::Node> ListOf(const YAML::Node& root, const std::string& name,
                                size_t num_cameras) {
   const YAML::Node list = root[name];
@@ -114,8 +114,8 @@ auto ReadEntry(const std::string& list, size_t index, const Read& read) {
   }
 }
 
-// Names that raygrid wrote. Cameras of a file without any are numbered, and
-// one alone has none.
+// Assigns the names that raygrid wrote. Without names, cameras are numbered,
+// and a single camera remains unnamed.
 void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
   const auto own = ListOf(file, kRaygridKey, cameras->size());
   for (size_t c = 0; c < cameras->size(); ++c) {
@@ -126,7 +126,7 @@ void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
   }
 }
 
-// Whether a value equals the one that raygrid writes.
+// Whether a value equals the default that raygrid writes.
 bool IsDefault(const std::string& key, const YAML::Node& value) {
   const auto found = DefaultsOfOthers().find(key);
   if (found == DefaultsOfOthers().end()) return false;
@@ -207,7 +207,7 @@ bool IsBasalt(const std::string& text) {
 // ---- Writing ---------------------------------------------------------------
 
 Json BasaltPose(const Pose& pose) {
-  // No number is -0.
+  // Adding 0 turns -0 into 0.
   const Eigen::Vector4d q = pose.rotation.coeffs().array() + 0.0;
   const Eigen::Vector3d t = pose.translation.array() + 0.0;
   return {{"px", t.x()}, {"py", t.y()}, {"pz", t.z()}, {"qx", q.x()},
@@ -222,8 +222,8 @@ Json BasaltLens(const ConvertedCamera& lens) {
   return {{kType, lens.external_model->name}, {kLenses, std::move(values)}};
 }
 
-// The IMU stands in the rig's frame, or in that of a camera alone. Basalt
-// passes over what stands behind its own value.
+// The IMU frame is the rig frame, or the camera frame of a single camera.
+// Basalt ignores keys after its own root value.
 std::string WriteBasalt(const WriteRequest& request) {
   Json root = {{kPoses, Json::array()},
                {kLenses, Json::array()},

@@ -13,8 +13,8 @@ bool IsLetter(char c) {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-// A name in C for a file's: front.h has front_raygrid, whose ending keeps it
-// apart from keywords. C++ reserves names with two '_' in a row.
+// Converts a file name to a C identifier: front.h defines front_raygrid, whose
+// suffix avoids keywords. C++ reserves names with two consecutive '_'.
 std::string ArrayName(const std::filesystem::path& path) {
   std::string name;
   for (const char c : path.stem().string() + "_raygrid") {
@@ -31,7 +31,7 @@ std::string ToUpper(std::string name) {
   return name;
 }
 
-// Text for a comment, without characters that end or begin one, or trigraphs.
+// Sanitizes text for a C comment: no comment delimiters or trigraphs.
 std::string ForComment(std::string text) {
   for (char& c : text)
     if (!IsLetter(c) && !IsDigit(c) && c != ' ' && c != '-' && c != '.')
@@ -59,7 +59,7 @@ std::string Constants(const std::string& capitals, const BlobTable& blob) {
       blob.image_size.height);
 }
 
-// The beginning of a declaration or definition, up to the alignment.
+// The declarator, up to and including the alignment attribute.
 std::string Declarator(const std::string& name) {
   return fmt::format(
       "const uint8_t {}[{}_SIZE]\n    __attribute__((aligned({})))", name,
@@ -84,7 +84,8 @@ std::string Header(const std::string& name, const BlobTable& blob,
       BlobComment(blob), capitals, Constants(capitals, blob), declaration);
 }
 
-// A header that has the bytes, or one that declares them for the other file.
+// Writes a header with the data, or a source file with the data and a header
+// that declares it.
 TableOutput WriteCArray(const BlobTable& blob) {
   std::filesystem::path path = blob.path;
   const std::string ending = path.extension().string();

@@ -15,7 +15,8 @@
 namespace raygrid {
 namespace {
 
-// Lower-case letters and digits only, as programs differ in other characters.
+// Reduces keys to lower-case letters and digits, because programs differ in
+// other characters.
 std::string Plain(const std::string& text) {
   std::string plain;
   for (const char c : Lowercase(text))
@@ -23,7 +24,7 @@ std::string Plain(const std::string& text) {
   return plain;
 }
 
-// Keys that select a camera model in some format.
+// Whether a key selects the camera model in some format.
 bool IsSelector(const std::string& plain) {
   static const std::set<std::string> selectors = {
       "cameramodel",     "cameratype",
@@ -40,7 +41,7 @@ bool IsSelector(const std::string& plain) {
   return selectors.count(plain) > 0;
 }
 
-// Keys that are parameters of a camera model in some format.
+// Whether a key is a camera model parameter in some format.
 bool IsParameter(const std::string& plain) {
   static const std::set<std::string> parameters = {"xi",
                                                    "alpha",
@@ -82,7 +83,7 @@ bool IsParameter(const std::string& plain) {
   return parameters.count(plain) > 0;
 }
 
-// Null, 0, or rows of 0.
+// Whether a value is null, 0, or a list or matrix of zeros.
 bool IsNothing(const YAML::Node& value, int depth = 0) {
   constexpr int kDeepest = 2;
   if (!value.IsDefined() || value.IsNull()) return true;
@@ -100,7 +101,7 @@ bool IsNothing(const YAML::Node& value, int depth = 0) {
   });
 }
 
-// The last key of a path, or of OpenCV's parts: k1 of "Camera.k1".
+// Returns the last component of a key path: k1 of "Camera.k1".
 std::string GetLastKey(const std::string& path) {
   return path.substr(path.find_last_of("/.") + 1);
 }
@@ -115,8 +116,8 @@ LensFamily GetLensFamily(const ExternalModel& external_model) {
                                                      : LensFamily::kOther;
 }
 
-// Whether a selector is consistent with a form. Kalibr uses "pinhole" also for
-// fisheyes, whose distortion has a separate key.
+// Whether a model selector is consistent with the external model. Kalibr also
+// uses "pinhole" for fisheye cameras and states the distortion separately.
 bool Agrees(const std::string& key, const YAML::Node& value,
             const ExternalModel& external_model) {
   if (IsNothing(value) || !value.IsScalar()) return true;
@@ -130,13 +131,13 @@ bool Agrees(const std::string& key, const YAML::Node& value,
            !(names("omni") && own != LensFamily::kOmni);
   }
   const auto family = ParseLensFamily(text);
-  // An unknown word at another key is a vendor's name.
+  // Unknown words at other keys are vendors' names.
   if (!family)
     return key.find("distortion") == std::string::npos && key != "projection";
   return (*family == own && own != LensFamily::kOther) || text == "pinhole";
 }
 
-// Whether a value repeats a parameter's value.
+// Whether a value duplicates a parameter's value.
 bool IsValueOf(const ExternalModel& external_model,
                const std::vector<double>& values, const std::string& parameter,
                const YAML::Node& value) {
@@ -152,7 +153,7 @@ bool IsValueOf(const ExternalModel& external_model,
 
 }  // namespace
 
-// Whole words, because of vendors' names such as OmniVision and oCam.
+// Matches whole words because of vendors' names such as OmniVision and oCam.
 std::optional<LensFamily> ParseLensFamily(const std::string& word) {
   static const std::map<LensFamily, std::set<std::string>> families = {
       {LensFamily::kPinhole,

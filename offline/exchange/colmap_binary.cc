@@ -156,7 +156,7 @@ std::string EncodeColmapRig(const ColmapRig& rig) {
 }
 
 std::vector<ColmapImage> DecodeColmapImages(const std::string& bytes) {
-  constexpr size_t kPointSize = 24;  // x, y, number of the point in space
+  constexpr size_t kPointSize = 24;  // x, y, 3D point ID
   ByteReader reader(bytes);
   std::vector<ColmapImage> images;
   for (auto count = reader.Get<uint64_t>(); count > 0; --count) {

@@ -27,8 +27,9 @@ ExternalModel MakeColmapModel(ExternalModel external_model,
   return external_model;
 }
 
-// COLMAP's fisheyes divide by z, as OpenCV's. Models with one focal length are
-// restrictions of others; versions before 4 lack the last three.
+// COLMAP's fisheye models normalize by z like OpenCV's. Models with one focal
+// length are special cases of others; COLMAP before version 4 lacks the last
+// three models.
 std::vector<ExternalModel> MakeColmapModels() {
   const std::string fisheye = models::kThinPrismFisheye;
   std::vector<ExternalModel> external_models = {
@@ -75,11 +76,13 @@ const ExternalModel& FindColmapModel(const ColmapCamera& camera) {
       names));
 }
 
-// Project Aria's fisheye: k0 to k5 are radial terms of the angle from the axis,
-// p0 and p1 tangential, s0 to s3 thin-prism. raygrid has no such model.
+// Project Aria's fisheye model: k0 to k5 are radial coefficients in the
+// incidence angle, p0 and p1 tangential, s0 to s3 thin-prism coefficients.
+// raygrid has no equivalent model.
 constexpr char kAriaFisheye[] = "RAD_TAN_THIN_PRISM_FISHEYE";
 
-// Projection, in focal lengths, of an angle from the axis and a direction.
+// Projects a direction, given as incidence angle times unit direction, to
+// normalized image coordinates.
 Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
   const double t2 = angle.squaredNorm();
   double factor = 0;
@@ -90,8 +93,9 @@ Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
          Eigen::Vector2d(d[8] * r2 + d[9] * r4, d[10] * r2 + d[11] * r4);
 }
 
-// Newton's method starting at the image point; nullopt if it leaves the half
-// space in front of the camera, or if the model folds there.
+// Inverts the projection by Newton's method, starting at the image point;
+// nullopt if it leaves the half-space in front of the camera or the Jacobian
+// becomes singular.
 std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
                                              const double* d) {
   constexpr double kStep = 1e-6, kNear = 1e-12;
@@ -143,7 +147,7 @@ bool IsBinaryPath(const std::string& path) {
   return std::filesystem::path(path).extension() == ".bin";
 }
 
-// "m/rigs.txt" of "m/cameras.txt".
+// Returns the path of a companion file: "m/rigs.txt" for "m/cameras.txt".
 std::string PathBeside(const std::string& path, const std::string& stem) {
   return std::filesystem::path(path)
       .replace_filename(stem + (IsBinaryPath(path) ? ".bin" : ".txt"))
@@ -155,8 +159,9 @@ std::vector<std::string> PathsBeside(const std::string& path) {
   return {PathBeside(path, "rigs"), PathBeside(path, "images")};
 }
 
-// Returns the only rig of several cameras, if all have poses in it; otherwise
-// nullopt, with a warning if there is any such rig.
+// Returns the only rig with several cameras if it contains all cameras with
+// their poses; otherwise an empty rig, with a warning if any rig has several
+// cameras.
 ColmapRig FindColmapRig(const std::vector<ColmapRig>& rigs, size_t num_cameras,
                         std::vector<std::string>* warnings) {
   std::vector<ColmapRig> wide;
@@ -189,7 +194,8 @@ void SetPoses(const ColmapRig& rig, const std::vector<ColmapCamera>& cameras,
         .camera_from_rig = sensor.sensor_from_rig;
 }
 
-// "left/1.png" is image "1.png" of camera "left".
+// Removes the camera's folder from an image name: "left/1.png" becomes "1.png"
+// for camera "left".
 std::string NameWithoutCamera(const std::string& image,
                               const std::string& camera) {
   const std::string folder = camera + "/";
@@ -198,7 +204,7 @@ std::string NameWithoutCamera(const std::string& image,
              : image;
 }
 
-// The world frame is a board's. COLMAP writes images in any order.
+// The world frame is a target's frame. COLMAP writes images in any order.
 void AddImages(std::vector<ColmapImage> images,
                const std::vector<ColmapCamera>& cameras,
                ExchangeContents* contents) {
@@ -277,7 +283,7 @@ std::string WriteColmap(const WriteRequest& request) {
                                     : FormatColmapCameras(cameras);
 }
 
-// The frame of COLMAP's rigs is their first sensor's.
+// COLMAP's rig frame is the frame of its reference sensor, the first camera.
 ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
   const Pose rig_from_first = cameras.front().camera_from_rig.value().Inverse();
   ColmapRig rig;
@@ -301,7 +307,7 @@ std::vector<ColmapImage> MakeColmapImages(
   return images;
 }
 
-// Images of the same name are one frame. images come from MakeColmapImages().
+// Groups images of the same name into frames. images: of MakeColmapImages().
 std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
                                   const std::vector<WrittenLens>& cameras) {
   const ColmapRig rig = RigOfCameras(cameras);
@@ -320,9 +326,9 @@ std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
   return frames;
 }
 
-// COLMAP opens no model without points, so there is a file of none. It replaces
-// none of a reconstruction, and then neither do the images. Versions from 3.12
-// on open no rig without frames.
+// COLMAP requires a points file, so an empty one is written. The points and
+// images of an existing reconstruction are never overwritten. Since version
+// 3.12, COLMAP also requires frames if there are rigs.
 std::vector<CompanionFile> WriteColmapBeside(const WriteRequest& request) {
   std::vector<CompanionFile> files;
   const bool is_binary = IsBinaryPath(request.path);

@@ -36,11 +36,11 @@ constexpr char kPointsHeader[] =
     "POINT2D_IDX)\n"
     "# Number of points: 0, mean track length: 0\n";
 
-// Comments, which other readers ignore.
+// raygrid-specific comments, which other readers ignore.
 constexpr char kNameComment[] = "# Name of camera ";
 constexpr char kSerialComment[] = "# Serial of camera ";
 
-// Texts of comments of this kind, by camera ID.
+// Returns the texts of the comments of one kind by camera ID.
 std::map<uint32_t, std::string> Comments(const std::string& text,
                                          const std::string& kind) {
   std::map<uint32_t, std::string> comments;
@@ -85,7 +85,7 @@ Pose PoseOfWords(const WordLines& lines, size_t first) {
   }
 }
 
-// " QW QX QY QZ TX TY TZ"
+// Formats a pose as " QW QX QY QZ TX TY TZ".
 std::string PoseWords(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& t = pose.translation;
@@ -95,7 +95,7 @@ std::string PoseWords(const Pose& pose) {
   return words;
 }
 
-// Sensors after the reference sensor, as pairs of type and ID.
+// Parses the sensors that follow the reference sensor as pairs of type and ID.
 ColmapRig RigOfWords(const WordLines& lines) {
   constexpr char kCamera[] = "CAMERA";
   ColmapRig rig;
@@ -175,7 +175,7 @@ std::vector<ColmapImage> ParseColmapImages(const std::string& path,
     for (size_t k = 10; k < lines.size(); ++k)
       image.name += " " + lines.Text(k);
     images.push_back(std::move(image));
-    // The points, of which there may be none.
+    // The 2D points; the line may be empty.
     if (lines.Next() && lines.size() % 3 != 0)
       lines.Refuse("points must have three fields each");
   }

@@ -28,9 +28,9 @@ constexpr char kDevTarget[] = "toCameraSocket";
 constexpr char kDevUnit[] = "lengthUnit";
 constexpr char kDevFisheye[] = "fisheye";
 constexpr int kDevNumCoefficients = 14, kDevNumSockets = 10;
-// CameraModel of depthai.
+// Values of depthai's enum CameraModel.
 constexpr int kDevPerspectiveType = 0, kDevFisheyeType = 1;
-// LengthUnit of depthai: metres, centimetres, millimetres.
+// Metres per unit of depthai's enum LengthUnit: metre, centimetre, millimetre.
 constexpr std::array<double, 3> kDevUnitM = {1, 0.01, 0.001};
 constexpr int kDevCentimetres = 1;
 
@@ -53,7 +53,8 @@ const ExternalModel& GetDepthAiModel(bool is_fisheye, size_t num_coefficients) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// A camera of the file, and the camera that it is linked to.
+// A camera of the file and the socket of the camera that its extrinsics refer
+// to.
 struct DevCamera {
   int socket = 0;
   ReadLens lens;
@@ -145,7 +146,8 @@ DevCamera ReadDevCamera(const YAML::Node& entry,
   return camera;
 }
 
-// Poses of the cameras that are reached by links, in the first camera's frame.
+// Chains the extrinsics: poses, relative to the first camera, of the cameras
+// that are connected to it.
 std::map<int, Pose> PosesOfLinks(const std::vector<DevCamera>& cameras) {
   std::map<int, Pose> camera_from_rig = {{cameras.front().socket, Pose{}}};
   for (size_t round = 0; round < cameras.size(); ++round)
@@ -180,7 +182,7 @@ void TakeDevPoses(const std::vector<DevCamera>& cameras,
     contents->cameras[c].camera_from_rig = poses.at(cameras[c].socket);
 }
 
-// Names written by raygrid, or names of the sockets.
+// Assigns the names written by raygrid, or the names of the sockets.
 void NameDevCameras(const YAML::Node& root,
                     const std::vector<DevCamera>& cameras,
                     ExchangeContents* contents) {
@@ -228,7 +230,8 @@ bool IsDepthAi(const std::string& text) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// Returns the socket for a name: CAM_A, or Luxonis's names of the first three.
+// Returns the socket for a name: CAM_A etc., or Luxonis's names of the first
+// three sockets.
 int SocketOfName(const std::string& name) {
   const std::string word = Lowercase(name);
   if (word.size() == 5 && word.compare(0, 4, "cam_") == 0 && word[4] >= 'a' &&
@@ -240,8 +243,9 @@ int SocketOfName(const std::string& name) {
   return -1;
 }
 
-// A pair whose names do not say sockets has those of Luxonis's pairs. Other
-// cameras have the first ones.
+// Assigns sockets by camera names. If these do not identify distinct sockets, a
+// pair gets the sockets of Luxonis's stereo pairs, and other rigs get the
+// sockets from the first on.
 std::vector<int> AssignSockets(const std::vector<WrittenLens>& cameras) {
   if (cameras.size() > static_cast<size_t>(kDevNumSockets))
     throw Error(ExitCode::kUsage,
@@ -270,7 +274,8 @@ Json DevMatrix(const Eigen::Matrix3d& matrix) {
   return rows;
 }
 
-// A translation of the design is asked for by default, so it is the real one.
+// depthai reads the nominal ("spec") translation by default, so it is set to
+// the calibrated one.
 Json DevLink(const Pose& target_from_camera, int target) {
   const Eigen::Vector3d cm =
       target_from_camera.translation.array() / kDevUnitM[kDevCentimetres] + 0.0;
@@ -303,13 +308,13 @@ Json DevLens(const ConvertedCamera& lens) {
           {"width", lens.size.width}};
 }
 
-// Rotations of a rectified pair, which devices use without changes.
+// Rectifying rotations of a stereo pair, which devices use unchanged.
 Json DevRectification(const WriteRequest& request,
                       const std::vector<int>& sockets) {
   const std::vector<WrittenLens>& cameras = request.cameras;
   if (cameras.size() != 2 || !cameras[0].rectified || !cameras[1].rectified)
     return Json();
-  // P of the right camera has the baseline.
+  // The projection matrix P of the right camera contains the baseline.
   const int right = cameras[0].rectified->IsBeside() ? 0 : 1, left = 1 - right;
   return {{"leftCameraSocket", sockets[left]},
           {"rectifiedRotationLeft", DevMatrix(cameras[left].rectified->r)},

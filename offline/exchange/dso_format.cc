@@ -27,7 +27,7 @@ const std::vector<ExternalModel>& GetDsoModels() {
   return external_models;
 }
 
-// Words of the first two non-empty lines.
+// Splits the first two non-empty lines into words.
 std::array<std::vector<std::string>, 2> FirstLines(const std::string& text) {
   std::array<std::vector<std::string>, 2> found;
   std::istringstream lines(text);
@@ -62,7 +62,8 @@ bool IsDso(const std::string& text) {
                      });
 }
 
-// The model of R. Devernay and O. Faugeras, whose radius is an angle.
+// Reads the FOV model of F. Devernay and O. Faugeras, whose distorted radius is
+// an angle.
 ConvertedCamera ReadFov(const ImageSize& size,
                         const std::vector<double>& values,
                         std::vector<std::string>* warnings) {
@@ -107,7 +108,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   if (values.size() < 4)
     throw InputError(
         fmt::format("expected at least 4 intrinsics, found {}", values.size()));
-  // Fractions of the image, whose first pixel begins at 0.
+  // Intrinsics relative to the image size; the first pixel's corner is at 0.
   if (values[2] < 1 && values[3] < 1)
     values = [&, parts = values]() mutable {
       parts[0] *= size.width;
@@ -135,8 +136,8 @@ ExchangeContents ReadDso(const ReadRequest& request) {
   return contents;
 }
 
-// Four lines; the rest is not read. The program undistorts to the same size,
-// cropped to the area without border.
+// Writes four lines; DSO reads no more. It undistorts to the same size and
+// crops to the area without borders.
 std::string WriteDso(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const bool is_pinhole = camera.lens.external_model->name == "Pinhole";

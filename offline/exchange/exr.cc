@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// An in-memory file for OpenEXR, which seeks while writing.
+// In-memory output stream for OpenEXR, which seeks while writing.
 class ExrBytes : public Imf::OStream {
  public:
   ExrBytes() : Imf::OStream("EXR") {}
@@ -49,7 +49,7 @@ std::string WriteExr(const ImageSize& size,
     Imf::OutputFile file(bytes, header);
     file.setFrameBuffer(buffer);
     file.writePixels(size.height);
-  }  // which completes the file
+  }  // the destructor completes the file
   return bytes.bytes();
 }
 

@@ -19,7 +19,6 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Returns the index of a parameter of a model.
 Eigen::Index IndexOf(const LensModel& model, const std::string& parameter) {
   const std::string& name = parameter == "f" ? "fx" : parameter;
   return std::find(model.parameters.begin(), model.parameters.end(), name) -
@@ -89,8 +88,8 @@ std::unique_ptr<CameraModel> MakeGrid(const ConvertedCamera& lens) {
   return lens.grid->Clone();
 }
 
-// Returns the named-parameter model that a camera is. An equidistant view is a
-// fisheye without distortion.
+// Returns the parametric model that the camera is an instance of. An
+// equidistant view is a fisheye model without distortion.
 std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
   const auto* view = dynamic_cast<const ViewCamera*>(&camera);
   if (!view || view->projection() != ViewProjection::kEquidistant)
@@ -101,7 +100,8 @@ std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
                                             parameters);
 }
 
-// OpenCV's pinhole among those with a thin prism and a tilt, which are 0.
+// Converts a pinhole model to the one with thin-prism and tilt coefficients,
+// which are set to 0.
 std::unique_ptr<CameraModel> WithoutPrism(const CameraModel& pinhole) {
   const LensModel& model = *FindLensModel(models::kOpenCv14);
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
@@ -148,8 +148,8 @@ std::vector<double> ConvertedCamera::ValuesFrom(size_t first) const {
   return {values.begin() + static_cast<std::ptrdiff_t>(first), values.end()};
 }
 
-// Each sample is at the centre of an equal part of the area: samples on its
-// edges would overweight effects there, such as folds.
+// Samples the centres of equal tiles of the area: samples on its edges would
+// overweight edge effects such as folds.
 double ComputeUndefinedFraction(const CameraModel& lens) {
   constexpr int kAcross = 64;
   const Area area = lens.area();

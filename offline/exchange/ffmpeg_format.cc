@@ -11,10 +11,10 @@
 namespace raygrid {
 namespace {
 
-// Position outside of any image, where ffmpeg fills in a colour.
+// Position outside any image, where ffmpeg inserts the fill colour.
 constexpr uint16_t kNoPlace = 65535;
 
-// Column or row of the nearest pixel.
+// Returns the column or row of the nearest pixel.
 uint16_t NearestIndex(double position, int count) {
   return static_cast<uint16_t>(std::clamp<long>(
       std::lround(position), 0, std::min<long>(count, kNoPlace) - 1));
@@ -25,7 +25,8 @@ void AppendSample(uint16_t sample, std::string* pgm) {
   *pgm += static_cast<char>(sample & 255);
 }
 
-// "front_x.pgm" beside "front.pgm".
+// Returns the path of one axis's map: "front_x.pgm" in the folder of
+// "front.pgm".
 std::string PathOfAxis(const std::filesystem::path& path, char axis) {
   return (path.parent_path() /
           fmt::format("{}_{}.pgm", path.stem().string(), axis))

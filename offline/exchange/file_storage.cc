@@ -26,8 +26,8 @@ bool IsXml(const std::string& text) {
   return first != std::string::npos && text[first] == '<';
 }
 
-// The words of a leaf's text, with space between, and perhaps in quotes, which
-// end before space.
+// Splits a leaf's text at white space. Quoted words, which may contain white
+// space, end at a quote before white space.
 std::vector<std::string> WordsOf(const std::string& text) {
   constexpr char kSpaces[] = " \t\r\n";
   std::vector<std::string> words;
@@ -56,7 +56,7 @@ YAML::Node MakeLeafNode(const std::string& text) {
 YAML::Node NodeOf(const XmlElement& element) {
   if (element.children.empty()) {
     const YAML::Node leaf = MakeLeafNode(element.text);
-    // A list of one number is a list.
+    // <data> with one number is still a list.
     if (element.name != "data" || leaf.IsSequence()) return leaf;
     YAML::Node list(YAML::NodeType::Sequence);
     list.push_back(leaf);
@@ -77,8 +77,8 @@ YAML::Node NodeOf(const XmlElement& element) {
   return node;
 }
 
-// Whether a line of YAML is a key of two letters or more and a value without
-// space between: "data:[ 1 ]", "PointSize:2".
+// Whether a YAML line lacks the space between key and value: "data:[ 1 ]",
+// "PointSize:2". Keys have at least two letters.
 bool LacksSpace(const std::string& line, size_t* colon) {
   const size_t first = line.find_first_not_of(" \t");
   if (first == std::string::npos ||
@@ -93,8 +93,8 @@ bool LacksSpace(const std::string& line, size_t* colon) {
          line[*colon] == ':' && !std::strchr(" \t\r/:", line[*colon + 1]);
 }
 
-// FileStorage's own YAML as YAML: the version line is none, and a comment takes
-// its place; a value may follow its key at once.
+// Converts FileStorage's YAML dialect to standard YAML: its version line
+// becomes a comment, and a space is inserted after a key where it is missing.
 std::string StorageAsYaml(std::string text) {
   if (text.rfind("%YAML:", 0) != 0) return text;
   text[0] = '#';
@@ -110,7 +110,7 @@ std::string StorageAsYaml(std::string text) {
   return yaml;
 }
 
-// JSON without lines of comments, which some parsers accept.
+// Removes comment lines, which some JSON parsers accept.
 std::string WithoutComments(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos ||
@@ -129,7 +129,7 @@ std::string WithoutComments(const std::string& text) {
   return json;
 }
 
-// A list of numbers, which is one row, or a list of rows.
+// Reads a list of numbers, which is one row, or a list of rows.
 StoredMatrix MatrixOfLists(const YAML::Node& node, const std::string& name) {
   StoredMatrix matrix;
   matrix.data = AllNumbers(node, name);
@@ -164,7 +164,7 @@ bool IsFileStorage(const std::string& text) {
 
 YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
   if (IsXml(text)) {
-    RequireSmallTree("", text, " \t\n");  // numbers have no other marks
+    RequireSmallTree("", text, " \t\n");  // numbers have no other separators
     const XmlElement root = ParseXml(text);
     if (root.name != kXmlRoot)
       throw InputError(fmt::format("the root element is '{}', not '{}'",
@@ -182,14 +182,14 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
     return MatrixOfLists(node, name);
   if (!node.IsMap() || !node["cols"] || !node["data"])
     throw InputError(fmt::format("{}: expected a matrix", name));
-  // "d", or "2f" of two channels.
+  // "d", or "2f" for two channels.
   const std::string type = node["dt"] ? node["dt"].as<std::string>() : "d";
   if (type.substr(0, type.size() - 1) !=
       (num_channels == 1 ? "" : std::to_string(num_channels)))
     throw InputError(fmt::format("{}: expected {} channel{}", name,
                                  num_channels, num_channels == 1 ? "" : "s"));
   StoredMatrix matrix;
-  // OpenCalib's lists lack the number of rows, its matrices are lists of rows.
+  // OpenCalib's lists lack the number of rows; its matrices are lists of rows.
   matrix.rows = node["rows"] ? SidePx(node["rows"], name + ": rows") : 1;
   matrix.columns = SidePx(node["cols"], name + ": cols");
   matrix.data = AllNumbers(node, name);
@@ -205,7 +205,8 @@ StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
 StoredMatrix ParseStoredPoints(const YAML::Node& node,
                                const std::string& name) {
   if (!node.IsMap() || !node["sizes"]) return ParseStoredMatrix(node, name, 2);
-  // Images, then axes of which one counts the points.
+  // The first dimension is the number of images; the second, after removal of
+  // dimensions of size 1, the number of points per image.
   std::vector<int> sizes;
   for (const YAML::Node& size : node["sizes"])
     sizes.push_back(SidePx(size, name + ": sizes"));
@@ -330,7 +331,7 @@ void FileStorageText::EndMap() {
   if (kind_ == Kind::kXml)
     text_ += fmt::format("{}</{}>\n", Indentation(), key);
   if (kind_ != Kind::kJson) return;
-  text_.resize(text_.size() - 2);  // the comma behind the last value
+  text_.resize(text_.size() - 2);  // removes the comma after the last value
   text_ += fmt::format("\n{}}},\n", Indentation());
 }
 

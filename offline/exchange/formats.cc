@@ -37,14 +37,15 @@
 namespace raygrid {
 namespace {
 
-// Other programs write a byte order mark of UTF-8.
+// UTF-8 byte order mark, which other programs write.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 bool HasByteOrderMark(const std::string& text) {
   return text.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0;
 }
 
-// Distance of the principal point from the image centre, relative to its size.
+// Returns the distance of the principal point from the image centre, relative
+// to the image size.
 double OffCenter(const ConvertedCamera& lens, double width, double height) {
   const Eigen::Vector2d point =
       FromProgram(lens.external_model->origin, lens.size,
@@ -53,8 +54,8 @@ double OffCenter(const ConvertedCamera& lens, double width, double height) {
                   std::abs(point.y() / height - 0.5));
 }
 
-// Throws for lengths relative to the image size, as in some programs. A missing
-// parameter is reported later.
+// Throws if lengths are relative to the image size, as in some programs.
+// Missing parameters are reported later.
 void RequirePixels(const ConvertedCamera& lens) {
   constexpr double kMinFocalPx = 10;
   const auto is_part = [&](const char* name, double most) {
@@ -74,7 +75,8 @@ void RequirePixels(const ConvertedCamera& lens) {
         lens.Value("fx"), lens.Value("cx")));
 }
 
-// Warns of another resolution, or of exchanged width and height.
+// Warns if the principal point suggests another resolution or exchanged width
+// and height.
 void WarnAboutCenter(const std::string& name, const ConvertedCamera& lens,
                      std::vector<std::string>* warnings) {
   constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
@@ -115,7 +117,7 @@ void AddLensWarnings(ExchangeContents* contents) {
                     farthest_m));
 }
 
-// Completes cameras by the user's options. An option never overrides the file.
+// Completes cameras with the user's options, which never override the file.
 void ApplyUserOptions(const Format& format, const ReadRequest& request,
                       ExchangeContents* contents) {
   for (ReadLens& camera : contents->cameras) {
@@ -137,7 +139,7 @@ void ApplyUserOptions(const Format& format, const ReadRequest& request,
   }
 }
 
-// Removes repeated warnings of a file's cameras.
+// Removes duplicate warnings of the cameras of a file.
 void DropRepeated(std::vector<std::string>* warnings) {
   std::vector<std::string> kept;
   for (const std::string& warning : *warnings)
@@ -146,7 +148,8 @@ void DropRepeated(std::vector<std::string>* warnings) {
   *warnings = std::move(kept);
 }
 
-// A number at the end of a file without a final line end may be truncated.
+// Warns if a file ends with a digit and no newline: the number may be
+// truncated.
 void AddEndWarning(const std::string& text, ExchangeContents* contents) {
   if (!text.empty() && std::isdigit(static_cast<unsigned char>(text.back())) &&
       FindInvalidUtf8(text) == std::string::npos)
@@ -154,7 +157,8 @@ void AddEndWarning(const std::string& text, ExchangeContents* contents) {
         "the last line is not terminated: its last number may be truncated");
 }
 
-// Throws for a file that must not be overwritten, such as a reconstruction.
+// Throws if the companion file exists with other contents, such as those of a
+// reconstruction.
 void RequireNoOther(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(
@@ -182,7 +186,8 @@ void AddFiles(const std::vector<CompanionFile>& written,
 
 const std::vector<Format>& GetFormats() {
   static const std::vector<Format> formats = [] {
-    // Settings of programs may have matrices of OpenCV, too.
+    // Application settings may also contain OpenCV matrices, so the keyed
+    // formats are tried first.
     std::vector<Format> all = MakeKeyedFormats();
     for (const auto& row : {OpenCvFormat,
                             MakeRosFormat,
@@ -371,7 +376,7 @@ void ComputePairPoses(std::vector<ReadLens>* cameras) {
     is_pair = is_pair || camera.rectified->IsBeside();
   }
   if (!is_pair) return;
-  // The last column of P is the baseline, in focal lengths.
+  // The last column of P is the baseline times the focal length.
   const auto view_from_rig = [](const RectifiedProjection& view) {
     return Pose{Eigen::Quaterniond(view.r),
                 {view.p(0, 3) / view.p(0, 0), view.p(1, 3) / view.p(1, 1), 0}};

@@ -11,7 +11,7 @@ namespace {
 
 enum class Record : uint8_t { kData = 0, kEnd = 1, kUpperAddress = 4 };
 
-// A line: its number of bytes, address, kind, bytes and check sum.
+// A record: byte count, address, record type, data and checksum.
 std::string Line(Record kind, uint16_t address, std::string_view bytes) {
   std::string line;
   uint8_t sum = 0;
@@ -50,7 +50,8 @@ void RequirePlace(const BlobTable& blob) {
 }
 
 TableOutput WriteIntelHex(const BlobTable& blob) {
-  // Lines begin at multiples of this, so none reaches into the next 64 KiB.
+  // Records start at multiples of this number, so none crosses a 64 KiB
+  // boundary.
   constexpr uint32_t kBytesPerLine = 16;
   RequirePlace(blob);
   std::string text = UpperAddressLine(blob.address);

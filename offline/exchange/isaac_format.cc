@@ -17,13 +17,14 @@ namespace {
 
 constexpr char kAhead[] = "ahead", kBehind[] = "behind";
 
-// The renderer's axes are x right, y up, z backward. The camera's axes of such
-// a direction, and the other way around.
+// Converts a direction between the renderer's axes (x right, y up, z backward)
+// and the camera's; the conversion is its own inverse.
 Eigen::Vector3d SwapAxes(const Eigen::Vector3d& direction) {
   return {direction.x(), -direction.y(), -direction.z()};
 }
 
-// The image's corners are (0, 0) and (1, 1), y down.
+// Normalized image coordinates: (0, 0) is the top-left image corner, (1, 1) the
+// bottom-right.
 Eigen::Vector2d ToUnitImage(const ImageSize& size,
                             const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kImageCorner, size, pixel)
@@ -36,9 +37,9 @@ Eigen::Vector2d FromUnitImage(const ImageSize& size,
       position.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
 }
 
-// All directions on a square from (-1, -1) to (1, 1): an octahedron seen along
-// z, whose far half is folded outward. The middle is ahead of the camera, or
-// behind it.
+// Octahedral map of all directions to the square from (-1, -1) to (1, 1), seen
+// along z; the far half is folded outward. The centre of the square is the
+// direction ahead of the camera, or behind it.
 class Octahedron {
  public:
   explicit Octahedron(bool is_ahead) : sign_(is_ahead ? -1 : 1) {}
@@ -68,7 +69,7 @@ struct LookupError {
   double max_px = 0, sum = 0;
   Eigen::Vector2d at = {0, 0};
   size_t count = 0;
-  size_t num_lost = 0;  ///< pixels beside which a table has no place
+  size_t num_lost = 0;  ///< pixels that lack a valid neighbouring texel
 
   void Add(double px, const Eigen::Vector2d& pixel) {
     if (px > max_px) at = pixel;
@@ -101,10 +102,10 @@ bool IsValid(const ExportedCamera& table, const Eigen::Vector2d& pixel) {
 
 constexpr size_t kEnterChannels = 3, kExitChannels = 2;
 
-// A renderer does not follow a ray that looks backward.
+// Marks invalid pixels: the renderer ignores rays that point backward.
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
-// The direction of each pixel in the renderer's axes.
+// Directions of all pixels in the renderer's axes.
 std::vector<float> EnterTable(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
   std::vector<float> numbers(kEnterChannels * size.width * size.height);
@@ -132,8 +133,8 @@ Eigen::Vector3d EnteringRay(const ImageSize& size,
 
 bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 
-// Distance between the mean of four pixels' rays and the ray between them,
-// where all are valid.
+// Interpolation error of the table: distance between the projected mean ray of
+// four neighbouring pixels and their centre, where all four are valid.
 LookupError EnterError(const ExportedCamera& table,
                        const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
@@ -163,12 +164,12 @@ LookupError EnterError(const ExportedCamera& table,
 
 // ---- From directions to pixels ---------------------------------------------
 
-// Two steps along a row and a column of a table, and the part of the way.
+// A cell of four neighbouring texels, and the fractional position in it.
 struct TexelCell {
   int x = 0, y = 0;
   Eigen::Vector2d part = {0, 0};
 
-  // The square has so many texels a side; (-1, -1) is its outer corner.
+  // The table has side x side texels; (-1, -1) is its outer corner.
   static TexelCell At(const Eigen::Vector2d& position, int side) {
     TexelCell cell;
     cell.x = SliceAlong(position.x(), side, &cell.part.x());
@@ -177,7 +178,8 @@ struct TexelCell {
   }
 
  private:
-  // The texel before a place along a side, and the part of the way from it.
+  // Returns the index of the texel before a coordinate, and in *rest the
+  // fraction.
   static int SliceAlong(double position, int side, double* rest) {
     const double texel = std::clamp((position + 1) / 2 * side - 0.5, 0.0,
                                     static_cast<double>(side - 1));
@@ -206,8 +208,8 @@ double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
   return largest;
 }
 
-// Projects directions of the renderer. Failing searches are slow, so only
-// directions near the pixels' rays are tried.
+// Projects directions of the renderer. Failing projections are slow, so only
+// directions near the pixels' rays are projected.
 class ExitProjection {
  public:
   ExitProjection(const ExportedCamera& table, const std::vector<float>& enter)
@@ -228,7 +230,8 @@ class ExitProjection {
     if (!IsNear(direction)) return std::nullopt;
     return camera_.Project(SwapAxes(direction), start, 0);
   }
-  // Also beside the image, whose edge is to lie between two places.
+  // Also projects to positions outside the image, so that the image edge can
+  // lie between two texels.
   std::optional<Eigen::Vector2d> PlaceNear(const Eigen::Vector3d& direction,
                                            const Eigen::Vector2d& start) const {
     constexpr double kMarginPx = 64;
@@ -238,7 +241,8 @@ class ExitProjection {
   }
 
  private:
-  // Cells that are twice as wide as pixels lie apart, or the narrowest.
+  // Number of mask cells per side: cells are twice as wide as the largest step
+  // between pixels, within limits.
   static int MaskSide(double step_rad) {
     constexpr double kLeast = 17, kMost = 1025;
     return static_cast<int>(std::clamp(1 / step_rad, kLeast, kMost));
@@ -266,8 +270,9 @@ class ExitProjection {
   std::vector<bool> is_near_;
 };
 
-// A place in no image, beyond the corner that is nearest to a direction: all
-// places between this and one beside the image are beside it, too.
+// Returns an invalid position outside the image, beyond the corner nearest to a
+// direction: positions interpolated between it and one outside the image are
+// outside, as well.
 Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
@@ -277,7 +282,7 @@ bool IsNoPlace(const Eigen::Vector2d& position) {
          (position.y() == -1 || position.y() == 2);
 }
 
-// A square table of positions, one per texel's direction.
+// A square table of image positions, one per texel.
 class ExitTexels {
  public:
   ExitTexels(const ExitProjection& projection, const ImageSize& size, int side)
@@ -297,7 +302,8 @@ class ExitTexels {
     });
   }
 
-  // Gives texels beside those that have a place one beside the image.
+  // Extrapolates: assigns positions outside the image to texels that neighbour
+  // a valid one.
   void Widen(int num_threads) {
     std::vector<std::vector<std::pair<int, Eigen::Vector2d>>> found(side_);
     ParallelFor(side_, num_threads, [&](int y) {
@@ -331,7 +337,7 @@ class ExitTexels {
   Eigen::Vector3d DirectionOf(int x, int y) const {
     return projection_.octahedron().DirectionAt(TexelCenter(x, y, side_));
   }
-  // The pixel of a texel beside this one.
+  // Returns the pixel of a valid neighbouring texel.
   std::optional<Eigen::Vector2d> PlaceBeside(int x, int y) const {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_ - 1); ++j)
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_ - 1); ++i)
@@ -345,7 +351,8 @@ class ExitTexels {
   std::vector<float> numbers_;
 };
 
-// An image's corner may lie in a cell none of whose texels is in the image.
+// Two rings are extrapolated because an image corner may lie in a cell none of
+// whose texels is in the image.
 ExitTexels MakeExitTexels(const ExitProjection& projection,
                           const ExportedCamera& table, int side) {
   constexpr int kRings = 2;
@@ -365,8 +372,9 @@ Eigen::Vector2d Blend(const std::array<Eigen::Vector2d, 4>& corners,
   return above + part.y() * (below - above);
 }
 
-// A direction's place in a table of so many texels a side; texel(x, y) are
-// its places. Nothing if one of the four beside it has none.
+// Interpolates the image position of a direction in a table of side x side
+// texels, with the values texel(x, y). Returns nullopt if one of the four
+// neighbouring texels is invalid.
 template <typename Texel>
 std::optional<Eigen::Vector2d> InterpolateTable(
     const Octahedron& octahedron, int side, const Eigen::Vector3d& direction,
@@ -380,8 +388,8 @@ std::optional<Eigen::Vector2d> InterpolateTable(
   return Blend(corners, cell.part);
 }
 
-// Adds how far a table leads from one pixel, by the ray that stands in the
-// other table.
+// Adds the round-trip error of one pixel: its ray, from the other table, is
+// looked up in this table and compared with the pixel.
 template <typename Texel>
 void AddLookup(const ExportedCamera& table, const ExitProjection& projection,
                const std::vector<float>& enter, int side, int x, int y,
@@ -398,7 +406,8 @@ void AddLookup(const ExportedCamera& table, const ExitProjection& projection,
     ++error->num_lost;
 }
 
-// Predicts the error of a table at some pixels, without making it.
+// Predicts the error of a table from a subset of pixels, without computing the
+// table.
 LookupError ExpectedExitError(const ExportedCamera& table,
                               const ExitProjection& projection,
                               const std::vector<float>& enter, int side) {
@@ -444,10 +453,10 @@ LookupError ExitError(const ExportedCamera& table,
 
 // ---- The pair --------------------------------------------------------------
 
-// Places bend at the octahedron's edges, some of which lie on the axes. An odd
-// number of texels has a row of them there.
+// Positions have kinks at the octahedron's edges, some of which lie on the
+// axes. An odd number of texels puts a row of texels there.
 constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
-// The largest one takes long, and is not made where it does not help.
+// The largest table is slow to compute; it is used only if it helps.
 constexpr int kUsualExitSide = 2049;
 constexpr double kCloseEnoughExitPx = 0.01;
 
@@ -465,9 +474,9 @@ ExitChoice MakeExit(const ExportedCamera& table,
           ExitError(table, projection, enter, texels, side)};
 }
 
-// The fewest texels that are near enough, else the usual ones. If a bound is
-// asked for that none keep, no table is made, and the error is the expected
-// one.
+// Chooses the smallest table within the tolerance, or the usual size if there
+// is none. If the user requests a tolerance that no size meets, no table is
+// computed, and the error is the predicted one.
 ExitChoice ChooseExit(const ExportedCamera& table,
                       const std::vector<float>& enter) {
   const double aim_px = table.max_error_px.value_or(kCloseEnoughExitPx);

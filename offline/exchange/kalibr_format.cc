@@ -16,8 +16,9 @@
 namespace raygrid {
 namespace {
 
-// A form in the order of Kalibr's intrinsics and coefficients. Its name is that
-// of kalibr_calibrate_cameras --models, CAMERA-DISTORTION.
+// Makes a model with the parameters in the order of Kalibr's intrinsics and
+// distortion coefficients. Its name is CAMERA-DISTORTION, as in
+// kalibr_calibrate_cameras --models.
 ExternalModel MakeKalibrModel(const std::string& name, const std::string& model,
                               std::vector<std::string> first,
                               const std::vector<std::string>& coefficients,
@@ -50,7 +51,7 @@ const std::vector<ExternalModel>& GetKalibrModels() {
   return external_models;
 }
 
-// equi: equidistant.
+// Kalibr abbreviates equidistant to equi.
 std::string GetKalibrDistortionModel(const ExternalModel& external_model) {
   const std::string distortion =
       external_model.name.substr(external_model.name.find('-') + 1);
@@ -78,7 +79,7 @@ const ExternalModel& FindKalibrModel(const std::string& camera,
 
 // ---- Reading ---------------------------------------------------------------
 
-// The part of a topic before its last one: cam0 of /cam0/image_raw.
+// Returns the second-last component of a topic: cam0 of /cam0/image_raw.
 std::string NameOfTopic(const YAML::Node& topic) {
   if (!topic.IsDefined() || !topic.IsScalar()) return "";
   const std::string text = topic.as<std::string>();
@@ -89,8 +90,9 @@ std::string NameOfTopic(const YAML::Node& topic) {
   return IsRigCameraName(name) ? name : "";
 }
 
-// Topics name cameras if they name all, and differently; else Kalibr's keys do.
-// A camera alone that Kalibr numbered has no name.
+// Cameras are named after their topics if these are complete and unique,
+// otherwise after Kalibr's keys. A single camera numbered by Kalibr remains
+// unnamed.
 void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
   std::set<std::string> names;
   for (size_t c = 0; c < cameras->size(); ++c) {
@@ -106,7 +108,7 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
   }
 }
 
-// DSEC's name of four numbers.
+// DSEC's key of the four intrinsics.
 constexpr char kDsecIntrinsics[] = "camera_matrix";
 constexpr char kDsecRectified[] = "camRect";
 
@@ -157,15 +159,15 @@ Pose ReadKalibrPose(const CameraKeys& camera, const char* name) {
   return PoseFromMatrix(numbers, name);
 }
 
-// Returns the pose relative to the previous camera; nullopt if missing. The
-// older key is used in files of 2013.
+// Returns the pose relative to the previous camera; nullopt if missing. Files
+// of 2013 use the older key.
 std::optional<Pose> PoseFromLast(const CameraKeys& camera) {
   for (const char* key : {"T_cn_cnm1", "baseline_last_to_this_cam"})
     if (camera.Has(key)) return ReadKalibrPose(camera, key);
   return std::nullopt;
 }
 
-// The pose relative to the IMU; OpenVINS has the inverse.
+// Returns the pose relative to the IMU; OpenVINS stores the inverse.
 std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
   if (camera.Has("T_cam_imu")) return ReadKalibrPose(camera, "T_cam_imu");
   if (camera.Has("T_imu_cam"))
@@ -175,7 +177,7 @@ std::optional<Pose> PoseFromImu(const CameraKeys& camera) {
 
 ExchangeContents ReadKalibr(const ReadRequest& request) {
   YAML::Node root = LoadForeignMap(request.path, request.text);
-  // DSEC has the chain in a map, with rectified cameras beside.
+  // DSEC stores the camera chain in a nested map next to the rectified cameras.
   if (const YAML::Node chain = root["intrinsics"];
       !root["cam0"] && chain && chain.IsMap())
     root.reset(YAML::Node(chain));
@@ -253,7 +255,7 @@ std::string WriteKalibr(const WriteRequest& request) {
     const ConvertedCamera& lens = camera.lens;
     const std::string key = fmt::format("cam{}", c);
     const size_t num_coefficients =
-        lens.external_model->Has("k1") ? 4 : 0;  // radtan's and equidistant's
+        lens.external_model->Has("k1") ? 4 : 0;  // radtan and equidistant
     const size_t num_intrinsics = lens.values.size() - num_coefficients;
     std::vector<double> intrinsics = lens.values;
     intrinsics.resize(num_intrinsics);

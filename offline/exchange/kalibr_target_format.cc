@@ -19,7 +19,7 @@ bool IsKalibrTarget(const std::string& text) {
   return text.find(fmt::format("{}:", kTargetType)) != std::string::npos;
 }
 
-// The largest count along a side whose features a pattern may have.
+// Maximum number of rows or columns of target features.
 constexpr int kMostAlongSide = 1000;
 
 int ReadCount(const YAML::Node& root, const char* key, int features) {
@@ -48,8 +48,8 @@ Board ReadAprilGrid(const YAML::Node& root) {
   return board;
 }
 
-// Kalibr counts inner corners. Where rows are not as far apart as columns, the
-// points say it.
+// Kalibr counts inner corners. Boards with different row and column spacing
+// become point sets.
 Board ReadCheckerboard(const YAML::Node& root) {
   Board board;
   board.kind = "chessboard";

@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-// The text of a scene without its photographs and points, which may be
-// millions. One that is no JSON is left to the parser of cameras.
+// Removes images and 3D points, possibly millions, from the text of a scene.
+// Text that is not JSON is left to the camera parser.
 std::string StripSceneData(const std::vector<std::string>& bulk,
                            const std::string& text) {
   const auto is_bulk = [&](const std::string& key) {
@@ -41,7 +41,6 @@ std::string StripSceneData(const std::vector<std::string>& bulk,
   return scene.is_discarded() ? text : scene.dump();
 }
 
-// Returns the tree of a file.
 YAML::Node ParseKeyed(const KeyedFormat& format, const ReadRequest& request) {
   switch (format.syntax) {
     case KeyedSyntax::kToml:
@@ -69,7 +68,7 @@ std::string FindFirstExistingKey(const CameraKeys& keys,
   return all.empty() ? "" : all[0];
 }
 
-// Whether the file identifies a model; the keys are then marked as read.
+// Whether the file's keys identify a model; these keys are then marked as read.
 bool MatchesFileKeys(const CameraKeys& keys, const KeyedModel& model,
                      const std::string& camera) {
   const std::vector<std::string> conditions = SplitText(model.says);
@@ -118,8 +117,7 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
       fmt::format("{}: unsupported model; supported are {}", said, names));
 }
 
-// Reduces a matrix of 4 x 4 to 3 x 3, if it has no other numbers than 0 and 1
-// beside them.
+// Reduces a 4 x 4 matrix to 3 x 3 if its other elements are 0 and 1.
 void ReduceMatrix(const std::string& key, std::vector<double>* numbers) {
   if (numbers->size() != 16) return;
   std::vector<double> k;
@@ -134,7 +132,7 @@ void ReduceMatrix(const std::string& key, std::vector<double>* numbers) {
   *numbers = k;
 }
 
-// The numbers of one entry of KeyedModel::values, by parameter.
+// Reads one entry of KeyedModel::values into parameter values.
 void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                     const std::string& entry, const std::string& word,
                     std::map<std::string, double>* values, ReadLens* camera) {
@@ -186,7 +184,8 @@ void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
   }
 }
 
-// Sizes by the end of the camera's word: "HD=1280x720 VGA=672x376".
+// Looks up the image size by the suffix of the camera's word: "HD=1280x720
+// VGA=672x376".
 ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
   ImageSize size;
   for (const std::string& entry : SplitText(sizes)) {
@@ -254,7 +253,7 @@ std::optional<Pose> ReadKeyedPose(const KeyedPose& pose, const CameraKeys& keys,
   return pose.kind == PoseKind::kCameraFromRig ? matrix : matrix.Inverse();
 }
 
-// A polynomial of the radius. Its grid needs the size of the image.
+// Reads a model with a radial polynomial. Its ray grid requires the image size.
 void ReadRadialModel(const std::map<std::string, double>& values,
                      const ReadRequest& request,
                      std::vector<std::string>* warnings, ReadLens* camera) {
@@ -284,7 +283,7 @@ void ReadSizeFromValues(const std::map<std::string, double>& values,
   *size = {side("width"), side("height")};
 }
 
-// Converts lengths to pixels.
+// Converts lengths, e.g. in mm, to pixels.
 void ConvertLengths(LengthUnit unit, const ImageSize& size,
                     std::map<std::string, double>* values) {
   if (values->count("f_mm") > 0 && values->count("sensor_width_mm") > 0) {
@@ -341,8 +340,8 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   return camera;
 }
 
-// The cameras of one mapping: as many as words whose first value exists, or
-// one.
+// Reads the cameras of one mapping: one for each camera word whose first value
+// exists, or a single one.
 void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
                   const std::string& name, const ReadRequest& request,
                   ExchangeContents* contents) {
@@ -367,7 +366,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
   if (contents->cameras.size() == first) throw InputError("contains no camera");
   if (!format.words.empty() && contents->cameras.size() == first + 1)
     contents->cameras.back().name = name;
-  // A pose of the second camera only is relative to the first camera.
+  // If only the second camera has a pose, it is relative to the first.
   ReadLens& leader = contents->cameras[first];
   if (contents->cameras.size() > first + 1 && !leader.camera_from_rig &&
       contents->cameras.back().camera_from_rig)
@@ -376,8 +375,8 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
   keys.Finish(*leader.lens.external_model, &contents->warnings);
 }
 
-// Maps by their names, or those of a list. Without the key that a camera begins
-// with, a map is none.
+// Reads the cameras of a map of named mappings, or of a list. Mappings without
+// the first key of a camera are skipped.
 void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
                    const ReadRequest& request, ExchangeContents* contents) {
   int number = 0;
@@ -424,7 +423,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
   if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   const std::string place = format.place;
   ExchangeContents contents;
-  // Parameters of ROS 2 are in maps of maps.
+  // ROS 2 parameter files nest mappings.
   while (place.empty() && root.size() == 1 && root.begin()->second.IsMap())
     root.reset(YAML::Node(root.begin()->second));
   if (place.empty()) {

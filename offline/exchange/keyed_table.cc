@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// OpenMVG's base class is an object of its own in newer files.
+// Newer OpenMVG files store the base class as a separate object.
 #define KEYED_MVG                                  \
   "value/ptr_wrapper/data/value0/focal_length|"    \
   "value/ptr_wrapper/data/focal_length=f "         \
@@ -28,14 +28,14 @@ bool HasAllWords(const std::string& text,
   });
 }
 
-// Whether a line begins with a word.
+// Whether any line begins with a word.
 bool StartsLine(const std::string& text, const std::string& word) {
   return text.rfind(word, 0) == 0 ||
          text.find("\n" + word) != std::string::npos;
 }
 
-// Blocks of lines of 2, 2 and 2 numbers for two cameras, then of three lines of
-// 4 numbers.
+// Whether a text has, for two cameras, three lines of 2 numbers each, and then
+// three lines of 4 numbers.
 bool IsInfiniTam(const std::string& text) {
   constexpr size_t kLongest = 2000;
   if (text.size() > kLongest) return false;
@@ -50,7 +50,7 @@ bool IsInfiniTam(const std::string& text) {
   return counts == "222222444";
 }
 
-// A line of 4, 8 or 9 numbers.
+// Whether a text is one line of 4, 8 or 9 numbers.
 bool IsLineOfNumbers(const std::string& text) {
   constexpr size_t kLongest = 400;
   if (text.size() > kLongest) return false;
@@ -90,7 +90,8 @@ ExternalModel WithOrigin(PixelOrigin origin, ExternalModel external_model) {
 ExternalModel SetImageCenterOrigin(ExternalModel external_model) {
   return WithOrigin(PixelOrigin::kImageCenter, std::move(external_model));
 }
-// One focal length, principal point and coefficients.
+// Makes a model with one focal length, principal point and distortion
+// coefficients.
 ExternalModel KeyedSingleFocal(const char* name, const char* model,
                                std::vector<std::string> coefficients) {
   coefficients.insert(coefficients.begin(), {"f", "cx", "cy"});
@@ -121,7 +122,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1,k2,p1,p2,k3,k4,k5,k6,s1,s2,s3,"
          "s4"},
-        // Lensfun's polynomials of the radius, in focal lengths.
+        // Lensfun's radial polynomials; the radius is in units of the focal
+        // length.
         {MakeKeyedPinhole("poly3", {"k1"}), "distortion_model=poly3",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1",
@@ -460,7 +462,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        LengthUnit::kPixel,
        {"camera/id", "camera/line-delay-nanoseconds", "camera/mask"}},
-      // Programs may scale images; the camera belongs to full-size images.
+      // Programs may downscale images; the intrinsics refer to full resolution.
       {"vikit",
        "camera .yaml of vikit: SVO, FAST-LIVO and FAST-LIVO2",
        KeyedSyntax::kYaml,
@@ -484,7 +486,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        LengthUnit::kPixel,
        {"scale"}},
-      // The toolbox has 0-based pixels.
+      // The toolbox uses 0-based pixel coordinates.
       {"matlab",
        "Calib_Results.m and Calib_Results_stereo.m of the Camera Calibration "
        "Toolbox for MATLAB",
@@ -519,7 +521,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        LengthUnit::kPixel,
        {"doffs", "ndisp", "isint", "vmin", "vmax", "dyavg", "dymax"}},
-      // Undistorted images are interpolated at whole pixel centres.
+      // BoofCV interpolates at integer pixel centres.
       {"boofcv",
        "BoofCV's intrinsic and stereo .yaml",
        KeyedSyntax::kYaml,
@@ -550,7 +552,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        LengthUnit::kPixel,
        {"model", "version", "left/version", "right/version",
         "intrinsic/version", "max_depth", "no_depth", "plane_to_camera"}},
-      // Only the first camera of a model has its name.
+      // Cereal writes the name of a model only at its first occurrence.
       {"openmvg",
        "OpenMVG's sfm_data.json",
        KeyedSyntax::kJson,
@@ -588,8 +590,9 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        {},
        "",
        {"views", "extrinsics", "structure", "control_points"}},
-      // Pixels count from the first pixel's centre until version 1.2.0, and
-      // principal points from the image centre since then.
+      // Before version 1.2.0, pixel coordinates are relative to the centre of
+      // the first pixel; later, principal points are relative to the image
+      // centre.
       {"alicevision",
        "AliceVision's and Meshroom's .sfm",
        KeyedSyntax::kJson,
@@ -647,7 +650,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        {"views", "poses", "rigs", "structure", "featuresFolders",
         "matchesFolders"}},
-      // D of a fisheye are the coefficients of cv::fisheye under their names.
+      // For fisheye cameras, D holds the cv::fisheye coefficients under pinhole
+      // key names.
       {"ov2slam",
        "OV2SLAM's parameters .yaml",
        KeyedSyntax::kStorage,
@@ -701,7 +705,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        LengthUnit::kPixel,
        {"CameraMatrixInitial"}},
-      // Kp is the projector's.
+      // Kp is the projector's camera matrix.
       {"slstudio",
        "SLStudio's calibration .xml",
        KeyedSyntax::kStorage,
@@ -780,7 +784,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        LengthUnit::kPixel,
        {"m_versionNumber", "m_sensorName", "m_calibrationColorExtrinsic",
         "m_depth*", "m_frames*"}},
-      // A camera for each resolution.
+      // Each resolution is a separate camera.
       {"zed",
        "SN*.conf of ZED cameras",
        KeyedSyntax::kToml,
@@ -818,8 +822,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "",
        LengthUnit::kPixel,
        {}},
-      // Fractions of the sensor, from its corner. Video modes crop and scale
-      // it.
+      // Intrinsics are relative to the sensor size, measured from its corner.
+      // Video modes crop and scale the sensor image.
       {"azure-kinect",
        "raw calibration .json of Azure Kinect",
        KeyedSyntax::kJson,

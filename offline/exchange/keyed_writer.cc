@@ -16,14 +16,14 @@ namespace {
 
 // ---- A camera as a tree ----------------------------------------------------
 
-// Sets the value at a key, or at keys of nested mappings: "a/b".
+// Sets the value at a key path with nested mappings: "a/b".
 void SetAt(const std::string& path, Json value, Json* map) {
   Json* place = map;
   for (const std::string& key : SplitText(path, '/')) place = &(*place)[key];
   *place = std::move(value);
 }
 
-// "KEY|KEY": the first is written.
+// Returns the key that is written: the first of "KEY|KEY".
 std::string FirstKey(const std::string& keys) {
   return keys.substr(0, keys.find('|'));
 }
@@ -45,7 +45,7 @@ Json FlatMatrix(const Eigen::MatrixXd& matrix) {
   return numbers;
 }
 
-// Lines have no rows.
+// Line-based formats store matrices as flat lists.
 Json MakeMatrixJson(const KeyedFormat& format, const Eigen::MatrixXd& matrix) {
   return format.syntax == KeyedSyntax::kLines ? FlatMatrix(matrix)
                                               : MatrixRows(matrix);
@@ -90,9 +90,9 @@ void AddModel(const KeyedModel& model, Json* map) {
   }
 }
 
-// Zeros at the end, which add nothing, are left out of lists that may be
-// shorter. Programs ask for four coefficients at least; a line of numbers has
-// the camera matrix before them, and may have it alone.
+// Removes trailing zeros from lists of variable length. Programs require at
+// least four coefficients; in line-based formats, the four intrinsics precede
+// them and may be alone.
 void TrimValues(bool is_line, std::vector<double>* numbers) {
   constexpr size_t kCoefficients = 4, kMatrix = 4;
   const size_t fewest = is_line ? kMatrix + kCoefficients : kCoefficients;
@@ -103,7 +103,8 @@ void TrimValues(bool is_line, std::vector<double>* numbers) {
     numbers->resize(kMatrix);
 }
 
-// A rectified camera's own matrix, or that of a camera beside the first one.
+// Returns the projection matrix of a rectified camera, or K [I t] of a camera
+// that is parallel to the first one.
 Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
                              const Eigen::Matrix3d& k) {
   if (camera.rectified) return camera.rectified->p;
@@ -199,7 +200,7 @@ void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
   AddPose(format, camera.camera_from_rig, word, map);
 }
 
-// The cameras at the format's location.
+// Builds the tree of the file with the cameras at the format's location.
 Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
   Json root = Json::object();
   const std::vector<std::string> places = SplitText(format.place, '|');
@@ -241,7 +242,7 @@ std::string FormatScalar(const Json& value) {
   return QuotedYaml(text);
 }
 
-// YAML words that no parser misinterprets need no quotes.
+// YAML words that no parser misinterprets are written without quotes.
 std::string YamlScalar(const Json& value) {
   if (!value.is_string()) return FormatScalar(value);
   const std::string text = value.get<std::string>();
@@ -253,7 +254,7 @@ std::string YamlScalar(const Json& value) {
   return is_word && text.size() > 3 && text != "null" ? text : QuotedYaml(text);
 }
 
-// Lists in brackets, which YAML and TOML write alike.
+// Formats a list in brackets, the common syntax of YAML and TOML.
 std::string ListText(const Json& list) {
   std::string text;
   for (const Json& value : list)
@@ -314,7 +315,8 @@ std::string FormatNumbers(const Json& numbers) {
   return text + "\n";
 }
 
-// Comments on nearest lenses, where a format has comments and no key for them.
+// Comments on the fit of approximated models, for formats that have comments
+// but no key for it.
 std::string FitComments(const KeyedFormat& format,
                         const WriteRequest& request) {
   std::string text;

@@ -13,13 +13,14 @@
 namespace raygrid {
 namespace {
 
-// Error of a pixel that the form cannot represent, for the selection.
+// Error assigned to pixels outside the domain of a model during model
+// selection.
 constexpr double kBeyondPx = 100;
 
-// Approximate number of compared pixels along the longer side.
+// Approximate number of sampled pixels along the longer side.
 constexpr double kPixelsAcross = 160;
 
-// Smaller errors are irrelevant.
+// Models with smaller errors are considered equal.
 constexpr double kCloseEnoughPx = 0.005;
 
 double ChoiceRmsPx(const LensFit& fit) {
@@ -29,7 +30,7 @@ double ChoiceRmsPx(const LensFit& fit) {
   return std::sqrt(sum / static_cast<double>(fit.num_pixels + fit.num_beyond));
 }
 
-// A spline needs no rotation.
+// Splined models need no rotation.
 SelectedLens FitSpline(const ExternalModel& external_model,
                        const CameraModel& camera,
                        const ValidityMask* valid_region) {
@@ -44,7 +45,7 @@ SelectedLens FitSpline(const ExternalModel& external_model,
   return chosen;
 }
 
-// A grid needs no rotation, either, unless its program has an axis.
+// Grids need no rotation, either, unless the target model has an optical axis.
 SelectedLens FitGrid(const ExternalModel& external_model,
                      const CameraModel& camera,
                      const ValidityMask* valid_region) {
@@ -83,7 +84,6 @@ SelectedLens FitLens(const ExternalModel& external_model,
   return chosen;
 }
 
-// Returns a quantile of sorted errors.
 double ComputeSortedQuantile(const std::vector<double>& sorted, double part) {
   return sorted[static_cast<size_t>(
       part * static_cast<double>(sorted.size() - 1) + 0.5)];
@@ -161,7 +161,7 @@ SelectedLens SelectLens(
                             "of it, or calibrate another model",
                             camera.Name()));
   std::vector<SelectedLens> fits(sorted.size());
-  // Forms with many parameters are the slowest, so they start first.
+  // Models with many parameters are the slowest, so they start first.
   const int last = static_cast<int>(sorted.size()) - 1;
   ParallelFor(last + 1, NumThreads(num_threads), [&](int k) {
     fits[last - k] = FitLens(*sorted[last - k], camera, valid_region);

@@ -19,11 +19,11 @@
 namespace raygrid {
 namespace {
 
-// The diagonal of 36 x 24 mm, which a crop factor divides.
+// Diagonal of 36 x 24 mm; the sensor diagonal is this divided by the crop
+// factor.
 constexpr double kDiagonalMm = 43.266615305567875;
 
-// Distances in pixels count between the centres of the outer ones, as Lensfun
-// has them.
+// Lensfun measures distances between the centres of the outermost pixels.
 Eigen::Vector2d SidesPx(const ImageSize& size) {
   return {std::max(1.0, size.width - 1.0), std::max(1.0, size.height - 1.0)};
 }
@@ -61,7 +61,7 @@ std::string TextOfChild(const XmlElement& element, const std::string& name) {
   return child ? child->text : "";
 }
 
-// "4:3" or a number, of the longer side to the shorter one.
+// Parses the ratio of the longer to the shorter side: "4:3" or a number.
 double AspectRatio(const std::string& text) {
   if (text.empty()) return 1.5;
   const size_t colon = text.find(':');
@@ -104,8 +104,9 @@ RadialProjection ProjectionOf(const std::string& type) {
   return found->second;
 }
 
-// The radius that r of the undistorted image becomes, in halves of the smaller
-// side of the calibration's images: d r + c1 r^2 + c2 r^3 + c3 r^4 + c4 r^5.
+// Distorted radius as a function of the undistorted radius r, both in units of
+// half the shorter side of the calibration images: d r + c1 r^2 + c2 r^3 + c3
+// r^4 + c4 r^5.
 struct Polynomial {
   double d = 1;
   std::array<double, 4> c = {};
@@ -131,8 +132,8 @@ Polynomial PolynomialOf(const XmlElement& distortion) {
                   distortion.line, Printable(model)));
 }
 
-// The real focal length near the axis in the file, in mm; the nominal focal
-// length refers to undistorted images.
+// Returns the paraxial focal length of the file in mm; the nominal focal length
+// refers to undistorted images.
 double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
                        double d) {
   for (const XmlElement& element : calibration.children)
@@ -142,7 +143,8 @@ double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
   return nominal_mm * d;
 }
 
-// Makes the camera of a lens at a focal length. crop: the camera's.
+// Makes the camera model of a lens at one focal length. crop: the camera's crop
+// factor.
 RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
                           const XmlElement& distortion, double crop,
                           const ImageSize& size) {
@@ -170,7 +172,7 @@ RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
     off_center = {LensfunAttribute(*center, "x", 0),
                   LensfunAttribute(*center, "y", 0)};
   radial.center_px = sides_px / 2 + off_center * sides_px.minCoeff() / 2;
-  // With t = d r unit / f, which is the ideal radius in focal lengths.
+  // Substitutes t = d r unit / f, the ideal radius in focal lengths.
   const double scale = paraxial_mm / polynomial.d / unit_mm;
   double power = 1 / polynomial.d;
   for (size_t k = 0; k < radial.coefficients.size(); ++k)
@@ -178,7 +180,7 @@ RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
   return radial;
 }
 
-// "equisolid ptlens".
+// Projection and distortion model, e.g. "equisolid ptlens".
 std::string NameOfLens(const XmlElement& lens, const XmlElement& distortion) {
   const std::string type = TextOfChild(lens, "type");
   const auto model = distortion.attributes.find("model");
@@ -194,7 +196,7 @@ std::string FileName(const std::string& text) {
   return name;
 }
 
-// The crop factor of the camera, if the file has one camera alone.
+// Returns the camera's crop factor if the file has exactly one camera.
 std::optional<double> CropOfCamera(const std::vector<XmlElement>& elements) {
   std::optional<double> crop;
   for (const XmlElement& element : elements) {
@@ -256,7 +258,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// Text of XML without what ends a comment.
+// Escapes text for XML, including the sequence that ends comments.
 std::string Escaped(const std::string& text) {
   std::string escaped;
   for (const char c : Printable(text))
@@ -267,7 +269,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// A camera of crop factor 1 with the calibration's images.
+// Writes a camera with crop factor 1 and the size of the calibration images.
 std::string WriteLensfun(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
@@ -275,7 +277,7 @@ std::string WriteLensfun(const WriteRequest& request) {
   const double mm_per_pixel = kDiagonalMm / sides_px.norm();
   const double smaller_px = sides_px.minCoeff();
   const double focal_px = lens.Value("f");
-  // Focal lengths in units of half the smaller side.
+  // Converts units of the focal length to units of half the shorter side.
   const double scale = smaller_px / 2 / focal_px;
   std::string text = "<lensdatabase version=\"1\">\n";
   if (camera.fit)

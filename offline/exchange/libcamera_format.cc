@@ -17,7 +17,7 @@ constexpr char kTuningModules[] = "modules";
 constexpr char kTuningDewarp[] = "Dewarp";
 constexpr char kTuningMatrix[] = "cm";
 constexpr char kTuningCoefficients[] = "coefficients";
-constexpr char kTuningSize[] = "image_size";  // in raygrid's own map
+constexpr char kTuningSize[] = "image_size";  // in raygrid's mapping
 
 const std::vector<ExternalModel>& GetLibcameraModels() {
   static const std::vector<ExternalModel> external_models = {
@@ -79,7 +79,7 @@ bool IsLibcamera(const std::string& text) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// libcamera ignores unknown keys.
+// raygrid's additional keys are harmless: libcamera ignores unknown keys.
 std::string WriteLibcamera(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;

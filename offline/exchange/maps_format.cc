@@ -15,12 +15,13 @@ namespace {
 
 constexpr char kFixed[] = "fixed", kNpz[] = ".npz";
 
-// The two maps, and what else users of them need.
+// The two remap tables, with the camera matrix and image size that users need
+// with them.
 struct OpenCvMaps {
   cv::Mat map1, map2, matrix, source_size;
 };
 
-// x and y of the sources; -1 for pixels without a source: outside the image,
+// Source coordinates x and y; -1 for pixels whose source is outside the image,
 // where OpenCV fills in the border.
 std::pair<cv::Mat, cv::Mat> FloatMaps(const ViewTable& view) {
   std::pair<cv::Mat, cv::Mat> maps(

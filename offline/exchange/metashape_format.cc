@@ -14,9 +14,10 @@ namespace {
 
 constexpr char kRoot[] = "calibration", kDocument[] = "document";
 
-// p1 and p2 have each other's name in OpenCV and raygrid. Metashape bends a
-// frame camera's x and y over z, and a fisheye's where these are as long as the
-// angle off the axis. A frame has f in x and y, and b1 more in x.
+// p1 and p2 are swapped relative to OpenCV and raygrid. Metashape distorts the
+// normalized coordinates x / z and y / z of frame cameras; for fisheye cameras,
+// these are scaled to the incidence angle. Frame cameras have fx = f + b1 and
+// fy = f.
 const std::vector<ExternalModel>& GetMetashapeModels() {
   static const std::vector<ExternalModel> external_models = [] {
     std::vector<ExternalModel> made = {
@@ -33,7 +34,7 @@ const std::vector<ExternalModel>& GetMetashapeModels() {
   return external_models;
 }
 
-// Metashape's names of a form's coefficients, in its order.
+// Metashape's names of a model's coefficients, in the order of the model.
 std::vector<std::string> KeysOf(const ExternalModel& external_model) {
   return external_model.Has("k4")
              ? std::vector<std::string>{"k1", "k2", "k3", "k4", "p1", "p2"}
@@ -42,7 +43,7 @@ std::vector<std::string> KeysOf(const ExternalModel& external_model) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// A number of the file; those of Metashape that are 0 may be missing.
+// Returns a parameter; Metashape omits parameters that are 0.
 double NumberOf(const CameraKeys& keys, const std::string& name) {
   return keys.Has(name) ? FiniteNumber(keys[name], name) : 0;
 }
@@ -63,7 +64,7 @@ const ExternalModel& FindMetashapeModel(const std::string& name) {
                   Printable(name)));
 }
 
-// A form has no place for some numbers that bend the lens.
+// Throws for non-zero parameters that the model does not support.
 void RequireNothingElse(const CameraKeys& keys,
                         const ExternalModel& external_model) {
   std::vector<std::string> others = {"p3", "p4"};
@@ -86,7 +87,8 @@ void RequireNothingElse(const CameraKeys& keys,
         "without them");
 }
 
-// The children of a calibration as a map. A size may stand in attributes.
+// Converts the child elements of a calibration to a map. The image size may be
+// in attributes.
 CameraKeys KeysOfCalibration(const XmlElement& calibration,
                              const std::string& name) {
   YAML::Node map(YAML::NodeType::Map);
@@ -128,7 +130,8 @@ std::string GetAttribute(const XmlElement& element, const std::string& name) {
   return found == element.attributes.end() ? "" : found->second;
 }
 
-// The calibration of a sensor that its images gave, or the one it began with.
+// Returns the adjusted calibration of a sensor if there is one, otherwise the
+// initial one.
 const XmlElement* FindCalibration(const XmlElement& sensor) {
   const XmlElement* first = nullptr;
   for (const XmlElement& child : sensor.children) {
@@ -139,7 +142,7 @@ const XmlElement* FindCalibration(const XmlElement& sensor) {
   return first;
 }
 
-// The sensors of the document that "Export Cameras" writes.
+// Reads the sensors of a document that Metashape's "Export Cameras" writes.
 void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
   std::vector<const XmlElement*> sensors;
   for (const XmlElement& chunk : root.children)
@@ -189,7 +192,7 @@ ExchangeContents ReadMetashape(const ReadRequest& request) {
 }
 
 bool IsMetashape(const std::string& text) {
-  // Lensfun has calibrations, too.
+  // Lensfun files also have <calibration> elements.
   return (text.find("<calibration>") != std::string::npos &&
           text.find("<distortion") == std::string::npos) ||
          (text.find("<document ") != std::string::npos &&

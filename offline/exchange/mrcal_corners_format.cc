@@ -18,8 +18,8 @@ constexpr char kNoValue[] = "-";
 
 // ---- The columns -----------------------------------------------------------
 
-// The names of a vnlog's columns: words of the first line that begins with one
-// '#'. Empty if other lines come before it.
+// Returns the column names of a vnlog: the words of the first line that begins
+// with a single '#'. Empty if other lines precede it.
 std::vector<std::string> FindLegend(const std::string& text) {
   constexpr size_t kHeadBytes = 1 << 16;
   std::istringstream lines(text.substr(0, kHeadBytes));
@@ -65,8 +65,8 @@ CornerColumns ParseColumns(const std::string& text) {
 
 // ---- The corners -----------------------------------------------------------
 
-// All corners of an image in the file's order; corners without a value were
-// rejected.
+// All corners of an image in the order of the file; corners without a value
+// were rejected.
 struct CornerRows {
   std::string image;
   std::vector<std::optional<Eigen::Vector2d>> corners;
@@ -76,7 +76,7 @@ struct CornerCounts {
   size_t without_board = 0, rejected = 0, blurred = 0;
 };
 
-// Whether the program used a corner that has a position.
+// Whether mrcal uses a detected corner.
 bool IsOccupied(const WordLines& line, const CornerColumns& columns,
                 CornerCounts* counts) {
   if (columns.count < 4) return true;
@@ -95,7 +95,8 @@ std::optional<Eigen::Vector2d> ParseCorner(const WordLines& line,
   return pixel;
 }
 
-// mrgingham omits the last column of an image without a board.
+// Throws for a wrong number of columns. mrgingham omits the last column for
+// images without a detected target.
 void RequireColumns(const WordLines& line, const CornerColumns& columns) {
   const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
   if (line.size() != columns.count && !is_short)
@@ -125,8 +126,9 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
 
 // ---- The board -------------------------------------------------------------
 
-// How much lines of so many neighbours bend, in pixels. A wrong number of
-// columns makes rows jump.
+// Sum of the norms of second differences along rows of the given number of
+// columns, in pixels. Large values indicate a wrong number of columns, because
+// rows then wrap.
 double ComputeBend(const CornerRows& image, int columns) {
   double bend = 0;
   for (size_t k = 0; k + 2 < image.corners.size(); ++k) {
@@ -138,7 +140,8 @@ double ComputeBend(const CornerRows& image, int columns) {
   return bend;
 }
 
-// A board told the wrong way round has as many corners.
+// Throws if columns and rows are exchanged, which the number of corners cannot
+// reveal.
 void RequireBoardOrientation(const std::vector<CornerRows>& images,
                              const ImageSize& board) {
   if (std::min(board.width, board.height) < 3 || board.width == board.height)

@@ -34,7 +34,7 @@ const std::vector<ExternalModel>& GetMrcalModels() {
 
 // ---- The dictionary as YAML ------------------------------------------------
 
-// Returns the index after a string that begins with a quote at an index.
+// Returns the index after the string whose opening quote is at an index.
 size_t BehindString(const std::string& text, size_t quote) {
   size_t end = quote + 1;
   while (end < text.size() && text[end] != text[quote])
@@ -42,9 +42,9 @@ size_t BehindString(const std::string& text, size_t quote) {
   return std::min(end + 1, text.size());
 }
 
-// Python's dictionary as YAML reads it: without comments, with tuples as
-// lists, and without what stands in strings of bytes, which are the solver's
-// and long.
+// Converts a Python dictionary to YAML: removes comments, converts tuples to
+// lists, and empties byte strings, which are long and contain the solver's
+// inputs.
 std::string ConvertToYaml(const std::string& text) {
   std::string yaml;
   for (size_t at = 0; at < text.size();) {
@@ -79,6 +79,7 @@ const ExternalModel& FindMrcalModel(const std::string& name) {
                                Printable(name), names));
 }
 
+// Parses the grid from a name such as
 // LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=20_fov_x_deg=170.
 SplinedStereographic::Grid GridOfName(const std::string& name) {
   static const std::regex words(
@@ -120,7 +121,8 @@ std::shared_ptr<const SplinedStereographic> SplineOf(
                                                 parameters);
 }
 
-// Versions before 1 call models DISTORTION_..., and a pinhole DISTORTION_NONE.
+// mrcal before version 1 calls models DISTORTION_..., and the pinhole model
+// DISTORTION_NONE.
 std::string ModelNameOf(const CameraKeys& root) {
   constexpr char kOldKey[] = "distortion_model", kOldPrefix[] = "DISTORTION_";
   const bool is_old = !root.Has("lensmodel") && root.Has(kOldKey);
@@ -151,7 +153,7 @@ ConvertedCamera LensOf(const CameraKeys& root) {
   return lens;
 }
 
-// Versions from 2.5 on have the pose under a name that says it.
+// Since version 2.5, the key of the pose states its direction: rt_cam_ref.
 std::optional<Pose> ReadMrcalPose(const CameraKeys& root) {
   const char* const key = root.Has("rt_cam_ref") ? "rt_cam_ref" : "extrinsics";
   if (!root.Has(key)) return std::nullopt;
@@ -196,7 +198,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// Name of a camera's model, and its parameters in mrcal's order.
+// Returns the name of a camera's model and its parameters in mrcal's order.
 std::pair<std::string, std::vector<double>> ModelOf(
     const ConvertedCamera& lens) {
   if (!lens.spline) return {lens.external_model->name, lens.values};
@@ -209,7 +211,7 @@ std::pair<std::string, std::vector<double>> ModelOf(
           values};
 }
 
-// A comment of one line.
+// Formats a one-line comment.
 std::string Comment(const std::string& what, const std::string& text) {
   return text.empty() ? "" : fmt::format("# {}{}\n", what, Printable(text));
 }
@@ -222,7 +224,7 @@ std::string FormatRegion(const ValidityMask& valid_region,
   return text + "],\n\n";
 }
 
-// The camera's own frame is the reference of one that is in no rig.
+// For a camera that is not in a rig, the reference frame is the camera frame.
 std::string WriteMrcal(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const auto [model, values] = ModelOf(camera.lens);

@@ -13,7 +13,8 @@
 namespace raygrid {
 namespace {
 
-// A camera defined by its directions only, for fits and measurements.
+// A camera defined only by the directions of its pixels, for model fits and
+// error computation.
 class DirectionCamera : public CameraModel {
  public:
   DirectionCamera(const ImageSize& size, DirectionAtPixel direction)
@@ -103,7 +104,8 @@ ConvertedCamera FitSkewedGrid(const ConvertedCamera& lens,
   ConvertedCamera straight = lens;
   straight.skew_px = 0;
   const auto made = MakeLens(straight);
-  // Pixels beside the image come into it.
+  // The shear moves pixels from outside the image into it, so the area is
+  // widened.
   const auto wide = made->Parametric()->CloneWithArea(
       {image.x0 - widest, image.y0, image.x1 + widest, image.y1});
   return FitNearestGrid(

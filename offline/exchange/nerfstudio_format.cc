@@ -27,8 +27,8 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kIntrinsics = {
 constexpr std::array<const char*, 6> kCoefficients = {"k1", "k2", "k3",
                                                       "k4", "p1", "p2"};
 
-// nerfstudio goes over pixels by their centres, the first of which is at (0.5,
-// 0.5): get_image_coords(pixel_offset=0.5). Its rays of a fisheye do not divide
+// nerfstudio samples pixels at their centres, the first of which is at (0.5,
+// 0.5): get_image_coords(pixel_offset=0.5). Its fisheye rays are not normalized
 // by z.
 const std::vector<ExternalModel>& GetNerfstudioModels() {
   static const std::vector<ExternalModel> external_models = [] {
@@ -48,7 +48,7 @@ const std::vector<ExternalModel>& GetNerfstudioModels() {
   return external_models;
 }
 
-// A camera looks along -z there, and y is up.
+// Converts between OpenCV's camera axes and OpenGL's: view direction -z, y up.
 Pose Rotated(const Pose& world_from_camera) {
   return world_from_camera *
          Pose{Eigen::Quaterniond(0, 1, 0, 0), Eigen::Vector3d::Zero()};
@@ -87,8 +87,8 @@ const std::vector<std::string> kSceneKeys = {kFrames,
                                              kRaygridKey,
                                              "fisheye_crop_radius"};
 
-// Returns the mapping with the camera: the file, or its first frame if all
-// frames agree.
+// Returns the mapping with the intrinsics: the file, or its first frame if all
+// frames have the same ones.
 YAML::Node MakeCameraNode(const YAML::Node& root) {
   if (root["fl_x"]) return root;
   const YAML::Node frames = root[kFrames];
@@ -118,7 +118,7 @@ std::vector<double> ReadCoefficients(const CameraKeys& camera) {
   return numbers;
 }
 
-// instant-ngp's files have a flag instead of a model's name.
+// instant-ngp uses a flag instead of a model name.
 std::string NerfModelOf(const CameraKeys& camera, const YAML::Node& root) {
   const YAML::Node flag = camera[kNgpFisheye];
   bool is_fisheye = false;
@@ -135,8 +135,8 @@ std::string NerfModelOf(const CameraKeys& camera, const YAML::Node& root) {
   return model.empty() ? "OPENCV" : model;
 }
 
-// nerfstudio's rays come from any coefficient. Its undistortion has no place
-// for some, and then passes over them.
+// Throws for non-zero coefficients that nerfstudio applies to rays, but ignores
+// in undistortion.
 void RequireZero(const std::vector<double>& coefficients,
                  std::initializer_list<size_t> indices,
                  const std::string& model) {
@@ -188,7 +188,7 @@ ConvertedCamera ReadNerfstudioLens(const YAML::Node& root,
   return lens;
 }
 
-// The world of the frames is that of a board.
+// The world frame is a target's frame.
 BoardPose ReadFrame(const YAML::Node& frame) {
   if (!frame.IsMap() || !frame["file_path"])
     throw InputError("'file_path' is missing");

@@ -16,8 +16,8 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "numbers are written as they lie in memory");
 
-// Numpy's header before the numbers: a magic word, version 1.0, its length, and
-// a dictionary of Python that ends at a multiple of 64.
+// The header of a .npy file: magic string, version 1.0, header length, and a
+// Python dictionary padded to a multiple of 64 bytes.
 std::string NpyHeader(const NpyArray& array) {
   constexpr size_t kMagicSize = 10, kAlignment = 64;
   std::string shape;
@@ -47,7 +47,8 @@ struct FreeSource {
 };
 using Source = std::unique_ptr<zip_source_t, FreeSource>;
 
-// Stored as numpy.savez() does, at the first time that an archive knows.
+// Stores a file uncompressed like numpy.savez(), with the earliest time stamp
+// of ZIP so that the result is reproducible.
 void AddToZip(zip_t* archive, const std::string& name,
               const std::string& contents) {
   constexpr uint16_t kFirstDay = 1 << 5 | 1;  // 1 January 1980
@@ -84,7 +85,7 @@ std::string ReadWhole(zip_source_t* source) {
       fmt::format("{}: cannot be read from the archive: {}", name, why));
 }
 
-// Reads a file's bytes in chunks: its declared size may be wrong.
+// Decompresses a file in chunks, because its declared size may be wrong.
 std::string Unzipped(zip_t* archive, zip_int64_t index,
                      const std::string& name) {
   constexpr size_t kChunk = 1 << 20;
@@ -103,7 +104,7 @@ std::string Unzipped(zip_t* archive, zip_int64_t index,
   }
 }
 
-// The lengths in a tuple of Python's: "480, 640, 3" or "7,".
+// Parses the text of a Python tuple: "480, 640, 3" or "7,".
 std::vector<size_t> ParseShape(const std::string& name,
                                const std::string& text) {
   std::vector<size_t> shape;
@@ -121,7 +122,7 @@ std::vector<size_t> ParseShape(const std::string& name,
   return shape;
 }
 
-// Returns the size of a type's numbers; 0 for unsupported types.
+// Returns the element size of a type in bytes; 0 for unsupported types.
 size_t SizeOfType(const std::string& type) {
   for (const char* known : {"<f4", "<f8", "<i2", "<u2", "<i4", "<u4", "<i8"})
     if (type == known) return static_cast<size_t>(type[2] - '0');
@@ -148,8 +149,8 @@ void RequireWhole(const NpyArray& array) {
 
 NpyArray ParseNpy(const std::string& name, const std::string& file,
                   bool may_be_other) {
-  // The magic word, the version, and the length of the dictionary, in two bytes
-  // or from version 2 on in four.
+  // Magic string, version, and header length: two bytes in version 1, otherwise
+  // four.
   const size_t num_length_bytes = file.size() > 6 && file[6] == 1 ? 2 : 4;
   const size_t begin = 8 + num_length_bytes;
   if (file.rfind("\x93NUMPY", 0) != 0 || file.size() < begin)
@@ -205,7 +206,7 @@ std::string WriteNpz(const std::vector<NpyArray>& arrays) {
   std::unique_ptr<zip_t, DiscardZip> archive(
       zip_open_from_source(source.get(), ZIP_TRUNCATE, &error));
   if (!archive) FailToZip(zip_error_strerror(&error));
-  zip_source_keep(source.get());  // the archive's end frees it once
+  zip_source_keep(source.get());  // closing the archive releases its reference
   for (size_t k = 0; k < arrays.size(); ++k)
     AddToZip(archive.get(), arrays[k].name + ".npy", contents[k]);
   if (zip_close(archive.get()) < 0) FailToZip(zip_strerror(archive.get()));

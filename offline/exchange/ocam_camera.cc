@@ -27,8 +27,8 @@ double ComputeAngle(const Eigen::Vector3d& direction) {
   return std::atan2(direction.head<2>().norm(), direction.z());
 }
 
-// The polynomial of the least squares through points, without its term of x if
-// OCamCalib has none there. x is scaled, so that powers do not differ by much.
+// Fits a polynomial by least squares, without the linear term if OCamCalib has
+// none there. x is scaled to improve the conditioning.
 std::vector<double> FitPolynomial(const std::vector<double>& x,
                                   const std::vector<double>& y, int degree,
                                   bool has_slope) {
@@ -57,7 +57,7 @@ struct OcamSample {
   Eigen::Vector3d ray;
 };
 
-// Samples of a fit: pixels and their directions.
+// Samples pixels of the valid region and their directions for the fit.
 std::vector<OcamSample> SamplesOf(const CameraModel& camera,
                                   const ValidityMask* valid_region) {
   constexpr double kAcross = 28;
@@ -77,8 +77,9 @@ std::vector<OcamSample> SamplesOf(const CameraModel& camera,
   return samples;
 }
 
-// Numbers of a camera and its turn, as a vector: the centre, c, d, e, the turn,
-// and the polynomial without its slope, of radii in units of the largest one.
+// Fits the OCamCalib model and a rotation by Levenberg-Marquardt. Parameter
+// vector: centre, c, d, e, rotation, and the polynomial without its linear
+// term, of radii in units of the longer image side.
 class OcamFit {
  public:
   OcamFit(const ImageSize& size, std::vector<OcamSample> samples,
@@ -122,11 +123,12 @@ class OcamFit {
   }
 
  private:
-  static constexpr int kFirst = 8;  // of the polynomial
+  static constexpr int kFirst = 8;  // index of the first polynomial coefficient
 
   double Scale() const { return std::max(size_.width, size_.height); }
 
-  // The polynomial through the directions about the nearest fisheye's centre.
+  // Initial values: a polynomial fitted to the directions around the centre of
+  // the nearest fisheye model.
   Eigen::VectorXd Start(int degree) const {
     const Eigen::VectorXd lens = near_.model->Parameters();
     std::vector<double> radii, values;
@@ -226,14 +228,14 @@ std::optional<Eigen::Vector3d> OcamCamera::Unproject(
   return direction.normalized();
 }
 
-// The first radius at which the image looks as far from the axis: Newton's
-// method, within bounds that close.
+// Returns the smallest radius whose incidence angle is the given one, by
+// Newton's method safeguarded by bisection.
 std::optional<double> OcamCamera::Radius(double angle_rad) const {
   constexpr int kSteps = 24, kIterations = 60;
   constexpr double kBeyond = 1.25, kEnough = 1e-13;
   const double sine = std::sin(angle_rad), cosine = std::cos(angle_rad);
   if (sine == 0) return cosine > 0 ? std::optional(0.0) : std::nullopt;
-  // Below 0 while the radius is too small.
+  // Negative while the radius is too small.
   const auto excess = [&](double radius) {
     return radius * cosine + ValueAt(numbers_.polynomial, radius) * sine;
   };

@@ -16,8 +16,8 @@ namespace {
 
 constexpr char kDirect[] = "polynomial coefficients for the DIRECT mapping";
 
-// The numbers of a file, without its comments. The blocks follow each other in
-// one order, and lists begin with their lengths.
+// Reads the numbers of a file and skips comments. The order of the blocks is
+// fixed, and lists are preceded by their lengths.
 class OcamReader {
  public:
   explicit OcamReader(const std::string& text) {
@@ -58,7 +58,7 @@ int OcamSidePx(OcamReader* numbers, const char* what) {
   return SidePx(YAML::Node(FormatReal(numbers->Next(what))), what);
 }
 
-// Rows are x and columns y in OCamCalib, and the view direction is -z.
+// In OCamCalib, x is the row and y the column, and the view direction is -z.
 ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   OcamReader numbers(request.text);
   const std::vector<double> direct = numbers.NextList("polynomial");
@@ -82,15 +82,15 @@ ExchangeContents ReadOcamCalib(const ReadRequest& request) {
   return contents;
 }
 
-// A list, preceded by its length.
+// Formats a list, preceded by its length.
 std::string CountedReals(const std::vector<double>& numbers) {
   std::string text = fmt::format("{}", numbers.size());
   for (const double number : numbers) text += " " + FormatReal(number);
   return text;
 }
 
-// Programs read a line of comment before each block, and nothing behind the
-// last one.
+// Parsers expect a comment line before each block and nothing after the last
+// one.
 std::string WriteOcamCalib(const WriteRequest& request) {
   const WrittenLens& written = request.cameras.front();
   const auto& camera = dynamic_cast<const OcamCamera&>(*written.lens.grid);

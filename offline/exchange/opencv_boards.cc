@@ -11,7 +11,8 @@ namespace raygrid {
 namespace opencv_file {
 namespace {
 
-// The name of an image, which OpenCV's samples do not store.
+// Returns the name of an image, or a numbered name: OpenCV's samples do not
+// store names.
 std::string ImageName(const YAML::Node& names, int index) {
   if (names.IsDefined() && names.IsSequence() &&
       index < static_cast<int>(names.size()) && names[index].IsScalar())
@@ -19,8 +20,8 @@ std::string ImageName(const YAML::Node& names, int index) {
   return fmt::format("view{:04}", index);
 }
 
-// The board that the file states, or else the user. The message of an error
-// begins with image_points.
+// Returns the board size of the file, otherwise the user's. Error messages
+// begin with image_points.
 ImageSize GetBoardSize(const YAML::Node& root, const ReadRequest& request,
                        int num_points) {
   ImageSize board = request.board.value_or(ImageSize{0, 0});
@@ -46,8 +47,8 @@ ImageSize GetBoardSize(const YAML::Node& root, const ReadRequest& request,
   return board;
 }
 
-// image_points of OpenCV's calibration sample: a row of corners an image, in
-// the order of a board of board_width columns.
+// Reads image_points of OpenCV's calibration sample: one row of corners per
+// image, in the order of a board with board_width columns.
 std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root,
                                       const StoredMatrix& points,
                                       const ImageSize& board) {

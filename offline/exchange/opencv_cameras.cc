@@ -16,7 +16,8 @@ namespace raygrid {
 namespace opencv_file {
 namespace {
 
-// R and T of stereoCalibrate: the pose of the first camera's frame, or a rig's.
+// Reads R and T of cv::stereoCalibrate, which transform from the first camera's
+// frame or the rig frame.
 std::optional<Pose> PoseInFile(const CameraKeys& keys) {
   const std::string r_key = FindKey(keys, {"R", "Rot", "rotation_matrix"}),
                     t_key =
@@ -43,7 +44,8 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
   lens.size = ReadImageSize(keys, affixes);
   ReadIntrinsics(keys, affixes, &lens);
   DistortionCoefficients coefficients;
-  // Cameras of depth sensors and renderers have none; OpenCV's always do.
+  // Files of depth sensors and renderers may lack distortion coefficients;
+  // OpenCV's files always have them.
   if (lens.size == ImageSize{} || IsFileStorage(request.text) ||
       HasCoefficients(keys, affixes) || keys.HasKeyWith({"dist", "coef"}))
     coefficients = Coefficients(keys, affixes);
@@ -65,7 +67,7 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
   return camera;
 }
 
-// A camera, and what else a file of one has.
+// Reads a single camera and the other data of its file.
 ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
                     const ReadRequest& request,
                     std::vector<std::string>* warnings) {
@@ -81,8 +83,8 @@ ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
   return camera;
 }
 
-// A file of several cameras, as of the two that stereo_calib writes, and the
-// pose of a pair if it is there.
+// Reads a file of several cameras, such as stereo_calib writes, and the
+// relative pose of a pair if present.
 void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
                  const ReadRequest& request, ExchangeContents* contents) {
   for (const Affixes& affixes : cameras) {
@@ -96,8 +98,9 @@ void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
               &contents->warnings);
 }
 
-// Joins intrinsics and distortion that are separate mappings of a camera, as in
-// Orbbec's SDK. Of its models, 3 and 4 are OpenCV's, and 0 has no distortion.
+// Merges the separate mappings of intrinsics and distortion of a camera, as in
+// Orbbec's SDK. Its distortion models 3 and 4 are OpenCV's; model 0 has no
+// distortion.
 YAML::Node JoinIntrinsics(const YAML::Node& node) {
   const YAML::Node intrinsic = node["intrinsic"],
                    distortion = node["distortion"];
@@ -131,7 +134,7 @@ YAML::Node JoinIntrinsics(const YAML::Node& node) {
   return joined;
 }
 
-// Numbers cameras that have the same name.
+// Appends numbers to the names of cameras that have the same name.
 void RenameEqual(std::vector<ReadLens>* cameras) {
   std::set<std::string> names;
   for (const ReadLens& camera : *cameras) names.insert(camera.name);

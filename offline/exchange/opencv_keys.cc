@@ -63,7 +63,7 @@ const KeyList kDistortionKeys = {"distortion_coefficients",
 static const KeyList kSizeKeys = {
     "cameraResolution", "ImageSize",  "image_size", "imageSize",  "img_shape",
     "img_size",         "resolution", "size",       "image_shape"};
-// Rows come first, as in the shape of numpy's images.
+// The number of rows is first, as in the shape of numpy images.
 static const KeyList kShapeKeys = {"shape"};
 static const KeyList kWidthKeys = {
     "image_width",      "Camera.width",     "img_dist_w", "image_Width",
@@ -81,7 +81,7 @@ const KeyList kModelKeys = {
     "distortion_type",  "lens_type",       "type"};
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
-// Keys of OpenCV's and its users' calibrations that are not intrinsics.
+// Keys in calibrations of OpenCV and its users that are not intrinsics.
 const KeyList kOtherKeys = {"nr_of_frames",
                             "nframes",
                             "nFrames",
@@ -152,7 +152,8 @@ const KeyList kOtherKeys = {"nr_of_frames",
                             "rotation_vector*",
                             "translation_vector*"};
 
-// getOptimalNewCameraMatrix() has an alpha.
+// alpha may be the parameter of getOptimalNewCameraMatrix() or of a camera
+// model.
 const KeyList kVagueKeys = {"alpha"};
 
 namespace {
@@ -202,11 +203,11 @@ std::string TextAt(const CameraKeys& keys, const KeyList& names) {
 
 namespace {
 
-// fx, fy, cx and cy as numbers of their own, as RealSense has them, too.
+// fx, fy, cx and cy as separate numbers, which RealSense also uses.
 const std::array<KeyList, 4> kScalarKeys = {
     {{"fx"}, {"fy"}, {"cx", "ppx"}, {"cy", "ppy"}}};
 
-// A map without data is no matrix: that of a camera in it.
+// A mapping without data is not a matrix but a mapping of the camera.
 std::string FindMatrix(const CameraKeys& keys, const Affixes& affixes) {
   const std::string key = FindKey(keys, kMatrixKeys, affixes);
   return key.empty() || keys.IsMatrix(key) ? key : "";
@@ -262,8 +263,8 @@ void ReadIntrinsics(const CameraKeys& keys, const Affixes& affixes,
 
 namespace {
 
-// k1, k2, p1, p2, k3 and so on as numbers of their own; those that are missing
-// are 0. k1 to k4 alone are those of a fisheye.
+// Reads k1, k2, p1, p2, k3 etc. stored as separate numbers; missing ones are 0.
+// k1 to k4 without others are fisheye coefficients.
 DistortionCoefficients ScalarCoefficients(const CameraKeys& keys,
                                           const Affixes& affixes) {
   const auto has = [&](const std::string& name) {
@@ -312,7 +313,7 @@ std::vector<Affixes> FindCameras(const CameraKeys& keys) {
     if (HasMatrix(keys, affixes)) found.push_back(affixes);
     return !found.empty() && found.back().camera == affixes.camera;
   };
-  // EasyMocap lists what stands behind its keys.
+  // EasyMocap lists the suffixes of its keys.
   if (keys.Has("names") && keys["names"].IsSequence())
     for (const YAML::Node& name : keys["names"])
       if (name.IsScalar())
@@ -321,7 +322,7 @@ std::vector<Affixes> FindCameras(const CameraKeys& keys) {
   for (const auto& pair : kPairs) {
     if (!HasMatrix(keys, pair[0]) || !HasMatrix(keys, pair[1])) continue;
     found.assign(pair.begin(), pair.end());
-    // More that are numbered on.
+    // Further cameras with consecutive numbers.
     const std::string& last = pair[1].behind;
     for (int number = 2; !last.empty() && std::isdigit(last.back()); ++number)
       if (number > last.back() - '0' &&

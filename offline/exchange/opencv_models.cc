@@ -16,7 +16,7 @@ namespace opencv_file {
 
 namespace {
 
-// OpenCV's omnidir: k1, k2, p1, p2, and xi, which has a separate key.
+// OpenCV's omnidir model: k1, k2, p1, p2, and xi, which has a separate key.
 ExternalModel MakeOmnidirModel() {
   ExternalModel external_model = MakeExternalModel(
       kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
@@ -49,7 +49,7 @@ const ExternalModel& FindOpenCvModel(const std::string& name) {
                   Printable(name)));
 }
 
-// Returns the form for a number of coefficients.
+// Returns the pinhole model with a number of coefficients.
 const ExternalModel& FindModelByCount(size_t count) {
   const std::map<size_t, const char*> names = {
       {0, "opencv4"}, {4, "opencv4"},   {5, "opencv5"},
@@ -61,7 +61,7 @@ const ExternalModel& FindModelByCount(size_t count) {
   return FindOpenCvModel(name->second);
 }
 
-// The model stated in a file, and its key.
+// The camera model that a file states, and the key that states it.
 struct SaidModel {
   LensFamily family = LensFamily::kPinhole;
   std::string key, word;
@@ -71,7 +71,7 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
                                      const Affixes& affixes) {
   std::optional<SaidModel> said;
   const auto say = [&](LensFamily family, const std::string& key) {
-    // A pinhole with a fisheye's distortion is a fisheye.
+    // "pinhole" combined with a fisheye distortion model is a fisheye camera.
     const bool is_vague = said && said->word == "pinhole";
     if (said && !is_vague && said->family != family &&
         keys.Word(key) != "pinhole")
@@ -81,7 +81,7 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
     if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
   };
   const std::string xi = affixes.before + "xi" + affixes.behind;
-  // With 0 it is a pinhole's, of programs that have both.
+  // xi = 0 is a pinhole camera of programs that support both models.
   if (keys.Has(xi) && AllNumbers(keys[xi], xi) != std::vector<double>{0})
     say(LensFamily::kOmni, xi);
   for (const std::string& key : kFisheyeKeys) {
@@ -113,7 +113,8 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
   std::vector<double>& d = coefficients->numbers;
   const auto said = ModelInFile(keys, affixes);
   bool is_fisheye = said && said->family == LensFamily::kFisheye;
-  // RealSense says an inverse of distortion that it does not have.
+  // RealSense states an inverse distortion model even if all coefficients are
+  // 0.
   const bool is_nothing = std::all_of(
       d.begin(), d.end(), [](double number) { return number == 0; });
   if (said && said->family == LensFamily::kOther && !is_nothing)
@@ -164,7 +165,7 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
     if (d.empty()) d.assign(4, 0);
     return FindOpenCvModel(kFisheye);
   }
-  // OpenCV's 12 or 14 coefficients that are those of 8.
+  // Removes trailing zeros: 12 or 14 coefficients may be equivalent to 8.
   if (d.size() > 8) TrimCoefficients(8, &d);
   if (d.size() > 5 && d.size() < 8) TrimCoefficients(5, &d);
   const ExternalModel& external_model = FindModelByCount(d.size());

@@ -20,7 +20,7 @@ namespace {
 
 constexpr char kPhotonMatrix[] = "cameraIntrinsics";
 constexpr char kPhotonSize[] = "resolution";
-// The older name was a mistake that files before 2024 have.
+// Before 2024, files use the wrong key for the distortion coefficients.
 constexpr const char* kPhotonDistortion[] = {"distCoeffs", "cameraExtrinsics"};
 constexpr char kLensModel[] = "lensmodel";
 constexpr char kOpenCvLens[] = "LENSMODEL_OPENCV";
@@ -40,7 +40,8 @@ const std::vector<ExternalModel>& GetPhotonVisionModels() {
 
 // ---- JSON ------------------------------------------------------------------
 
-// Without the pictures, which are most of such a file.
+// Parses a file without its snapshot images, which account for most of its
+// size.
 Json ParsePhotonJson(const std::string& text) {
   const auto keeps = [](int, Json::parse_event_t event, Json& parsed) {
     return event != Json::parse_event_t::key || parsed != "snapshotData";
@@ -56,7 +57,7 @@ Json ParsePhotonJson(const std::string& text) {
   }
 }
 
-// The value of a key, or null.
+// Returns the value of a key; null if missing.
 const Json& ValueAt(const Json& map, const std::string& key) {
   static const Json none;
   const auto found = map.is_object() ? map.find(key) : map.end();
@@ -125,7 +126,7 @@ ConvertedCamera ReadPhotonLens(const Json& root) {
   return lens;
 }
 
-// All keys are known except keys of newer programs.
+// Warns about unknown keys, which newer versions may add.
 void FinishPhotonKeys(Json root, const ExternalModel& external_model,
                       std::vector<std::string>* warnings) {
   root.erase(kObservations);
@@ -143,12 +144,12 @@ struct PhotonCorner {
   Eigen::Vector2d on_board, pixel;
 };
 
-// A snapshot of a board.
 struct PhotonView {
   std::string image;
-  std::vector<PhotonCorner> corners;  // that the program took
+  std::vector<PhotonCorner> corners;  // used by PhotonVision's calibration
   std::optional<Pose> camera_from_board;
-  Eigen::Vector2d lowest_m;  // of the places on the board, if it tells any
+  Eigen::Vector2d lowest_m;  // smallest coordinates of object points; infinite
+                             // if there are none
 };
 
 struct PhotonCounts {
@@ -160,14 +161,14 @@ Eigen::Vector2d PlanePoint(const Json& point, const char* list) {
           FiniteJson(ValueAt(point, "y"), fmt::format("{}: y", list))};
 }
 
-// Whether the solver used a corner; older files lack this.
+// Whether the solver used a corner; older files do not store this.
 bool IsUsed(const Json& view, size_t corner) {
   const Json& used = ValueAt(view, "cornersUsed");
   return !used.is_array() || corner >= used.size() || used[corner] != false;
 }
 
-// A corner that was not found lies at (-1, -1), on the board as well as in the
-// image.
+// Returns the detected corners. Undetected ones are at (-1, -1) both on the
+// board and in the image.
 std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
   const Json &places = ListAt(view, kObjectPoints),
              &pixels = ListAt(view, kImagePoints);
@@ -188,7 +189,8 @@ std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
   return corners;
 }
 
-// Corners that were not found stand there, too, but for those of ChArUco.
+// Returns the smallest coordinates of object points. Undetected corners also
+// have their positions, except on ChArUco boards.
 Eigen::Vector2d FindLowestPosition(const Json& view) {
   Eigen::Vector2d lowest(INFINITY, INFINITY);
   for (const Json& point : ListAt(view, kObjectPoints)) {
@@ -198,7 +200,7 @@ Eigen::Vector2d FindLowestPosition(const Json& view) {
   return lowest;
 }
 
-// nullopt if the solver stated none.
+// Returns nullopt if the solver provided no pose.
 std::optional<Pose> PhotonPose(const Json& pose) {
   const Json& t = ValueAt(pose, "translation");
   const Json& q = ValueAt(ValueAt(pose, "rotation"), "quaternion");
@@ -245,8 +247,9 @@ std::vector<PhotonView> ReadPhotonViews(const Json& root,
   return views;
 }
 
-// Between corners in metres. Older files do not say it: the least distance from
-// the first corner of a view, along one axis.
+// Returns the corner spacing in metres. Older files do not state it: it is then
+// the smallest distance between the first corner of a view and another along
+// one axis.
 double EstimateSpacing(const Json& root, const std::vector<PhotonView>& views) {
   const Json& configuration = ValueAt(root, kSpacing);
   double spacing =
@@ -260,7 +263,8 @@ double EstimateSpacing(const Json& root, const std::vector<PhotonView>& views) {
   return spacing;
 }
 
-// 0-based column and row, relative to the board's origin.
+// Returns the 0-based column and row of a corner relative to the board's
+// origin.
 Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
   constexpr double kMostOff = 0.02;
   const Eigen::Vector2d exact = corner.on_board / spacing;
@@ -274,8 +278,8 @@ Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
   return whole.cast<int>();
 }
 
-// The place of the first corner: that of a ChArUco board lies a square from the
-// board's origin.
+// Returns the position of the first corner: on ChArUco boards, it is one square
+// from the board's origin.
 Eigen::Vector2i FindFirstPosition(const std::vector<PhotonView>& views,
                                   double spacing) {
   Eigen::Vector2d lowest(INFINITY, INFINITY);
@@ -336,7 +340,7 @@ void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
   AddPhotonViews(root, contents);
 }
 
-// A calibration, or the settings of a camera that has one for each size.
+// Reads a calibration, or camera settings with one calibration per resolution.
 ExchangeContents ReadPhotonVision(const ReadRequest& request) {
   const Json root = ParsePhotonJson(request.text);
   ExchangeContents contents;

@@ -31,7 +31,7 @@ void RequireText(const std::string& text) {
     throw InputError("not UTF-8 text");
 }
 
-// A line without its comment, and how many brackets it leaves open.
+// Removes the comment of a line and counts the brackets that remain open.
 std::string WithoutComment(const std::string& line, int* depth) {
   char quote = 0;
   for (size_t k = 0; k < line.size(); ++k) {
@@ -54,8 +54,8 @@ std::string Unquoted(const std::string& key) {
   return is_quoted ? key.substr(1, key.size() - 2) : key;
 }
 
-// Values of TOML are those of YAML's flow but for a comma at a list's end,
-// which YAML takes, too.
+// TOML values are valid YAML flow values; YAML also accepts TOML's trailing
+// comma in lists.
 YAML::Node TomlValue(const std::string& text, int line) {
   try {
     return YAML::Load(text);
@@ -64,12 +64,12 @@ YAML::Node TomlValue(const std::string& text, int line) {
   }
 }
 
-// A map that is filled key by key. yaml-cpp looks keys up one after the other,
-// which takes long in a map of many.
+// A map with fast insertion: yaml-cpp searches keys linearly, which is slow in
+// large maps.
 class TreeMap {
  public:
   TreeMap() = default;
-  // Nodes of yaml-cpp that are assigned stay the same node.
+  // Copies would alias: yaml-cpp nodes have reference semantics.
   TreeMap(const TreeMap&) = delete;
   TreeMap& operator=(const TreeMap&) = delete;
 
@@ -131,7 +131,7 @@ YAML::Node ParseKeyLines(const std::string& text, char mark) {
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
-    if (mark == '=') {  // MATLAB's brackets, ends and comments
+    if (mark == '=') {  // MATLAB: brackets, terminators and comments
       line.resize(std::min(line.find('%'), line.size()));
       std::replace_if(
           line.begin(), line.end(),

@@ -16,7 +16,7 @@ namespace {
 
 // ---- Reading ---------------------------------------------------------------
 
-// A feature's board, column and row.
+// Position of a feature: board, column and row.
 struct LatticePosition {
   int board = 0;
   Eigen::Vector2i place;
@@ -31,7 +31,8 @@ std::map<int32_t, LatticePosition> PlacesOfFeatures(
   return places;
 }
 
-// The file does not describe the board's appearance, so it is a point set.
+// The file does not describe the board's appearance, so the board is imported
+// as a point set.
 Board BoardOfGeometry(const PuzzlepaintGeometry& geometry, int id) {
   Board board;
   board.id = id;
@@ -66,9 +67,11 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
 
 // ---- Writing ---------------------------------------------------------------
 
-// The length of a cell, of a board whose features lie in a lattice of squares.
+// Returns the spacing of a board's square lattice in metres; throws if the
+// features are not on such a lattice.
 double CellIndex(const Board& board) {
-  constexpr double kRounding = 1e-6;  // of the points of pattern.yaml
+  constexpr double kRounding = 1e-6;  // rounding of points in pattern.yaml, in
+                                      // metres
   if (board.IsTagGrid())
     throw InputError(
         fmt::format("board {}: puzzlepaint requires a regular lattice of "
@@ -93,7 +96,8 @@ double CellIndex(const Board& board) {
 // Feature indices by board, column and row.
 using FeatureIds = std::map<std::array<int, 3>, int32_t>;
 
-// Row by row, board by board, without positions inside tags.
+// Numbers the features board by board and row by row, without positions inside
+// tags.
 FeatureIds AddGeometries(const std::vector<Board>& boards,
                          PuzzlepaintDataset* dataset) {
   FeatureIds ids;
@@ -129,8 +133,8 @@ std::vector<PuzzlepaintFeature> FeaturesOfImage(const FeatureIds& ids,
   return features;
 }
 
-// Images of one name were taken at one time; they come in the order in which
-// the cameras first have them.
+// Images of the same name form one imageset. Imagesets are in the order of
+// first appearance over the cameras.
 void AddImagesets(const FeatureTable& table, const FeatureIds& ids,
                   PuzzlepaintDataset* dataset) {
   std::map<std::string, size_t> places;

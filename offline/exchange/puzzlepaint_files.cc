@@ -29,7 +29,7 @@ Number ReadInteger(ByteReader* reader) {
   return reader->Get<Number>(ByteOrder::kBig);
 }
 
-// Reads the count of elements with a minimum size in bytes.
+// Reads the number of elements, each with a minimum size in bytes.
 uint32_t GetCount(ByteReader* reader, size_t least_bytes) {
   const auto count = ReadInteger<uint32_t>(reader);
   reader->Require(count, least_bytes);
@@ -102,8 +102,8 @@ PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
   return geometry;
 }
 
-// Columns and rows of boards hold few points, places stand once, and features
-// have one board.
+// Throws if boards are too large, positions are duplicate, or a feature belongs
+// to several boards.
 void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
   std::set<int32_t> ids;
   int num_points = 0;
@@ -133,7 +133,7 @@ std::string GetFeaturePosition(size_t imageset, size_t camera, int32_t id) {
                      id);
 }
 
-// Every observed feature belongs to a board, and is unique.
+// Throws unless every observed feature belongs to a board and is unique.
 void RequireKnownFeatures(const PuzzlepaintDataset& dataset) {
   std::set<int32_t> known;
   for (const PuzzlepaintGeometry& geometry : dataset.geometries)
@@ -241,7 +241,7 @@ PuzzlepaintDataset DecodePuzzlepaintDataset(const std::string& bytes) {
 
 std::string EncodePuzzlepaintDataset(const PuzzlepaintDataset& dataset) {
   std::string bytes = kDatasetMagic;
-  AppendCount(0, &bytes);  // the version
+  AppendCount(0, &bytes);  // version
   AppendCount(dataset.image_sizes.size(), &bytes);
   for (const ImageSize& size : dataset.image_sizes) {
     AppendCount(size.width, &bytes);

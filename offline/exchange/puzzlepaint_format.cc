@@ -36,7 +36,7 @@ const ExternalModel& FindPuzzlepaintModel(const YAML::Node& root) {
   if (!root["type"] || !root["type"].IsScalar())
     throw InputError("'type' is missing");
   const std::string type = root["type"].as<std::string>();
-  // Older files have another name of the same.
+  // Older files name the same models ...BSplineModel.
   std::string name = type;
   if (const size_t at = name.find("BSplineModel"); at != std::string::npos)
     name.replace(at, std::string::npos, "Model");
@@ -83,7 +83,8 @@ std::vector<Eigen::Vector3d> VectorsOf(const YAML::Node& root,
   return vectors;
 }
 
-// Directions come to length 1, as the program itself does when it loads them.
+// Normalizes directions to unit length, as the program itself does when it
+// loads them.
 std::vector<Eigen::Vector3d> ComputeDirections(const YAML::Node& root,
                                                const std::string& name,
                                                int count) {
@@ -199,7 +200,7 @@ std::vector<CompanionFile> WriteStateOfOne(const WriteRequest& request) {
   return WriteState(request.path, request.cameras, request.beside);
 }
 
-// Cameras in the order of their numbers, which is that of their names, as in
+// Sorts cameras by number, which is the order of their names, as in
 // dataset.bin.
 std::vector<WrittenLens> InOrder(std::vector<WrittenLens> cameras) {
   std::stable_sort(cameras.begin(), cameras.end(),

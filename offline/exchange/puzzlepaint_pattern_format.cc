@@ -22,8 +22,8 @@ int ReadCountInRange(const YAML::Node& node, const std::string& name, int least,
   return static_cast<int>(count);
 }
 
-// Stars stand at inner corners of squares, so the first one is a square from
-// the pattern's edge, which tags count from.
+// Stars are located at inner corners of squares: the first one is a square from
+// the pattern's edge, where tag coordinates start.
 BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
   constexpr int kMaxSquareCount = 1001, kMostId = 586;
   if (!node.IsMap()) throw InputError(name + ": expected a mapping");

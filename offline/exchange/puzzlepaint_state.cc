@@ -30,7 +30,7 @@ struct PuzzlepaintState {
   std::map<int, Eigen::Vector3d> points;
 };
 
-// texts: of ListStateFiles(path).
+// texts: contents of the files of ListStateFiles(path).
 PuzzlepaintState ReadState(const std::string& path,
                            const std::vector<std::string>& texts) {
   PuzzlepaintState state;
@@ -54,8 +54,9 @@ PuzzlepaintState ReadState(const std::string& path,
   return state;
 }
 
-// The pose of a board's lattice among the points that were found: the world of
-// the program is none of its boards, and drifts. None if few points are known.
+// Aligns a board's lattice with its estimated 3D points: the program's world
+// frame is not that of a board, and drifts. Returns nullopt if too few points
+// are known.
 std::optional<Pose> WorldFromBoard(
     const PuzzlepaintGeometry& geometry,
     const std::map<int, Eigen::Vector3d>& known) {
@@ -90,7 +91,7 @@ std::optional<Pose> WorldFromBoard(
               pose.topRightCorner<3, 1>()};
 }
 
-// Boards by index, for boards with known positions in the world.
+// Returns the world poses, by board index, of boards with known positions.
 std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
   std::map<int, Pose> boards;
   if (!state.dataset || state.points.empty()) return boards;
@@ -117,14 +118,16 @@ bool HasCamera(const PuzzlepaintDataset& dataset, int camera) {
   return static_cast<size_t>(camera) < dataset.image_sizes.size();
 }
 
-// Whether the dataset matches the poses and contains the camera.
+// Whether the dataset has as many imagesets as there are poses and contains the
+// camera.
 bool IsDatasetOf(const PuzzlepaintState& state, int camera) {
   return state.dataset && HasCamera(*state.dataset, camera) &&
          static_cast<int>(state.dataset->imagesets.size()) ==
              state.rig_from_world->count;
 }
 
-// Without board positions, the world frame is the only board's.
+// Without board positions, the world frame is assumed to be that of the only
+// board.
 std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
                                      const Pose& camera_from_rig) {
   const bool has_dataset = IsDatasetOf(state, index);
@@ -149,7 +152,7 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
 
 // ---- Writing ---------------------------------------------------------------
 
-// Returns the number that is an image's name; nullopt for other names.
+// Returns the number if an image's name is one; nullopt for other names.
 std::optional<int> NumberOfImage(const std::string& name) {
   constexpr size_t kMaxDigits = 6;
   if (name.empty() || name.size() > kMaxDigits ||
@@ -171,8 +174,8 @@ struct NumberedImages {
   }
 };
 
-// The numbers are those in the dataset if there is one, or the images' names if
-// all are numbers, or count the images.
+// Numbers images by the dataset if there is one, otherwise by their names if
+// all are numbers, otherwise consecutively.
 NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
                             const PuzzlepaintDataset* dataset) {
   NumberedImages images;
@@ -229,8 +232,9 @@ std::string FormatCameraPoses(const std::vector<WrittenLens>& cameras) {
   return FormatPuzzlepaintPoses(poses, names);
 }
 
-// The lattice of the dataset's one board, whose frame is the world. The program
-// opens no state without it; one of a calibration is not replaced.
+// Adds points.yaml with the lattice of the dataset's only board, whose frame is
+// the world frame. The program requires this file; the file of an existing
+// calibration is not overwritten.
 void AddPoints(const std::string& path, const PuzzlepaintDataset& dataset,
                std::vector<CompanionFile>* files) {
   if (dataset.geometries.size() != 1) return;

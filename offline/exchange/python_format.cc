@@ -19,7 +19,7 @@ using opencv_file::kMatrixKeys;
 using opencv_file::ReadNamed;
 using opencv_file::ReadTree;
 
-// The numbers of an array as lists in each other; other arrays are left out.
+// Converts a numeric array to nested lists; other arrays are omitted.
 YAML::Node ListsOf(const NpyArray& array) {
   const std::vector<double> numbers = NpyNumbers(array);
   YAML::Node list(YAML::NodeType::Sequence);
@@ -38,7 +38,8 @@ YAML::Node ListsOf(const NpyArray& array) {
   return list;
 }
 
-// A text or a pickled object is no number, and says nothing that is read.
+// Converts an archive to a tree. Text and pickled objects are skipped: they
+// contain no parameters.
 YAML::Node TreeOfNpz(const std::string& bytes) {
   constexpr size_t kMostNumbers = 64;
   YAML::Node root(YAML::NodeType::Map);
@@ -49,14 +50,14 @@ YAML::Node TreeOfNpz(const std::string& bytes) {
     }
     size_t count = 1;
     for (const size_t side : array.shape) count *= side;
-    if (count > kMostNumbers) continue;  // corners and poses
+    if (count > kMostNumbers) continue;  // large arrays are corners or poses
     root[array.name] = ListsOf(array);
   }
   return root;
 }
 
-// Whether a text has a key of YAML or JSON, or of TOML's lists if the mark is
-// '=', behind whatever prefix a pair has.
+// Whether a text has a key of YAML or JSON, or for the mark '=' of TOML, with
+// any prefix of a stereo pair.
 bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
   const auto is_word = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
@@ -68,7 +69,7 @@ bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
           text[at - 1] != '.')
         continue;
       size_t end = at + name.size();
-      // A pair has _left or 1 behind it.
+      // The keys of a pair have suffixes such as _left or 1.
       const size_t most = std::min(text.size(), end + 6);
       while (end < most && is_word(text[end])) ++end;
       if (end < text.size() && (text[end] == '"' || text[end] == '\'')) ++end;
@@ -81,8 +82,8 @@ bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
   return false;
 }
 
-// Whether a text has a camera matrix, and coefficients or the image's sides,
-// whose keys end so.
+// Whether a text has a camera matrix, and keys that end like those of
+// coefficients or the image size.
 bool HasAnyKey(const std::string& text, char mark) {
   return (HasKeyInText(text, kMatrixKeys, mark) ||
           HasKeyInText(text, {"fx"}, mark)) &&
@@ -126,7 +127,8 @@ Format MakePythonFormat() {
   format.accepts_model = true;
   format.recognizes = [](const std::string& text) {
     if (IsNpz(text)) return IsCameraNpz(text);
-    for (const Format& other : GetFormats())  // whose words say more
+    for (const Format& other : GetFormats())  // more specific formats take
+                                              // precedence
       if (other.name != "python" && other.recognizes(text)) return false;
     return HasAnyKey(text, ':') || HasAnyKey(text, '=');
   };

@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-// Angle from the axis for an ideal radius; nullopt beyond the projection's
-// limit.
+// Returns the incidence angle for an ideal radius; nullopt beyond the limit of
+// the projection.
 std::optional<double> ComputeAngle(RadialProjection projection, double radius) {
   const auto arc_sine = [](double sine, double factor) {
     return sine < 1 ? std::optional(factor * std::asin(sine)) : std::nullopt;
@@ -37,9 +37,8 @@ std::optional<double> ComputeAngle(RadialProjection projection, double radius) {
   }
 }
 
-// The ideal radius that is seen at another one: the root that a lens which does
-// not fold has. Newton's steps begin at the centre, where the radius is its
-// own.
+// Inverts the radial distortion: returns the root on the branch of an
+// invertible model. Newton's method starts at the centre, where the slope is 1.
 std::optional<double> ComputeIdealRadius(const std::array<double, 4>& c,
                                          double seen) {
   constexpr int kMostSteps = 100;
@@ -51,14 +50,15 @@ std::optional<double> ComputeIdealRadius(const std::array<double, 4>& c,
         1 + r * (2 * c[0] + r * (3 * c[1] + r * (4 * c[2] + r * 5 * c[3])));
     if (!(slope > 1e-3)) return std::nullopt;
     const double step = (seen - value) / slope;
-    // Short steps do not cross a fold.
+    // Limits the step so that it does not cross a fold of the model.
     r += std::clamp(step, -0.1, 0.1);
     if (std::abs(step) < 1e-13 * (1 + seen)) return r;
   }
   return std::nullopt;
 }
 
-// The named lens that such a lens is. Its form lives as long as the program.
+// Converts the lens to a parametric camera. Its external model is stored until
+// the program ends.
 ConvertedCamera NamedLens(const std::string& name, const ImageSize& size,
                           const RadialLens& lens) {
   static std::mutex mutex;

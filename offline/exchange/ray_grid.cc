@@ -17,14 +17,15 @@ namespace {
 using models::kCentralGeneric;
 using models::kNonCentralGeneric;
 
-// A pixel and its ray.
+// A pixel and its observation line.
 struct RaySample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d direction, origin;
-  bool is_white = false;  // as fields of a chessboard are
+  bool is_white = false;  // on a checkerboard of samples, for cross-validation
 };
 
-// All rays, or of larger tables every n-th of rows and columns with the last.
+// Returns all rays, or every n-th row and column, including the last ones, of
+// large tables.
 std::vector<RaySample> SamplesOf(const RayTable& rays) {
   constexpr size_t kMostAlong = 320;
   const size_t step =
@@ -69,7 +70,7 @@ void RequireCameraAxes(const RayTable& rays,
                     rays.path));
 }
 
-// Whether the lines of a table meet at the origin.
+// Whether all observation lines of a table pass through the origin.
 bool IsCentralTable(const std::vector<RaySample>& samples) {
   constexpr double kNothingM = 1e-9;
   return std::all_of(samples.begin(), samples.end(), [](const RaySample& ray) {
@@ -127,7 +128,8 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
                                              std::move(points));
 }
 
-// Errors of the camera at the samples; large for rays without a projection.
+// Computes the reprojection errors of the camera at the samples; large for rays
+// without a projection.
 void MeasureGrid(const std::vector<RaySample>& samples, int num_threads,
                  RayGrid* grid) {
   constexpr double kUnseenPx = 100, kMarginPx = 2, kDistanceM = 1;
@@ -161,7 +163,7 @@ Area ComputeArea(const std::vector<RaySample>& samples) {
   return area;
 }
 
-// Control points along the longer axis with four samples in each cell.
+// Number of control points along the longer axis for four samples per cell.
 int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
   const double sample_px = std::sqrt(area.width() * area.height() /
                                      static_cast<double>(samples.size()));
@@ -169,7 +171,8 @@ int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
                               (2 * sample_px));
 }
 
-// Tests a grid of the same size, fitted to white samples, at the black ones.
+// Cross-validates: fits a grid of the same size to the white samples and
+// returns its RMS error at the black ones.
 double ComputeCheckerboardRmsPx(const RayTable& rays,
                                 const std::vector<RaySample>& samples,
                                 const Area& area, const RayGrid& grid,
@@ -185,14 +188,15 @@ double ComputeCheckerboardRmsPx(const RayTable& rays,
   return half.rms_px;
 }
 
-// Control points along an axis of a grid that has so many along the longer one.
+// Number of control points along an axis of a grid with `along` points along
+// the longer axis.
 int PointsAlong(double extent, double longest, int along) {
   return 3 + std::max(1, static_cast<int>(
                              std::lround((along - 3) * extent / longest)));
 }
 
-// The part of the image's cells that hold no pixel of a table whose rows and
-// columns are not the camera's.
+// Returns the fraction of image cells without a sample, for tables whose rows
+// and columns are not those of the image.
 double ComputeEmptyCellFraction(const ImageSize& size,
                                 const std::vector<RaySample>& samples) {
   constexpr int kMostAlong = 64, kSamplesAlong = 4;

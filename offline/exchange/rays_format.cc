@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Vectors of all pixels as three numbers each.
+// Makes an array of rows x columns x 3 numbers.
 NpyArray ArrayOfVectors(const std::string& name, const RayTable& rays,
                         const std::vector<Eigen::Vector3d>& vectors) {
   return MakeNpyArray(name, {rays.y.size(), rays.x.size(), 3},
@@ -62,7 +62,7 @@ std::vector<double> NumbersOf(const NpyArray& array, size_t num_axes) {
   return NpyNumbers(array);
 }
 
-// Vectors in as many rows and columns as the table has.
+// Reads an array of rows x columns x 3 numbers.
 std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
                                        size_t columns) {
   const std::vector<double> numbers = NumbersOf(array, 3);
@@ -76,7 +76,7 @@ std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
   return vectors;
 }
 
-// Positions of columns or rows: all pixels, if not in the file.
+// Returns the pixel positions of columns or rows; 0, 1, ... if missing.
 std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
                                             const std::string& name,
                                             size_t count) {
@@ -98,7 +98,8 @@ std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
   return places;
 }
 
-// The size in the file, or the size required by the last positions.
+// Returns the image size of the file, or the smallest one that contains the
+// last positions.
 ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
   double width = std::floor(rays.x.back()) + 1,
          height = std::floor(rays.y.back()) + 1;
@@ -122,7 +123,8 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-// Directions as unit vectors; none where one, or its origin, is no number.
+// Normalizes directions; rays are invalid if the direction or the origin is not
+// finite.
 void NormalizeDirections(RayTable* rays) {
   for (size_t k = 0; k < rays->directions.size(); ++k) {
     Eigen::Vector3d& direction = rays->directions[k];

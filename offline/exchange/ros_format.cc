@@ -23,8 +23,8 @@ const std::vector<ExternalModel>& GetRosModels() {
   return external_models;
 }
 
-// OpenCV's models of more coefficients, which drivers call rational_polynomial,
-// and of fewer. Zeros that the model has no place for are taken off.
+// Returns the external model for the distortion model and number of
+// coefficients of a file. Removes trailing zeros that the model does not have.
 const ExternalModel& FindRosModel(const std::string& model,
                                   std::vector<double>* d) {
   static const ExternalModel twelve = MakeOpenCvModel(kRational, 12),
@@ -62,8 +62,8 @@ const ExternalModel& FindRosModel(const std::string& model,
                   Printable(model)));
 }
 
-// The distortion model, also under its key in early files; nullopt if the file
-// lacks it.
+// Returns the distortion model, which early files store under another key;
+// nullopt if missing.
 std::optional<std::string> ModelInFile(const CameraKeys& keys) {
   const bool has_model = keys.Has("distortion_model");
   const std::string camera = keys.Word("camera_model");
@@ -75,8 +75,8 @@ std::optional<std::string> ModelInFile(const CameraKeys& keys) {
   return *ParseLensFamily(camera) == LensFamily::kPinhole ? kPlumbBob : camera;
 }
 
-// Matrices of files have a list of data; those of messages are the list.
-// Nothing if there is none.
+// Returns a matrix: in files, a mapping with data; in messages, a list. nullopt
+// if missing.
 std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
                                             const std::string& in_files,
                                             const std::string& in_messages,
@@ -101,7 +101,7 @@ std::vector<double> MatrixOf(const CameraKeys& keys, const char* in_files,
   throw InputError(fmt::format("'{}' is missing", in_files));
 }
 
-// 0 x 0 if the file has no size.
+// Returns the image size; 0 x 0 if missing.
 ImageSize SizeIn(const CameraKeys& keys) {
   const char* const prefix =
       keys.Has("image_width") || keys.Has("image_height") ? "image_" : "";
@@ -114,8 +114,8 @@ ImageSize SizeIn(const CameraKeys& keys) {
   return {side_of("width"), side_of("height")};
 }
 
-// Single cameras may lack both; what is missing of one is that of a camera
-// alone. A focal length of 0 in P means that both are unknown.
+// Single cameras may lack R and P; if only one is missing, it gets the default
+// of a single camera. A focal length of 0 in P means that both are unknown.
 std::optional<RectifiedProjection> ReadRectifiedProjection(
     const CameraKeys& keys, const ConvertedCamera& lens) {
   const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
@@ -142,7 +142,7 @@ std::optional<RectifiedProjection> ReadRectifiedProjection(
   return rectified;
 }
 
-// Parts of frames that a driver had when the message was printed.
+// Warns about binning and regions of interest at the time of the message.
 void AddWarnings(const CameraKeys& keys, ExchangeContents* contents) {
   const auto is_set = [&](const char* key) {
     const std::string word = keys[key].IsDefined() ? keys.Word(key) : "";
@@ -159,7 +159,7 @@ void AddWarnings(const CameraKeys& keys, ExchangeContents* contents) {
   keys.Skip({"header", "roi", "camera_info_url"});
 }
 
-// The text without the line that ends a printed message.
+// Removes the "---" line that ends a printed message.
 std::string FirstDocument(const std::string& text) {
   const size_t end = text.rfind("\n---");
   return end != std::string::npos &&

@@ -21,11 +21,11 @@ bool IsRosIni(const std::string& text) {
   return true;
 }
 
-// Such files do not state the model; the calibrator writes the five
-// coefficients of plumb_bob.
+// INI files do not state the model; the calibrator writes the five plumb_bob
+// coefficients.
 constexpr char kFourCoefficients[] = "equidistant";
 
-// Its keys under the names that the .yaml has.
+// Renames INI keys to those of the .yaml format.
 YAML::Node TreeOfRosIni(const std::string& text) {
   const YAML::Node ini = ParseRosIni(text);
   const std::map<std::string, std::string> names = {
@@ -51,8 +51,8 @@ YAML::Node TreeOfRosIni(const std::string& text) {
   return root;
 }
 
-// One camera behind the other, as the calibrator has a pair in ost.txt; what it
-// printed before is left out.
+// Reads consecutive cameras, as in the calibrator's ost.txt of a stereo pair;
+// preceding output is skipped.
 ExchangeContents ReadRosIni(const ReadRequest& request) {
   const std::string& text = request.text;
   const std::string image = "[image]";
@@ -74,7 +74,7 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
                         one.warnings.end());
   }
   if (all.cameras.size() > 1) {
-    for (ReadLens& camera : all.cameras)  // of "narrow_stereo/left"
+    for (ReadLens& camera : all.cameras)  // "narrow_stereo/left" becomes "left"
       camera.name.erase(0, camera.name.rfind('/') + 1);
     ComputePairPoses(&all.cameras);
   }
@@ -92,7 +92,7 @@ std::string IniRows(const std::string& key, const std::vector<double>& numbers,
 std::string WriteRosIni(const WriteRequest& request) {
   const WrittenLens& camera = request.cameras.front();
   const RosMatrices matrices = MakeRosMatrices(camera);
-  std::string name;  // of a section, which ends with the bracket
+  std::string name;  // section names must not contain brackets
   for (const char c : Printable(camera.name))
     if (c != '[' && c != ']') name += c;
   std::string text = "# Camera intrinsics\n\n";

@@ -24,8 +24,8 @@ namespace {
 constexpr std::array<const char*, 4> kChannels = {"R", "G", "B", "A"};
 using StPixel = std::array<float, kChannels.size()>;
 
-// The source as a part of the image's width and height, from its lower left
-// corner on, and whether there is one.
+// Returns the source position relative to the image size, measured from the
+// lower left corner, and 1 if there is a source.
 StPixel GetPixel(const ViewTable& view, int x, int y) {
   const auto source = view.At(x, y);
   if (!source) return {-1, -1, 0, 0};
@@ -53,7 +53,7 @@ bool IsExr(const std::string& bytes) {
   return bytes.compare(0, std::strlen(kExrMagic), kExrMagic) == 0;
 }
 
-// A file that is in memory.
+// In-memory input stream for OpenEXR.
 class ExrInput : public Imf::IStream {
  public:
   ExrInput(const std::string& path, const std::string& bytes)
@@ -74,8 +74,8 @@ class ExrInput : public Imf::IStream {
   uint64_t at_ = 0;
 };
 
-// The size of a window of pixels. Throws for one that no file of so many bytes
-// has.
+// Returns the size of a pixel window. Throws if a file of num_bytes cannot
+// contain it.
 ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
   constexpr int64_t kMaxPixelsPerByte = 1024;
   const int64_t width = int64_t{window.max.x} - window.min.x + 1,
@@ -102,7 +102,7 @@ void RequireStChannels(const Imf::ChannelList& channels) {
   }
 }
 
-// The pixels of a file's data window, in which a file may leave out channels.
+// Reads the pixels of the file's data window; the alpha channel is optional.
 std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
   RequireStChannels(file->header().channels());
   const Imath::Box2i& window = file->header().dataWindow();
@@ -119,8 +119,8 @@ std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
   return pixels;
 }
 
-// Whether a pixel has a source: edges of alpha are mixed with others, and
-// programs fill undefined pixels with -1 or black.
+// Whether a pixel has a source: partially transparent pixels mix neighbouring
+// values, and programs fill undefined pixels with -1 or black.
 bool HasPosition(const StPixel& pixel, bool has_alpha) {
   constexpr float kWhole = 0.999F;
   const auto [s, t, unused, alpha] = pixel;
@@ -129,7 +129,7 @@ bool HasPosition(const StPixel& pixel, bool has_alpha) {
          !(s == 0 && t == 0);
 }
 
-// An alpha channel that is nowhere 1 has no information.
+// Whether alpha is usable: a channel without any 1 contains no information.
 bool HasAlpha(const std::vector<StPixel>& pixels) {
   return std::any_of(pixels.begin(), pixels.end(),
                      [](const StPixel& pixel) { return pixel[3] == 1; });
@@ -171,7 +171,7 @@ ViewTable ReadStMap(const std::string& path, const std::string& bytes,
     return ViewOfExr(path, bytes, source_size);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
-  } catch (const std::exception& error) {  // of OpenEXR
+  } catch (const std::exception& error) {  // thrown by OpenEXR
     throw InputError(fmt::format("{}: OpenEXR cannot read it: {}", path,
                                  Printable(error.what())));
   }

@@ -28,15 +28,14 @@ std::optional<double> NumberOfWord(const std::string& word) {
 
 // ---- Writing ---------------------------------------------------------------
 
-// A row of the file.
 struct TumRow {
   std::string stamp;
   double seconds = 0;
   Pose board_from_camera;
 };
 
-// The stamps that images have: their names, if all of these are numbers as
-// cameras give them, or else 0, 1, ...
+// Whether all image names are numeric time stamps as cameras provide them;
+// otherwise, the stamps are 0, 1, ...
 bool AreStamps(const std::vector<BoardPose>& poses) {
   return std::all_of(poses.begin(), poses.end(), [](const BoardPose& pose) {
     const std::string stem = std::filesystem::path(pose.image).stem();
@@ -45,7 +44,8 @@ bool AreStamps(const std::vector<BoardPose>& poses) {
   });
 }
 
-// A camera has one pose at a time.
+// Throws if there are several targets: a trajectory has one pose per time
+// stamp.
 void RequireOneBoardOf(const PoseTable& table) {
   for (const BoardPose& pose : table.poses)
     if (pose.board != table.poses.front().board)
@@ -97,8 +97,8 @@ TableOutput WriteTum(const PoseTable& table) {
 
 // ---- Reading ---------------------------------------------------------------
 
-// Whether the first line that is no comment is of eight numbers, the last four
-// of which are a rotation: those of a camera's line are not.
+// Whether the first line that is not a comment has eight numbers that end with
+// a unit quaternion, which excludes lines of intrinsics.
 bool IsTum(const std::string& bytes) {
   constexpr size_t kMostBytes = 1000;
   size_t at = 0;
@@ -109,7 +109,8 @@ bool IsTum(const std::string& bytes) {
   if (at >= bytes.size()) return false;
   const std::string line =
       bytes.substr(at, std::min(bytes.find('\n', at) - at, kMostBytes));
-  constexpr double kMostOff = 0.1;  // of the length; few digits are written
+  constexpr double kMostOff = 0.1;  // tolerance of the norm; files may have few
+                                    // digits
   std::istringstream words(line);
   std::vector<double> numbers;
   for (std::string word; words >> word;) {
@@ -123,8 +124,8 @@ bool IsTum(const std::string& bytes) {
                   1) < kMostOff;
 }
 
-// The name of an image at a time stamp, of digits: programs also write stamps
-// as 1.5e+09.
+// Formats a time stamp as an image name with plain digits: programs also write
+// stamps such as 1.5e+09.
 std::string NameOfStamp(const std::string& word, double stamp) {
   constexpr double kMaxDigits = 1e15;
   const bool has_exponent = word.find_first_of("eE") != std::string::npos;

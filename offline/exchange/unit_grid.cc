@@ -13,7 +13,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-// The lattice's cells begin and end at the outer edges of pixels.
+// Area of the lattice, which extends to the outer edges of the pixels.
 Area LatticeArea(const UnitGrid::Bounds& bounds) {
   constexpr PixelOrigin kOrigin = PixelOrigin::kImageCorner;
   const Eigen::Vector2d first =
@@ -29,7 +29,7 @@ Area AreaInImage(const UnitGrid::Bounds& bounds, const ImageSize& size) {
           std::min(lattice.x1, image.x1), std::min(lattice.y1, image.y1)};
 }
 
-// The vector spline at a pixel, and its derivative.
+// Evaluates the vector-valued spline at a pixel, and its derivative.
 Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
                             const Vectors& vectors,
                             const Eigen::Vector2d& pixel,
@@ -50,14 +50,15 @@ Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
   return value;
 }
 
-// The chart of directions cannot represent straight backward directions.
+// Whether the parametrization of directions can represent a vector: it cannot
+// represent the backward direction.
 bool HasChart(const Eigen::Vector3d& vector) {
   constexpr double kShortest = 1e-6;
   return vector.norm() > kShortest &&
          vector.norm() + vector.z() > kShortest * vector.norm();
 }
 
-// Control points of vectors that are sampled at pixels.
+// Fits control points to vectors sampled at pixels.
 Vectors FitVectors(const BSplineSurface& lattice,
                    const std::vector<Eigen::Vector2d>& pixels,
                    const Vectors& values) {
@@ -76,8 +77,8 @@ Vectors FitVectors(const BSplineSurface& lattice,
   return fitted;
 }
 
-// Control points of unit length. What the spline makes of them is normalized,
-// so the fit goes on with what is left.
+// Fits unit control points. The interpolated vectors are normalized, so the fit
+// is iterated on the remaining differences.
 Vectors FitDirections(const BSplineSurface& lattice,
                       const std::vector<Eigen::Vector2d>& pixels,
                       const Vectors& rays) {
@@ -96,7 +97,7 @@ Vectors FitDirections(const BSplineSurface& lattice,
   return directions;
 }
 
-// The pixels whose centres lie in the camera's area.
+// Returns the pixels whose centres are in the camera's area.
 UnitGrid::Bounds ComputeBounds(const CameraModel& camera) {
   constexpr double kRounding = 1e-9;
   const auto first = [](double x) {
@@ -109,7 +110,8 @@ UnitGrid::Bounds ComputeBounds(const CameraModel& camera) {
   return {first(area.x0), first(area.y0), last(area.x1), last(area.y1)};
 }
 
-// Numbers of control points: those of a grid, else for cells of this size.
+// Returns the numbers of control points: those of the camera's grid, otherwise
+// for the default knot spacing.
 std::pair<int, int> GetGridSize(const CameraModel& camera) {
   constexpr double kCellPx = 20, kMostCells = 100;
   if (const BSplineSurface* grid = camera.DirectionGrid())
@@ -201,7 +203,7 @@ UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points) {
   std::vector<Eigen::Vector2d> pixels;
   Vectors rays, origins;
   for (const Eigen::Vector2d& pixel : lattice.SamplePixels(4)) {
-    // Samples at the lattice's edge lie half a pixel outside the area.
+    // Samples on the lattice's edge are half a pixel outside the area.
     const Eigen::Vector2d inside = ClampToArea(pixel, camera.area(), 0);
     const auto line = camera.Line(inside);
     if (!line) continue;

@@ -6,7 +6,7 @@
 namespace raygrid {
 namespace {
 
-// A cell, or the corner above and to the left of it.
+// A cell, or its top left corner.
 struct Place {
   int column, row;
 
@@ -18,7 +18,7 @@ struct Place {
   }
 };
 
-// Right, down, left and up: each is the one before it, turned to the right.
+// Right, down, left and up: each step is the previous one rotated clockwise.
 constexpr Place kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
 bool Holds(const ValidityMask& mask, const Place& cell) {
@@ -27,7 +27,7 @@ bool Holds(const ValidityMask& mask, const Place& cell) {
          mask.is_valid[cell.row * mask.columns + cell.column];
 }
 
-// Takes a part of the cells out of a mask: those that are joined to a cell.
+// Removes the connected component of a cell from *rest and returns it.
 ValidityMask ExtractConnectedCells(int first, ValidityMask* rest) {
   ValidityMask part = *rest;
   part.is_valid.assign(part.is_valid.size(), false);
@@ -52,7 +52,8 @@ int64_t CountValidCells(const ValidityMask& mask) {
   return std::count(mask.is_valid.begin(), mask.is_valid.end(), true);
 }
 
-// Returns the largest part, the first one if equal. Empty if nothing is valid.
+// Returns the largest connected component, the first one if several are equally
+// large. Empty if nothing is valid.
 ValidityMask FindLargestComponent(ValidityMask rest) {
   ValidityMask largest = rest;
   largest.is_valid.assign(rest.is_valid.size(), false);
@@ -65,8 +66,8 @@ ValidityMask FindLargestComponent(ValidityMask rest) {
   return largest;
 }
 
-// Whether a mask holds the cell to the right of the way from a corner along a
-// step. The cell to its left is to the right of the step before.
+// Whether the mask contains the cell on the right of a step from a corner. The
+// cell on the left of a step is on the right of the previous step.
 bool HoldsBeside(const ValidityMask& mask, const Place& corner, int step) {
   constexpr Place kRight[4] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
   return Holds(mask, corner + kRight[step % 4]);
@@ -86,8 +87,8 @@ Eigen::Vector2d GetCellCenter(const Place& cell, const ValidityMask& mask,
          2;
 }
 
-// Whether a way to the right of a place crosses a contour an odd number of
-// times.
+// Even-odd rule: whether a ray to the right of a point crosses the contour an
+// odd number of times.
 bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
   bool is_inside = false;
   for (size_t k = 0; k < region.size(); ++k) {
@@ -99,7 +100,7 @@ bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
   return is_inside;
 }
 
-// A mask's cells whose middle is in a region.
+// Sets the cells of a mask whose centres are in a region.
 ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
                          const ImageSize& size) {
   for (size_t k = 0; k < mask.is_valid.size(); ++k) {
@@ -113,8 +114,8 @@ ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
 
 }  // namespace
 
-// The way around begins with the part's first cell, which it has to its right
-// ever after.
+// Traces the contour clockwise, starting at the component's first cell; the
+// component is always on the right.
 ValidRegion ComputeValidRegion(const ValidityMask& mask,
                                const ImageSize& size) {
   const ValidityMask part = FindLargestComponent(mask);

@@ -42,8 +42,8 @@ class XmlTree {
   }
 
  private:
-  // expat has the same words for a document that ends within an element as for
-  // one without any.
+  // expat's message for a document that ends within an element is the same as
+  // for a document without elements, so they are distinguished here.
   std::string Reason() const {
     if (!refusal_.empty()) return refusal_;
     const XML_Error error = XML_GetErrorCode(parser_.get());
@@ -65,7 +65,8 @@ class XmlTree {
       tree.Refuse("elements are nested too deeply");
       return;
     }
-    // Elements that are open do not move: siblings follow when they are closed.
+    // Pointers to open elements remain valid: siblings are added only after an
+    // element is closed.
     XmlElement& element = tree.open_.empty()
                               ? tree.root_
                               : tree.open_.back()->children.emplace_back();

@@ -98,7 +98,8 @@ Pose PoseFromQuaternion(const std::array<double, 7>& numbers) {
   if (!(rotation.norm() > 0.5) || !(rotation.norm() < 2))
     throw InputError("not a unit quaternion");
   Pose pose;
-  // A quaternion of length 1 is not touched, so that it comes out as it was.
+  // Unit quaternions are not normalized again, so that they are written as they
+  // were read.
   pose.rotation =
       std::abs(rotation.norm() - 1) < 1e-12 ? rotation : rotation.normalized();
   pose.translation = {numbers[4], numbers[5], numbers[6]};

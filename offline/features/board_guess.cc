@@ -25,7 +25,8 @@ std::optional<Guess> GuessChessboard(const GreyImage& image, const Board&) {
   return guess;
 }
 
-// The kind that was asked for first: some boards look like several.
+// Tries the requested kind of target first, because some targets match several
+// kinds.
 std::optional<Guess> TryKinds(const GreyImage& image, const Board& asked) {
   using Guesser = std::optional<Guess> (*)(const GreyImage&, const Board&);
   std::vector<std::pair<std::string, Guesser>> guessers = {
@@ -40,7 +41,7 @@ std::optional<Guess> TryKinds(const GreyImage& image, const Board& asked) {
   return std::nullopt;
 }
 
-// The board as it is guessed.
+// Converts a guess to a board.
 Board MakeGuessedBoard(const Guess& guess) {
   Board board;
   board.kind = guess.kind;
@@ -52,13 +53,14 @@ Board MakeGuessedBoard(const Guess& guess) {
   return board;
 }
 
-// The other side of a chessboard may be the longer one.
+// Swaps columns and rows of a chessboard if the requested one has more rows:
+// the orientation of chessboards is ambiguous.
 void MatchOrientation(const Board& asked, Guess* guess) {
   if (!guess->HasMarkers() && asked.columns < asked.rows)
     std::swap(guess->columns, guess->rows);
 }
 
-// The guess that most images agree on.
+// Returns the guess with the most votes of images.
 std::optional<Guess> SelectByMajority(
     const std::vector<std::optional<Guess>>& guesses, int* num_votes) {
   std::map<decltype(Guess().Key()), int> votes;
@@ -92,15 +94,15 @@ bool IsWhole(const ImageDetection& image, const Board& board) {
          kMostOf * board.num_points();
 }
 
-// Black and white exchanged.
+// Inverts the image.
 GreyLevels Negative(GreyLevels grey) {
   constexpr float kWhite = 255;
   for (float& level : grey.levels) level = kWhite - level;
   return grey;
 }
 
-// How many of the images show the boards of the pattern in white on black. A
-// chessboard is one then, too.
+// Returns the number of images that show the pattern inverted (white on black).
+// An inverted chessboard also counts.
 int CountNegatives(const FolderDetection& found, const Pattern& pattern,
                    const std::vector<int>& chosen, int num_threads) {
   const PatternDetector detector(pattern, {});
@@ -118,9 +120,9 @@ int CountNegatives(const FolderDetection& found, const Pattern& pattern,
       std::count(are_negative.begin(), are_negative.end(), 1));
 }
 
-// Some of the images that do not show the whole board, evenly spread; none
-// where enough do, or where most show a part of a chessboard that is told from
-// all others: with another size few would.
+// Selects images, evenly spread, that do not show the whole board. Returns none
+// if enough images show it, or if most show a part of a chessboard: with a
+// wrong size, few would be detected.
 std::vector<int> SelectExampleImages(const FolderDetection& found,
                                      const Board& board) {
   constexpr int kMaxImages = 5;
@@ -129,8 +131,8 @@ std::vector<int> SelectExampleImages(const FolderDetection& found,
   for (int i = 0; i < count; ++i)
     if (!IsWhole(found.images[i], board)) doubtful.push_back(i);
   const int num_doubtful = static_cast<int>(doubtful.size());
-  // Corners have no numbers: chessboards are seen as they are, or hardly ever.
-  // Markers may fit a wrong board in parts.
+  // Chessboard corners have no IDs: with a wrong size, chessboards are hardly
+  // ever detected. Markers may partially match a wrong board.
   const bool is_chessboard = !board.HasMarkers();
   const double enough = is_chessboard ? 0.25 : 0.9;
   if (count - num_doubtful > enough * count) return {};
@@ -167,13 +169,14 @@ std::string Remedy(const Guess& guess, const Board& asked,
   return fmt::format("correct {} in {}", what, pattern_name);
 }
 
-// A line if most of the images show the boards in white on black.
+// Returns a warning if most of the images show inverted (white on black)
+// boards.
 std::optional<std::string> WarnAboutNegatives(const FolderDetection& found,
                                               const Pattern& pattern,
                                               const std::string& pattern_name,
                                               const std::vector<int>& chosen,
                                               int num_threads) {
-  // A chessboard's negative is a chessboard.
+  // An inverted chessboard is also a chessboard.
   if (chosen.empty() || !pattern.boards.front().HasMarkers())
     return std::nullopt;
   const auto num_seen =

@@ -16,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The version to raise when the same image shows something else than before.
+// Must be incremented when the detector's results change for the same image.
 constexpr int kDetectorVersion = 11;
 constexpr const char* kExtension = ".detection";
 
-// The checksum of an entry under its key, so that an entry under another's name
-// is not taken.
+// Checksum of an entry and its key, so that an entry stored under another key
+// is rejected.
 std::string Checksum(const std::string& key, const std::string& entry) {
   ContentHash hash;
   hash.Add(key);
@@ -52,7 +52,7 @@ std::string FormatEntry(const DetectedImage& seen) {
   return entry;
 }
 
-// The rest of a line, behind the space.
+// Returns the rest of a line after the space.
 std::string Rest(std::istringstream* line) {
   std::string rest;
   line->get();
@@ -62,14 +62,14 @@ std::string Rest(std::istringstream* line) {
 
 Feature ParseFeature(std::istringstream* line) {
   Feature feature;
-  std::string x, y;  // streams do not read all that is printed, such as "inf"
+  std::string x, y;  // streams cannot parse all printed values, e.g. "inf"
   *line >> feature.board >> feature.column >> feature.row >> x >> y;
   feature.pixel = {std::strtod(x.c_str(), nullptr),
                    std::strtod(y.c_str(), nullptr)};
   return feature;
 }
 
-// The image's detection in a text whose checksum is right.
+// Parses the detection of an image from an entry with a valid checksum.
 DetectedImage ParseEntry(const std::string& entry) {
   DetectedImage seen;
   std::istringstream lines(entry);
@@ -99,7 +99,7 @@ struct AgedFile {
 
 std::string DetectionCache::DefaultFolder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
-  // The specification has relative paths ignored.
+  // The XDG specification requires that relative paths are ignored.
   if (cache && fs::path(cache).is_absolute())
     return (fs::path(cache) / "raygrid").string();
   const char* home = std::getenv("HOME");
@@ -143,7 +143,7 @@ void DetectionCache::Store(const std::string& key,
   try {
     WriteFile(Path(key), Checksum(key, entry) + "\n" + entry);
   } catch (const Error&) {
-    // The image will be detected again.
+    // Without a cache entry, the image is detected again next time.
   }
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 const cv::Scalar kGreen(0, 200, 0), kDarkGreen(0, 130, 0), kRed(0, 0, 255),
     kYellow(0, 220, 255), kWhite(255, 255, 255), kBlack(0, 0, 0);
-constexpr int kMinDrawingPx = 1280;  // of the drawing
-constexpr int kShift = 4;            // fraction bits of OpenCV's positions
+constexpr int kMinDrawingPx = 1280;  // minimum side of the drawing
+constexpr int kShift = 4;            // fractional bits of OpenCV coordinates
 constexpr double kFontScale = 0.5;
 constexpr int kLineHeightPx = 20;
 
@@ -34,7 +34,7 @@ void Write(cv::Mat* canvas, const std::string& text, cv::Point left_baseline,
                 cv::LINE_AA);
 }
 
-// Draws at positions in the image on a canvas of scale times its size.
+// Draws at image coordinates on a canvas enlarged by scale.
 class Overlay {
  public:
   explicit Overlay(const GreyImage& image)
@@ -72,7 +72,7 @@ class Overlay {
   const cv::Mat& canvas() const { return canvas_; }
 
  private:
-  // The first pixel's centre is in the middle of its enlargement.
+  // The centre of a pixel maps to the centre of the enlarged pixel.
   cv::Point Place(const Eigen::Vector2d& pixel,
                   const Eigen::Vector2d& offset_px = {0, 0}) const {
     const Eigen::Vector2d p =
@@ -95,7 +95,7 @@ void DrawOrder(const std::vector<Feature>& features, Overlay* overlay) {
   }
 }
 
-// Dark blue for little, yellow for much.
+// Applies a colour map from dark blue (0) to yellow (1).
 cv::Mat Colored(const cv::Mat& zero_to_one) {
   cv::Mat bytes, colored;
   zero_to_one.convertTo(bytes, CV_8U, 255);
@@ -103,8 +103,8 @@ cv::Mat Colored(const cv::Mat& zero_to_one) {
   return colored;
 }
 
-// Features per square of side_px around each pixel of a picture of the image
-// that is scale times its size.
+// Feature density: number of features in a square of side_px around each pixel
+// of an image scaled by scale.
 cv::Mat Density(const Dataset& dataset, double scale, double side_px) {
   const double height = std::round(dataset.image_size.height * scale);
   const double width = std::round(dataset.image_size.width * scale);
@@ -124,7 +124,7 @@ cv::Mat Density(const Dataset& dataset, double scale, double side_px) {
   return density * std::pow(side_px * scale, 2);
 }
 
-// A column with the colours from 0 to most, and what they mean.
+// Draws the colour bar from 0 to most, with labels.
 cv::Mat Scale(int height, double most) {
   cv::Mat column(height, 90, CV_8UC3, kBlack);
   const int top = 30, bottom = height - 20;

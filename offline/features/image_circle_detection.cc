@@ -11,17 +11,19 @@
 namespace raygrid {
 namespace {
 
-// A lit cell has more than this part of the levels from dark to the middle of
-// the images.
+// A cell is illuminated if its level exceeds this fraction of the range from
+// the dark level to the level at the image centre.
 constexpr double kLitPart = 0.1;
-// An edge is sharp if images have more than this part of the levels so near
-// within, as a part of the radius. Vignetting alone makes no such edge.
+// An edge is sharp if levels exceed kSharpPart of the range at a distance of
+// kSharpWidth, as a fraction of the radius, inside it. Vignetting alone does
+// not produce such an edge.
 constexpr double kSharpPart = 0.2, kSharpWidth = 0.04;
 constexpr int kDirections = 720;
-// A quarter of the circle's round is seen if so many directions meet it there.
+// A quadrant of the circle is visible if at least kMinInQuarter of the
+// kDirections directions intersect the circle there.
 constexpr int kMinInQuarter = 8, kMinQuarters = 3;
 constexpr double kMinInliers = 0.7;
-// Cells beyond the circle may be lit in so small a part, as by a reflection.
+// Maximum fraction of illuminated cells outside the circle, as by reflections.
 constexpr double kMaxLitBeyond = 0.005;
 
 struct Circle {
@@ -34,11 +36,11 @@ struct Circle {
 };
 
 struct Levels {
-  double lit = 0, sharp = 0;  // more is lit, or inside of a sharp edge
+  double lit = 0, sharp = 0;  // thresholds of kLitPart and kSharpPart
 };
 
-// The levels between dark, which one cell in 200 is darker than, and the
-// median of cells in the middle half of rows and columns.
+// Computes thresholds between the dark level, which is the 0.5 % quantile of
+// the cells, and the median of cells in the central half of rows and columns.
 std::optional<Levels> FindLevels(const BrightestCells& cells) {
   std::vector<float> midpoint, all = cells.levels;
   for (int row = cells.rows / 4; row < cells.rows * 3 / 4; ++row)
@@ -57,8 +59,8 @@ std::optional<Levels> FindLevels(const BrightestCells& cells) {
                 dark + kSharpPart * (bright - dark)};
 }
 
-// The pixels at which images become dark for good on the way from their middle
-// outwards, in the directions in which they do.
+// Returns, for each direction from the image centre, the outermost pixel where
+// images change from illuminated to dark, if there is one.
 std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
                                         double lit) {
   const double step = cells.knot_spacing_px / 4.0;
@@ -87,7 +89,7 @@ std::vector<Eigen::Vector2d> EdgePixels(const BrightestCells& cells,
   return edge;
 }
 
-// The circle x^2 + y^2 + a x + b y + c = 0 of the least squares.
+// Fits the circle x^2 + y^2 + a x + b y + c = 0 by least squares.
 std::optional<Circle> FitCircle(const std::vector<Eigen::Vector2d>& pixels) {
   if (pixels.size() < 3) return std::nullopt;
   Eigen::Vector2d mean(0, 0);
@@ -115,7 +117,8 @@ std::vector<Eigen::Vector2d> Near(const Circle& circle, double distance_px,
   return near;
 }
 
-// The circle that most pixels lie near, of those through three far apart.
+// Returns the circle with the most inliers among circles through three distant
+// edge pixels (RANSAC).
 std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
                                    double knot_spacing_px) {
   std::optional<Circle> best;
@@ -146,7 +149,7 @@ bool IsCircleVisible(const Circle& circle,
          }) >= kMinQuarters;
 }
 
-// Whether images are bright just inside of most of an edge.
+// Whether images are bright just inside most edge pixels.
 bool IsSharp(const BrightestCells& cells, double sharp, const Circle& circle,
              const std::vector<Eigen::Vector2d>& edge) {
   const auto bright = std::count_if(

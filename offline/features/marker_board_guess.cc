@@ -14,10 +14,10 @@ namespace raygrid {
 namespace {
 
 struct Dictionary {
-  int number;  // OpenCV's
+  int number;  // of OpenCV's enum
   const char* name;
   bool has_sizes;     // DICT_4X4_50, _100, ...
-  bool is_april_tag;  // of a family of AprilTags
+  bool is_april_tag;  // an AprilTag family
 };
 constexpr Dictionary kDictionaries[] = {
     {cv::aruco::DICT_4X4_1000, "DICT_4X4", true, false},
@@ -33,8 +33,8 @@ constexpr Dictionary kDictionaries[] = {
 constexpr int kMinMarkers = 4, kMaxMarkers = 1000;
 constexpr int kMaxAcross = 24;
 
-// Markers as a board with n of its squares or tags across has them, in
-// the order of their numbers; a square, or a tag with a gap, is 1 m.
+// Marker positions, in the order of IDs, of a board with n squares or tags
+// across. The unit of 1 m is a square, or a tag with its gap.
 struct MarkerLayout {
   int across = 0;
   double pitch_m = 1;
@@ -49,7 +49,7 @@ PlacedMarker MarkerAt(double x, double y, double side_m) {
   return marker;
 }
 
-// parity: of column + row of the squares that hold markers.
+// parity: of column + row of the squares with markers.
 MarkerLayout CharucoLayout(int across, int parity, double marker_part) {
   MarkerLayout layout = {across, M_SQRT2, {}};
   for (int row = 0; static_cast<int>(layout.markers.size()) < kMaxMarkers;
@@ -72,11 +72,11 @@ MarkerLayout TagLayout(int across, bool is_numbered_from_top, double tag_part) {
   return layout;
 }
 
-// The layout that the markers confirm best, if it is clearly one.
+// The layout that is consistent with the most markers.
 struct BestLayout {
   int across = 0, num_rows = 0, max_marker = 0;
   int agreement = 0;
-  bool is_clear = false;  // hardly a marker is elsewhere
+  bool is_clear = false;  // nearly all markers are consistent
 };
 
 void Compare(const MarkerLayout& layout,
@@ -103,7 +103,8 @@ cv::Ptr<cv::aruco::Dictionary> Predefined(const Dictionary& dictionary) {
   return cv::aruco::getPredefinedDictionary(dictionary.number);
 }
 
-// The markers of a dictionary, and how many squares may be markers of any.
+// Detected markers of a dictionary, and the number of squares that may be
+// markers of any dictionary.
 struct DictionaryView {
   std::vector<DetectedMarker> seen;
   int num_squares = 0;
@@ -128,7 +129,7 @@ DictionaryView ViewOf(const cv::Mat& readable, const Dictionary& dictionary,
   return view;
 }
 
-// The number asked for comes first: others must be better.
+// The requested number comes first; others must match more markers.
 std::vector<int> ListSizesToTry(int asked_across) {
   std::vector<int> tries = {asked_across};
   for (int across = 2; across <= kMaxAcross; ++across)
@@ -163,7 +164,8 @@ constexpr GridTags kGridTags[] = {{"tag36h11", 2, TagFamily::k36h11WideBorder},
                                   {"tag25h9", 1, TagFamily::k25h9},
                                   {"tag16h5", 1, TagFamily::k16h5}};
 
-// The family asked for comes first; for other kinds of boards, the usual one.
+// The requested family comes first; for other kinds of boards, the default
+// family.
 std::vector<GridTags> ListGridTagsToTry(const Board& asked) {
   std::vector<GridTags> tries(std::begin(kGridTags), std::end(kGridTags));
   std::stable_partition(tries.begin(), tries.end(), [&](const GridTags& t) {
@@ -172,7 +174,7 @@ std::vector<GridTags> ListGridTagsToTry(const Board& asked) {
   return tries;
 }
 
-// The tags of one family as markers of a board.
+// Converts detected tags of one family to markers of a board.
 std::vector<DetectedMarker> SelectFamilyMarkers(
     const std::vector<DetectedTag>& tags, TagFamily family, int first_marker) {
   std::vector<DetectedMarker> seen;
@@ -192,8 +194,9 @@ std::vector<DetectedMarker> QuarterTurned(std::vector<DetectedMarker> markers,
   return markers;
 }
 
-// Improves on the best layout of a grid by markers of one kind, which are named
-// in kind; the other properties of the guess are found here.
+// Updates the best grid layout and the guess with the markers of one family and
+// border width, which are stated in kind; the other properties of the guess are
+// determined here.
 void CompareGrids(const std::vector<DetectedMarker>& seen, Guess kind,
                   const Board& asked, BestLayout* best, Guess* guess) {
   const bool is_asked = asked.IsTagGrid();
@@ -273,7 +276,7 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
          ListDictionariesToTry(asked.dictionary)) {
       const auto [seen, num_squares] =
           ViewOf(readable, dictionary, asked.first_marker);
-      if (num_squares < kMinMarkers) break;  // of any dictionary
+      if (num_squares < kMinMarkers) break;  // too few for any dictionary
       if (static_cast<int>(seen.size()) < kMinMarkers) continue;
       for (const MarkerLayout& layout : layouts) {
         const int before = best.agreement;
@@ -300,8 +303,8 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
   const std::vector<GridTags> kinds = ListGridTagsToTry(asked);
   BestLayout best;
   Guess guess;
-  // libapriltag reads many tags with another border than theirs: both are
-  // compared.
+  // libapriltag also decodes many tags with a different border width: both
+  // widths are compared.
   const auto compare = [&](const GreyImage& shown, bool is_mirrored,
                            TagSearch search, bool is_first_family) {
     std::vector<GridTags> tried;

@@ -142,11 +142,12 @@ ImageDetection PatternDetector::Detect(const GreyImage& image) const {
 
 namespace {
 
-// One image of a folder: seen, or the reason why not.
+// Result for one image of a folder: the detection, or the reason of the
+// failure.
 struct Outcome {
   std::optional<DetectedImage> seen;
   std::string failure;
-  bool is_turned = false;  // its file asks to be shown turned
+  bool is_turned = false;  // the EXIF orientation is not upright
 };
 
 class ImageReader {
@@ -203,7 +204,7 @@ std::string FileName(const std::string& path) {
   return fs::path(path).filename().string();
 }
 
-// Images are told apart by their names in all files.
+// Throws if images have the same file name, which identifies them in all files.
 void RequireDistinctNames(const std::vector<std::string>& paths) {
   std::map<std::string, std::string> path_of_name;
   for (const std::string& path : paths) {
@@ -216,7 +217,7 @@ void RequireDistinctNames(const std::vector<std::string>& paths) {
   }
 }
 
-// The size that more images have than any other. Throws if there is none.
+// Returns the most frequent image size. Throws if there is none.
 ImageSize ComputeCommonSize(const std::vector<std::string>& paths,
                             const std::vector<Outcome>& outcomes) {
   std::map<std::pair<int, int>, int> count;
@@ -250,7 +251,7 @@ ImageSize ComputeCommonSize(const std::vector<std::string>& paths,
   return {most->first.first, most->first.second};
 }
 
-// The reason without the path that it starts with.
+// Removes the path at the start of an error message.
 std::string WithoutPath(const std::string& failure, const std::string& path) {
   const std::string start = path + ": ";
   return failure.compare(0, start.size(), start) == 0

@@ -3,7 +3,7 @@
 namespace raygrid {
 
 BoardBend::BoardBend(const Board& board, double bend_m) {
-  // The last feature is opposite the first, which is the origin.
+  // The last feature is diagonally opposite the first, which is the origin.
   center_m_ = board.NominalPoints().back().head<2>() / 2;
   by_x2_ = bend_m / (center_m_.x() * center_m_.x());
   by_y2_ = bend_m / (2 * center_m_.y() * center_m_.y());

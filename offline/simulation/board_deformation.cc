@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMinOrder = 2, kMaxOrder = 4;
 
-// The Legendre polynomials, each of a mean square of 1 from -1 to 1.
+// Legendre polynomials, normalized to a mean square of 1 over [-1, 1].
 std::array<double, kMaxOrder + 1> Legendre(double x) {
   std::array<double, kMaxOrder + 1> values = {1, x};
   for (int n = 1; n < kMaxOrder; ++n)
@@ -21,7 +21,7 @@ std::array<double, kMaxOrder + 1> Legendre(double x) {
 
 Board DeformBoard(const Board& board, double rms_m, Random* random) {
   if (rms_m == 0) return board;
-  // The heights that polynomials in x and y contribute, [order of x][of y].
+  // Coefficients of the height: [order in x][order in y].
   double height[kMaxOrder + 1][kMaxOrder + 1] = {};
   double variance = 0;
   for (int order = kMinOrder; order <= kMaxOrder; ++order)
@@ -30,7 +30,7 @@ Board DeformBoard(const Board& board, double rms_m, Random* random) {
       height[i][order - i] = deviation * random->Normal();
       variance += deviation * deviation;
     }
-  // The last feature is opposite the first, which is the origin.
+  // The last feature is diagonally opposite the first, which is the origin.
   const Eigen::Vector2d half = board.NominalPoints().back().head<2>() / 2;
   Board flexed = board;
   for (Eigen::Vector3d& point : flexed.points) {

@@ -18,14 +18,16 @@ std::optional<BoardSurface::Point> BoardSurface::Intersect(
   const Eigen::Vector3d& o = line.origin;
   const Eigen::Vector3d& d = line.direction;
   if (!(d.z() > 0)) return std::nullopt;
-  // The surface is z = kx x^2 + ky y^2: a t^2 + b t + c = 0.
+  // The intersection with the surface z = kx x^2 + ky y^2 solves a t^2 + b t +
+  // c = 0.
   const double kx = bend_.by_x2(), ky = bend_.by_y2();
   const double x = o.x() - bend_.center_m().x();
   const double y = o.y() - bend_.center_m().y();
   const double a = kx * d.x() * d.x() + ky * d.y() * d.y();
   const double b = 2 * (kx * x * d.x() + ky * y * d.y()) - d.z();
   const double c = kx * x * x + ky * y * y - o.z();
-  // The root that goes on to the plane's as the bend vanishes.
+  // The root that converges to the plane's intersection as the deformation
+  // vanishes.
   const double discriminant = b * b - 4 * a * c;
   if (!(discriminant >= 0)) return std::nullopt;
   const double denominator = b + std::copysign(std::sqrt(discriminant), b);

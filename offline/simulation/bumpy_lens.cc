@@ -38,7 +38,8 @@ BumpyLens::BumpyLens(const OpenCvModel& lens, const Area& area,
     }
 }
 
-// Bumps two squares away are 5.9 standard deviations away at least.
+// Bumps at least two squares away are omitted: they are at a distance of at
+// least 5.9 standard deviations.
 Eigen::Vector2d BumpyLens::Shift(const Eigen::Vector2d& pixel) const {
   const double side = 2 * surface_.width_px;
   const double deviation = surface_.width_px / kWidthPerDeviation;
@@ -65,7 +66,8 @@ std::optional<ObservationLine> BumpyLens::Line(
   return ObservationLine{{0, 0, depth_m}, *direction};
 }
 
-// Fixed-point iteration: pupil and bumps cause small displacements.
+// Fixed-point iteration, because pupil and bumps only cause small
+// displacements.
 std::optional<Eigen::Vector2d> BumpyLens::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {

@@ -31,7 +31,7 @@ class FaultyView {
     shift_ = {random->Normal(), random->Normal()};
   }
 
-  // The displaced feature; unchanged if it would be outside the image.
+  // Returns the displaced feature; unchanged if it would be outside the image.
   Eigen::Vector2d Seen(const Pose& pose, const Feature& feature) const {
     const Eigen::Vector3d point =
         pose * board_.points[board_.PointIndex(feature.column, feature.row)];
@@ -47,7 +47,7 @@ class FaultyView {
   }
 
  private:
-  // The board's width is about the image's.
+  // Assumes that the board fills the image width.
   double MetresPerPixel(const Board& board) const {
     return strength_px_ * board.columns * board.square_m /
            camera_.image_size().width;

@@ -18,7 +18,7 @@ std::optional<Eigen::Vector3d> FisheyeLens::Unproject(
     theta += step;
     if (std::abs(step) < 1e-15) break;
   }
-  // sin(theta) / radius, also at the centre.
+  // sin(theta) / radius, with its limit at the centre.
   const double scale =
       radius > 1e-9 ? std::sin(theta) / radius : 1 / parameters_.f_px;
   return Eigen::Vector3d(offset.x() * scale, offset.y() * scale,
@@ -55,7 +55,7 @@ bool FisheyeLens::Linearize(const Eigen::Vector3d& point,
         parameters_.f_px / z;
     return true;
   }
-  // pixel - center = r(theta) unit, with unit = point.xy / across.
+  // pixel - center = r(theta) * unit, with unit = point.xy / across.
   const double theta = std::atan2(across, z);
   const double slope = parameters_.RadiusDerivative(theta);
   const Eigen::Vector2d unit = point.head<2>() / across;

@@ -15,13 +15,15 @@ namespace {
 
 // Rows of pixels that are rendered together.
 constexpr int kStripRows = 64;
-// The lens's Gaussian is cut off here, in standard deviations.
+// Truncation radius of the lens blur, in standard deviations.
 constexpr double kGaussianReach = 4.5;
-// Board coordinates are interpolated if depth within 2 x 2 pixels varies by
-// less than this; for boards seen nearly edge-on, directions are.
+// Board coordinates are interpolated if the depth within 2 x 2 pixels varies by
+// less than this ratio; for boards seen nearly edge-on, directions are
+// interpolated instead.
 constexpr double kMaxDepthRatio = 1.05;
 
-// Nearest pixel of an area, and quadratic extrapolation from there.
+// Returns the observation line at the nearest pixel of an area, extrapolated
+// quadratically.
 std::optional<ObservationLine> LineNear(const CameraModel& camera,
                                         const Eigen::Vector2d& pixel) {
   const Area& area = camera.area();
@@ -40,11 +42,11 @@ std::optional<ObservationLine> LineNear(const CameraModel& camera,
           .normalized()};
 }
 
-// The weights of the samples around a pixel along one axis: the pixel's box
-// convolved with the lens's Gaussian.
+// Weights of the samples around a pixel along one axis: the pixel's box filter
+// convolved with the Gaussian of the lens.
 struct Kernel {
   int radius_px = 0;           // pixels on each side
-  std::vector<float> weights;  // of (2 radius_px + 1) samples_per_pixel
+  std::vector<float> weights;  // (2 radius_px + 1) * samples_per_pixel of them
 };
 
 // The integral of the normal cumulative distribution function.
@@ -53,7 +55,7 @@ double IntegralOfNormal(double x) {
          std::exp(-x * x / 2) / std::sqrt(2 * M_PI);
 }
 
-// The integral of the box of one pixel, blurred, from minus infinity to x.
+// The integral of the blurred box of one pixel from minus infinity to x.
 double IntegralOfBlurredBox(double x, double sigma) {
   if (sigma <= 0) return std::clamp(x + 0.5, 0.0, 1.0);
   return sigma * (IntegralOfNormal((x + 0.5) / sigma) -
@@ -61,7 +63,7 @@ double IntegralOfBlurredBox(double x, double sigma) {
 }
 
 Kernel LensKernel(double blur_px, int samples_per_pixel) {
-  // A sample is itself the mean over a box.
+  // Subtracts the variance of a sample's own box.
   const double sample_px = 1.0 / samples_per_pixel;
   const double sigma =
       std::sqrt(std::max(0.0, blur_px * blur_px - sample_px * sample_px / 12));
@@ -80,14 +82,14 @@ Kernel LensKernel(double blur_px, int samples_per_pixel) {
   return kernel;
 }
 
-// The intersections of a board with the lines of 2 x 2 pixels: 3 x 3 at their
-// corners.
+// Intersections of a board with the observation lines at the 3 x 3 corners of 2
+// x 2 pixels.
 struct BlockOfBoard {
   const BoardSurface* surface = nullptr;
   std::array<ObservationLine, 9> lines;  // in the board's coordinates
   std::array<Eigen::Vector2d, 9> points_m;
-  double depth = 0;       // mean
-  bool is_smooth = true;  // points_m may be interpolated
+  double depth = 0;       // mean of the 9 points
+  bool is_smooth = true;  // whether points_m may be interpolated
 };
 
 class Renderer {
@@ -141,11 +143,12 @@ class Renderer {
   const int width_, height_;
   const Kernel kernel_;
   std::vector<BoardInSpace> boards_;
-  // The basis of quadratic interpolation at the samples of two pixels.
+  // Basis functions of quadratic interpolation at the samples of two pixels.
   std::vector<std::array<double, 3>> basis_;
 };
 
-// False if the board is not visible there.
+// Intersects a board with a block; returns false if the board is not visible
+// there.
 bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
                             int column, int row, BlockOfBoard* block) const {
   block->surface = board.surface;
@@ -173,7 +176,7 @@ bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
   block->depth /= count;
   block->is_smooth = count == 9 && farthest < nearest * kMaxDepthRatio;
   if (count < 9) return true;
-  // A parabola through the points overshoots by less than their extent.
+  // The quadratic interpolant overshoots by less than the extent of the points.
   const Eigen::Vector2d margin = high - low;
   const Area& paper = board.surface->paper_m();
   return low.x() - margin.x() < paper.x1 && high.x() + margin.x() > paper.x0 &&
@@ -228,7 +231,7 @@ void Renderer::PaintEdgeOn(const BlockOfBoard& block, float* samples) const {
   }
 }
 
-// Samples of 2 x 2 pixels, the far boards first.
+// Renders the samples of 2 x 2 pixels, the farthest boards first.
 void Renderer::RenderBlock(const RowsOfRays& rays, int column, int row,
                            float* samples) const {
   for (int j = 0; j < 2 * samples_; ++j)
@@ -249,7 +252,8 @@ void Renderer::RenderBlock(const RowsOfRays& rays, int column, int row,
   }
 }
 
-// Samples of a row, with room for the kernel before and after it, to pixels.
+// Filters the samples of a row, which is padded for the kernel on both sides,
+// to pixels.
 void Renderer::FilterAlongRow(float* samples, float* filtered) const {
   const int margin = kernel_.radius_px * samples_;
   const int end = margin + width_ * samples_;
@@ -264,10 +268,10 @@ void Renderer::FilterAlongRow(float* samples, float* filtered) const {
 }
 
 void Renderer::RenderRows(int first, int last, float* levels) const {
-  // Rows that the kernel reaches, in blocks of two.
+  // Rows within the kernel's radius, in blocks of two.
   const int begin = std::max(0, first - kernel_.radius_px) / 2 * 2;
   const int end = std::min(height_, last + kernel_.radius_px);
-  // A block of two that would leave the image begins a row earlier.
+  // A block of two rows that would exceed the image starts a row earlier.
   const auto rays =
       rays_.Rows(std::min(begin, height_ - 2), std::min(end + 1, height_));
   std::vector<float> samples(static_cast<size_t>(SamplesStride()) * 2 *
@@ -301,8 +305,8 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
   }
 }
 
-// Like cos^4 of an angle that grows with the distance from the centre, up to
-// the image circle.
+// Vignetting: cos^4 of an angle whose tangent is proportional to the distance
+// from the centre; zero outside the image circle.
 double Transmission(const CameraModel& camera, int column, int row,
                     double vignetting) {
   const ImageSize& size = camera.image_size();
@@ -334,7 +338,7 @@ void RequireValidView(const ImageSize& size, const ImagingOptions& options) {
   if (!(options.gamma > 0)) throw InputError("gamma must be positive");
 }
 
-// Stored levels, 0 to 255 but not rounded yet.
+// Adds noise and passes levels from 0 to 255, not yet rounded, to store.
 template <typename Store>
 void AddNoise(const RenderedImage& image, const ImagingOptions& options,
               const Store& store) {

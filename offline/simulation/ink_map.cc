@@ -8,15 +8,16 @@ namespace raygrid {
 namespace {
 
 constexpr double kMaxCells = 4e6;
-// Edges up to kKnown from a cell's centre, in cells, are stored in the cell;
-// those near enough to touch a patch in it, whose centre is up to 0.71 from the
-// cell's, are within kReach.
+// Lengths in units of cells. Edges within kKnown of a cell's centre are stored
+// in the cell; patches in the cell, whose centres are up to 0.71 from the
+// cell's centre, can only touch edges within kReach.
 constexpr double kReach = 1.5, kKnown = 1.56;
 constexpr double kMaxPatchRadius = 0.75;
-// The distance for telling the colours beside an edge; below kKnown - kReach.
+// Distance from an edge where the colours of its sides are sampled; less than
+// kKnown - kReach.
 constexpr double kBeside = 0.05;
 constexpr double kSameLine = 1e-6;
-// Patches with several edges are divided into this many parts each way.
+// Patches with several edges are divided into kParts x kParts parts.
 constexpr int kParts = 4;
 constexpr int kMostParts = 32;
 
@@ -37,7 +38,7 @@ double Footprint::Beyond(const Eigen::Vector2d& normal,
   const double shorter = std::min(std::abs(slope.x()), std::abs(slope.y()));
   const double reach = (longer + shorter) / 2;
   const double distance = std::abs(distance_m);
-  double far_part = 0;  // of the patch, on the other side of the line
+  double far_part = 0;  // fraction of the patch beyond the line
   if (distance <= (longer - shorter) / 2) {
     far_part = longer > 0 ? 0.5 - distance / longer : 0.5;
   } else if (distance < reach) {
@@ -80,7 +81,7 @@ void InkMap::AddEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const int last_row = row_of(std::max(a.y(), b.y()) + known_m);
   for (int row = row_of(std::min(a.y(), b.y()) - known_m); row <= last_row;
        ++row) {
-    // The part of the edge that can be near this row.
+    // Range of the edge parameter that can be near this row.
     double t0 = 0, t1 = 1;
     if (std::abs(along.y()) > 1e-3 * cell_m_) {
       const double y_m = CellCenter(0, row).y();
@@ -122,8 +123,8 @@ void InkMap::MarkCell(int column, int row, int32_t edge) {
 }
 
 int32_t InkMap::Colour(const Eigen::Vector2d& point_m) const {
-  // On the very border, where a cell's centre can be, there is no ink without
-  // an edge; but BoardAppearance's squares are closed at one side only.
+  // Cell centres may lie exactly on the border, where there is no ink without
+  // an edge; but BoardAppearance's squares are half-open.
   if (!appearance_.extent_m().Contains(point_m, -1e-6 * cell_m_)) return kWhite;
   return appearance_.IsBlack(point_m) ? kBlack : kWhite;
 }

@@ -9,11 +9,11 @@
 namespace raygrid {
 namespace {
 
-constexpr double kStepPx = 0.01;   // of differences
-constexpr double kGrazing = 0.02;  // cosine; flatter lines miss the plate
+constexpr double kStepPx = 0.01;   // step of finite differences
+constexpr double kGrazing = 0.02;  // minimum cosine of the angle of incidence
 
-// The angle between a pixel's line and the point, in the chart; NaN without a
-// line.
+// Returns the angular error between a pixel's line and a point, in the chart;
+// NaN if the pixel has no line.
 Eigen::Vector2d LineError(const CameraModel& lens, const Eigen::Vector3d& point,
                           const Eigen::Vector2d& pixel) {
   const auto line = lens.Line(pixel);
@@ -22,7 +22,8 @@ Eigen::Vector2d LineError(const CameraModel& lens, const Eigen::Vector3d& point,
   return ToChart(point - line->origin) - ToChart(line->direction);
 }
 
-// Keeps away from the area's edge, so that differences can be formed.
+// Finds the pixel whose line passes through a point. Pixels keep a distance
+// from the area's edge, so that finite differences are possible.
 std::optional<PixelSolution> FindLine(const CameraModel& lens,
                                       const Eigen::Vector3d& point,
                                       const Eigen::Vector2d* start) {
@@ -89,7 +90,8 @@ std::optional<ObservationLine> GlassLens::Line(
   if (!(cosine > kGrazing)) return std::nullopt;
   const double to_plate =
       (normal.z() * plate_.distance_m - normal.dot(line->origin)) / cosine;
-  // Snell: the part along the face is divided by the refractive index.
+  // Snell's law: the component along the face is divided by the refractive
+  // index.
   const Eigen::Vector3d along = (d - cosine * normal) / plate_.refractive_index;
   const double cosine_inside = std::sqrt(1 - along.squaredNorm());
   const Eigen::Vector3d through =

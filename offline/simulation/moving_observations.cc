@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// A smooth random function of time, about -1 to 1: waves with the period of
-// walking, and hand tremor.
+// A smooth random function of time, in about [-1, 1]: a sum of waves with the
+// frequencies of walking and hand tremor.
 class SmoothRandomFunction {
  public:
   explicit SmoothRandomFunction(Random* random) {
@@ -54,7 +54,7 @@ class HandPath {
     for (int k = 0; k < kWanders; ++k) wander_.emplace_back(random);
   }
 
-  // camera_from_board.
+  // Returns camera_from_board at a time.
   Pose At(double time) const {
     double at[kWanders];
     for (int k = 0; k < kWanders; ++k) at[k] = wander_[k].At(speed_ * time);
@@ -76,14 +76,15 @@ class HandPath {
   std::vector<SmoothRandomFunction> wander_;
 };
 
-// The pixel of a point with a rolling shutter: in the row that is read when it
-// is there.
+// Projects a point with a rolling shutter: the pose at the readout time of a
+// row maps the point to this row.
 std::optional<Eigen::Vector2d> ProjectRollingShutter(
     const CameraModel& camera, const HandPath& path, double time,
     double line_delay_s, const Eigen::Vector3d& point) {
   const double center = (camera.image_size().height - 1) / 2.0;
   std::optional<Eigen::Vector2d> pixel = camera.Project(path.At(time) * point);
-  // Each step reduces the error about a hundredfold.
+  // Fixed-point iteration; each step reduces the error by a factor of about
+  // 100.
   for (int step = 0; pixel && step < 12; ++step) {
     const double then = time + line_delay_s * (pixel->y() - center);
     pixel = camera.Project(path.At(then) * point);

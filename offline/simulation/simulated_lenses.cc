@@ -59,7 +59,7 @@ OpenCvModel Parametric(const ImageSize& size, double f_of_width, double k1,
        k1, k2, 0, k4, 0, 0, 2e-4, -1e-4});
 }
 
-// The change of a lens relative to 0 dioptres, or to 20 degrees.
+// Change of the intrinsics relative to 0 dioptres, or to 20 degrees Celsius.
 struct LensChange {
   double focal_part = 0, k1 = 0;
   Eigen::Vector2d center_px = {0, 0};
@@ -95,7 +95,7 @@ std::unique_ptr<CameraModel> MakeSimulatedLens(const std::string& name,
     return std::make_unique<SimulatedCamera>(lens, Bumps(size));
   }
   if (name == "fisheye") {
-    // Exceeds the image by more than the largest bump.
+    // The area exceeds the image by more than the largest bump.
     const double margin_px = 1 + 0.01 * size.width;
     return WithBumps(
         std::make_shared<FisheyeLens>(Fisheye(size, 145 * kDegree, margin_px)),

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// The direction of a random pixel of the area.
+// Returns the direction of a random pixel of the area.
 Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
                           Random* random) {
   for (;;) {
@@ -22,8 +22,8 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
   }
 }
 
-// A board at the end of ray, facing the camera, with random tilt and rotation
-// about its centre.
+// Returns the pose of a board whose centre is on the ray, and which faces the
+// camera with random tilt and rotation about its centre.
 Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
                     double max_tilt_rad, double max_turn_rad,
                     const Eigen::Vector3d& center_m, Random* random) {
@@ -33,7 +33,8 @@ Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
   const Eigen::AngleAxisd tilt(
       random->Uniform(0, max_tilt_rad),
       Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
-  // Any turn begins at 0, a smaller one around being upright.
+  // Full rotations are sampled from 0 on, smaller ones symmetrically about the
+  // upright orientation.
   const double first = max_turn_rad < M_PI ? -max_turn_rad : 0;
   const Eigen::AngleAxisd turn(random->Uniform(first, first + 2 * max_turn_rad),
                                Eigen::Vector3d::UnitZ());
@@ -41,8 +42,8 @@ Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
   return {rotation, ray * distance_m - rotation * center_m};
 }
 
-// A board whose centre projects to a random pixel, with random distance, tilt
-// and rotation.
+// Returns the pose of a board whose centre projects to a random pixel, with
+// random distance, tilt and rotation.
 Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   const Area& area = camera.area();
   const Eigen::Vector3d ray = RandomRay(camera, area, random);
@@ -58,7 +59,8 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
   return RandomlyTilted(ray, distance_m, M_PI / 3, M_PI, center, random);
 }
 
-// The minimum scale around a ray over all directions, in pixels per radian.
+// Returns the minimum angular resolution around a ray over all directions, in
+// pixels per radian.
 double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   LinearizedProjection projection;
   if (!camera.Linearize(ray, nullptr, 1, &projection)) return 0;
@@ -70,8 +72,9 @@ double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
   return std::sqrt(std::max(0.0, mean - root));
 }
 
-// Displaces features by a field of waves, whose sum is Gaussian in the limit,
-// with the covariance exp(-d^2 / 2 length^2) for a distance of d features.
+// Adds spatially correlated noise: a sum of random waves, which approaches a
+// Gaussian field with the covariance exp(-d^2 / (2 length^2)) at a distance of
+// d features.
 void AddSharedNoise(double noise_px, double length, Random* random,
                     std::vector<Feature>* features) {
   constexpr int kWaves = 64;
@@ -145,7 +148,7 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options) {
-  constexpr int kMaxTries = 10000;  // for an image
+  constexpr int kMaxTries = 10000;  // per image
   Random random(options.seed);
   SimulatedObservations result;
   result.dataset.image_size = camera.image_size();

@@ -12,12 +12,12 @@
 namespace raygrid {
 namespace {
 
-// The minimum number of features for a pose.
+// Minimum number of features for a pose estimate.
 constexpr size_t kMinFeatures = 8;
-// The cosine of the maximum angle at which a board is visible.
+// Cosine of the maximum viewing angle at which a board is visible.
 constexpr double kMinFacing = 0.2;
 
-// rig_from_board for each frame.
+// Returns rig_from_board for each frame.
 std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
                              int first_camera, int count, uint64_t seed) {
   const int num_cameras = static_cast<int>(rig.cameras.size());
@@ -36,7 +36,7 @@ std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
   return poses;
 }
 
-// first_from_board of each of several boards.
+// Returns first_from_board of each board of a rigid target.
 std::vector<Pose> CollectFeaturePositions(const Pattern& pattern,
                                           const FixedBoards& fixed) {
   std::vector<Pose> places = {Pose()};
@@ -58,8 +58,8 @@ Pose PerturbPose(const Pose& position, double move_m, Random* random) {
   return {position.rotation, position.translation + move_m * direction};
 }
 
-// rig_from_body for each frame: the centre of a board, or of the gap after it,
-// is held in front of a camera.
+// Returns rig_from_target for each frame: the centre of a board, or of the gap
+// after it, is in front of a camera.
 std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
                               const std::vector<Pose>& places, int count,
                               uint64_t seed) {
@@ -111,8 +111,8 @@ std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
   return features;
 }
 
-// The features of a board in one frame of a camera, with the noise of each
-// shot.
+// Simulates the features of a board in one frame of a camera, with independent
+// noise in each shot.
 std::vector<std::vector<Feature>> SimulateShots(
     const CameraModel& camera, const Board& board,
     const Pose& camera_from_board, const SimulationOptions& options,
@@ -124,7 +124,7 @@ std::vector<std::vector<Feature>> SimulateShots(
   return shots;
 }
 
-// Adds all cameras' images of a frame, numbered from first.
+// Adds the images of all cameras of a frame, numbered from first.
 void AddFrame(const SimulatedRig& rig, const std::vector<Board>& boards,
               const std::vector<Pose>& rig_from_board, int first,
               const SimulationOptions& options, Random* random,
@@ -177,8 +177,8 @@ SimulatedRigObservations ObserveBoards(
   return result;
 }
 
-// Removes a board's features from a camera if a previous camera sees the board
-// in the same frame.
+// Removes a board's features from a camera's image if a previous camera
+// observes the board in the same frame.
 void HideShared(SimulatedRigObservations* seen) {
   std::set<std::pair<std::string, int>> shown;
   for (size_t c = 0; c < seen->datasets.size(); ++c) {

@@ -10,9 +10,10 @@
 namespace raygrid {
 namespace {
 
-// The number of samples per pixel along each axis.
+// Number of samples per pixel along each axis.
 constexpr int kSamples = 4;
-// Light squares, BGR: front and back, left and right, ceiling and floor.
+// Colours of the light squares, BGR: front and back, left and right, ceiling
+// and floor.
 constexpr std::array<std::array<float, 3>, 6> kWalls = {{{232, 228, 226},
                                                          {222, 190, 214},
                                                          {226, 206, 176},
@@ -48,8 +49,8 @@ void AddColor(const SceneSquare& square, float weight,
   for (int c = 0; c < 3; ++c) (*sum)[c] += weight * kWalls[square.wall][c];
 }
 
-// The colour of a pixel from the directions of its corners. Squares are convex:
-// if all corners are in one square, so is the pixel.
+// Returns the mean colour of a pixel from the directions of its corners.
+// Squares are convex: if all corners are in one square, so is the pixel.
 std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
                                double square) {
   std::array<float, 3> sum = {};
@@ -83,7 +84,8 @@ double ComputeVisibleAngleDeg(const CameraModel& camera, int axis) {
   const double high = axis == 0 ? area.x1 : area.y1;
   double sum_rad = 0;
   for (const double edge : {low, high}) {
-    // The last direction before the edge, of fisheyes that of the circle's rim.
+    // The last valid direction before the edge; for fisheye lenses, at the rim
+    // of the image circle.
     constexpr int kSteps = 256;
     for (int k = kSteps; k > 0; --k) {
       Eigen::Vector2d pixel = area.center();

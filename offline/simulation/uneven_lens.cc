@@ -10,7 +10,8 @@ namespace {
 
 using Place = Eigen::Vector2d;
 
-// An equidistant fisheye's image, in radians, and back.
+// Converts between positions in an equidistant fisheye image, in radians, and
+// directions.
 Eigen::Vector3d FromFisheye(const Place& image) {
   const double theta = image.norm();
   const double scale = theta > 1e-9 ? std::sin(theta) / theta : 1;
@@ -53,8 +54,8 @@ std::optional<Eigen::Vector2d> UnevenLens::Project(
   return pixel;
 }
 
-// The Jacobian of the projection is the inverse of that of the direction,
-// computed by finite differences.
+// The Jacobian of the projection is the inverse of the Jacobian of the
+// direction, which is computed by finite differences.
 bool UnevenLens::Linearize(const Eigen::Vector3d& point,
                            const Eigen::Vector2d* start, double margin_px,
                            LinearizedProjection* projection) const {
@@ -77,7 +78,7 @@ bool UnevenLens::Linearize(const Eigen::Vector3d& point,
 
 namespace {
 
-constexpr double kLongitudes = 130 * M_PI / 180;  // across the width
+constexpr double kLongitudes = 130 * M_PI / 180;  // over the image width
 
 }  // namespace
 
@@ -99,8 +100,8 @@ std::optional<Place> AnamorphicLens::PlaceOf(
 namespace {
 
 const Place kAxisPlace(1.0 / 3, 0.05);
-constexpr double kOffAxisFocal = 0.5;  // widths for a radian
-constexpr double kOffAxisTilt = -0.6;  // t, for a radian
+constexpr double kOffAxisFocal = 0.5;  // image widths per radian
+constexpr double kOffAxisTilt = -0.6;  // tilt t per radian
 
 }  // namespace
 
@@ -121,9 +122,10 @@ std::optional<Place> OffAxisLens::PlaceOf(
 
 namespace {
 
-// 1 / focal lengths, per width: their mean, and half their difference.
+// Inverse focal lengths of the two halves, in 1 / image width: mean and half
+// difference.
 constexpr double kMeanInverseFocal = 1.5, kHalfDifference = 0.5;
-constexpr double kPassage = 0.1;  // widths, to either side
+constexpr double kPassage = 0.1;  // half-width of the transition, in widths
 
 double InverseFocal(double x) {
   return kMeanInverseFocal - kHalfDifference * std::tanh(x / kPassage);
@@ -146,7 +148,7 @@ std::optional<Place> HalvesLens::PlaceOf(
     const Eigen::Vector3d& direction) const {
   if (!(direction.z() > 1e-3)) return std::nullopt;
   const double u = direction.x() / direction.z();
-  // The integral is concave: Newton's method comes from one side.
+  // The integral is concave, so Newton's method converges monotonically.
   double x = u / (u > 0 ? kMeanInverseFocal - kHalfDifference
                         : kMeanInverseFocal + kHalfDifference);
   for (int iteration = 0; iteration < 50; ++iteration) {
@@ -161,9 +163,9 @@ std::optional<Place> HalvesLens::PlaceOf(
 
 namespace {
 
-const Place kDecentredAxis(-0.1, 0.06);  // of the fisheye
+const Place kDecentredAxis(-0.1, 0.06);  // axis of the fisheye
 constexpr double kDecentredFocal = 0.55;
-const Place kSecondCentre(0.9, -0.6);  // radians of the fisheye
+const Place kSecondCentre(0.9, -0.6);  // in radians of the fisheye image
 constexpr double kSecondBarrel = 0.05;
 
 }  // namespace
@@ -171,7 +173,7 @@ constexpr double kSecondBarrel = 0.05;
 Eigen::Vector3d DecentredLens::DirectionOf(const Place& position) const {
   const Place bent =
       (position - kDecentredAxis) / kDecentredFocal - kSecondCentre;
-  // b = a / (1 + k a^2), of which the smaller solution counts.
+  // Inverts b = a / (1 + k a^2); the smaller solution is valid.
   const double b = bent.norm();
   const double root = std::sqrt(1 - 4 * kSecondBarrel * b * b);
   return FromFisheye(kSecondCentre + bent * 2 / (1 + root));
@@ -190,10 +192,11 @@ std::optional<Place> DecentredLens::PlaceOf(
 
 namespace {
 
-constexpr double kXi = 0.98;           // of an eccentricity of 1.22
-constexpr double kMirrorFocal = 0.75;  // widths
-// To the mirror's flank, and across. The image's corners see 143 degrees from
-// the mirror's axis; a hyperboloid reaches 145.
+constexpr double kXi = 0.98;           // for an eccentricity of 1.22
+constexpr double kMirrorFocal = 0.75;  // in image widths
+// Tilt of the camera towards the mirror's flank, and perpendicular to it. The
+// image corners see 143 degrees from the mirror's axis; the hyperboloid reaches
+// 145 degrees.
 constexpr double kCameraTiltRad = 37 * M_PI / 180;
 constexpr double kCameraTiltDownRad = 4 * M_PI / 180;
 
@@ -210,7 +213,7 @@ Eigen::Vector3d MirrorLens::DirectionOf(const Place& position) const {
   const Eigen::Vector3d seen =
       mirror_from_camera_ *
       Eigen::Vector3d(position.x(), position.y(), kMirrorFocal);
-  // The point of the sphere on the ray from (0, 0, -xi).
+  // Intersects the ray from (0, 0, -xi) with the unit sphere.
   const Place m = seen.head<2>() / seen.z();
   const double r2 = m.squaredNorm();
   const double along = (kXi + std::sqrt(1 + (1 - kXi * kXi) * r2)) / (1 + r2);

@@ -13,10 +13,10 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMarginSquares = 0.5;  // white, around the ink
+constexpr double kMarginSquares = 0.5;  // white border around the target
 constexpr double kGrey = 0.5;
 
-// The extent of the board's ink, in squares.
+// Returns the bounding box of the printed area in squares.
 Area ExtentInSquares(const Board& board) {
   const Area extent_m = BoardAppearance(board).extent_m();
   const double s = board.square_m;
@@ -81,7 +81,7 @@ ScreenBoards PlanScreenBoards(std::vector<Board> boards,
 int SquarePx(const Board& board, double pixels_per_inch) {
   RequirePixelPitch(pixels_per_inch);
   const double square_px = board.square_m / 0.0254 * pixels_per_inch;
-  // More than any screen has, and less than any board needs.
+  // Limits to a range that contains all practical values.
   return static_cast<int>(std::lround(std::clamp(square_px, 1.0, 1e6)));
 }
 

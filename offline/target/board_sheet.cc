@@ -16,7 +16,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kPointsPerMm = 72 / 25.4;
-constexpr double kMarginMm = 5;  // most printers leave it white
+constexpr double kMarginMm = 5;  // not printable on most printers
 constexpr double kTickMm = 3;
 constexpr double kTextHeightMm = 3;
 constexpr double kBelowBoardMm = 9;   // ruler and text
@@ -25,7 +25,7 @@ constexpr int kMaxRulerMm = 200;
 
 Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
 
-// The width and height that margins and rulers leave.
+// Width and height available inside margins and rulers.
 double FreeWidth(const Page& page) {
   return page.width_mm - 2 * kMarginMm - kBesideBoardMm;
 }
@@ -39,7 +39,8 @@ Eigen::Vector2d BoardSizeMm(const Board& board) {
 }
 
 bool Fits(const Eigen::Vector2d& size_mm, const Page& page) {
-  // Squares of the size that the error proposes fit.
+  // The tolerance ensures that squares of the size proposed by the error
+  // message fit.
   return size_mm.x() <= FreeWidth(page) + 1e-9 &&
          size_mm.y() <= FreeHeight(page) + 1e-9;
 }
@@ -49,7 +50,8 @@ double ComputeMaxScale(const Eigen::Vector2d& size_mm, const Page& page) {
                   FreeHeight(page) / size_mm.y());
 }
 
-// How many columns and rows of the same squares would fit; empty if too few.
+// Describes the maximum number of columns and rows of this square size that fit
+// the page; empty if too few.
 std::string DescribeMaxCounts(const Board& board, const Page& page) {
   const bool has_gaps = board.IsTagGrid();
   const double square_mm = board.square_m * 1000;
@@ -85,7 +87,7 @@ std::string DescribeMaxCounts(const Board& board, const Page& page) {
                           page.height_mm, advice));
 }
 
-// Places the board in the middle of the page, or as near as the ruler at the
+// Centres the board on the page, or as close to the centre as the ruler on the
 // right allows.
 Area PlaceBoard(const Eigen::Vector2d& size_mm, const Page& page) {
   const double x =
@@ -95,7 +97,7 @@ Area PlaceBoard(const Eigen::Vector2d& size_mm, const Page& page) {
   return {x, y, x + size_mm.x(), y + size_mm.y()};
 }
 
-// Multiples of 50 mm, where that much fits.
+// Returns the ruler length in mm: a multiple of 50 mm if that fits.
 int RulerLength(const Page& page) {
   const int space_mm =
       static_cast<int>(std::min({page.width_mm - 2 * kMarginMm,
@@ -104,7 +106,7 @@ int RulerLength(const Page& page) {
   return space_mm >= 50 ? space_mm / 50 * 50 : std::max(10, space_mm / 10 * 10);
 }
 
-// Draws a ruler to the right from (0, 0), with ticks up.
+// Draws a ruler from (0, 0) to the right, with upward ticks.
 void DrawRuler(int length_mm, cairo_t* cr) {
   cairo_set_line_width(cr, 0.15);
   cairo_move_to(cr, 0, 0);
@@ -134,7 +136,7 @@ void DrawRulers(const BoardSheets& sheets, cairo_t* cr) {
   cairo_restore(cr);
 }
 
-// Smaller on pages that are too narrow for it.
+// Draws text, scaled down if the page is too narrow.
 void DrawText(const std::string& text, const Page& page, cairo_t* cr) {
   cairo_set_font_size(cr, kTextHeightMm);
   cairo_text_extents_t extents;
@@ -148,7 +150,7 @@ void DrawText(const std::string& text, const Page& page, cairo_t* cr) {
   cairo_show_text(cr, text.c_str());
 }
 
-// Draws a sheet in user units of a millimetre.
+// Draws a sheet; cairo's user unit is a millimetre.
 void DrawSheet(const BoardSheets& sheets, const Board& board, cairo_t* cr) {
   cairo_set_source_rgb(cr, 1, 1, 1);
   cairo_paint(cr);
@@ -220,7 +222,7 @@ std::string SheetsPdf(const BoardSheets& sheets) {
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
       AppendBytes, &pdf, sheets.page.width_mm * kPointsPerMm,
       sheets.page.height_mm * kPointsPerMm);
-  // A fixed date: the same input gives the same file, whatever the clock says.
+  // A fixed date makes the output reproducible.
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE,
                                  "2000-01-01T00:00:00Z");
   cairo_t* cr = cairo_create(surface);
@@ -243,7 +245,8 @@ std::string MakeSheetSvg(const BoardSheets& sheets, const Board& board) {
   DrawSheet(sheets, board, cr);
   cairo_destroy(cr);
   FinishSurface(surface);
-  // Cairo numbers all surfaces of a process; nothing refers to this one.
+  // Removes the surface ID, which cairo increments within a process and nothing
+  // refers to.
   const size_t id = svg.find(" id=\"surface");
   if (id != std::string::npos) svg.erase(id, svg.find('"', id + 5) + 1 - id);
   return svg;

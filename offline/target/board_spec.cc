@@ -18,7 +18,7 @@ namespace {
   throw Error(ExitCode::kUsage, reason);
 }
 
-// The number that a text begins with, and what follows it.
+// Parses the number at the start of a text and removes it from the text.
 template <typename T>
 bool TakeNumber(std::string* text, T* value) {
   const char* const begin = text->data();
@@ -41,7 +41,8 @@ double LengthM(std::string text) {
       "'{}' is not a length; specify a number with unit, such as 25mm", given));
 }
 
-// The parts between the colons, and NAME=VALUE as they are asked for.
+// Splits the specification at colons; NAME=VALUE options are parsed when
+// requested.
 class Spec : public BoardOptions {
  public:
   explicit Spec(const std::string& text) {
