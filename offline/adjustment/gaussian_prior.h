@@ -25,7 +25,7 @@ struct UnpenalizedDirections {
 
 /// Camera parameters with a common prior precision; K is zero for all others.
 /// In the columns of D they are nearly unpenalized: the precision matrix is K -
-/// R R^T, with R = sqrt(1 - kHeld^2) K D. D^T K D is diagonal: 1 for
+/// R R^T, with R = sqrt(1 - kRelaxedScale^2) K D. D^T K D is diagonal: 1 for
 /// unpenalized directions, less for those with a remaining precision.
 struct PriorGroup {
   static constexpr double kRelaxedScale =
