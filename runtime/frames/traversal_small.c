@@ -22,11 +22,11 @@ typedef struct small_traversal {
   rg_tile_row tiles;
   rg_source source;
   uint16_t width;        /* of the output, in component pixels */
-  uint16_t row, end_row; /* of the output: behind the row of tiles at hand, and
-                            behind the last one to do */
+  uint16_t row, end_row; /* of the output: after the current row of tiles, and
+                            after the last one to process */
   rg_span span;
-  const uint8_t* ranges; /* of the positions that have a source, as a table's
-                            section has them: |q12| below 2^27 */
+  const uint8_t* ranges; /* of the positions that have a source, in the format
+                            of a table's section: |q12| below 2^27 */
 } small_traversal;
 
 /* A function that interpolates a grey output pixel at a position. */

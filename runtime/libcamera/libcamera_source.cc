@@ -270,12 +270,12 @@ void LibcameraSource::FocusAt(const LensFocus& focus) {
 
 void LibcameraSource::UnlockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
-  // A lock that no request contains yet need not be sent any more.
+  // A lock that no request contains yet is dropped.
   if (!releasing_.empty()) next_controls_ = std::move(releasing_);
   releasing_.clear();
 }
 
-// Cameras may keep their controls, which are sent with a request: a pending one
+// Cameras may retain their controls. The release is sent with a request, so one
 // is queued once more.
 void LibcameraSource::SendUnlock() {
   UnlockState();
