@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- Feature detection ------------------------------------------------------
+// ---- Feature detection -----------------------------------------------------
 
 // The features of a camera, and the images in which they were detected.
 struct MeasuredCamera {
@@ -71,7 +71,7 @@ MeasuredCamera MeasureImages(const GivenCamera& given, const Pattern& pattern,
   return camera;
 }
 
-// The arguments of calibrate() besides images and pattern.
+// The arguments of calibrate() other than images and pattern.
 struct Wishes {
   CalibrationOptions options;
   std::string name, serial;
@@ -127,7 +127,7 @@ RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
   };
 }
 
-// ---- Calibration ------------------------------------------------------------
+// ---- Calibration -----------------------------------------------------------
 
 constexpr double kDetectionPart = 0.2;
 

@@ -173,7 +173,7 @@ PyDetection Detect(const py::object& image, const py::object& pattern,
   return detection;
 }
 
-// ---- Cameras passed from Python ---------------------------------------------
+// ---- Cameras passed from Python --------------------------------------------
 
 bool IsPath(const py::handle& given) {
   return py::isinstance<py::str>(given) || py::isinstance<py::bytes>(given) ||

@@ -17,7 +17,7 @@ size_t PyCalibration::IndexOf(const std::string& name) const {
 
 namespace {
 
-// ---- Metrics ----------------------------------------------------------------
+// ---- Metrics ---------------------------------------------------------------
 
 py::tuple Residuals(const std::vector<FeatureResidual>& residuals) {
   const auto count = static_cast<py::ssize_t>(residuals.size());
@@ -63,7 +63,7 @@ py::dict CameraFromRig(const PyCalibration& self) {
   return poses;
 }
 
-// ---- Result folder ----------------------------------------------------------
+// ---- Result folder ---------------------------------------------------------
 
 ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   ResultExtras extras;
