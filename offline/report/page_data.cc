@@ -182,7 +182,7 @@ void AddLines(const CameraModel& camera, Json* json) {
   (*json)["lines"] = std::move(lines);
 }
 
-// ---- Space -----------------------------------------------------------------
+// ---- Poses -----------------------------------------------------------------
 
 Json Vector(const Eigen::Vector3d& v) {
   return {Rounded(v.x()), Rounded(v.y()), Rounded(v.z())};

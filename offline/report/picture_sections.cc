@@ -139,7 +139,7 @@ std::string MakeUncertaintyFigure(const CalibrationResult& result) {
          "</figure>\n";
 }
 
-// ---- Non-central cameras ----------------------------------------------------
+// ---- Non-central cameras ---------------------------------------------------
 
 struct LineOffsets {
   std::vector<double> distance_mm, x_mm, y_mm;
