@@ -58,7 +58,7 @@ std::string ShownName(const std::string& path) {
   return Printable(typed.is_absolute() ? typed.filename().string() : path);
 }
 
-// ---- What is shown ---------------------------------------------------------
+// ---- Photographs and tables ------------------------------------------------
 
 Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   Image image = ReadImage(path, false);

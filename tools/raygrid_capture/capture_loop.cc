@@ -130,7 +130,7 @@ bool CaptureLoop::IsFinished() {
   return wishes_->is_finished_ || (guide_ && guide_->is_done());
 }
 
-// ---- Camera estimates -------------------------------------------------------
+// ---- Camera estimates ------------------------------------------------------
 
 void CaptureLoop::UpdateCameras(const std::vector<bool>& changed,
                                 const Update& update) {
@@ -248,7 +248,7 @@ void CaptureLoop::Begin(const FrameSet& frame_set) {
   TakeGuide(true);
 }
 
-// ---- Frame sets -------------------------------------------------------------
+// ---- Frame sets ------------------------------------------------------------
 
 void CaptureLoop::ProcessFrameSet(const FrameSet& frame_set) {
   Begin(frame_set);
@@ -397,7 +397,7 @@ void CaptureLoop::ApplyRequests() {
     Remove(std::string(state_.kept.back()));
 }
 
-// ---- Display ----------------------------------------------------------------
+// ---- Display ---------------------------------------------------------------
 
 void CaptureLoop::CountFrameSet() {
   constexpr size_t kMost = 30;
