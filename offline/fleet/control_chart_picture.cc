@@ -18,7 +18,7 @@ namespace {
 constexpr double kLeft = 76, kRight = 884, kTop = 16, kBottom = 204;
 constexpr int kWidth = 980, kHeight = 240;
 
-// ---- Coordinates ------------------------------------------------------------
+// ---- Coordinates -----------------------------------------------------------
 
 // Ordinates are values of the metric, or their natural logarithms.
 struct VerticalAxis {

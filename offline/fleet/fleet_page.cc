@@ -36,7 +36,7 @@ std::string UnitLink(const UnitRow& row) {
              : row.serial;
 }
 
-// ---- Summary ----------------------------------------------------------------
+// ---- Summary ---------------------------------------------------------------
 
 std::string DescribeCounts(const std::vector<UnitRow>& rows) {
   std::map<std::string, int> counts;
@@ -78,7 +78,7 @@ std::string MakeSummarySection(const FleetAnalysis& fleet) {
                      MakeHtmlList(sentences));
 }
 
-// ---- Out-of-control units ---------------------------------------------------
+// ---- Out-of-control units --------------------------------------------------
 
 std::string MakeUnusualSection(const FleetAnalysis& fleet) {
   if (fleet.statistics.outliers.empty()) return "";

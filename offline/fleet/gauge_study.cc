@@ -107,7 +107,7 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
   return model;
 }
 
-// ---- Metrics ----------------------------------------------------------------
+// ---- Metrics ---------------------------------------------------------------
 
 // values: one column per metric of a kind; their variances are averaged.
 GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
