@@ -1,6 +1,6 @@
 /* raygrid-undistort: the runtime as a program. Reads a blob and a raw grey
-   frame, and writes the undistorted frame. Uses only standard C file functions,
-   so that it also runs on bare metal with semihosting. */
+ * frame, and writes the undistorted frame. Uses only standard C file functions,
+ * so that it also runs on bare metal with semihosting. */
 #if defined(__unix__)
 #define _XOPEN_SOURCE 700
 #include <fcntl.h>
@@ -68,7 +68,7 @@ static int are_one_file(const char* a, const char* b) {
 #endif
 
 /* Reads a whole file; malloc's alignment exceeds that of blobs. NULL on
-   failure. */
+ * failure. */
 static uint8_t* read_file(const char* path, uint32_t* size) {
   FILE* file = is_readable(path) ? fopen(path, "rb") : NULL;
   if (!file) return NULL;
@@ -87,7 +87,7 @@ static uint8_t* read_file(const char* path, uint32_t* size) {
 }
 
 /* Parses the next number in the header of a PGM file, after white space and
-   comments, and advances past it; 0 if there is none. */
+ * comments, and advances past it; 0 if there is none. */
 static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
   const uint8_t* p = *at;
   while (p != end && (isspace(*p) || *p == '#')) {
@@ -104,7 +104,7 @@ static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
 }
 
 /* Returns the pixels of a frame file and stores the number of bytes per pixel;
-   NULL if the size does not match. */
+ * NULL if the size does not match. */
 static const uint8_t* find_pixels(const uint8_t* bytes, uint32_t size,
                                   uint32_t width, uint32_t height,
                                   uint32_t* pixel_bytes) {
@@ -163,7 +163,7 @@ static int write_pixels(FILE* file, int as_pgm, const struct picture* picture) {
 #if defined(__unix__)
 
 /* A stream is an existing target that is not a regular file, such as a pipe.
-   The frame is written to it directly; it is not replaced. */
+ * The frame is written to it directly; it is not replaced. */
 static int is_stream(const char* path) {
   struct stat status;
   return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
@@ -176,8 +176,8 @@ static FILE* create(const char* path) {
 }
 
 /* Writes to a temporary file in the target's folder first, so that a partial
-   frame is never visible under its name; for a link, in the folder of the
-   link's target. */
+ * frame is never visible under its name; for a link, in the folder of the
+ * link's target. */
 static int write_frame(const char* path, const struct picture* picture) {
   const int as_pgm = has_suffix(path, ".pgm");
   if (is_stream(path)) return write_pixels(fopen(path, "wb"), as_pgm, picture);
