@@ -33,8 +33,8 @@
 namespace raygrid {
 namespace {
 
-// Knots across the image: sufficient for the lenses' local bumps, whose width
-// scales with the image.
+// Knot intervals across the image: sufficient for the lenses' local bumps,
+// whose width scales with the image.
 constexpr double kTruthCells = 80;
 // The gap between adjacent boards.
 constexpr double kGapSquares = 2;

@@ -361,8 +361,7 @@ void CaptureLoop::Save(AssessedFrames* assessed_frames) {
   session_->Save(std::move(frames));
   state_.kept.push_back(name);
   if (viewers_.add_kept) viewers_.add_kept(name, greys);
-  // The estimates are not updated for every frame, since frames arrive faster
-  // than they can be optimized.
+  // With every_frame, frames arrive faster than the estimates can be updated.
   if (options_.judge.every_frame) return;
   for (auto& avoided : avoided_) avoided.clear();
   has_connected_in_vain_ = false;
