@@ -1,4 +1,4 @@
-/* The sections' fields as structures. SPEC.md, "Sections". */
+/* Reads the sections' fields into structures; see SPEC.md, "Sections". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"

@@ -1,12 +1,12 @@
-/* rg_blob_open(): all limits of SPEC.md, "Sections", those too that no board
- * depends on. */
+/* rg_blob_open(): checks all limits of SPEC.md, "Sections", including those
+ * that the runtime does not rely on. */
 #include "blob_checks.h"
 #include "blob_stack.h"
 #include "bytes.h"
 #include "rg_blob.h"
 #include "wide_multiply.h"
 
-/* Flags, and how often a type stands. */
+/* Checks the flags, and that types that must be unique occur once. */
 static rg_status check_entry(const uint8_t* bytes, const uint8_t* entry,
                              const rg_sections* sections) {
   const uint32_t type = rg_load_u16(entry + RG_ENTRY_TYPE);
@@ -26,15 +26,15 @@ static rg_status check_camera(const uint8_t* section) {
       rg_load_u16(section + RG_CAMERA_HEIGHT) - 1u >= RG_MAX_IMAGE_SIZE)
     return RG_ERR_IMAGE_SIZE;
   if (rg_load_u32(section + RG_CAMERA_RESERVED) != 0) return RG_ERR_RESERVED;
-  /* The last bytes of name and serial. */
+  /* The padding bytes of name and serial. */
   return (section[RG_CAMERA_NAME + RG_TEXT_SIZE - 1] |
           section[RG_CAMERA_SERIAL + RG_TEXT_SIZE - 1]) != 0
              ? RG_ERR_TEXT
              : RG_OK;
 }
 
-/* A grid's ends lie on the camera's image or, without one, in the chart. axis:
- * the grid. */
+/* Whether a grid's area is within the camera's image or, without a camera,
+ * within the chart. axis: the grid section. */
 static int are_ends_in_range(const uint8_t* axis, const uint8_t* camera) {
   for (uint32_t c = 0; c < 2; ++c, axis += 4) {
     const int32_t lowest = camera ? -0x8000 : -RG_CHART_LIMIT_Q27;
@@ -50,7 +50,7 @@ static int are_ends_in_range(const uint8_t* axis, const uint8_t* camera) {
   return 1;
 }
 
-/* Control and line points have the same limit. */
+/* Control points and line points have the same limit. */
 static int are_points_in_range(const uint8_t* points, const uint8_t* end) {
   for (; points != end; points += 4)
     if (rg_load_u32(points) + RG_CONTROL_POINT_LIMIT >
@@ -59,15 +59,15 @@ static int are_points_in_range(const uint8_t* points, const uint8_t* end) {
   return 1;
 }
 
-/* step times the u16 at count, less 1 */
+/* step * (count - 1), with the u16 stored at count */
 static int64_t multiply(int32_t step, const uint8_t* count) {
   uint32_t low;
   const int32_t high = rg_multiply_signed(step, rg_load_u16(count) - 1, &low);
   return (int64_t)(((uint64_t)(uint32_t)high << 32) | low);
 }
 
-/* The limit for all that the plane and residuals of the fraction bits may add
- * up to: what the plane reaches at the corners and the largest residual. */
+/* Whether the plane at the grid's corners, plus the largest residual that the
+ * fraction bits allow, is within the limit for control points. */
 static int is_plane_in_range(const uint8_t* plane, const uint8_t* section,
                              uint32_t fraction_bits) {
   const int32_t limit =
@@ -105,8 +105,9 @@ static rg_status check_grid(const uint8_t* section, uint32_t size,
              : RG_ERR_CONTROL_POINT;
 }
 
-/* Whose grid may stand behind it, not checked yet: then the product of its
- * counts may wrap, but the loop ends at the section's end. */
+/* The grid may be located after this section and not have been checked yet: the
+ * product of its counts may then wrap, but the loop ends at the section's end.
+ */
 static rg_status check_line_points(const uint8_t* section, uint32_t size,
                                    const uint8_t* grid) {
   const rg_status status = rg_check_line_points(section, size, grid);
@@ -120,7 +121,7 @@ static rg_status check_line_points(const uint8_t* section, uint32_t size,
              : RG_ERR_LINE_POINT;
 }
 
-/* Checks the uncertainty section, which covers the central grid's area. */
+/* Checks the uncertainty section, whose area is that of the central grid. */
 static rg_status check_uncertainty(const uint8_t* section, uint32_t size,
                                    const uint8_t* grid) {
   for (uint32_t c = 0; c < 2; ++c) {
@@ -143,7 +144,7 @@ static rg_status check_uncertainty(const uint8_t* section, uint32_t size,
 static rg_status check_mask(const uint8_t* section, uint32_t size,
                             const uint8_t* camera) {
   const uint32_t log2 = section[RG_MASK_CELL_LOG2];
-  /* The reserved fields fill the word that it begins. */
+  /* The reserved fields are the remaining bytes of this word. */
   if ((rg_load_u32(section + RG_MASK_CELL_LOG2) >> 8) != 0)
     return RG_ERR_RESERVED;
   if (log2 - RG_MIN_MASK_CELL_LOG2 >
@@ -160,7 +161,8 @@ static rg_status check_mask(const uint8_t* section, uint32_t size,
                          RG_MASK_FIELDS_SIZE, rg_mask_size(num_cells));
 }
 
-/* Rows of a rotation have length 1 and right angles, about, and no mirror. */
+/* The rows of a rotation are orthonormal within a tolerance; reflections are
+ * rejected. */
 static int is_rotation(const uint8_t* rotation) {
   int64_t r[3][3];
   for (uint32_t k = 0; k < 9; ++k)
@@ -178,15 +180,17 @@ static int is_rotation(const uint8_t* rotation) {
         return 0;
     }
   }
-  /* The third row is the product of the others, or else its negative. */
+  /* The third row is the cross product of the others; its negative would be a
+   * reflection. */
   const int64_t z = (r[0][0] * r[1][1] - r[0][1] * r[1][0]) / one;
   const int64_t x = (r[0][1] * r[1][2] - r[0][2] * r[1][1]) / one;
   const int64_t y = (r[0][2] * r[1][0] - r[0][0] * r[1][2]) / one;
   return (x * r[2][0] + y * r[2][1] + z * r[2][2]) / one > 0;
 }
 
-/* The real frames, which are one side of the table, are of the mode that it
- * names, or of the camera. Either begins with width and height. */
+/* The real frames, on one side of the table, have the size of the mode that the
+ * table refers to, or of the camera. Both structures begin with width and
+ * height. */
 static rg_status check_real_size(const uint8_t* bytes, const uint8_t* section,
                                  const uint8_t* camera) {
   const uint32_t mode = section[RG_VIEW_MODE];
@@ -236,7 +240,7 @@ static rg_status check_modes(const uint8_t* section, uint32_t size) {
   return status;
 }
 
-/* Whether values are in range if they are known, or else 0. */
+/* Whether values are in range if they are known, and otherwise 0. */
 static int is_lens_position(const uint8_t* section, int is_known) {
   const int32_t position_q16 = rg_load_i32(section + RG_CAPTURE_LENS_POSITION);
   const uint32_t tolerance_q16 =
@@ -246,7 +250,7 @@ static int is_lens_position(const uint8_t* section, int is_known) {
          tolerance_q16 <= (uint32_t)limit_q16;
 }
 
-/* Edge and length of a crop along an axis of the image. */
+/* Whether start and length of a crop along one image axis are in range. */
 static int is_crop_axis(int32_t start, uint32_t span, uint32_t image) {
   return start <= (int32_t)RG_CROP_LIMIT && start >= -(int32_t)RG_CROP_LIMIT &&
          span - 1 < RG_CROP_LIMIT && span <= RG_MAX_CROP_SCALE * image &&
@@ -280,7 +284,7 @@ static int is_temperature(int32_t degrees_q16, int is_known) {
   return degrees_q16 <= limit_q16 && degrees_q16 >= -limit_q16;
 }
 
-/* A value from 1 to the limit, or 0 where it is not known. */
+/* A value from 1 to the limit, or 0 if it is unknown. */
 static int is_up_to(uint32_t limit, uint32_t value, int is_known) {
   return is_known ? value - 1 < limit : value == 0;
 }
@@ -335,8 +339,8 @@ static rg_status check_part(const uint8_t* bytes, uint32_t type,
                           type == RG_SECTION_CENTRAL_GRID ? camera : 0);
 }
 
-/* A section's fields and arrays, by those of the camera and the grid, which may
- * not have been checked yet. */
+/* Checks a section's fields and arrays against the camera and the grid, which
+ * may not have been checked yet. */
 static rg_status check_section(const uint8_t* bytes, const uint8_t* entry,
                                const rg_sections* sections) {
   const uint8_t* const section = bytes + rg_load_u32(entry + RG_ENTRY_OFFSET);
@@ -400,7 +404,7 @@ const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
   return entry ? bytes + rg_load_u32(entry + RG_ENTRY_OFFSET) : 0;
 }
 
-/* 0 if there is no section of the type. */
+/* The offset of the section with this type; 0 if there is none. */
 static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
   const uint8_t* const entry = rg_find_entry(bytes, type, 0);
   return entry ? rg_load_u32(entry + RG_ENTRY_OFFSET) : 0;

@@ -1,14 +1,16 @@
-/* The header, the section table, and the CRCs. */
+/* Checks the header, the section table and the CRCs. */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "crc32.h"
 #include "rg_blob.h"
 
-/* Bytes of the fields of each type of section; 0: unknown. A table, since
- * Armv6-M compilers would call their library for a switch. */
+/* The size of the fixed fields of each section type; 0: unknown type. This is a
+ * table, since compilers for Armv6-M would call a library function for a
+ * switch. */
 static const uint8_t kFieldsSizes[RG_NUM_SECTION_TYPES] = {RG_SECTION_SIZES};
 
-/* The sections tile the blob behind the table, in its order. */
+/* Sections must follow the section table without gaps, in the order of the
+ * table. */
 static rg_status check_sections(const uint8_t* bytes, const uint8_t* table_end,
                                 rg_sections* sections) {
   const uint8_t* const end = bytes + rg_load_u32(bytes + RG_HEADER_TOTAL_SIZE);

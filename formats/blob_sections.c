@@ -1,5 +1,5 @@
-/* The checks that keep the use of each section within its bounds: SPEC.md,
- * "Sections". */
+/* The checks that keep all accesses to a section within its bounds; see
+ * SPEC.md, "Sections". */
 #include "blob_checks.h"
 #include "bytes.h"
 #include "rg_blob.h"
@@ -13,8 +13,8 @@ rg_status rg_check_extent(const uint8_t* data_offset, uint32_t size,
   return RG_OK;
 }
 
-/* A number in both halves of a word, for both axes: their sizes and counts are
- * such halves. */
+/* A number in both halves of a word, one for each axis: sizes and counts are
+ * stored as such pairs. */
 #define BOTH(number) ((number)*0x10001u)
 
 static uint32_t num_control_points(const uint8_t* grid) {
@@ -30,7 +30,7 @@ rg_status rg_check_grid(const uint8_t* section, uint32_t size,
       fraction_bits < RG_NARROW_MIN_BITS || fraction_bits > max_fraction_bits)
     return RG_ERR_GRID_CHART;
   uint32_t counts = rg_load_u32(section + RG_GRID_COLUMNS);
-  /* Less 4 they are below 1024. */
+  /* Minus 4, counts are below 1024. */
   if (((counts - BOTH(RG_MIN_GRID_SIZE)) &
        ~BOTH(RG_MAX_GRID_SIZE - RG_MIN_GRID_SIZE)) != 0)
     return RG_ERR_GRID_SIZE;
@@ -60,7 +60,8 @@ rg_status rg_check_line_points(const uint8_t* section, uint32_t size,
 
 rg_status rg_check_row_time(const uint8_t* section, uint32_t size) {
   if (size < RG_ROW_TIME_SIZE) return RG_ERR_SECTION_SIZE;
-  /* From below the limit, the sum does not wrap. */
+  /* For values below -limit, the unsigned sum does not wrap, and exceeds the
+   * range. */
   return rg_load_u32(section + RG_ROW_TIME_ROW_TIME) + RG_ROW_TIME_LIMIT_Q10 >
                      2u * RG_ROW_TIME_LIMIT_Q10 ||
                  rg_load_u32(section + RG_ROW_TIME_DEVIATION) >
@@ -71,7 +72,7 @@ rg_status rg_check_row_time(const uint8_t* section, uint32_t size) {
 
 rg_status rg_check_remap(const uint8_t* section, uint32_t size,
                          uint32_t source_size) {
-  /* Less 1, all sizes are below 2^13. */
+  /* Minus 1, all sizes are below 2^13. */
   const uint32_t last = rg_load_u32(section + RG_REMAP_WIDTH) - BOTH(1);
   const uint32_t last_source = source_size - BOTH(1);
   if (((last | last_source | (source_size - BOTH(RG_MIN_REMAP_SOURCE))) &
@@ -88,7 +89,8 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
       (section[RG_REMAP_BEND_SHIFT] & ~RG_HAS_VIEW) > RG_MAX_BEND_SHIFT)
     return RG_ERR_REMAP_SHIFT;
 
-  /* Blocks of 8 px without bends, or of 16 px, and of two sizes above. */
+  /* The smallest block is 8 px without bends, or 16 px with bends; two larger
+   * sizes are allowed. */
   const uint32_t block_log2 = section[RG_REMAP_BLOCK_LOG2];
   const uint32_t part_log2 = section[RG_REMAP_PART_LOG2];
   uint32_t above = block_log2 - 3, vertex_size = RG_VERTEX_SIZE;
@@ -98,7 +100,7 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
     vertex_size = RG_BENT_VERTEX_SIZE;
   }
   if (above > 2) return RG_ERR_REMAP_BLOCK;
-  /* Without the bits that came from the other half. */
+  /* Masks the bits shifted in from the other half. */
   const uint32_t last_blocks = (last >> block_log2) & ~0xfc00u;
   if (last_blocks + BOTH(2) != rg_load_u32(section + RG_REMAP_COLUMNS))
     return RG_ERR_REMAP_BLOCK;
@@ -110,8 +112,9 @@ rg_status rg_check_remap(const uint8_t* section, uint32_t size,
       vertex_size * columns * rows + rg_mask_size((columns - 1) * (rows - 1)));
 }
 
-/* One coordinate of all vertices: -limit < vertex < limit. axis: the section
- * for x, 4 bytes behind it for y. Sums are modulo 2^32, as the spec says. */
+/* Whether one coordinate of all vertices is in range: -limit < vertex < limit.
+ * axis: the section for x, 4 bytes after it for y. Sums are modulo 2^32, as
+ * specified. */
 static int are_vertices_in_range(const uint8_t* section, const uint8_t* axis,
                                  const uint8_t* residual) {
   uint32_t vertex_size = RG_VERTEX_SIZE;

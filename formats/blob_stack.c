@@ -1,5 +1,5 @@
-/* The stack of cameras, as whole readers see it: SPEC.md, "Operating points".
- */
+/* The operating-point model, with full validation; see SPEC.md, "Operating
+ * points". */
 #include "blob_stack.h"
 
 #include <string.h>
@@ -7,15 +7,15 @@
 #include "bytes.h"
 #include "rg_blob.h"
 
-/* Walks over the blob's sections that a sample has its like of, in the order of
- * the section table. */
+/* Traverses those sections of the blob that have a counterpart in each sample,
+ * in the order of the section table. */
 typedef struct section_traversal {
   const uint8_t* bytes; /* of the blob */
-  const uint8_t* grid;  /* the central grid's section, the first of them */
+  const uint8_t* grid;  /* the central grid's section, the first one */
   uint32_t index;       /* of the next entry of the section table */
-  uint32_t type;        /* of the section at hand */
-  const uint8_t* own;   /* that section */
-  uint32_t size;        /* of it, and of its like */
+  uint32_t type;        /* of the current section */
+  const uint8_t* own;   /* the current section */
+  uint32_t size;        /* of the section and of its counterpart */
 } section_traversal;
 
 static int go_to_next_section(section_traversal* traversal) {
@@ -41,8 +41,8 @@ static section_traversal start_traversal(const uint8_t* bytes) {
   return traversal;
 }
 
-/* The size of what a sample has its like of; 0 if these sections do not follow
- * each other, from the central grid to the stack. */
+/* The total size of the sections that have a counterpart in a sample; 0 if they
+ * are not contiguous from the central grid to the operating-point model. */
 static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
   uint32_t size = 0;
   section_traversal traversal = start_traversal(bytes);
@@ -53,8 +53,9 @@ static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
   return traversal.grid + size == stack ? size : 0;
 }
 
-/* The bytes in front of a table's arrays, but for the measured error, and its
- * mask are those of the blob's own. The part was checked. */
+/* Whether a table in a sample equals the blob's own table in the bytes before
+ * its arrays, except for the measured error, and in its mask. The table has
+ * already been checked. */
 static int matches_own_table(const uint8_t* part,
                              const section_traversal* traversal) {
   const uint8_t* const own = traversal->own;

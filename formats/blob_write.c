@@ -62,7 +62,7 @@ static uint32_t num_sections(const rg_blob_contents* contents) {
          (contents->row_time != 0);
 }
 
-/* How many tables the blob has. */
+/* The number of remap tables of the blob. */
 static uint32_t num_remaps(const rg_blob_contents* contents) {
   return contents->remap ? 1 + contents->num_more_remaps : 0;
 }
@@ -111,7 +111,7 @@ static void write_camera(const rg_camera_section* camera, uint8_t* section) {
   memcpy(section + RG_CAMERA_SERIAL, camera->serial, RG_TEXT_SIZE);
 }
 
-/* A plane and what is left of so many coordinates. */
+/* Writes a plane and `count` residuals. */
 static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
                          uint8_t* data) {
   for (uint32_t c = 0; c < 2; ++c) {
@@ -125,14 +125,15 @@ static void write_narrow(const rg_narrow_grid* narrow, uint32_t count,
                  (uint16_t)narrow->residuals[i]);
 }
 
-/* The fields behind the scales that both kinds of grid have in common. */
+/* Writes the fields after the scales, which both kinds of grids have in common.
+ */
 static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
   rg_store_u16(section + RG_GRID_CHART, RG_CHART_STEREOGRAPHIC);
   rg_store_u16(section + RG_GRID_FRACTION_BITS, (uint16_t)fraction_bits);
   rg_store_u32(section + RG_GRID_DATA_OFFSET, RG_GRID_FIELDS_SIZE);
 }
 
-/* narrow: NULL, or instead of the other control points. */
+/* narrow: 16-bit control points instead of points_q29, or NULL. */
 static void write_grid(const rg_grid_section* grid, const int32_t* points_q29,
                        const rg_narrow_grid* narrow, uint8_t* section) {
   rg_store_i32(section + RG_GRID_X0, grid->x0_q16);
@@ -308,8 +309,8 @@ static void write_capture(const rg_capture_section* capture, uint8_t* section) {
   rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
-/* Writes a sample's grids and tables in the order of write_parts(), then its
- * value, and returns where the next one goes. */
+/* Writes a sample: its grids and tables in the order of write_parts(), then its
+ * value. Returns the address of the next sample. */
 static uint8_t* write_stack_sample(const rg_blob_contents* contents,
                                    const rg_stack_sample_contents* sample,
                                    uint8_t* part) {
@@ -347,10 +348,10 @@ typedef struct section_writer {
   uint8_t* bytes;
   uint8_t* entry;
   uint32_t end;
-  uint16_t minor; /* version that has what was written */
+  uint16_t minor; /* lowest version that supports the sections written so far */
 } section_writer;
 
-/* Reserves the next section and writes its entry, but for the CRC. */
+/* Reserves the next section and writes its entry, except for the CRC. */
 static uint8_t* begin_section(section_writer* writer, uint16_t type,
                               uint32_t size) {
   static const uint8_t kMinors[] = {RG_SECTION_MINORS};
@@ -372,8 +373,8 @@ static void begin_remap(const rg_remap_section* remap, const int16_t* residuals,
       begin_section(writer, RG_SECTION_REMAP, rg_remap_section_size(remap)));
 }
 
-/* Sections behind the camera and the modes that samples of a stack have no like
- * of. */
+/* Writes the sections after the camera and the modes that have no counterpart
+ * in samples of an operating-point model. */
 static void write_lone_sections(const rg_blob_contents* contents,
                                 section_writer* writer) {
   if (contents->quality)
@@ -407,7 +408,8 @@ static void write_modes(const rg_blob_contents* contents,
     write_mode(&contents->modes[k], section + RG_MODE_SIZE * k);
 }
 
-/* Sections that samples of a stack have their like of. */
+/* Writes the sections that have a counterpart in each sample of an
+ * operating-point model. */
 static void write_parts(const rg_blob_contents* contents,
                         section_writer* writer) {
   write_grid(
@@ -424,8 +426,8 @@ static void write_parts(const rg_blob_contents* contents,
                                 inverse_size(contents->inverse)));
 }
 
-/* A stack stands last, directly behind the sections that its samples have their
- * like of. */
+/* The operating-point model is the last section, immediately after the sections
+ * with counterparts in its samples. */
 static void write_sections(const rg_blob_contents* contents,
                            section_writer* writer) {
   write_camera(contents->camera,
@@ -440,7 +442,7 @@ static void write_sections(const rg_blob_contents* contents,
   }
 }
 
-/* The version of the format that has what a table uses. */
+/* The lowest minor version that supports the features of a table. */
 static uint16_t version_of_remap(const rg_remap_section* remap) {
   if (remap->has_view) return 5;
   return remap->part_log2 != 0 ? 4 : 0;
@@ -455,7 +457,7 @@ static uint16_t version_of_remaps(const rg_blob_contents* contents) {
   return highest;
 }
 
-/* The lowest minor version that has what grids and tables use. */
+/* The lowest minor version that supports the features of grids and tables. */
 static uint16_t version_of_parts(const rg_blob_contents* contents) {
   const uint16_t version = version_of_remaps(contents);
   return version == 0 && contents->narrow ? 2 : version;
@@ -473,8 +475,8 @@ static void write_header(uint8_t* bytes, uint16_t minor, uint32_t size,
   rg_store_u32(bytes + RG_HEADER_RESERVED + 4, 0);
 }
 
-/* Sections first, for their CRCs are part of the table that the header's CRC
- * covers. */
+/* Sections are written first, since the section table contains their CRCs, and
+ * the header's CRC covers the table. */
 static void write_crcs(uint8_t* bytes, uint32_t sections) {
   uint8_t* table = bytes + RG_HEADER_SIZE;
   for (uint32_t i = 0; i < sections; ++i) {
@@ -494,7 +496,7 @@ static int has_blocks(const rg_remap_section* remap) {
          remap->rows <= RG_MAX_REMAP_SIZE / 8 + 1;
 }
 
-/* Counts beyond these limits would make the sizes themselves meaningless. */
+/* Counts beyond these limits would make the computed sizes overflow. */
 static rg_status check_counts(const rg_blob_contents* contents) {
   if (contents->grid->columns > RG_MAX_GRID_SIZE ||
       contents->grid->rows > RG_MAX_GRID_SIZE)
@@ -524,7 +526,8 @@ static int has_arrays(const rg_remap_section* remap, const int16_t* residuals) {
          (remap->part_log2 == 0 || remap->bends);
 }
 
-/* Whether a sample's grids and tables have arrays of the blob's own sizes. */
+/* Whether the arrays of a sample's grids and tables have the sizes of the
+ * blob's own. */
 static int is_like_own(const rg_blob_contents* contents,
                        const rg_stack_sample_contents* sample) {
   if (!sample->narrow != !contents->narrow ||
@@ -557,7 +560,7 @@ static int is_whole_stack(const rg_blob_contents* contents) {
   return 1;
 }
 
-/* Every array that the contents speak of is there. */
+/* Whether all arrays that the contents refer to are present. */
 static int is_complete(const rg_blob_contents* contents) {
   if (!contents->camera || !contents->grid) return 0;
   if (contents->narrow ? !contents->narrow->residuals

@@ -2,8 +2,8 @@
 
 #if defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
 
-/* One entry for each half byte: 64 bytes of flash instead of 1024, and still
- * two look-ups a byte. */
+/* One entry per nibble: 64 bytes of flash instead of 1024, at the cost of two
+ * look-ups per byte. */
 static const uint32_t kHalfByteTable[16] = {
     0x00000000u, 0x1db71064u, 0x3b6e20c8u, 0x26d930acu,
     0x76dc4190u, 0x6b6b51f4u, 0x4db26158u, 0x5005713cu,
@@ -18,7 +18,7 @@ static inline uint32_t add_byte(uint32_t crc, uint8_t byte) {
 
 #else
 
-/* Adds a byte bit by bit: without a table, at a third of the speed. */
+/* Adds a byte bit by bit: no table, at a third of the speed. */
 static inline uint32_t add_byte(uint32_t crc, uint8_t byte) {
   crc ^= byte;
   for (int bit = 0; bit < 8; ++bit)

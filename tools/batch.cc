@@ -44,19 +44,19 @@ constexpr char kFleetCamera[] = "fleet_camera.yaml";
 
 struct BatchArguments {
   std::string plan, output;
-  std::string units;  // a number, two of them with - between, or nothing
+  std::string units;  // "N", "N-M" or empty
   bool gather = false, slurm = false;
 };
 
-// A unit as it is on this machine.
+// A unit of the plan, resolved on this machine.
 struct UnitJob {
-  BatchUnit unit;  // paths lead from the working directory
+  BatchUnit unit;  // with paths relative to the working directory
   std::string folder, failure_file;
 };
 
-// ---- What is to be done ----------------------------------------------------
+// ---- Planning --------------------------------------------------------------
 
-// Paths in a plan begin at its folder.
+// Resolves a path of the plan, which is relative to the plan's folder.
 std::string Resolve(const fs::path& base, const std::string& path) {
   return path.empty() ? path : (base / path).string();
 }
@@ -99,8 +99,8 @@ void HashFolder(const std::string& folder, ContentHash* hash) {
   }
 }
 
-// Tells whether a unit's inputs, options and program are those that its result
-// is of. Throws InputError if an input cannot be read.
+// A hash of a unit's inputs, its options and the program version: a result with
+// the same hash is up to date. Throws InputError if an input cannot be read.
 std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   ContentHash hash;
   hash.Add(RAYGRID_VERSION);
@@ -119,7 +119,7 @@ std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   return hash.Text();
 }
 
-// The record in a unit's last file; nothing if there is none.
+// The record in a unit's last file; nothing if the file does not exist.
 std::optional<BatchJson> ReadRecord(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return std::nullopt;
@@ -132,8 +132,8 @@ uint32_t ComputeCrc32(const std::string& bytes) {
                   static_cast<uint32_t>(bytes.size()));
 }
 
-// The files of a result, with those of a rig's cameras: their names, sizes and
-// CRCs.
+// The result files of a unit, including those of a rig's cameras: names, sizes
+// and CRCs.
 BatchJson FilesOfResult(const std::string& folder) {
   std::vector<std::string> names;
   for (const auto& file : fs::recursive_directory_iterator(folder))
@@ -151,8 +151,8 @@ BatchJson FilesOfResult(const std::string& folder) {
   return files;
 }
 
-// Throws InputError if a file of a result has gone, or holds something else
-// than was written, as after a power cut or on a full disk.
+// Throws InputError if a result file is missing or its contents have changed,
+// for example after a power loss or on a full disk.
 void RequireWhole(const std::string& folder, const BatchJson& record) {
   const BatchJson files = record.value("files", BatchJson());
   if (!files.is_array() || files.empty())
@@ -178,8 +178,8 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
   }
 }
 
-// The row of a finished unit. Throws InputError if its result is not whole any
-// more.
+// The table row of a finished unit. Throws InputError if its result is no
+// longer complete.
 UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const MetricLimits& limits) {
   RequireWhole(job.folder, record);
@@ -208,8 +208,8 @@ bool IsFinished(const UnitJob& job, const std::string& fingerprint) {
 
 // ---- One unit --------------------------------------------------------------
 
-// Features of several cameras are a rig's. Of malformed ones the calibration
-// says what is wrong.
+// Features of several cameras belong to a rig. Malformed features are left for
+// the calibration to report.
 bool IsRig(const BatchUnit& unit) {
   if (unit.features.empty()) return !unit.cameras.empty();
   try {
@@ -232,7 +232,7 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
   words.push_back("--pattern=" + unit.pattern);
   words.push_back("--output=" + job.folder);
   if (!IsRig(unit)) words.push_back("--serial=" + unit.serial);
-  // The units of a fleet are compared, so they have one model.
+  // The units of a fleet are compared with each other, so all use one model.
   if (std::none_of(unit.options.begin(), unit.options.end(),
                    [](const std::string& option) {
                      return option.compare(0, 8, "--model=") == 0;
@@ -258,7 +258,7 @@ std::vector<std::string> WordsOfUnit(const UnitJob& job,
 
 void RecordFailure(const UnitJob& job, int exit_code,
                    const std::string& reason) {
-  rmdir(job.folder.c_str());  // if it is empty; else an earlier result is there
+  rmdir(job.folder.c_str());  // fails if the folder contains an earlier result
   WriteFile(job.failure_file, BatchJson({{"schema_version", kUnitSchemaVersion},
                                          {"exit_code", exit_code},
                                          {"reason", reason}})
@@ -266,8 +266,9 @@ void RecordFailure(const UnitJob& job, int exit_code,
                                   "\n");
 }
 
-// Whether a result could be written beside the unit's folder: then it is that
-// folder alone which cannot be written, as one that is a file or is not ours.
+// Whether a result could be written next to the unit's folder. If so, only that
+// folder is not writable, for example because it is a file or belongs to
+// another user.
 bool HasRoom(const UnitJob& job) {
   constexpr size_t kResultBytes = 4 << 20;
   const std::string path = job.folder + ".room";
@@ -282,7 +283,7 @@ bool HasRoom(const UnitJob& job) {
 void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
                    const CommonOptions& common) {
   const std::string record = job.folder + "/" + kUnitFile;
-  unlink(record.c_str());  // from here on the result may be another one
+  unlink(record.c_str());  // the folder's contents may now change
   const auto start = std::chrono::steady_clock::now();
   const ChildEnd end = RunChild(WordsOfUnit(job, common));
   const double seconds =
@@ -317,8 +318,8 @@ struct PendingUnit {
   std::string fingerprint;
 };
 
-// Those that are not finished. Units whose inputs cannot be read are recorded
-// as failed, and an earlier result of them stays.
+// The unfinished units. Units with unreadable inputs are recorded as failed;
+// their earlier results are kept.
 std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
                                      uint64_t seed) {
   std::vector<PendingUnit> pending;
@@ -344,7 +345,7 @@ void RunUnits(const std::vector<const UnitJob*>& jobs,
              static_cast<double>(k) / static_cast<double>(pending.size()));
     const UnitJob& job = *pending[k].job;
     const UnitLock lock(output, job.unit.serial);
-    // Another process may have calibrated it since.
+    // Another process may have calibrated the unit in the meantime.
     if (!IsFinished(job, pending[k].fingerprint))
       CalibrateUnit(job, pending[k].fingerprint, common);
   }
@@ -398,7 +399,8 @@ std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
   return rows;
 }
 
-// 6 if one fails; else that of the first one without a result.
+// 6 if any unit fails; otherwise the exit code of the first unit without a
+// result.
 int ComputeExitCode(const std::vector<UnitRow>& rows) {
   int code = 0;
   for (const UnitRow& row : rows) {
@@ -416,7 +418,7 @@ std::optional<size_t> ParseUnitNumber(const std::string& text) {
   return std::stoul(text);
 }
 
-// All of them, unless words such as "3" or "3-7" choose some.
+// The jobs selected by words such as "3" or "3-7"; all jobs without words.
 std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
                                        const std::string& words) {
   const size_t dash = words.find('-');
@@ -442,7 +444,7 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
   return chosen;
 }
 
-// The folders that a unit's images are in.
+// The folders that contain a unit's images.
 std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   std::vector<std::string> folders;
   if (!unit.images.empty()) folders.push_back(unit.images);
@@ -451,7 +453,8 @@ std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   return folders;
 }
 
-// A result among images would be one of the inputs that it is of.
+// A result folder inside an image folder would become an input of the
+// calibration that writes it.
 void RequireSeparateResultFolders(const std::vector<UnitJob>& jobs) {
   std::error_code ignored;
   for (const UnitJob& job : jobs) {
@@ -481,7 +484,7 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const auto output = [&](const char* name) {
     return (fs::path(arguments.output) / name).string();
   };
-  // A mean that units are calibrated with would change them, and they it.
+  // Units calibrated with the population mean as prior would change that mean.
   std::vector<std::string> inputs = {arguments.plan};
   for (const UnitJob& job : jobs)
     for (const auto& [option, path] : job.unit.option_files)

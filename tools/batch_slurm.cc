@@ -14,17 +14,17 @@
 namespace raygrid {
 namespace {
 
-// Slurm takes no larger ones unless it is configured to.
+// Slurm's default limit of tasks per job array.
 constexpr size_t kMostTasks = 1000;
 
-// A word that a shell takes as it is.
+// Quotes a word for the shell.
 std::string ShellWord(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
   return word + "'";
 }
 
-// A path in which sbatch replaces nothing.
+// Escapes a path so that sbatch expands nothing in it.
 std::string SlurmPath(const std::string& path) {
   std::string text;
   for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
@@ -35,7 +35,7 @@ std::string AbsolutePath(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
 }
 
-// The words that follow the program's in both jobs.
+// The arguments that both jobs pass to the program.
 std::string BatchCommand(const std::string& plan, const std::string& output,
                          const CommonOptions& common, int threads) {
   const std::string program =
@@ -45,7 +45,8 @@ std::string BatchCommand(const std::string& plan, const std::string& output,
                      ShellWord(AbsolutePath(output)), threads, common.seed);
 }
 
-// Part t of n tasks, as evenly as whole units go, in the shell's arithmetic.
+// The shell arithmetic for the units of task t of n: as evenly distributed as
+// possible.
 std::string UnitsOfTask(size_t num_units, size_t num_tasks) {
   const auto begin_of = [&](const char* task) {
     return fmt::format("({}) * {} / {}", task, num_units, num_tasks);
@@ -55,8 +56,8 @@ std::string UnitsOfTask(size_t num_units, size_t num_tasks) {
                      begin_of("SLURM_ARRAY_TASK_ID + 1"));
 }
 
-// The number of the job that sbatch submitted: a line of it alone, or of it and
-// the cluster.
+// The ID of the job that sbatch submitted. sbatch prints one line: the ID, or
+// the ID and the cluster's name.
 std::string SubmittedJob(const std::vector<std::string>& options) {
   std::vector<std::string> words = {"--parsable"};
   words.insert(words.end(), options.begin(), options.end());

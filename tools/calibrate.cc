@@ -47,7 +47,7 @@ void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
   RequireBlobText("--serial", arguments.serial);
 }
 
-// Goes to an image's value of the condition that the blob has a range of.
+// Sets the blob's operating point to that of an image.
 void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
           BlobCamera* camera) {
   const auto range = camera->Range();
@@ -57,7 +57,8 @@ void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
       camera->SetOperatingPoint(conditions.values.at(image)[k]);
 }
 
-// The first held-out image, or else the first one used; smaller than it was.
+// A comparison before/after undistortion: of the first held-out image,
+// otherwise of the first training image, downscaled.
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
@@ -80,7 +81,7 @@ std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
   return std::nullopt;
 }
 
-// Without the images that others stand for, of which nothing is drawn.
+// Removes near-duplicate images, which are not drawn.
 void ExcludeNearDuplicates(const CalibrationResult& result,
                            Measurements* part) {
   std::set<std::string> others;
@@ -97,8 +98,8 @@ void ExcludeNearDuplicates(const CalibrationResult& result,
   *part = std::move(kept);
 }
 
-// Without the images of other modes: what pictures show over them lies in
-// calibrated pixels.
+// Removes images of other sensor modes: the pictures drawn over images use
+// calibrated pixel coordinates.
 Measurements CalibratedPart(const Measurements& all) {
   Measurements part = all;
   part.dataset.images.resize(NumCalibratedImages(all));
@@ -113,8 +114,9 @@ int64_t PeakMemoryBytes() {
   return static_cast<int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// The blobs of the cameras and the pictures of their images. An interrupted
-// calibration is not packed, nor one that is bent by the motion of rows.
+// The blobs of the cameras and the pictures of their images. Interrupted
+// calibrations, and those distorted by an uncompensated rolling shutter, are
+// not packed.
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
@@ -147,7 +149,7 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
   return extras;
 }
 
-// Frames of several lens positions are of several cameras.
+// Frames recorded at several lens positions have different intrinsics.
 void WarnAboutLensMotion(const Session& session,
                          const CalibrateArguments& arguments) {
   constexpr double kSameDioptres = 0.1;
@@ -164,8 +166,8 @@ void WarnAboutLensMotion(const Session& session,
                low, high);
 }
 
-// Takes the images, the pattern and the place of the result from a session of
-// capture, if one is given; the last two unless they are given, too.
+// Reads images, pattern and output folder from a capture session, if one is
+// given; explicit options override the last two.
 void UseSession(CalibrateArguments* arguments) {
   if (arguments->images.size() == 1 && IsSession(arguments->images[0])) {
     const std::filesystem::path folder = arguments->images[0];
@@ -182,7 +184,8 @@ void UseSession(CalibrateArguments* arguments) {
                                     : "camera " + session.camera + " "));
       arguments->captures.push_back(GetCaptureSettings(session));
       arguments->session_times.push_back(CollectTimes(session));
-      // A frame that was deleted may still lie there, if that was interrupted.
+      // If deletion was interrupted, the file of a deleted frame may still
+      // exist.
       std::vector<std::string> images;
       for (const SessionFrame& frame : session.frames) {
         images.push_back(
@@ -211,9 +214,9 @@ void UseSession(CalibrateArguments* arguments) {
                               option));
 }
 
-// Adds what the calibration was not given: serial numbers, how a session's
-// camera stood, and images that are no photographs, which a verdict does not
-// count.
+// Adds data that the optimization does not use: serial numbers, the capture
+// settings of a session, and files that are not photographs, which the
+// assessment ignores.
 void CompleteResult(const std::vector<Measurements>& cameras,
                     const CalibrateArguments& arguments, RigResult* result) {
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -227,7 +230,7 @@ void CompleteResult(const std::vector<Measurements>& cameras,
   }
 }
 
-// The checkpoints of all cameras, or none.
+// The checkpoints of all cameras; empty if one is missing.
 std::vector<Checkpoint> GetCheckpoints(const RigResult& result) {
   std::vector<Checkpoint> checkpoints;
   for (const CalibrationResult& camera : result.cameras)
@@ -235,8 +238,8 @@ std::vector<Checkpoint> GetCheckpoints(const RigResult& result) {
   return checkpoints;
 }
 
-// Replaces what the folder holds of another result. resume is the text of
-// resume.json, or empty.
+// Replaces an earlier result in the folder. resume is the text of resume.json,
+// or empty.
 void WriteResult(const RigResult& result, const ResultExtras& extras,
                  const std::string& resume, const std::string& folder) {
   OutputFolder output(folder);
@@ -249,7 +252,7 @@ void WriteResult(const RigResult& result, const ResultExtras& extras,
   output.Commit(ResultFiles(folder));
 }
 
-// Prints what the blobs lack, on standard error.
+// Prints the warnings of packing on standard error.
 void PrintWarnings(const RigResult& result, const ResultExtras& extras) {
   for (size_t c = 0; c < extras.cameras.size(); ++c)
     if (const auto& packing = extras.cameras[c].packing)
@@ -258,7 +261,8 @@ void PrintWarnings(const RigResult& result, const ResultExtras& extras) {
                    CameraFolder(result, c), warning);
 }
 
-// Throws what the exit code says of a calibration whose files are written.
+// Throws the error that corresponds to the exit code, after all files of the
+// calibration have been written.
 void RequireSuccess(const Assessment& assessment, bool is_interrupted,
                     const std::string& folder) {
   if (is_interrupted)
@@ -273,7 +277,7 @@ void RequireSuccess(const Assessment& assessment, bool is_interrupted,
                             assessment.failure, folder));
 }
 
-// A calibration whose blob could not be made at all is no success.
+// Throws if a blob could not be created: the calibration is then not a success.
 void RequireBlobs(const RigResult& result, const ResultExtras& extras,
                   const std::string& folder) {
   for (size_t c = 0; c < extras.cameras.size(); ++c)

@@ -68,7 +68,8 @@ std::optional<double> ParseDuplicatePx(const std::string& text) {
 
 struct Interruption {};
 
-// Named by the last part of their paths, as images are everywhere.
+// Prints the skipped images and returns them, named by the last component of
+// their paths, as everywhere.
 std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   std::vector<RejectedImage> list;
   for (const SkippedImage& image : images) {
@@ -80,8 +81,8 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   return list;
 }
 
-// The way to measure images again; empty for features alone, or if they are to
-// be kept.
+// The callback that refines features with the current model; empty if only
+// features are given, or if refinement is disabled.
 RefineFeaturesCallback MakeRefinement(const Measurements& measurements,
                                       const CalibrateArguments& arguments,
                                       int num_threads) {
@@ -101,7 +102,7 @@ RefineFeaturesCallback MakeRefinement(const Measurements& measurements,
   };
 }
 
-// Throws Error(kTooFew) without features, and as RequireConsistent.
+// Throws Error(kTooFew) without features, and the errors of RequireConsistent.
 void RequireUsable(const std::string& source,
                    const CalibrateArguments& arguments,
                    const Measurements& measurements, const Pattern& pattern) {
@@ -118,7 +119,7 @@ void RequireUsable(const std::string& source,
 
 // ---- Image circle ----------------------------------------------------------
 
-// "X,Y,RADIUS".
+// Parses "X,Y,RADIUS".
 ImageCircle ParseImageCircle(const std::string& text) {
   ImageCircle circle;
   double radius_px = 0;
@@ -135,7 +136,8 @@ ImageCircle ParseImageCircle(const std::string& text) {
   return circle;
 }
 
-// The circle that is given, or else what the calibrated images leave dark.
+// The given image circle, or otherwise the one detected from the dark corners
+// of the calibrated images.
 std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
                                          const std::string& word,
                                          int num_threads) {
@@ -174,7 +176,7 @@ ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
   return ParseImageSize("--image-size", arguments.image_sizes.front());
 }
 
-// WxH is for all cameras that have no NAME=WxH.
+// WxH applies to all cameras without their own NAME=WxH.
 ImageSize SizeOfCamera(const std::string& camera,
                        const CalibrateArguments& arguments) {
   std::string size;
@@ -223,7 +225,7 @@ std::vector<Measurements> ReadGivenCameras(const CalibrateArguments& arguments,
   return cameras;
 }
 
-// Measures the images of one camera, of all its modes.
+// Detects the features in the images of one camera, including all sensor modes.
 Measurements MeasureModes(const std::vector<std::string>& images,
                           const CalibrateArguments& arguments,
                           const CommonOptions& common, const Pattern& pattern,
@@ -258,7 +260,7 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
                 "of a rig separately");
   for (const NamedImages& camera : named)
     if (!camera.images.empty())
-      FindImages(camera.images);  // throws before anything takes long
+      FindImages(camera.images);  // throws before any time-consuming step
   std::vector<Measurements> cameras;
   for (const auto& [name, images] : named) {
     const std::string start = name.empty() ? "" : name + ": ";
@@ -279,7 +281,8 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
 
 namespace {
 
-// The time of a row is that of one sensor mode, and needs those of images.
+// The line delay depends on the sensor mode, and its estimation requires
+// timestamps.
 void RequireTimes(const CalibrateArguments& arguments) {
   if (!arguments.rolling_shutter && !arguments.times.empty())
     throw Error(ExitCode::kUsage, "--timestamps requires --rolling-shutter");
@@ -300,8 +303,9 @@ void RequireTimes(const CalibrateArguments& arguments) {
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
 
-// Time and memory grow with features, and time with the square of images, while
-// a camera is known no better by more than some hundreds.
+// Memory grows with the number of features, and time also with the square of
+// the number of images; beyond some hundred images, the accuracy hardly
+// improves.
 void RequireFewFeatures(const std::string& path,
                         const FeaturesByCamera& given) {
   constexpr size_t kMost = 500000;
@@ -461,7 +465,7 @@ CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
                                           const CommonOptions& common,
                                           ProgressBar* bar) {
   CalibrationOptions options;
-  // A camera over a range of values is a stack of central grids.
+  // An operating-point model consists of central grids.
   const bool is_stack =
       arguments.model == "auto" && !arguments.condition.empty();
   options.model = is_stack ? models::kCentralGeneric : arguments.model;

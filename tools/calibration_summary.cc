@@ -27,7 +27,7 @@ void PrintMetrics(const char* name, const ErrorMetrics& metrics) {
       name, metrics.median_px, metrics.rms_px, metrics.max_px, metrics.count);
 }
 
-// The line that a camera begins with, after its model.
+// The first line of a camera, after its model's name.
 void PrintSize(const CalibrationResult& result) {
   fmt::print("{} parameters, {} images", result.num_parameters,
              result.features.images.size());
@@ -89,7 +89,7 @@ void PrintKnownOverRanges(const CameraFile& file) {
         100 * ComputeValidShare(*file.camera, known->mask));
 }
 
-// How the camera changes over each of its ranges.
+// How the intrinsics change over each of the ranges.
 void PrintOperatingPointModel(const OperatingPointModel& stack) {
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
     const std::vector<OperatingPointChange> ends =
@@ -104,7 +104,7 @@ void PrintOperatingPointModel(const OperatingPointModel& stack) {
   }
 }
 
-// Of --model auto.
+// The candidates of --model auto.
 void PrintModelChoice(const CalibrationResult& result) {
   if (result.model_candidates.empty()) return;
   std::vector<std::string> medians;
@@ -131,14 +131,15 @@ void PrintLineDelay(const CalibrationResult& result) {
                                result.camera.camera->image_size().height));
 }
 
-// How far boards were found to be from flat and from nominal; nothing of those
-// that are both. The report shows all of them.
+// The deviation of each estimated board from the nominal geometry and from a
+// plane; boards without deviation are omitted here. The report shows all of
+// them.
 void PrintBoards(const Pattern& pattern) {
   constexpr double kTellableM = 5e-7;
   constexpr int kMostLines = 3;
   int num_reported = 0;
   for (const Board& board : pattern.boards) {
-    if (board.IsPointSet()) continue;  // may have depth
+    if (board.IsPointSet()) continue;  // may be three-dimensional
     const BoardFlatness shape = MeasureFlatness(board);
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
     if (++num_reported > kMostLines) continue;
@@ -153,7 +154,8 @@ void PrintBoards(const Pattern& pattern) {
                num_reported - kMostLines);
 }
 
-// One line, as the report has it: its limit, and the one thing to do.
+// One line as in the report: the limiting error source and the recommended
+// action.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
   const BudgetAssessment assessment = AssessBudget(*result.budget);

@@ -34,7 +34,8 @@ CameraFile ParseForeignCamera(const Format& format, const std::string& path,
   return MakeCameraFile(contents.cameras.front());
 }
 
-// Says on standard error which conditions a camera is taken in the middle of.
+// Prints on standard error the conditions for which the centre of the range is
+// used.
 void NoteReferencePoint(const std::string& path,
                         const std::vector<OperatingRange>& ranges) {
   fmt::print(stderr,
@@ -43,14 +44,14 @@ void NoteReferencePoint(const std::string& path,
              Printable(path), ToText(ranges));
 }
 
-// How a stack is read.
+// How an operating-point model is read.
 enum class Reading {
-  kOne,       // a camera out of it
-  kRest,      // over conditions whose values are not given it stays a stack
-  kOneOfTwo,  // a camera; some values may be the other's
+  kOne,       // one camera, at the given operating point
+  kRest,      // a model over the conditions without given values
+  kOneOfTwo,  // one camera of a pair; ignores values for the other one
 };
 
-// Values for a camera with these ranges, each in its range.
+// The values for a camera with these ranges, checked against each range.
 FixedOperatingPoint ValuesFor(const std::string& path,
                               const RequestedOperatingPoint& at,
                               Reading reading,
@@ -60,8 +61,8 @@ FixedOperatingPoint ValuesFor(const std::string& path,
   return FixRequestedPointInRange(FilterByRanges(at, ranges), ranges, path);
 }
 
-// A stack's camera at values, in place of that in the middle. Returns the
-// stack's ranges.
+// Replaces the reference camera of an operating-point model by the camera at
+// the requested operating point. Returns the model's ranges.
 std::vector<OperatingRange> SelectOperatingPoint(
     const std::string& path, const RequestedOperatingPoint& at, Reading reading,
     CameraFile* file) {
@@ -108,7 +109,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   input.file.camera = input.blob->ToModel();
   rg_camera_section identity;
   rg_blob_camera(&input.blob->blob(), &identity);
-  // The format asks for UTF-8, and readers do not check it.
+  // The format requires UTF-8, but readers do not check it.
   input.file.name = Printable(identity.name);
   input.file.serial = Printable(identity.serial);
   input.file.capture = input.blob->GetCalibrationCapture();

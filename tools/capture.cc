@@ -3,7 +3,8 @@
 
 namespace raygrid {
 
-// A program of its own, since it alone needs cameras and a page's server.
+// Executes a separate program, since only capture depends on camera drivers and
+// an HTTP server.
 void AddCapture(CLI::App* app, CommonOptions*) {
   CLI::App* command = app->add_subcommand(
       "capture", "Capture calibration images live, guided by coverage.");

@@ -12,8 +12,7 @@
 namespace raygrid {
 namespace {
 
-// When the images of each camera were taken, if the time of a row is to be
-// estimated.
+// The timestamps of each camera's images, if the line delay is to be estimated.
 std::vector<std::optional<ImageTimes>> CollectTimes(
     const CalibrateArguments& arguments,
     const std::vector<Measurements>& cameras) {

@@ -40,7 +40,7 @@ std::vector<double> CaptureNumbers(const std::string& word,
   return ParseNumbers("--capture-settings: " + word, text, count, example);
 }
 
-// A number without a fraction, of any size.
+// Parses an integer of any magnitude.
 int WholeNumber(const std::string& word, double number) {
   if (number != std::floor(number) || std::abs(number) > 1e9)
     RefuseCapture(fmt::format("{}: {} is not an integer", word, number));

@@ -36,8 +36,9 @@ std::string PatternPath(const CheckArguments& arguments) {
   return beside.string();
 }
 
-// The images of a session of capture instead of its folder, and how its camera
-// stands otherwise than it was calibrated.
+// Replaces the folder of a capture session by its images. Returns the
+// differences between the session's capture settings and those of the
+// calibration.
 std::vector<std::string> UseSession(const CameraFile& file,
                                     CheckArguments* arguments) {
   if (arguments->images.size() != 1 || !IsSession(arguments->images[0]))
@@ -61,7 +62,8 @@ std::vector<std::string> UseSession(const CameraFile& file,
              : std::vector<std::string>();
 }
 
-// Images that could not be measured are added to those rejected.
+// Detects the features in the images. Images without a detection are added to
+// the rejected ones.
 Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
                const CameraFile& file, const Pattern& pattern,
                std::vector<RejectedImage>* rejected) {

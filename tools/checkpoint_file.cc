@@ -44,9 +44,9 @@ void CheckpointFile::Save(size_t camera, const Checkpoint& checkpoint) {
     files.Commit();
     is_written_ = true;
   } catch (const Error&) {
-    // The result is worth having without.
+    // A failed checkpoint must not abort the calibration.
   }
-  // Writing takes a tenth of the time at most.
+  // Limits the time spent on writing to a tenth of the total.
   const auto end = Clock::now();
   next_write_ = end + 9 * (end - start);
 }

@@ -33,9 +33,9 @@ std::vector<char*> TextsOf(std::string* name,
   return texts;
 }
 
-// In the new process: a signal for a terminal's processes is its parent's.
-// The program is the very one that runs, also if another version took its
-// place.
+// Runs in the child process, in its own process group: the parent handles the
+// terminal's signals. Executes the running binary, even if its file has been
+// replaced by another version.
 [[noreturn]] void ExecChildProgram(const std::vector<std::string>& arguments,
                                    pid_t parent, int errors) {
   std::string name = "raygrid";
@@ -53,9 +53,9 @@ std::vector<char*> TextsOf(std::string* name,
   _exit(static_cast<int>(ExitCode::kUsage));
 }
 
-constexpr int kNotFound = 127;  // as shells have it
+constexpr int kNotFound = 127;  // as in shells
 
-// In the new process.
+// Runs in the child process.
 [[noreturn]] void ExecProgram(std::string name,
                               const std::vector<std::string>& arguments,
                               int output) {
@@ -67,7 +67,7 @@ constexpr int kNotFound = 127;  // as shells have it
   _exit(kNotFound);
 }
 
-// All that is written to a pipe, or its last 64 kB.
+// The output written to a pipe; if longer than 64 kB, its end.
 std::string ReadPipe(int pipe) {
   constexpr size_t kKept = 1 << 16;
   std::string text;
@@ -89,8 +89,8 @@ std::string LastLine(std::string text) {
                                                  : text;
 }
 
-// Runs what a new process becomes, given a pipe to write to, until it ends; its
-// status, and what it wrote.
+// Forks, lets the child call become() with the write end of a pipe, and waits
+// until it exits. Returns its status and stores its output.
 template <typename Become>
 int RunToEnd(const Become& become, std::string* text) {
   int pipe[2];

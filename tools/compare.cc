@@ -28,7 +28,7 @@ struct CompareArguments {
   double distance_m = 1;
 };
 
-// About so many places along the longer side are compared.
+// The approximate number of compared pixels along the longer side.
 constexpr double kPlaces = 160;
 
 struct Comparison {
@@ -36,12 +36,13 @@ struct Comparison {
   ImageSize size;
   Area area;  // of the second camera
   double angle_rad = 0;
-  /// Over the places where both can be trusted, of cameras that say so.
+  // Over the pixels in the valid regions of both cameras; nothing if neither
+  // stores a valid region.
   std::optional<ErrorMetrics> valid_region;
-  std::optional<PredictionComparison> prediction;  // of features, if given
+  std::optional<PredictionComparison> prediction;  // of given features
 };
 
-// Images localised with each camera as it is.
+// Compares the residuals after pose estimation with each camera.
 PredictionComparison Predict(const CompareArguments& arguments,
                              const CameraModel& first,
                              const CameraModel& second, int num_threads) {
@@ -61,8 +62,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   return prediction;
 }
 
-// The difference at pixels that both cameras can be trusted at. Elsewhere one
-// of them is extrapolated, and they may differ by any number of pixels.
+// The difference over pixels in the valid regions of both cameras. Elsewhere,
+// one of them is extrapolated, and the difference is arbitrary.
 std::optional<ErrorMetrics> WhereValid(const ModelDifference& difference,
                                        const CameraInput& first,
                                        const CameraInput& second) {

@@ -44,7 +44,7 @@ const std::map<std::string, Refinement> kRefinements = {
     {"corner-subpix", Refinement::kCornerSubpix},
     {"none", Refinement::kNone}};
 
-// "a.jpg" and "a.png" may both be there.
+// Keeps the extension, since a.jpg and a.png may both exist.
 std::string OverlayName(const std::string& path) {
   const fs::path name = fs::path(path).filename();
   return name.extension() == ".png" ? name.string() : name.string() + ".png";
@@ -98,7 +98,7 @@ void PrintAllWarnings(const FolderDetection& found) {
                Printable(WarnAboutOrientation(found.turned)));
 }
 
-// Names the images without features, or the first of many.
+// Lists the images without features; of many, only the first ones.
 void PrintImagesWithoutFeatures(const FolderDetection& found) {
   constexpr size_t kMaxNames = 20;
   std::vector<std::string> names;
@@ -187,7 +187,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   OutputFiles overlays;
   if (!arguments.overlay.empty()) {
     AddOverlays(arguments, found, common.threads, &overlays);
-    overlays.Commit();  // they show why nothing was found, too
+    overlays.Commit();  // they also show why detection failed
   }
   if (const auto other =
           SuggestOtherBoard(found, pattern, arguments.pattern, common.threads))

@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-// With --fine-distortion: cells of 20 and 10 px make 10,000 and 40,000
-// parameters.
+// With --fine-distortion: knot spacings of 20 px and 10 px yield 10,000 and
+// 40,000 parameters.
 constexpr ImageSize kFineSize = {1840, 1040};
 constexpr int kFineImages = 500;
 
@@ -74,7 +74,7 @@ void RequireUse(const Experiment& experiment,
                 "with --features");
   if (!arguments.bump_widths_px.empty() && !arguments.options.fine)
     throw Error(ExitCode::kUsage, "--bump-px requires --fine-distortion");
-  constexpr size_t kMostWidths = 6;  // in a chart
+  constexpr size_t kMostWidths = 6;  // the maximum for a chart
   if (arguments.bump_widths_px.size() > kMostWidths)
     throw Error(ExitCode::kUsage,
                 fmt::format("--bump-px: {} values, at most {} are supported",
@@ -92,7 +92,7 @@ void RequireUse(const Experiment& experiment,
                 "--features requires --pattern and --image-size WxH");
 }
 
-// A file, or that file of a folder that calibrate wrote.
+// The path of a file, or of that file in a result folder of calibrate.
 std::string ResolveFile(const std::string& path, const char* file) {
   return std::filesystem::is_directory(path)
              ? (std::filesystem::path(path) / file).string()
@@ -125,7 +125,7 @@ NamedStereo ReadStereo(const std::string& given_path) {
           right.known};
 }
 
-// Features of one camera, or of two for stereo.
+// Reads features of one camera, or of two cameras for stereo.
 void ReadUsersFeatures(const ExperimentArguments& arguments,
                        ExperimentData* data) {
   data->pattern = LoadPattern(arguments.pattern);
@@ -175,7 +175,7 @@ ExperimentData ReadData(const ExperimentArguments& arguments) {
   return data;
 }
 
-// The path of all files of an experiment's result, up to their endings.
+// The common path of an experiment's result files, without extension.
 std::string BaseName(const Experiment& experiment, const std::string& folder) {
   return (std::filesystem::path(folder) / experiment.name).string();
 }
@@ -190,7 +190,7 @@ void RequireInputsStay(const Experiment& experiment,
   RequireNoInputReplaced(inputs,
                          {base + ".csv", base + ".json", base + ".svg"});
   RequireSeparateFolders(images,
-                         arguments.output);  // pictures are written, too
+                         arguments.output);  // pictures are also written
 }
 
 void WriteResult(const Experiment& experiment, const ExperimentResult& result,

@@ -46,7 +46,7 @@ struct Exported {
   CameraInput input;
   std::optional<Pose> camera_from_rig = {};
   std::optional<ValidityMask> valid_region = {};
-  std::optional<RectifiedProjection> rectified = {};  // known already
+  std::optional<RectifiedProjection> rectified = {};  // if already determined
   Eigen::Quaterniond view_from_camera = Eigen::Quaterniond::Identity();
 };
 
@@ -83,8 +83,8 @@ std::vector<Exported> ReadPairOfViews(const std::string& path,
   return cameras;
 }
 
-// Throws for poses.csv, which goes out beside a camera, and for features.csv,
-// which goes out alone.
+// Throws for poses.csv, which is exported together with a camera, and for
+// features.csv, which is exported alone.
 void RequireNoCsv(const std::string& path, const std::string& bytes) {
   const std::string header = bytes.substr(0, bytes.find('\n'));
   if (header.find(",qw,qx,qy,qz,") != std::string::npos)
@@ -99,7 +99,7 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
                     path));
 }
 
-// The cameras of a rig, or the one camera.
+// The cameras of a rig, or a single camera.
 std::vector<Exported> ReadExported(const std::string& path,
                                    const RequestedOperatingPoint& at,
                                    bool* is_rig) {
@@ -137,7 +137,8 @@ void TakeView(const ViewWords& words, Exported* camera) {
   camera->valid_region.reset();
 }
 
-// How far a view, which is exact, would do it.
+// Advice to export the pinhole camera of undistorted images instead, which is
+// exact, with its field of view.
 std::string ViewAdvice(const CameraModel& camera) {
   try {
     const VirtualView view = MakeViewOfArea(camera);
@@ -163,8 +164,8 @@ void RequireSmallError(const Exported& camera, const SelectedLens& chosen,
           FormatLensFit(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
-// Lenses of a rig whose frame is that of its first camera; it is that of the
-// first lens then.
+// If the rig's frame is that of its first camera, makes it the frame of the
+// first lens.
 void KeepFirstFrame(const std::vector<Exported>& cameras,
                     std::vector<WrittenLens>* lenses) {
   const std::optional<Pose>& first = cameras.front().camera_from_rig;
@@ -215,8 +216,8 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
   return lenses;
 }
 
-// R and P of two cameras, for formats that have them, of the lenses that are
-// written. Says on standard error if images of them have no common rows.
+// Adds the matrices R and P of a rectified pair for formats that store them.
+// Warns on standard error if rectified images have no common rows.
 void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
   if (!format.supports_pairs || lenses->size() != 2 ||
       !lenses->front().camera_from_rig || lenses->front().rectified)
@@ -240,7 +241,7 @@ void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
   }
 }
 
-// The poses of boards, in the frames of the lenses.
+// Adds the poses of boards, transformed to the frames of the exported lenses.
 void AddPoses(const ExportArguments& arguments, const Format& format,
               const std::vector<Exported>& cameras, bool is_rig,
               std::vector<WrittenLens>* lenses) {
@@ -270,7 +271,7 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
         arguments.poses, Printable(poses.begin()->first), arguments.input));
 }
 
-// The order in which a format numbers cameras.
+// Sorts cameras in the order in which the format numbers them.
 void SortByName(std::vector<WrittenLens>* lenses) {
   std::stable_sort(lenses->begin(), lenses->end(),
                    [](const WrittenLens& a, const WrittenLens& b) {
@@ -278,8 +279,8 @@ void SortByName(std::vector<WrittenLens>* lenses) {
                    });
 }
 
-// Names of files, and what is in them: of a format that has one camera a file,
-// a rig makes a folder of them.
+// The output files as names and contents. A rig becomes a folder if the format
+// stores one camera per file.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
@@ -327,7 +328,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   }
 }
 
-// The options that were given, of those that a format may not take.
+// The options given by the user that not every format supports.
 std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
   std::vector<std::string> given;
   for (const auto& [name, is_given] :
@@ -344,7 +345,7 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
   return given;
 }
 
-// Throws for options that only formats of the other kind take.
+// Throws for options that the chosen kind of format does not support.
 void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
   const auto refuse = [&](const std::string& option) {
     throw Error(ExitCode::kUsage, fmt::format("--{}: not supported by --to {}",
@@ -420,7 +421,7 @@ const Format& FindWrittenFormat(const std::string& name) {
                                             name, WrittenFormatNames()));
 }
 
-// Says on standard error where a region is not quite what is trusted.
+// Prints on standard error how a stored polygon differs from the valid region.
 void PrintRegions(const std::vector<WrittenLens>& lenses) {
   for (const WrittenLens& lens : lenses) {
     if (!lens.valid_region) continue;
@@ -439,8 +440,8 @@ void PrintRegions(const std::vector<WrittenLens>& lenses) {
   }
 }
 
-// Whether nothing of what is written says how the cameras of a rig stand. A
-// pair's views say it; of more cameras, or without common views, there are
+// Whether the output loses the relative poses of a rig's cameras. For a pair,
+// rectified views imply them; other rigs, and pairs without common views, have
 // none.
 bool DropsPoses(const Format& format, const std::vector<WrittenLens>& lenses) {
   if (format.discards_rig_poses) return true;

@@ -26,21 +26,21 @@ struct FitArguments {
   std::string camera, model, spline, output;
 };
 
-// About so many places along the longer side are compared.
+// The approximate number of compared pixels along the longer side.
 constexpr double kSamples = 160;
 
-// Errors at places where the camera can be trusted.
+// Errors over the pixels of the valid region.
 struct ValidRegionErrors {
   double rms_px = 0, p99_px = 0, max_px = 0;
   size_t num_places = 0;
 };
 
-// A model fitted to a camera, and its difference from that.
+// A fitted model, and its difference from the original camera.
 struct Fit {
   CameraFile file;
   ModelDifference difference;
-  size_t num_places = 0;  // that the camera is calibrated for
-  std::optional<ValidRegionErrors> valid_region;  // if the camera tells where
+  size_t num_places = 0;                          // within the calibrated area
+  std::optional<ValidRegionErrors> valid_region;  // if stored
 };
 
 std::string NamesOfModels() {
@@ -48,7 +48,8 @@ std::string NamesOfModels() {
                      OrList(LensNames(ModelUse::kFit)));
 }
 
-// COLUMNSxROWS, or COLUMNSxROWS,fov=DEGREES; an angle of 0 is not told.
+// Parses COLUMNSxROWS or COLUMNSxROWS,fov=DEGREES; an angle of 0 means that it
+// is not given.
 SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
   constexpr int kFewest = 4, kMost = 200, kMaxDeg = 359;
   static const std::regex words(
@@ -70,7 +71,7 @@ SplinedStereographic::Grid ParseSplineGrid(const std::string& text) {
                           text, kFewest, kMost, kMaxDeg));
 }
 
-// grid is that of a spline, if it is told.
+// grid: the grid of a spline model, if given.
 FittedModel FitModel(const std::string& model, const CameraModel& camera,
                      const std::optional<ValidityMask>& valid_region,
                      const std::optional<SplinedStereographic::Grid>& grid) {
@@ -156,7 +157,7 @@ std::string FormatJson(const Fit& fit) {
   return FormatCommandJson(json);
 }
 
-// The model's name, and how large its spline is.
+// The model's name, with the grid size of spline models.
 std::string FullName(const CameraModel& camera) {
   const auto* spline = dynamic_cast<const SplinedStereographic*>(&camera);
   if (!spline) return camera.Name();

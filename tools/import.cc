@@ -26,10 +26,10 @@
 namespace raygrid {
 namespace {
 
-// The most corners along a side of a board.
+// The maximum number of corners along a side of a board.
 constexpr int kMostCorners = 1000;
 
-// COLUMNSxROWS.
+// Parses COLUMNSxROWS.
 ImageSize ParseBoardSize(const std::string& text) {
   int columns = 0, rows = 0;
   const char* const end = text.data() + text.size();
@@ -67,7 +67,7 @@ ExchangeContents ReadForeignFile(const ImportArguments& arguments,
   return ReadExchangeFile(format, request);
 }
 
-// Whether the file has boards alone, which are written then.
+// Writes the boards if the file contains only boards; returns whether it does.
 bool ImportBoards(const ImportArguments& arguments,
                   const std::vector<std::string>& texts,
                   const CommonOptions& common) {
@@ -107,7 +107,8 @@ bool ImportBoards(const ImportArguments& arguments,
   return true;
 }
 
-// Throws for options that do nothing to contents with cameras or without.
+// Throws for options that have no effect on these contents, with or without
+// cameras.
 void RequireUsed(const ImportArguments& arguments,
                  const ExchangeContents& contents) {
   const auto refuse = [](const std::string& option, const std::string& why) {
@@ -129,7 +130,7 @@ void RequireUsed(const ImportArguments& arguments,
            "features.csv does not store it; pass it to calibrate");
 }
 
-// The contents of a file of corners alone; none if it is of another format.
+// The contents of a file that contains only corners; nothing for other formats.
 std::optional<ExchangeContents> ReadCorners(
     const ImportArguments& arguments, const std::vector<std::string>& texts) {
   const Format* format = arguments.from.empty()
@@ -173,9 +174,9 @@ void ImportCorners(const ExchangeContents& contents,
                CountText(dataset.images.size(), "image"));
 }
 
-// All files together: those of a rig that have a camera each tell their poses,
-// or R and P. Their cameras are named after the files where nothing else
-// names all of them.
+// Reads all files. Rigs with one file per camera contain the poses, or the
+// rectification matrices R and P. Unless every camera has a name in its file,
+// cameras are named after the files.
 ExchangeContents ReadForeign(const ImportArguments& arguments,
                              const std::vector<std::string>& texts) {
   ExchangeContents all;
@@ -221,14 +222,14 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   return all;
 }
 
-// A name that a file can have: "Camera 001" becomes "Camera-001".
+// Converts a camera's name to a file name: "Camera 001" becomes "Camera-001".
 std::string NameOfFile(std::string name) {
   for (char& c : name)
     if (!IsRigCameraName(std::string(1, c))) c = '-';
   return name;
 }
 
-// Names that files can have, all different.
+// Distinct file names for the cameras.
 std::vector<std::string> FolderNames(const ImportArguments& arguments,
                                      const ExchangeContents& contents) {
   std::vector<std::string> names;
@@ -245,7 +246,8 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
   return names;
 }
 
-// The features or the poses of all cameras, as the output's name says.
+// The features or the poses of all cameras in CSV, depending on the name of the
+// output file.
 std::string CsvOf(const ImportArguments& arguments,
                   const ExchangeContents& contents) {
   const std::string stem =
@@ -278,7 +280,7 @@ std::string CsvOf(const ImportArguments& arguments,
   return wants_features ? FormatFeatures(features) : FormatPoses(poses);
 }
 
-// The number of features, or of poses, that were written.
+// A message with the number of features or poses written.
 std::string CsvText(const std::string& output,
                     const ExchangeContents& contents) {
   size_t features = 0, images = 0, poses = 0;
@@ -293,8 +295,8 @@ std::string CsvText(const std::string& output,
                      CountText(images, "image"));
 }
 
-// The files of several cameras: those of a rig beside rig.yaml, as calibrate
-// has them; others in the folder that is named.
+// The files of several cameras: those of a rig next to rig.yaml, as calibrate
+// writes them; others in the specified folder.
 std::vector<std::pair<std::string, std::string>> FilesOf(
     const ImportArguments& arguments, const ExchangeContents& contents) {
   const auto text_of = [](const ReadLens& camera) {
@@ -321,7 +323,7 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   return files;
 }
 
-// Cameras of puzzlepaint in a folder, by their numbers.
+// The camera files of puzzlepaint in a folder, sorted by number.
 std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
   std::vector<std::string> files;
   const auto next = [&] {
@@ -331,7 +333,7 @@ std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
   return files;
 }
 
-// The files of cameras in a folder: of COLMAP, which prefers bytes, too, or of
+// The camera files in a folder: of COLMAP, preferring its binary format, or of
 // puzzlepaint.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   for (const char* name : {"cameras.bin", "cameras.txt"})
@@ -346,7 +348,8 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   return files;
 }
 
-// A rig is wanted of puzzlepaint's first camera: all cameras beside it.
+// Whether to import a rig: given puzzlepaint's first camera file, all cameras
+// in its folder are imported.
 bool IsFirstOfRig(const ImportArguments& arguments) {
   const std::filesystem::path first = arguments.files.front();
   return arguments.files.size() == 1 &&
@@ -354,7 +357,7 @@ bool IsFirstOfRig(const ImportArguments& arguments) {
          EndsWith(std::filesystem::path(arguments.output).stem(), "rig");
 }
 
-// Folders become the files in them.
+// Replaces folders by the files in them.
 void FindFiles(ImportArguments* arguments) {
   std::vector<std::string> files;
   for (const std::string& path : arguments->files)

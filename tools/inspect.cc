@@ -31,12 +31,12 @@
 namespace raygrid {
 namespace {
 
-// The contents of a file, printed as they are, or as lines of text.
+// The contents of a file, printed as JSON or as lines of text.
 using Json = nlohmann::ordered_json;
 
 // ---- Blobs -----------------------------------------------------------------
 
-// Figures that are not known are left out.
+// Adds a metric unless it is unknown.
 void AddMetric(const char* key, uint32_t metric, double unit, Json* json) {
   if (metric != RG_UNKNOWN_METRIC) (*json)[key] = metric * unit;
 }
@@ -105,7 +105,7 @@ void AddQuality(const rg_blob& blob, Json* json) {
 Json MakeUncertaintyFacts(const rg_blob& blob) {
   rg_uncertainty_section uncertainty;
   rg_blob_uncertainty(&blob, &uncertainty);
-  std::vector<uint32_t> values_q12;  // that are known
+  std::vector<uint32_t> values_q12;  // without unknown values
   for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i) {
     const uint32_t value = rg_load_u16(uncertainty.values + 2 * i);
     if (value != RG_UNKNOWN_UNCERTAINTY) values_q12.push_back(value);
@@ -117,7 +117,7 @@ Json MakeUncertaintyFacts(const rg_blob& blob) {
   return json;
 }
 
-// The largest uncertainty that is stated where the mask is valid.
+// The maximum stored uncertainty in the valid region.
 std::optional<double> ComputeMaxValidUncertainty(const rg_blob& blob,
                                                  const rg_mask_section& mask) {
   if (!blob.uncertainty) return std::nullopt;
@@ -256,7 +256,7 @@ Json Figures(const ErrorMetrics& metrics) {
           {"features", metrics.count}};
 }
 
-// The parameters with names of a lens; those of OpenCV's model in its order.
+// The named parameters of a parametric model; of OpenCV's model, in its order.
 Json MakeLensFacts(const ParametricModel& lens) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
@@ -269,7 +269,7 @@ Json MakeLensFacts(const ParametricModel& lens) {
   return json;
 }
 
-// The ranges that a camera is over, and all of its parameters.
+// Adds the ranges of an operating-point model, and its number of parameters.
 void AddRanges(const CameraFile& file, Json* json) {
   const OperatingPointModel& stack = file.stack->cameras;
   int num_terms = 1;
@@ -340,7 +340,7 @@ Json MakePatternFacts(const Pattern& pattern) {
   return json;
 }
 
-// x, y, z; a zero is not negative.
+// The camera centre x, y, z in the rig's frame, without negative zeros.
 Json CenterInRig(const Pose& camera_from_rig) {
   const Eigen::Vector3d center =
       camera_from_rig.Inverse().translation + Eigen::Vector3d::Zero();
@@ -366,7 +366,7 @@ Json MakeFeaturesFacts(const std::map<std::string, Dataset>& cameras) {
   return json;
 }
 
-// Another program's file.
+// Facts of a file in another program's format.
 Json MakeForeignFacts(const Format& format, const std::string& path,
                       const std::string& text) {
   RequireCameraFormat(format, path);
@@ -501,7 +501,7 @@ std::string FormatValue(const Json& value, int digits = 6) {
   return text;
 }
 
-// A key without its unit, and the unit: "median_px" is "median" and " px".
+// Splits a key into name and unit: "median_px" into "median" and " px".
 std::pair<std::string, std::string> NameAndUnit(std::string key) {
   std::string unit;
   for (const auto& [known, sign] :
@@ -519,7 +519,8 @@ std::pair<std::string, std::string> NameAndUnit(std::string key) {
   return {key, unit};
 }
 
-// Errors and uncertainties, of which three digits are significant.
+// Whether a value is an error or an uncertainty, printed with three significant
+// digits.
 bool IsStatistic(const std::string& name) {
   return name == "median" || name == "rms" || name == "max" || name == "error";
 }
@@ -538,7 +539,7 @@ void PrintText(const Json& facts) {
   for (const auto& [key, value] : facts.items()) {
     const auto [name, unit] = NameAndUnit(key);
     if (value.is_object()) {
-      // A lens in all the digits that other programs may ask for.
+      // Intrinsics are printed with all digits, to be copied to other programs.
       fmt::print("{}: {}\n", name,
                  FormatObject(value, key == "intrinsics" ? 12 : 6));
     } else if (value.is_array() && (value.empty() || value[0].is_object())) {

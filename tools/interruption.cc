@@ -10,7 +10,7 @@ namespace {
 
 std::atomic<bool> is_interrupted{false};
 std::atomic<bool> is_heard{false};
-std::atomic<int> interruption{0};  // the signal
+std::atomic<int> interruption{0};  // the number of the received signal
 static_assert(std::atomic<int>::is_always_lock_free &&
                   std::atomic<bool>::is_always_lock_free,
               "a signal handler may write it");

@@ -7,7 +7,7 @@ namespace raygrid {
 std::string FormatCommandJson(const nlohmann::ordered_json& result) {
   nlohmann::ordered_json json = {{"schema_version", kCommandsSchemaVersion}};
   json.update(result);
-  // Names of files may be no UTF-8.
+  // File names may be invalid UTF-8.
   return json.dump(2, ' ', false,
                    nlohmann::ordered_json::error_handler_t::replace) +
          "\n";

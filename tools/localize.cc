@@ -38,10 +38,10 @@ constexpr const char* kEstimatedPattern = "estimated_pattern.yaml";
 constexpr const char* kLocalizationFiles[] = {kEstimatedPattern, "poses.csv",
                                               kPosesPicture, "residuals.csv"};
 
-// What was measured in the images of a camera.
+// The detections in the images of a camera.
 struct CameraImages {
   Dataset dataset;
-  std::vector<std::string> paths;  // of the dataset's images; may be empty
+  std::vector<std::string> paths;  // of the images; may be empty
   std::vector<RejectedImage> skipped;
 };
 
@@ -149,7 +149,8 @@ RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern) {
 
 // ---- Output ----------------------------------------------------------------
 
-// The residuals of a camera that was not calibrated with these images.
+// The residuals as held-out residuals, since the camera was not calibrated from
+// these images.
 std::string FormatHeldOutResiduals(const FixedRig& rig,
                                    const TargetLocalization& localization) {
   RigResult result;
@@ -161,7 +162,8 @@ std::string FormatHeldOutResiduals(const FixedRig& rig,
   return FormatResiduals(result);
 }
 
-// Poses of an image's boards by the targets that were localized in its frame.
+// An image with the poses of its boards, from the targets localized in its
+// frame.
 LocalizedImage MakeLocalizedImage(const FixedRig& rig, const RigModel& model,
                                   size_t camera, const CameraImages& images,
                                   size_t index, const Pattern& pattern,
@@ -188,7 +190,8 @@ LocalizedImage MakeLocalizedImage(const FixedRig& rig, const RigModel& model,
   return image;
 }
 
-// A few images of each camera, evenly spaced; empty without images.
+// A few evenly spaced images of each camera with projected axes; empty without
+// images.
 std::string EncodePoseSheet(const FixedRig& rig, const RigModel& model,
                             const std::vector<CameraImages>& cameras,
                             const Pattern& pattern,
@@ -226,7 +229,7 @@ double RmsDifference(const Pattern& pattern, const Pattern& other) {
   return std::sqrt(sum / static_cast<double>(std::max<size_t>(count, 1)));
 }
 
-// What is printed of a localization.
+// The printed summary of a localization.
 struct LocalizationSummary {
   ErrorMetrics errors;
   int num_frames = 0, outside_area = 0;

@@ -24,7 +24,8 @@
 #include "renamed_options.h"
 
 namespace raygrid {
-// Replaces CLI::PositiveNumber, whose message has the largest number in digits.
+// Replaces CLI::PositiveNumber, whose message contains the largest double in
+// digits.
 CLI::Validator AboveZero() {
   return CLI::Validator(
       [](const std::string& text) {
@@ -36,7 +37,7 @@ CLI::Validator AboveZero() {
       "POSITIVE");
 }
 
-// An example that is too long for a line continues in the next one.
+// Splits an example that is too long for one line.
 std::string ExampleLines(const std::string& example) {
   constexpr size_t kMaxWidth = 76;  // without the backslash
   if (example.size() <= kMaxWidth + 2) return "  " + example;
@@ -110,11 +111,11 @@ namespace {
 
 int Fail(ExitCode code, const std::string& message) {
   const std::string line = "raygrid: " + Printable(message) + "\n";
-  std::fputs(line.c_str(), stderr);  // throws nothing
+  std::fputs(line.c_str(), stderr);  // does not throw
   return static_cast<int>(code);
 }
 
-// Ranges let NaN pass, which is neither below nor above them.
+// Rejects NaN, which CLI::Range accepts, and infinity.
 std::string ExplainNonFinite(const std::string& text) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && !std::isfinite(value)
@@ -122,20 +123,20 @@ std::string ExplainNonFinite(const std::string& text) {
              : std::string();
 }
 
-// Negative ones would be taken for huge ones.
+// Rejects negative values, which the parser would wrap to large unsigned ones.
 std::string ExplainNegative(const std::string& text) {
   return text.find('-') == std::string::npos ? std::string()
                                              : text + " is negative";
 }
 
-// Why an option refuses an empty text, which a script's variable gives that was
-// never set.
+// Rejects empty values, which unset variables of shell scripts produce.
 std::string ExplainEmpty(const std::string& text) {
   return text.empty() ? "empty value; specify a value or omit the option"
                       : std::string();
 }
 
-// Refuses values that the library lets pass in every option of a kind.
+// Adds checks for values that CLI11 accepts: non-finite numbers, negative
+// unsigned numbers and empty text.
 void RefuseValuesThatAreNone(CLI::App* app) {
   for (CLI::Option* option : app->get_options()) {
     const std::string type = option->get_type_name();
@@ -152,15 +153,16 @@ void RefuseValuesThatAreNone(CLI::App* app) {
     RefuseValuesThatAreNone(command);
 }
 
-// Files that the program opens must not become its standard output. What is
-// printed is refused where that was closed, and messages are lost.
+// Opens closed standard streams, so that files opened later do not become
+// standard output. Output to a closed stream then fails, and messages are
+// discarded.
 void OccupyStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0)
       open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-// Levenshtein's distance.
+// The Levenshtein distance.
 size_t CountEdits(const std::string& from, const std::string& to) {
   std::vector<size_t> row(to.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -175,10 +177,10 @@ size_t CountEdits(const std::string& from, const std::string& to) {
   return row.back();
 }
 
-// Throws for a first word that is no command.
+// Throws if the first word is not a command.
 void RequireCommand(const CLI::App& app, const std::string& word) {
   std::string nearest;
-  size_t fewest = 3;  // edits of a misspelt word are fewer
+  size_t fewest = 3;  // a similar command has fewer edits
   for (const CLI::App* command : app.get_subcommands({})) {
     const std::string& name = command->get_name();
     if (name == word) return;
@@ -237,7 +239,7 @@ int Run(int argc, char** argv) {
   try {
     std::vector<std::string> words =
         CurrentOptionNames({argv + 1, argv + argc});
-    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    std::reverse(words.begin(), words.end());  // the order that CLI11 expects
     app.parse(words);
   } catch (const CLI::Success& success) {
     return app.exit(success);
@@ -257,12 +259,12 @@ int Run(int argc, char** argv) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  // Eigen cuts sums by the processor's caches; the same bytes come out of any
-  // machine only if they are cut alike.
+  // Eigen chooses the order of summation by cache sizes; fixed sizes make
+  // results identical on all machines.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   raygrid::RetainFreedMemory();
   raygrid::OccupyStandardStreams();
-  std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+  std::signal(SIGXFSZ, SIG_IGN);  // too large files then cause EFBIG
   try {
     const int code = raygrid::Run(argc, argv);
     return code == 0 && raygrid::IsOutputLost() ? raygrid::FailToPrint() : code;

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// Images first to end of a dataset, in frames of their own mode: with pixels
-// moved there, and back.
+// Transforms the features of images [first, end) from calibrated frames to
+// frames of their sensor mode, or back.
 using MovePixel = Eigen::Vector2d (SensorMode::*)(const Eigen::Vector2d&) const;
 void MovePixels(const SensorMode& mode, MovePixel move, size_t first,
                 size_t end, Dataset* dataset) {
@@ -21,7 +21,7 @@ void MovePixels(const SensorMode& mode, MovePixel move, size_t first,
       feature.pixel = (mode.*move)(feature.pixel);
 }
 
-// Measures the images first to end again, in frames of their own mode.
+// Refines the features of images [first, end) in frames of their own mode.
 void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
                 size_t end, const EstimatedScene& scene, int num_threads,
                 const std::function<void(double)>& go_on, Dataset* refined) {
@@ -42,7 +42,7 @@ void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
       refined->images.begin() + static_cast<std::ptrdiff_t>(of_mode.first));
 }
 
-// Whether paths are the same but for a slash at the end.
+// Whether two paths are equal except for a trailing slash.
 bool IsSamePath(const std::string& a, const std::string& b) {
   const auto normal = [](const std::string& path) {
     return (std::filesystem::path(path) / "").lexically_normal();

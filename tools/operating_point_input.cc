@@ -26,7 +26,7 @@ namespace raygrid {
 namespace {
 
 struct FolderAt {
-  std::string text;  // the value as it was given
+  std::string text;  // the value as the user wrote it
   double value = 0;
   std::string folder;
 };
@@ -45,11 +45,11 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
               "--images-at {}: expected VALUE=FOLDER, such as 2.5=photos/near",
               text));
     folders.push_back({given.name, value, given.value});
-    // A session of capture has its frames in a folder of its own.
+    // The frames of a capture session are in a subfolder.
     if (IsSession(given.value))
       folders.back().folder += std::string("/") + kSessionFrames;
   }
-  // The result is that of the values, in whatever order they are given.
+  // The result must not depend on the order in which the values are given.
   std::stable_sort(
       folders.begin(), folders.end(), [](const FolderAt& a, const FolderAt& b) {
         return std::tie(a.value, a.text) < std::tie(b.value, b.text);
@@ -57,7 +57,7 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
   return folders;
 }
 
-// The conditions in the order that stacks have them in.
+// The conditions in the order used by operating-point models.
 std::vector<OperatingParameter> GetOperatingParameters(
     const CalibrateArguments& arguments) {
   std::set<OperatingParameter> conditions;
@@ -74,8 +74,8 @@ std::string NamesOf(const std::vector<OperatingParameter>& conditions) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-// The columns of --operating-points: of a single condition, "value" may stand
-// for its name.
+// The columns of the --operating-points file; for a single condition, "value"
+// is an alternative to its name.
 std::vector<std::string> ParseColumns(
     const std::string& path, const std::string& text,
     const std::vector<OperatingParameter>& conditions) {
@@ -107,7 +107,7 @@ void ReadValues(const std::string& path,
   }
 }
 
-// The options that tell values.
+// The options that can provide the values.
 std::string DescribeValueSources(
     const std::vector<OperatingParameter>& conditions) {
   if (conditions.size() == 1)
@@ -132,8 +132,8 @@ OperatingPoint ExifValues(const std::string& path, const std::string& bytes,
   return values;
 }
 
-// The values that images have in their EXIF data, by path. Files that are no
-// images have none, and are named by who measures them.
+// The values from the images' EXIF data, by path. Files that are not images are
+// skipped; feature detection reports them.
 std::map<std::string, OperatingPoint> ReadExifValues(
     const std::vector<std::string>& paths,
     const std::vector<OperatingParameter>& conditions) {

@@ -31,8 +31,9 @@ struct PackArguments {
   bool wide_grid = false;
 };
 
-// The file of a table's view: front.camera.yaml beside front.raygrid, of
-// several tables front.0.camera.yaml and so on. None beside what is no file.
+// The file of a table's view: front.camera.yaml next to front.raygrid; with
+// several tables, front.0.camera.yaml and so on. Empty if the output is not a
+// regular file.
 std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
   const std::filesystem::path path(blob);
   if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
@@ -124,7 +125,7 @@ std::string RotationWarning(const Eigen::Quaterniond& q) {
       q.x(), q.y(), q.z());
 }
 
-// The views asked for; with modes at least the one that a camera can give.
+// The requested views; with sensor modes, at least the camera's default view.
 std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   std::vector<RemapWords> views;
   for (const std::string& remap : arguments.remaps)
@@ -133,7 +134,7 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   return views;
 }
 
-// Words that a camera has no table for.
+// Throws for words that do not apply to this camera.
 void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
     throw Error(
@@ -161,7 +162,8 @@ RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
   }
 }
 
-// A table of each view from frames as calibrated, and then of each mode.
+// For each view, a table for frames as calibrated, followed by one for each
+// mode.
 std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
                                      const std::vector<RemapWords>& views,
                                      const std::vector<SensorMode>& modes) {
@@ -194,7 +196,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
                                          input.file.camera->image_size());
   const auto blob_from_camera = AlignToCameraFrame(&input.file.camera);
-  // Its other cameras would have to turn, too.
+  // The cameras of the other operating points would have to be rotated as well.
   if (blob_from_camera && input.file.stack)
     throw Error(
         ExitCode::kUsage,

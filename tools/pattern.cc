@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kPrintDpi = 300;
 
-/// Options of all targets.
+// Options of all targets.
 struct OutputOptions {
   std::string page = "A4", screen, output;
   std::optional<double> dpi;
@@ -29,7 +29,7 @@ struct OutputOptions {
   double measured_x_mm = 0, measured_y_mm = 0;
 };
 
-// "pattern.svg", or "pattern_1.svg" where there are several.
+// "pattern.svg", or "pattern_1.svg" if there are several boards.
 std::string FileName(const std::vector<Board>& boards, const Board& board,
                      const std::string& extension) {
   return boards.size() == 1 ? "pattern." + extension
@@ -49,7 +49,7 @@ ImageSize ParseScreen(const std::string& text) {
       fmt::format("--screen {}: expected WIDTHxHEIGHT in pixels", text));
 }
 
-// The boards as pattern.yaml has them, and whatever else there is to tell.
+// Completes the JSON output by the boards as in pattern.yaml.
 std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
   for (const Board& board : ParsePattern("pattern.yaml", yaml).boards)
     json["boards"].push_back({{"id", board.id},
@@ -60,8 +60,8 @@ std::string FormatJson(const std::string& yaml, nlohmann::ordered_json json) {
   return FormatCommandJson(json);
 }
 
-// With the resolution of the screen, squares are as large as asked for; without
-// it, what is asked for is what was measured.
+// If the screen's resolution is given, squares get the requested size;
+// otherwise the requested size is assumed to have been measured.
 ScreenBoards PlanForScreen(const std::vector<Board>& boards,
                            const OutputOptions& options) {
   const ImageSize screen = ParseScreen(options.screen);
@@ -73,8 +73,8 @@ ScreenBoards PlanForScreen(const std::vector<Board>& boards,
                         *options.dpi);
 }
 
-// Says what to measure on the monitor, and what to type then: the same picture
-// with its true lengths.
+// Explains what to measure on the monitor, and how to run the command again to
+// get the same picture with its true lengths.
 std::string DescribeMeasurement(const ScreenBoards& plan,
                                 const OutputOptions& options) {
   const Board& board = plan.boards.front();
@@ -189,7 +189,7 @@ void AddOutputOptions(CLI::App* command, OutputOptions* options) {
       ->required();
 }
 
-// Adds the options of a kind to its command.
+// Adds the options of a target kind to its command.
 class CommandOptions : public BoardOptions {
  public:
   explicit CommandOptions(CLI::App* command) : command_(command) {}
@@ -249,8 +249,8 @@ void AddSize(CLI::App* command, const TargetKind& kind, BoardRequest* request) {
       ->required();
 }
 
-// Two cameras, or two images, do not show by such a board alone which of its
-// corners is the first.
+// Warns if the board is rotationally symmetric: its first corner is then
+// ambiguous between cameras and between images.
 void WarnIfSymmetric(const Board& board) {
   if (board.NumRotations() < 2) return;
   fmt::print(
@@ -286,7 +286,7 @@ void AddKind(CLI::App* pattern, const TargetKind& kind, CommonOptions* common) {
   });
 }
 
-// Specifications of all kinds in two columns.
+// The target specifications of all kinds, in two columns.
 std::string SpecificationsHelp() {
   std::string lines;
   for (const auto& kind : TargetKinds()) {

@@ -18,8 +18,9 @@ struct ProjectArguments {
   std::string camera, points, output;
 };
 
-// A point with the same image, the square of which is a number: to a central
-// camera a point's distance does not matter, to others not beyond 2^100 m.
+// Scales a point, without changing its image, such that its squared norm does
+// not overflow: for a central camera, the distance is irrelevant; for others,
+// it is beyond 2^100 m.
 Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
   constexpr int kFarAway = 100;
   int exponent = 0;
@@ -28,7 +29,7 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
   return point.unaryExpr([shift](double x) { return std::ldexp(x, shift); });
 }
 
-// Projects by the fixed-point runtime if the input is a blob.
+// Projects with the fixed-point runtime if the input is a blob.
 std::optional<Eigen::Vector2d> Project(const CameraInput& input,
                                        const Eigen::Vector3d& point) {
   const CameraModel& camera = *input.file.camera;

@@ -1,6 +1,6 @@
-/* raygrid-undistort: the runtime as a program. A blob and a raw grey frame in,
- * the undistorted frame out. Standard C files, so that it also runs on bare
- * metal with semihosting. */
+/* raygrid-undistort: the runtime as a program. Reads a blob and a raw grey
+ * frame, and writes the undistorted frame. Uses only standard C file functions,
+ * so that it also runs on bare metal with semihosting. */
 #if defined(__unix__)
 #define _XOPEN_SOURCE 700
 #include <fcntl.h>
@@ -41,13 +41,13 @@ static int fail(int code, const char* where, const char* what) {
 
 #if defined(__unix__)
 
-/* A pipe that nobody writes to would be waited for. */
+/* Opening a pipe without a writer would block. */
 static int is_readable(const char* path) {
   struct stat status;
   return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-/* Under whatever names. */
+/* Compares the files themselves, not their names. */
 static int are_one_file(const char* a, const char* b) {
   struct stat of_a, of_b;
   return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 &&
@@ -67,7 +67,8 @@ static int are_one_file(const char* a, const char* b) {
 
 #endif
 
-/* A whole file; malloc aligns it more than the blob needs. NULL on failure. */
+/* Reads a whole file; malloc's alignment exceeds that of blobs. NULL on
+ * failure. */
 static uint8_t* read_file(const char* path, uint32_t* size) {
   FILE* file = is_readable(path) ? fopen(path, "rb") : NULL;
   if (!file) return NULL;
@@ -85,8 +86,8 @@ static uint8_t* read_file(const char* path, uint32_t* size) {
   return bytes;
 }
 
-/* The next number in the header of a PGM file, behind white space and
- * comments, and on behind it; 0 if there is none. */
+/* Parses the next number in the header of a PGM file, after white space and
+ * comments, and advances past it; 0 if there is none. */
 static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
   const uint8_t* p = *at;
   while (p != end && (isspace(*p) || *p == '#')) {
@@ -102,8 +103,8 @@ static uint32_t next_number(const uint8_t** at, const uint8_t* end) {
   return number;
 }
 
-/* The pixels in a frame file and the bytes of each, NULL if it is of another
- * size. */
+/* Returns the pixels of a frame file and stores the number of bytes per pixel;
+ * NULL if the size does not match. */
 static const uint8_t* find_pixels(const uint8_t* bytes, uint32_t size,
                                   uint32_t width, uint32_t height,
                                   uint32_t* pixel_bytes) {
@@ -135,7 +136,7 @@ static size_t num_bytes(const struct picture* picture) {
   return (size_t)picture->width * picture->height * picture->pixel_bytes;
 }
 
-/* PGM has the upper byte first. */
+/* PGM is big-endian. */
 static void swap_bytes(uint8_t* pixels, size_t size) {
   for (size_t i = 0; i + 1 < size; i += 2) {
     const uint8_t low = pixels[i];
@@ -161,21 +162,22 @@ static int write_pixels(FILE* file, int as_pgm, const struct picture* picture) {
 
 #if defined(__unix__)
 
-/* A stream is what is under the name and no file, such as a pipe. It gets the
- * frame and stays what it is. */
+/* A stream is an existing target that is not a regular file, such as a pipe.
+ * The frame is written to it directly; it is not replaced. */
 static int is_stream(const char* path) {
   struct stat status;
   return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
 }
 
-/* A file that was not there. */
+/* The target does not exist yet. */
 static FILE* create(const char* path) {
   const int number = open(path, O_WRONLY | O_CREAT | O_EXCL, 0666);
   return number < 0 ? NULL : fdopen(number, "wb");
 }
 
-/* Beside the target first, so that no half frame is ever seen under its name;
- * of a link, beside what it leads to. */
+/* Writes to a temporary file in the target's folder first, so that a partial
+ * frame is never visible under its name; for a link, in the folder of the
+ * link's target. */
 static int write_frame(const char* path, const struct picture* picture) {
   const int as_pgm = has_suffix(path, ".pgm");
   if (is_stream(path)) return write_pixels(fopen(path, "wb"), as_pgm, picture);
@@ -254,7 +256,7 @@ int main(int argc, char** argv) {
       return fail(OUTPUT, argv[3],
                   "would overwrite an input; use another path");
 #if defined(__unix__)
-  signal(SIGXFSZ, SIG_IGN); /* writing fails instead */
+  signal(SIGXFSZ, SIG_IGN); /* exceeding the file-size limit then fails */
 #endif
 
   uint32_t blob_size, frame_size;

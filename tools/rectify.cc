@@ -31,13 +31,14 @@ struct RectifyArguments {
   std::optional<double> distance_m;
 };
 
-// A camera of the pair, in the frame that its blob will have.
+// A camera of the pair, in the frame of its blob.
 struct PairCamera {
   std::string name, path;
   CameraInput input;
   Eigen::Quaterniond blob_from_camera;
   Pose blob_from_rig;
-  // A camera of lines at the distance; none of central ones.
+  // The central approximation of a non-central camera at the scene distance;
+  // null for central cameras.
   std::unique_ptr<CameraModel> at_distance = {};
 
   const CameraModel& central() const {
@@ -75,7 +76,7 @@ PairCamera ReadPairCamera(const std::string& rig_path,
   return read;
 }
 
-// Lets cameras of lines look at scenes of one distance.
+// Approximates non-central cameras for scenes at one distance.
 void SetDistance(const std::optional<double>& distance_m,
                  std::array<PairCamera, 2>* pair) {
   bool has_lines = false;
@@ -159,7 +160,8 @@ nlohmann::ordered_json MakeMatrixJson(const Matrix& matrix) {
   return rows;
 }
 
-// Rotations in the frames of the cameras' files.
+// The rotation of a camera into the rectified frame, from the frame of the
+// camera's file.
 Eigen::Matrix3d RotationOfPair(const Rectification& rectified,
                                const std::array<PairCamera, 2>& pair, int c) {
   return rectified.R(c) * pair[c].blob_from_camera.toRotationMatrix();
@@ -187,11 +189,11 @@ std::string FormatPair(const Rectification& rectified,
   for (const int c : {0, 1})
     text += FormatMatrix(c == 0 ? "P1" : "P2", rectified.P(c));
   text += FormatMatrix("Q", rectified.Q());
-  // The key that no pair lacks comes last: a file that was cut is none.
+  // The required key comes last, so that truncated files are rejected.
   return text + "raygrid_rectified: 1\n";
 }
 
-// The paths of a camera's files in the folder.
+// The paths of a camera's output files.
 struct PairPaths {
   std::string blob, view;
 };

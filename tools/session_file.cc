@@ -23,7 +23,7 @@ constexpr int kSessionSchemaVersion = 2;
 
 using Json = nlohmann::ordered_json;
 
-// The numbers of a frame by their keys in the file.
+// The numeric fields of a frame, by their keys in the file.
 struct SessionNumber {
   const char* key;
   std::optional<double> SessionFrame::*value;
@@ -92,7 +92,7 @@ Session ParseCamera(const Json& json) {
   return session;
 }
 
-// The value that all frames have, to a tolerance.
+// The value common to all frames, within a tolerance.
 std::optional<double> ValueOfAll(const Session& session,
                                  std::optional<double> SessionFrame::*value,
                                  double tolerance) {
@@ -138,7 +138,7 @@ void UpgradeFrames(Json* camera) {
   }
 }
 
-// Gives a session of an older version the keys of this one.
+// Converts a session of an older version to the current keys.
 void UpgradeSession(Json* session) {
   if (!session->is_object() || !session->contains("raygrid_session") ||
       session->at("raygrid_session") != 1)
@@ -212,7 +212,7 @@ Capture GetCaptureSettings(const Session& session) {
   capture.lens_position =
       ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);
   capture.zoom = ValueOfAll(session, &SessionFrame::zoom, kZoomTolerance);
-  constexpr double kWarmingC = 10;  // in the course of a session
+  constexpr double kWarmingC = 10;  // the temperature rise during a session
   capture.sensor_temperature_c =
       ValueOfAll(session, &SessionFrame::sensor_temperature_c, kWarmingC);
   constexpr double kExposureToleranceUs = 100, kGainTolerance = 0.01;
@@ -231,7 +231,7 @@ ImageTimes CollectTimes(const Session& session) {
   double begin_s = 0, last_s = 0;
   for (const SessionFrame& frame : session.frames) {
     if (!frame.seconds) continue;
-    // Frames stand in the order in which they were kept.
+    // Frames are stored in the order in which they were kept.
     if (begin_s + *frame.seconds <= last_s) begin_s = last_s + kApartS;
     last_s = begin_s + *frame.seconds;
     times[frame.image] = last_s;

@@ -17,7 +17,8 @@ int ExecSiblingProgram(const std::string& program,
   std::error_code error;
   const std::filesystem::path own =
       std::filesystem::read_symlink("/proc/self/exe", error);
-  // Beside it, as in a build; from bin/, and from lib/raygrid/.
+  // In the same folder, as in a build tree; otherwise relative to bin/ or to
+  // lib/raygrid/.
   if (!error)
     for (const char* folder : {".", "../lib/raygrid", "../../bin"})
       execv((own.parent_path() / folder / program).c_str(), texts.data());

@@ -33,12 +33,13 @@
 namespace raygrid {
 namespace {
 
-// Across the image: as fine as the lenses' bumps, which scale with it, need.
+// Knot intervals across the image: sufficient for the lenses' local bumps,
+// whose width scales with the image.
 constexpr double kTruthCells = 80;
-// Between boards that hang side by side.
+// The gap between adjacent boards.
 constexpr double kGapSquares = 2;
 
-// The conditions that a simulated lens changes with; none of most.
+// The conditions that affect a simulated lens; empty for most lenses.
 std::vector<OperatingRange> RangesOfLens(const std::string& name) {
   const OperatingRange position = {OperatingParameter::kLensPosition, 0, 10};
   const OperatingRange temperature = {OperatingParameter::kTemperature, 20, 70};
@@ -103,7 +104,7 @@ Pattern MakePattern(const SimulateArguments& arguments) {
                                    : LoadPattern(arguments.pattern);
 }
 
-// A lens as a fine grid over the image.
+// A dense grid over the image that represents the lens.
 std::shared_ptr<const CameraModel> MakeInitialGrid(const CameraModel& lens) {
   const Area image = WholeImage(lens.image_size());
   const double knot_spacing_px = image.width() / kTruthCells;
@@ -118,7 +119,7 @@ std::shared_ptr<const CameraModel> MakeInitialGrid(const CameraModel& lens) {
   return grid;
 }
 
-// The true camera as a camera.yaml.
+// The true camera as camera.yaml.
 std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
   CameraFile truth;
   truth.camera = is_from_file ? camera.Clone() : MakeInitialGrid(camera);
@@ -142,9 +143,9 @@ void AddTruth(const std::filesystem::path& folder,
   add("true_poses.csv", FormatPoses(observations.poses));
 }
 
-// Boards side by side in one plane, the first at the origin.
+// Coplanar boards next to each other, the first at the origin.
 struct Arrangement {
-  std::vector<Eigen::Vector3d> corners_m;  // where each board's origin is
+  std::vector<Eigen::Vector3d> corners_m;  // each board's origin
   Eigen::Vector3d center_m;
 };
 
@@ -162,7 +163,7 @@ Arrangement SideBySide(const Pattern& pattern) {
   return arrangement;
 }
 
-// The boards' images; fills in what they show.
+// Renders the images of boards and records the ground truth.
 class Photographer {
  public:
   Photographer(const SimulateArguments& arguments, const CommonOptions& common)
@@ -204,7 +205,7 @@ class Photographer {
   const SimulatedObservations& truth() const { return truth_; }
 
  private:
-  // The PNG file of one image.
+  // Renders one image as a PNG file.
   std::string Take(int index, const std::string& name, const Pose& pose) {
     std::vector<PlacedBoard> placed;
     ImageFeatures seen = {name, {}};
@@ -293,7 +294,8 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   return all;
 }
 
-// Consecutive frames of a moving board; also writes times.csv.
+// The observations of consecutive frames of a moving board; also writes
+// times.csv.
 SimulatedObservations ObserveMoving(const SimulateArguments& arguments,
                                     const CameraModel& camera,
                                     const Pattern& pattern,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxPictureWidthPx = 640;
 
-// A feature that two cameras saw at one instant.
+// A feature observed by both cameras in the same frame.
 struct SharedFeature {
   Eigen::Vector2d left_px, right_px;
 };
@@ -37,7 +37,7 @@ SharedByFrame ShareFeatures(const Dataset& left, const Dataset& right) {
   return shared;
 }
 
-// The distance from a camera of the board that is nearest to it at an instant.
+// The distance from a camera to the nearest board in a frame.
 std::optional<double> BoardDistanceM(const CalibrationResult& camera,
                                      const std::string& frame) {
   std::optional<double> nearest;
@@ -49,12 +49,12 @@ std::optional<double> BoardDistanceM(const CalibrationResult& camera,
   return nearest;
 }
 
-// The pair's cameras in the order of the rectified images.
+// The cameras of the pair, in the order of the rectified images.
 struct ExamplePair {
   size_t left = 0, right = 0;
   SharedByFrame shared;
   std::string frame;
-  std::optional<double> distance_m;  // of cameras of lines
+  std::optional<double> distance_m;  // of the scene, for non-central cameras
 };
 
 std::optional<ExamplePair> ChoosePair(const RigResult& result,
@@ -86,13 +86,13 @@ std::unique_ptr<CameraModel> CentralCamera(const CalibrationResult& camera,
   return model.Clone();
 }
 
-// An image by the runtime, and where it has a source.
+// An image undistorted by the runtime, and the mask of pixels with a source.
 struct ShownImage {
   Image image, shown;
 };
 
-// The image that a camera took at the instant, rectified; nothing if it is not
-// there any more.
+// A camera's image of the frame, rectified; nothing if the file no longer
+// exists.
 std::optional<ShownImage> RectifiedImage(const Measurements& measured,
                                          const CameraFile& camera,
                                          const VirtualView& view,
@@ -116,8 +116,8 @@ std::optional<ShownImage> RectifiedImage(const Measurements& measured,
   return std::nullopt;
 }
 
-// Fills in the figures of all shared features; returns the largest disparity of
-// those of the instant, as a part of the focal length.
+// Computes the metrics of all shared features; returns the maximum disparity of
+// those in the example frame, as a fraction of the focal length.
 double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
                    const CameraModel& left, const CameraModel& right,
                    StereoMetrics* metrics) {
@@ -148,8 +148,9 @@ ImageSize PictureSize(const ImageSize& size) {
           std::max(1, size.height * kMaxPictureWidthPx / size.width)};
 }
 
-// Little more than the boards', since a nearer match of a pattern that repeats
-// itself is a wrong one, and no more than there are.
+// Slightly more than the disparities of the boards: a repetitive pattern would
+// otherwise cause wrong matches at smaller distances. At most the image's
+// length.
 int NumDisparities(double largest_px, int length_px) {
   constexpr int kUnit = 16, kRoomPx = 8;
   const int wanted = static_cast<int>(std::ceil(
@@ -158,7 +159,7 @@ int NumDisparities(double largest_px, int length_px) {
   return std::min(wanted, std::max(kUnit, length_px / kUnit * kUnit));
 }
 
-// All of both images, unless that stretches them too much.
+// Shows all of both images (alpha = 1) unless that stretches them too much.
 Rectification RectifyForPicture(const StereoCamera& first,
                                 const StereoCamera& second) {
   constexpr double kMaxDeg = 120;
@@ -169,7 +170,7 @@ Rectification RectifyForPicture(const StereoCamera& first,
     const Rectification all = Rectify(first, second, request);
     if (all.views[0].HorizontalFieldOfViewDeg() < kMaxDeg) return all;
   } catch (const Error&) {
-    // Some is not shown by any pinhole.
+    // No pinhole view shows all of the image.
   }
   request.alpha = 0;
   return Rectify(first, second, request);
@@ -231,7 +232,7 @@ std::optional<StereoExample> MakeStereoExample(
       if (auto example = ExampleOfPair(cameras, result, *pair, num_threads))
         return example;
     } catch (const Error&) {
-      // These two cameras cannot be rectified, packed or read.
+      // The pair cannot be rectified, packed or read: there is no example.
     }
   }
   return std::nullopt;

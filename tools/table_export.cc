@@ -23,7 +23,7 @@
 namespace raygrid {
 namespace {
 
-// An address of 32 bits as flash programmers write it, or a decimal number.
+// Parses a 32-bit address, hexadecimal as for flash programmers, or decimal.
 uint32_t ParseAddress(const std::string& text) {
   const bool is_hex =
       text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
@@ -79,7 +79,8 @@ std::string ModelOf(const TableFormat& format, const std::string& model) {
               fmt::format("--model {}: {} has {}", model, format.name, names));
 }
 
-// A camera as it sees far scenes. Errors name its file.
+// The central part of a camera, which is exact for distant scenes. Errors name
+// its file.
 std::unique_ptr<CameraModel> Central(const std::string& path,
                                      const CameraModel& camera) {
   try {
@@ -89,7 +90,7 @@ std::unique_ptr<CameraModel> Central(const std::string& path,
   }
 }
 
-// A view, and the central camera that it is of.
+// A view and its central camera.
 struct SeenView {
   VirtualView view;
   std::unique_ptr<CameraModel> camera;
@@ -120,7 +121,7 @@ ViewTable TableOfView(const TableFormat& format,
   return table;
 }
 
-// The first of every so many pixels along an axis, and the last one.
+// Every n-th pixel along an axis, and the last one.
 std::vector<double> SampleAlong(int count, int every) {
   std::vector<double> places;
   for (int k = 0; k + 1 < count; k += every) places.push_back(k);
@@ -169,7 +170,8 @@ RayTable TableOfRays(const TableArguments& arguments,
   return table;
 }
 
-// How far beside the origin a camera's lines pass, at most.
+// The maximum distance of a non-central camera's observation lines from the
+// origin, in metres.
 double ComputeMaxOffsetM(const CameraModel& camera) {
   constexpr int kPixelsAcross = 80;
   const Area& area = camera.area();
@@ -220,13 +222,13 @@ TableOutput MakeCameraTable(const TableFormat& format,
   return output;
 }
 
-// The places that needed vertices show; NaN for the others, and where the
-// camera has no answer.
+// The source positions of required vertices; NaN for the others, and where the
+// camera does not project.
 std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
                                               const MeshTable& mesh,
                                               int num_threads) {
   const MeshLattice& lattice = mesh.lattice;
-  // Vertices beside the image are no farther from it than a cell.
+  // Vertices outside the output image are within one cell of it.
   const double margin_px = 64 + 4 * std::max(lattice.x[1], lattice.y[1]);
   std::vector<Eigen::Vector2d> places(lattice.num_vertices(),
                                       Eigen::Vector2d(NAN, NAN));
@@ -249,7 +251,8 @@ std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
   return places;
 }
 
-// Whether a unit may go on by parabolas between vertices of a mesh.
+// Whether the hardware unit may interpolate quadratically between the vertices
+// of this mesh.
 bool IsBent(const TableFormat& format, const MeshLattice& lattice) {
   return format.mesh_unit->spans.size() > 1 && lattice.x[1] > 1;
 }
@@ -265,7 +268,8 @@ MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
   mesh.lattice = format.mesh_unit->lattice(request);
   mesh.sources = TableOfView(format, arguments, seen, num_threads).sources;
   mesh.is_needed = FindRequiredVertices(mesh.lattice, mesh.size, mesh.sources);
-  // Parabolas reach farther, and leave errors on both sides by themselves.
+  // Quadratic interpolation involves more vertices, and its errors already have
+  // both signs.
   const bool is_bent = IsBent(format, mesh.lattice);
   if (is_bent) mesh.is_needed.assign(mesh.is_needed.size(), true);
   mesh.vertices = PlacesOfVertices(seen, mesh, num_threads);
@@ -290,10 +294,10 @@ void RequireSmallMeshError(const TableFormat& format,
   throw Error(ExitCode::kQuality, text);
 }
 
-// The errors of all ways in which a unit may go on between vertices.
+// The errors for all interpolation methods that the hardware unit may use.
 struct MeshErrors {
   MeshError largest;
-  std::string text;  ///< of each; none of a single one
+  std::string text;  // one entry for each method; empty if there is only one
   nlohmann::ordered_json json;
 };
 
@@ -340,7 +344,7 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
                       unit.configuration)};
 }
 
-// The poses of poses.csv, which are one camera's.
+// Reads the poses of poses.csv, which must be those of a single camera.
 PoseTable TableOfPoses(const TableFormat& format,
                        const TableArguments& arguments) {
   const std::string& path = arguments.input;
@@ -359,7 +363,8 @@ PoseTable TableOfPoses(const TableFormat& format,
   return {path, arguments.output, poses};
 }
 
-// The size given for a camera; WxH is for all that have no NAME=WxH.
+// The image size given for a camera; WxH applies to all cameras without their
+// own NAME=WxH.
 ImageSize SizeOfFeatures(const TableArguments& arguments,
                          const std::string& camera) {
   std::string size;

@@ -19,7 +19,7 @@
 namespace raygrid {
 namespace {
 
-// Throws for options that tables without a lens do not take.
+// Throws for options that require a camera, for tables without one.
 void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
                                       {"--image-size", arguments.image_size}})
@@ -29,7 +29,8 @@ void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
                               arguments.files[0], what));
 }
 
-// The features of all cameras, or the boards, as the output's name says.
+// The features of all cameras, or the boards, depending on the name of the
+// output file.
 std::string TextOfFeatures(const FeatureTable& features,
                            const ImportArguments& arguments) {
   const std::filesystem::path output = arguments.output;

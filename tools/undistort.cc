@@ -42,10 +42,10 @@ struct UndistortArguments {
   bool is_reverse = false;
 };
 
-// A view, and what makes pictures of it, or of pictures of it.
+// A view and the mapping of images to it, or from it.
 struct ImageMapper {
   VirtualView view;
-  // The result for an image; its path is for errors.
+  // Maps an image; its path is used in error messages.
   std::function<Image(const std::string& path, const Image& image)> map;
 };
 
@@ -65,7 +65,7 @@ void RequireSize(const std::string& path, const ImageSize& size,
                             expected.height, remedy));
 }
 
-// By the table of a blob.
+// Maps by a remap table of a blob.
 ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
                     uint32_t remap_index) {
   const auto camera = std::make_shared<BlobCamera>(std::move(blob));
@@ -80,7 +80,7 @@ ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
           }};
 }
 
-// From the view to the camera.
+// Maps from the view to the camera's distorted image.
 ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
                        int num_threads) {
   const auto map =
@@ -94,8 +94,8 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
           }};
 }
 
-// Whether each pixel of the camera's frames, as calibrated or of a mode, is
-// trusted.
+// Whether each pixel of the camera's frames, as calibrated or of a sensor mode,
+// is in the valid region.
 std::vector<bool> FindValidPixels(const ValidityMask& valid_region,
                                   const SensorMode& mode) {
   std::vector<bool> pixels;
@@ -106,8 +106,8 @@ std::vector<bool> FindValidPixels(const ValidityMask& valid_region,
   return pixels;
 }
 
-// Leaves border in images of the camera, as calibrated or of a mode, where it
-// is not trusted.
+// Sets pixels outside the valid region to the border value in images of the
+// camera, as calibrated or of a sensor mode.
 ImageMapper ValidOnly(ImageMapper mapper, const std::string& path,
                       const ValidityMask& valid_region,
                       const SensorMode& mode) {
@@ -143,7 +143,8 @@ void RequireCentral(const UndistortArguments& arguments,
                             arguments.camera));
 }
 
-// The mode that is asked for: one of the blob's, or as the words say.
+// The requested sensor mode: one of the blob's modes, or the one specified by
+// the option.
 std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
                                    const CameraInput& input) {
   if (arguments.mode.empty()) return std::nullopt;
@@ -163,7 +164,7 @@ std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
                                                       fmt::join(names, ", "))));
 }
 
-// The table of a blob that is asked for, by its number or its mode.
+// The remap table of the blob selected by index or sensor mode.
 uint32_t FindTable(const BlobCamera& blob,
                    const UndistortArguments& arguments) {
   return arguments.mode.empty()
@@ -171,8 +172,8 @@ uint32_t FindTable(const BlobCamera& blob,
              : blob.FindModeTable(arguments.mode).value_or(RG_NO_TABLE);
 }
 
-// A table that distorts would spoil an image of the camera, and be told of as
-// if it were undistorted.
+// Rejects an inverse table unless distortion is requested: applying it would
+// distort the camera's image twice.
 void RequireDirection(const UndistortArguments& arguments, uint32_t table,
                       bool distorts) {
   if (distorts && !arguments.is_reverse)
@@ -182,8 +183,8 @@ void RequireDirection(const UndistortArguments& arguments, uint32_t table,
                             arguments.camera, table));
 }
 
-// The table of a blob, or a view, that is asked for; how frames lie in
-// calibrated ones; the pixels of the camera that alone count.
+// The requested view or remap table; the sensor mode of the frames; and the
+// valid region, if the output is restricted to it.
 struct UndistortRequest {
   ViewRequest view;
   std::optional<uint32_t> table;
@@ -191,7 +192,7 @@ struct UndistortRequest {
   std::optional<ValidityMask> valid_region;
 };
 
-// The blob's table serves if no other view is asked for.
+// Uses the blob's table if no other view is requested.
 void CompleteRequest(const UndistortArguments& arguments,
                      const CameraInput& input, UndistortRequest* request) {
   request->mode = FindMode(arguments, input);
@@ -213,7 +214,8 @@ VirtualView FindView(const CameraInput& input,
                       : MakeView(camera, request.view);
 }
 
-// From the view to the camera, by the blob's table if that leads there.
+// Maps from the view to the camera, with the blob's table if it is an inverse
+// remap.
 ImageMapper PrepareDistortion(const UndistortArguments& arguments,
                               const UndistortRequest& request,
                               CameraInput input, int num_threads) {
@@ -231,8 +233,8 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
              : Distortion(camera, view, num_threads);
 }
 
-// From the camera to the view, by the blob's table if that leaves out no more
-// than is asked for, else by one that is made for it.
+// Maps from the camera to the view, with the blob's table unless the output is
+// restricted to the valid region; otherwise with a new table.
 ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
                                 const UndistortRequest& request,
                                 CameraInput input, int num_threads) {
@@ -278,7 +280,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
              : mapper;
 }
 
-// The paths of an image, and of its raw frame if one is asked for.
+// The output paths of an image, and of its raw frame if requested.
 struct Targets {
   std::string image, frame;
 };
@@ -289,7 +291,8 @@ std::string Target(const std::string& folder, const std::string& path,
   return (std::filesystem::path(folder) / (stem + extension)).string();
 }
 
-// Throws where two images would get one name, or one would replace an input.
+// Throws if two images would have the same output, or an input would be
+// overwritten.
 std::vector<Targets> MakeTargets(const UndistortArguments& arguments,
                                  const std::vector<std::string>& paths) {
   std::vector<Targets> targets;
@@ -317,8 +320,8 @@ std::vector<Targets> MakeTargets(const UndistortArguments& arguments,
   return targets;
 }
 
-// The image as a board gets it from a grey camera, row by row: bytes, or 16
-// bits in little-endian order.
+// The image as the frame of a grey camera, row by row: 8 bits, or 16 bits in
+// little-endian order.
 std::string RawFrame(const std::string& path) {
   const Image grey = ReadGreyAsStored(path);
   std::string frame(grey.pixels.begin(), grey.pixels.end());

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// A byte of a file that has none of them: locks reach beyond its end. Serials
-// that share a byte wait for each other, which is all.
+// The offset of the byte to lock in an empty file: locks may extend beyond its
+// end. Serials with the same byte merely wait for each other.
 off_t GetLockByte(const std::string& serial) {
   ContentHash hash;
   hash.Add(serial);

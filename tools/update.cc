@@ -30,14 +30,14 @@ struct UpdateArguments {
   bool is_new = false;
 };
 
-// The bytes of a blob that is whole, without what lies behind it.
+// The bytes of a complete blob, without trailing data.
 std::string ReadWholeBlob(const std::string& path) {
   std::string bytes = ReadFile(path);
   bytes.resize(BlobCamera(path, bytes).blob().size);
   return bytes;
 }
 
-// A file or block device that is written in place, and locked for that.
+// A file or block device that is locked and updated in place.
 class SlotStore {
  public:
   explicit SlotStore(const std::string& path)
@@ -83,7 +83,7 @@ class SlotStore {
     return bytes;
   }
 
-  // On disk when it returns.
+  // Data is on disk when the function returns.
   void Write(const SlotWrite& write) const {
     for (size_t done = 0; done < write.bytes.size();) {
       const ssize_t size =
@@ -117,7 +117,7 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
                     arguments.blob, SlotSizeFor(blob), slot_size));
 }
 
-// The size of slots that are there already.
+// The size of the existing slots.
 uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   const uint64_t size = store.Size();
   if (store.is_device() && !arguments.slot_size)

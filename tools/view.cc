@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-constexpr uint8_t kNothingSeen = 58;  // grey level
-constexpr double kThin = 1.3;         // pixels of the sheet
+constexpr uint8_t kNothingSeen = 58;  // grey level of pixels without a source
+constexpr double kThin = 1.3;         // line width in pixels of the sheet
 
 struct ViewArguments {
   std::vector<std::string> files, images, remaps;
@@ -31,34 +31,34 @@ struct ViewArguments {
   double max_error_px = 0.05;
 };
 
-// A file with what is shown of it.
+// A camera file and its illustration.
 struct ViewedCamera {
-  std::string name;  // the file's
+  std::string name;  // the file's name
   CameraInput input;
-  std::string image;                 // the photograph's path, or empty
-  std::optional<ValidityMask> mask;  // of what is trusted, if that is known
-  double square = 0;                 // of the scene without a photograph
+  std::string image;                 // the photograph's path; may be empty
+  std::optional<ValidityMask> mask;  // the valid region, if stored
+  double square = 0;                 // of the scene if no photograph is given
   Image before;
 
   const CameraModel& camera() const { return *input.file.camera; }
 };
 
-// A blob with a table for each view, or why there is none.
+// A blob with a table for each view, or the reason why there is none.
 struct ViewTables {
   std::optional<BlobCamera> blob;
   std::vector<VirtualView> views;
-  std::vector<uint32_t> indices;  // of their tables
+  std::vector<uint32_t> indices;  // of the views' tables
   std::string why_none;
 };
 
-// A path as it was typed, but of an absolute one the file alone: a sheet that
-// is sent around says nothing of folders.
+// The path as typed; of absolute paths, only the file name, so that a published
+// sheet does not reveal folders.
 std::string ShownName(const std::string& path) {
   const std::filesystem::path typed(path);
   return Printable(typed.is_absolute() ? typed.filename().string() : path);
 }
 
-// ---- What is shown ---------------------------------------------------------
+// ---- Photographs and tables ------------------------------------------------
 
 Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   Image image = ReadImage(path, false);
@@ -72,7 +72,7 @@ Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   return image;
 }
 
-// The tables that are asked for, those of the blob, or the camera's default.
+// The requested tables, those of the blob, or the camera's default.
 ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
                     const CommonOptions& common) {
   ViewTables tables;
@@ -137,8 +137,9 @@ double ValidFraction(const ValidityMask& mask, const CameraModel& camera) {
   return uncertainty.ValidFraction(camera.image_size(), camera.area());
 }
 
-// The calibrated area, and what of it is trusted, in the camera's image. The
-// whole image is not outlined where more is known.
+// The outlines of the calibrated area and of the valid region in the camera's
+// image. If the area is the whole image and a valid region is stored, only the
+// latter is outlined.
 std::vector<SheetCurves> KnownCurves(const ViewedCamera& viewed) {
   const CameraModel& camera = viewed.camera();
   std::vector<SheetCurves> known;
@@ -189,7 +190,7 @@ SheetTile TileBefore(const ViewedCamera& viewed,
   return tile;
 }
 
-// The lines of the scene, or of a room around the view.
+// The straight lines of the scene, or of a room around the view.
 SheetCurves StraightCurves(const ViewedCamera& viewed,
                            const VirtualView& view) {
   SheetCurves drawn;
@@ -219,13 +220,13 @@ SheetTile TileOfView(const ViewedCamera& viewed, const ViewTables& tables,
   return tile;
 }
 
-// A row of a camera, and in JSON what its captions say.
+// A camera's row of the sheet, and its captions as JSON.
 struct ViewedRow {
   SheetRow row;
   nlohmann::ordered_json json;
 };
 
-// A view's own file has no picture before: the view is all there is.
+// The file of a view has no image before undistortion: only the view is shown.
 ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
                     const CommonOptions& common) {
   SheetTile tile;
@@ -294,7 +295,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
 
 // ---- The command -----------------------------------------------------------
 
-// The marks that a sheet has, and what they mean.
+// The marks that occur in a sheet, and their meanings.
 std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
       {kValidColor, false, "valid region"},

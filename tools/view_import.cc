@@ -17,7 +17,7 @@ namespace {
   throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, what));
 }
 
-// The view that the words tell of a table.
+// The view of a table, as specified by the option.
 VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
                         const ViewRequest& request, const ImageSize& size) {
   try {
@@ -32,7 +32,7 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
   }
 }
 
-// The size of the view that the words tell.
+// The size of the view, if specified.
 std::optional<ImageSize> GetRequestedSize(const ViewRequest& request) {
   if (request.size.width != 0) return request.size;
   if (request.like) return request.like->size;
@@ -57,8 +57,8 @@ RayTable EmptyRays(const ViewTable& table) {
   return rays;
 }
 
-// The camera's pixels are those of the table, and look where these places of
-// the view do.
+// The camera's pixels are those of the table; their directions are those of the
+// table's positions in the view.
 RayTable RaysOfCameraPixels(const ViewTable& table, const VirtualView& view) {
   RayTable rays = EmptyRays(table);
   rays.image_size = table.size;
@@ -70,8 +70,8 @@ RayTable RaysOfCameraPixels(const ViewTable& table, const VirtualView& view) {
   return rays;
 }
 
-// The camera's pixels are the places in the table, and look where these pixels
-// of the view do.
+// The camera's pixels are the positions in the table; their directions are
+// those of the view's pixels.
 RayTable RaysOfViewPixels(const ViewTable& table, const VirtualView& view) {
   constexpr double kRoundingPx = 1e-3;
   const Area image = WholeImage(table.source_size);

@@ -17,7 +17,7 @@ namespace {
 
 struct ViewWord {
   const char* name;
-  const char* value;  // what it takes
+  const char* value;  // placeholder of the option's value
   const char* help;
 };
 
@@ -130,7 +130,7 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
       continue;
     }
     std::string name = part.substr(0, equals);
-    if (name == "like") name = "view";  // its former name
+    if (name == "like") name = "view";  // former name
     if (equals == std::string::npos || !IsViewWord(name))
       throw Error(ExitCode::kUsage,
                   fmt::format("{} {}: expected WIDTHxHEIGHT and {}, not '{}'",
@@ -176,7 +176,8 @@ SceneSurface ParseScene(const std::string& place, const std::string& name,
   return scene;
 }
 
-// Adds a word that only tables have; false if it is a view's.
+// Parses a word that applies to remap tables only; returns false if it belongs
+// to views.
 bool AddTableWord(const std::string& option, const std::string& text,
                   const std::string& part, RemapWords* words) {
   const size_t equals = part.find('=');
@@ -234,7 +235,7 @@ void AddOutsideOption(CLI::App* command, std::string* outside) {
                    "outside the valid region: extrapolate the camera model "
                    "(fill) or use the border value (border)")
       ->transform([](const std::string& value) -> std::string {
-        return value == "trusted" ? "border" : value;  // its former name
+        return value == "trusted" ? "border" : value;  // former name
       })
       ->check(CLI::IsMember({"fill", "border"}))
       ->option_text("fill|border")

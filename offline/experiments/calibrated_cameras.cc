@@ -39,8 +39,8 @@ constexpr char kHowCalibrated[] =
     "target geometry estimated, knot spacing by cross-validation, as in "
     "calibrate";
 
-// Uses the last as the reference, and states it in the conditions (paper,
-// "Camera Pose Estimation").
+// Uses the last camera as the reference, and states this in the conditions
+// (paper, "Camera Pose Estimation").
 void UseLastAsReference(const std::string& others, ComparedCameras* compared) {
   NamedCamera& truth = compared->cameras.back();
   compared->conditions.push_back(
@@ -53,7 +53,7 @@ void UseLastAsReference(const std::string& others, ComparedCameras* compared) {
 }
 
 ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
-  constexpr size_t kMaxCameras = 6;  // in a chart
+  constexpr size_t kMaxCameras = 6;  // the maximum for a chart
   if (users.size() > kMaxCameras)
     throw Error(ExitCode::kUsage,
                 fmt::format("--camera: {} cameras exceed the limit of {}",

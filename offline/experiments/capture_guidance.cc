@@ -21,12 +21,13 @@ namespace {
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
 constexpr int kMostImages = 200;
-// From kManyImages on, the camera is evaluated only after each ten, unless the
-// next view depends on it.
+// With at least kManyImages images, the camera is evaluated after every kAtOnce
+// images only, unless the next view depends on it.
 constexpr int kManyImages = 80, kAtOnce = 10;
 constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
 
-// 50 to 140 degrees horizontally, with an offset principal point.
+// Horizontal fields of view from 50 to 140 degrees, with an offset principal
+// point.
 ThinPrismFisheye RandomLens(const ImageSize& size, uint64_t seed) {
   Random random(seed);
   const double half_rad = random.Uniform(25, 70) * M_PI / 180;
@@ -58,7 +59,7 @@ Pattern GuidanceBoard() {
   return pattern;
 }
 
-// Anywhere in the image, at random distance, tilt and rotation.
+// A view anywhere in the image, at a random distance, tilt and rotation.
 BoardView RandomView(const ImageSize& size, Random* random) {
   BoardView view;
   view.pixel = {random->Uniform(0, size.width),
@@ -75,7 +76,8 @@ BoardView RandomView(const ImageSize& size, Random* random) {
 constexpr int kNumBars = 4;
 using Bars = Eigen::Array<double, kNumBars, 1>;
 
-// Position, size and skew of a whole board, as in ROS's camera_calibration.
+// Position, size and skew of a completely visible board, as in ROS's
+// camera_calibration.
 Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
                  const ImageSize& size) {
   Eigen::Vector2d corner[4], mean = Eigen::Vector2d::Zero();
@@ -102,7 +104,7 @@ Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
   return bars;
 }
 
-// The total fill level of the bars.
+// The sum of the fill levels of the bars.
 double Fullness(const std::vector<Bars>& frames) {
   const Bars ranges = {0.7, 0.7, 0.4, 0.5};
   Bars low = frames.front(), high = frames.front();
@@ -110,7 +112,7 @@ double Fullness(const std::vector<Bars>& frames) {
     low = low.min(frame);
     high = high.max(frame);
   }
-  low.tail<2>().setZero();  // size and skew count from 0
+  low.tail<2>().setZero();  // size and skew start at 0
   return ((high - low) / ranges).min(1).sum();
 }
 
@@ -133,7 +135,7 @@ struct Operator {
     Eigen::Matrix<double, 6, 1> off;
     for (int k = 0; k < 6; ++k)
       off[k] = random.Normal() * (k < 3 ? kHandRad : kHandM);
-    // The hand rotates the board about its centre.
+    // The operator rotates the board about its centre.
     const Eigen::Vector3d center = ComputeBoardCenter(board());
     Pose held = asked;
     held.rotation = RotationFromVector(off.head<3>()) * asked.rotation;
@@ -141,7 +143,7 @@ struct Operator {
     return held;
   }
 
-  // The features visible when the operator attempts a view; few if the attempt
+  // The features detected when the operator attempts a view; few if the attempt
   // fails.
   std::vector<Feature> Try(const BoardView& view) {
     const auto pose = PoseOf(view, board(), truth);
@@ -167,8 +169,8 @@ struct Operator {
     }
   }
 
-  // The view, among some, that fills the bars most; once they are full, any
-  // that ROS accepts as new.
+  // Of several random views, the one that fills the bars most; once they are
+  // full, any view that ROS accepts as new.
   std::vector<Feature> SelectViewByCoverage() {
     constexpr int kTries = 30;
     constexpr double kNew = 0.2;
@@ -230,8 +232,8 @@ double TrueError95(const CameraModel& truth, const CameraModel& camera) {
   return norms.empty() ? INFINITY : Quantile(norms, 0.95);
 }
 
-// The number of images until the camera was determined, if ever, and the
-// uncertainty predicted then.
+// The number of images until the camera reached its target uncertainty, if
+// ever, and the uncertainty predicted then.
 struct CaptureRun {
   int num_images = 0;
   bool is_done = false;
@@ -299,7 +301,8 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
           {"seed", std::to_string(options.seed)}};
 }
 
-// The sum of a column over rows, relative to that of the first column.
+// The total number of images of the guided operator relative to that of another
+// one.
 double PartOf(const std::vector<CaptureRun>& captures, int follower) {
   double guided = 0, other = 0;
   for (size_t i = 0; i < captures.size(); i += kNumOperators) {

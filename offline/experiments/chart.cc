@@ -15,7 +15,7 @@ constexpr double kWidth = 720, kHeight = 460;
 constexpr double kMargin = 14;
 constexpr double kLeft = 80, kRight = 690, kTop = 106, kBottom = 395;
 
-// Okabe and Ito's blue, vermilion, green, purple, orange and sky blue.
+// The Okabe-Ito palette: blue, vermilion, green, purple, orange and sky blue.
 const char* const kColours[] = {"#0072b2", "#d55e00", "#009e73",
                                 "#cc79a7", "#e69f00", "#56b4e9"};
 constexpr int kNumStyles = 6;
@@ -34,7 +34,7 @@ std::string Line(double x0, double y0, double x1, double y1,
       x0, y0, x1, y1, colour);
 }
 
-// 1, 2 or 5 times a power of ten.
+// Rounds up to 1, 2 or 5 times a power of ten.
 double RoundStep(double at_least) {
   const double power = std::pow(10, std::floor(std::log10(at_least)));
   for (const double factor : {1, 2, 5})
@@ -42,7 +42,7 @@ double RoundStep(double at_least) {
   return 10 * power;
 }
 
-// The axes of a chart: maps values to positions in the picture.
+// The axes of a chart, which map values to picture coordinates.
 class Axes {
  public:
   explicit Axes(const Chart& chart) : is_logarithmic_(chart.is_logarithmic) {
@@ -87,7 +87,7 @@ class Axes {
     for (int k = 0; k == 0 || ticks_.back() < highest; ++k)
       ticks_.push_back(k * step);
   }
-  // 1, 2, 5, 10 ... around all values.
+  // Ticks at 1, 2, 5, 10 ... that enclose all values.
   void ChooseDecades(double lowest, double highest) {
     for (int power = static_cast<int>(std::floor(std::log10(lowest)));
          ticks_.empty() || ticks_.back() < highest; ++power)
@@ -135,7 +135,7 @@ std::string Marker(int style, double x, double y) {
   }
 }
 
-// Whether ticks are so dense that every second label is placed lower.
+// Whether ticks are so dense that every second label is drawn lower.
 bool AreTicksCrowded(const Chart& chart, const Axes& axes) {
   constexpr double kLetter = 7.5;
   for (size_t i = 1; i < chart.ticks.size(); ++i) {
@@ -196,7 +196,7 @@ std::string Legend(const Chart& chart) {
 
 std::string Series(const ChartSeries& series, int style, const Axes& axes) {
   std::string path, markers;
-  bool goes_on = false;  // not across a missing point
+  bool goes_on = false;  // after a visible point
   for (const ChartPoint& point : series.points) {
     const bool went_on = std::exchange(goes_on, axes.Shows(point));
     if (!goes_on) continue;

@@ -32,7 +32,7 @@ ImageSize ReadSize(const std::string& path) {
   return size;
 }
 
-// Reads the points, and maps each point's number to its index.
+// Reads the points, and maps each point's ID to its index.
 std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
                                         std::map<int64_t, int>* indices) {
   WordLines lines(path, ReadFile(path), kExpected);
@@ -90,7 +90,7 @@ ColmapModel ReadColmapModel(const std::string& folder) {
   WordLines lines(images, ReadFile(images), kExpected);
   while (lines.NextWithWords()) {
     model.images.push_back(ReadHead(lines));
-    if (lines.Next())  // may be empty
+    if (lines.Next())  // the second line may be empty
       model.images.back().observations = ReadObservations(lines, indices);
   }
   std::sort(model.images.begin(), model.images.end(),

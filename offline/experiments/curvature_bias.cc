@@ -56,7 +56,7 @@ LocalMapping WithoutCurvature(LocalMapping mapping) {
 // Features of an image by method and window, in the order of the truth.
 struct Measured {
   std::vector<Feature> truth;
-  std::vector<std::vector<Feature>> found;  // by method, then window
+  std::vector<std::vector<Feature>> found;  // by method, then by window size
 };
 
 class Photographer {
@@ -76,7 +76,8 @@ class Photographer {
 
   const Board& board() const { return board_; }
 
-  // Refines with curvature, then identically without it.
+  // Refines features with curvature, and from the same initial positions
+  // without it.
   Measured Take(const Pose& pose, int number) const {
     ImagingOptions imaging;
     imaging.blur_px = options_.blur_px;
@@ -102,7 +103,7 @@ class Photographer {
   }
 
  private:
-  static constexpr double kMarginPx = 18;  // half the largest window, and more
+  static constexpr double kMarginPx = 18;  // half the maximum window + margin
 
   const CameraModel& camera_;
   const ExperimentOptions& options_;
@@ -179,7 +180,7 @@ struct Photograph {
   std::map<int, Pose> poses;  // by board
 };
 
-// The images with given features, and the boards in them.
+// The images of the given features, with the poses of the boards in them.
 std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   std::map<std::string, Photograph> by_name;

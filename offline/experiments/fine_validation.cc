@@ -24,14 +24,14 @@ namespace raygrid {
 namespace {
 
 constexpr double kBumpHeightPx = 0.2;
-constexpr double kFinePupilShiftM = 2e-4;  // at one radian
+constexpr double kFinePupilShiftM = 2e-4;  // at 1 rad off axis
 constexpr double kFineNoisePx = 0.03;      // per coordinate
 constexpr int kMostFeatures = 1050;        // per image
 constexpr int kTestEvery = 5;
 
 struct FineModel {
   std::string name;
-  double knot_spacing_px;  // 0 of a parametric model
+  double knot_spacing_px;  // 0 for a parametric model
 
   std::string Label() const {
     return knot_spacing_px > 0 ? fmt::format("{}/{:g}", name, knot_spacing_px)
@@ -49,7 +49,7 @@ std::vector<FineModel> FineModels() {
   return models;
 }
 
-// 62 degrees horizontally, with barrel distortion.
+// A lens with a horizontal field of view of 62 degrees and barrel distortion.
 BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
   constexpr double kBeyondPx = 50;
   const Area area = {-1, -1, double(size.width), double(size.height)};
@@ -84,7 +84,8 @@ bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
          is_at_an_end(pixel.y(), size.height);
 }
 
-// Features of a board, any point of which projects to any pixel.
+// The features of a board in a random pose, in which any of its points may
+// project to any pixel.
 std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                                   uint64_t seed) {
   Random random(seed);
@@ -95,8 +96,8 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                   board.square_m, 1, {}, seed)
           .front();
   std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
-  // Fewer boards extend into corners. So all features there are used, and
-  // others with the probability that yields the required number.
+  // Fewer boards extend into corners: therefore, all features there are used,
+  // and others with the probability that yields the required number.
   const auto others = std::stable_partition(
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
         return IsInACorner(feature.pixel, camera.image_size());
@@ -157,7 +158,7 @@ struct FineMetrics {
   std::vector<FeatureResidual> training;
 };
 
-// Optimizes the model from the initial camera as calibrate does, with estimated
+// Optimizes the model like calibrate, from the initial camera, with estimated
 // target points.
 FineMetrics AddFineRow(const FineModel& model, const CameraModel& truth,
                        const FineImages& images, const Pattern& pattern,
@@ -197,7 +198,7 @@ FineMetrics AddFineRow(const FineModel& model, const CameraModel& truth,
   return metrics;
 }
 
-// Short enough for a picture's caption.
+// A label short enough for a picture's caption.
 std::string FormatCaption(const FineModel& model, const FineMetrics& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");

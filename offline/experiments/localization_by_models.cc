@@ -14,14 +14,15 @@
 namespace raygrid {
 namespace {
 
-// Paper, "Camera Localization": 15 random pixels, 1.5 to 2.5 m away.
+// As in the paper, "Camera Localization": 15 random pixels, at distances of 1.5
+// to 2.5 m.
 constexpr int kPoints = 15, kScenes = 100;
 constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-// Points in the true camera's frame, which stands at the origin; at pixels that
-// all cameras know.
+// Points in the frame of the true camera, whose pose is the identity, at pixels
+// in the valid regions of all cameras.
 std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
                                        const Area& area, Random* random) {
   constexpr int kMaxTries = 10000;
@@ -41,8 +42,8 @@ std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
   return scene;
 }
 
-// Errors by number of averaged frames: the estimated camera position in the
-// true camera's frame; nothing if localization fails.
+// By number of averaged frames: the error of the estimated camera position in
+// the true camera's frame; nothing if pose estimation fails.
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
@@ -78,7 +79,7 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
   return lengths.empty() ? NAN : Quantile(lengths, 0.5);
 }
 
-// The median over scenes, per axis, of the mean of most frames.
+// The median over scenes, per axis, of the error after averaging all frames.
 Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +94,8 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PlaceErrors {
   std::vector<double> by_frames_m;
-  double shared_m = 0;  // an offset common to all scenes
-  double rest_m = 0;    // remainder, for most frames
+  double shared_m = 0;  // the offset common to all scenes
+  double rest_m = 0;    // the remainder after averaging all frames
 };
 
 PlaceErrors MeasurePlaces(const CameraModel& camera,
@@ -121,7 +122,7 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
 }  // namespace
 
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
-  // The last is the paper's truth, of a user's features.
+  // For the user's features, the last model is the paper's reference.
   const ComparedCameras compared = SelectComparedCameras(
       options, LensNames(ModelUse::kCompare, {models::kNonCentralGeneric,
                                               models::kCentralGeneric}));

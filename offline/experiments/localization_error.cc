@@ -21,7 +21,7 @@ constexpr int kBoardColumns = 12, kBoardRows = 9;
 constexpr double kBoardSquareM = 0.012;
 constexpr char kBoardLens[] = "pinhole";
 constexpr double kMinSquarePx = 20, kMaxSquarePx = 32, kMaxTiltDeg = 45;
-constexpr double kMarginPx = 2;  // between board and edge of the image
+constexpr double kMarginPx = 2;  // between board and image edge
 
 ImagingOptions Imaging(const ExperimentOptions& options, int image) {
   ImagingOptions imaging;
@@ -31,7 +31,7 @@ ImagingOptions Imaging(const ExperimentOptions& options, int image) {
   return imaging;
 }
 
-// The ink extends a square beyond the features.
+// The printed pattern extends one square beyond the features.
 bool IsFullyVisible(const CameraModel& camera, const Pose& pose) {
   const Area image = WholeImage(camera.image_size());
   for (const double column : {-1, kBoardColumns}) {
@@ -71,7 +71,8 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   return chosen;
 }
 
-// Errors by PointIndex(): detected minus true, if a feature was found.
+// Detected minus true position, by PointIndex(); nothing if the feature was not
+// found.
 using FeatureErrors = std::vector<std::optional<Eigen::Array2d>>;
 
 FeatureErrors ErrorsOf(const std::vector<Feature>& found,
@@ -88,7 +89,7 @@ FeatureErrors ErrorsOf(const std::vector<Feature>& found,
   return errors;
 }
 
-// One board: its appearance, and a detector for each method.
+// A board with its appearance, and a detector for each method.
 class BoardTrial {
  public:
   explicit BoardTrial(const DetectedBoard& detected)
@@ -155,7 +156,8 @@ bool IsFoundInAll(const Outcomes& outcomes, int image, int index) {
   return true;
 }
 
-// The indices, by image, of the features found in all boards by all methods.
+// For each image, the indices of the features found on all boards by all
+// methods.
 std::vector<std::vector<int>> FoundInAll(const Outcomes& outcomes,
                                          int num_images) {
   std::vector<std::vector<int>> found(num_images);

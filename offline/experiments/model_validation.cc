@@ -20,7 +20,8 @@ std::vector<ModelChoice> ValidatedModels() {
   return choices;
 }
 
-// Median error of the rays, after the best rotation; nothing without a truth.
+// The median error of the rays after the best-fit rotation; empty without
+// ground truth.
 Cell RayError(const ExperimentFeatures& features,
               const CalibrationResult& result) {
   constexpr double kStepPx = 8;
@@ -29,7 +30,7 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
-// Without enough features in any cell, there is no bias.
+// The bias is unknown unless some cell has enough features.
 Cell NumberOrDash(const std::optional<double>& number) {
   if (number) return *number;
   return std::string("-");

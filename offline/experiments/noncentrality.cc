@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDistancesM[] = {0.1, 0.2, 0.3, 0.5, 1, 2, 5, 10, 100};
 
-// A non-central camera, and the description of its origin.
+// A non-central camera, and the conditions that describe its origin.
 struct Camera {
   std::shared_ptr<const CameraModel> model;
   std::vector<Condition> conditions;
@@ -52,8 +52,8 @@ struct Effect {
   double rms_px = 0, max_px = 0;
 };
 
-// The error of a central camera at the point closest to all lines, exact at one
-// distance, at another distance.
+// The error at distance_m of a central camera that is located at the point
+// closest to all observation lines, and exact at right_at_m.
 Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
                 double right_at_m, double distance_m) {
   constexpr int kSteps = 40;
@@ -66,7 +66,7 @@ Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
         area.y0 + area.height() * (k / (kSteps + 1)) / kSteps);
     const auto line = camera.Line(pixel);
     if (!line) continue;
-    // The line's point that is closest to the centre.
+    // The point of the line that is closest to the centre.
     const Eigen::Vector3d start =
         line->origin +
         line->direction * line->direction.dot(center - line->origin);

@@ -4,10 +4,10 @@
 namespace raygrid {
 namespace {
 
-// The paper's numbers. Its deltilles, on a triangular lattice, are not
-// supported; stars of 6 segments are used instead.
+// The segment counts of the paper. Its deltilles, on a triangular grid, are not
+// supported; stars with 6 segments are used instead.
 constexpr int kSegmentCounts[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
-constexpr int kChessboardSegments = 4;  // that meet in a corner
+constexpr int kChessboardSegments = 4;  // meet at each corner
 
 std::vector<DetectedBoard> BoardsOfSegments() {
   std::vector<DetectedBoard> boards;
@@ -21,7 +21,7 @@ int Segments(const Board& board) {
   return board.segments > 0 ? board.segments : kChessboardSegments;
 }
 
-// Six triangles meet in each of its corners, as in those of a star of six
+// Six triangles meet at each corner of a deltille, as in stars with six
 // segments.
 constexpr char kDeltille[] = "deltille-like";
 constexpr int kDeltilleSegments = 6;

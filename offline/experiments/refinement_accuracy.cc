@@ -40,7 +40,7 @@ Chart MakeEmptyChart(const ExperimentOptions& options) {
   return chart;
 }
 
-// errors: one for each refinement.
+// errors: an array with one element per refinement method.
 void AddBoard(const std::string& kind, const LocalizationError* errors,
               ExperimentResult* result) {
   ChartSeries rms = {"RMS, " + kind, {}, false};

@@ -21,7 +21,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kPairs = 10;
-constexpr double kKnownPx = 3;  // above it, errors are not linear
+constexpr double kKnownPx = 3;  // larger errors are not linear
 
 // A set of images, whose halves should yield the same camera.
 struct ImageSet {
@@ -67,19 +67,19 @@ std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
   return halves;
 }
 
-// A pixel between features of both cameras and in both valid regions, and its
-// Jacobian with respect to the camera's rotation.
+// A pixel surrounded by features of both cameras and in both valid regions, and
+// its Jacobian with respect to the camera's rotation.
 struct Place {
-  int index = 0;  // of all candidates
+  int index = 0;  // index in the list of candidates
   Eigen::Vector2d pixel, difference_px;
   Eigen::Matrix<double, 2, 3> J_rotation;
-  double stated_px = 0;   // predicted uncertainty of both, as reported
-  double scatter_px = 0;  // noise of both, RMS of both axes
+  double stated_px = 0;   // 1 sigma of both as predicted
+  double scatter_px = 0;  // 1 sigma due to noise, RMS of both axes
   bool is_valid = false;
 };
 
-// Whether features are on all sides of a pixel, within a limit to the left or
-// right and up or down. Elsewhere, a camera is extrapolated.
+// Whether features surround a pixel within a maximum distance along x and y.
+// Elsewhere, a camera is extrapolated.
 bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
              double near_px) {
   std::array<bool, 4> sides = {};
@@ -95,7 +95,7 @@ bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
 std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
                                            const CalibrationResult& second) {
   constexpr int kColumns = 64;
-  constexpr double kNearPart = 1 / 16.0;  // of the width
+  constexpr double kNearPart = 1 / 16.0;  // relative to the width
   const CameraModel &a = *first.camera.camera, &b = *second.camera.camera;
   const Area& area = a.area();
   const double near_px = kNearPart * area.width();
@@ -133,8 +133,9 @@ std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
   return places;
 }
 
-// Removes the rotation, a gauge freedom. Pixels are weighted by their
-// uncertainty; those that differ by more than predicted, less.
+// Removes the rotation, a gauge freedom, by iteratively reweighted least
+// squares: weights decrease with the uncertainty, and for differences that
+// exceed the prediction.
 void RemoveRotation(std::vector<Place>* places) {
   constexpr int kSteps = 10;
   constexpr double kFar = 2;  // standard deviations
@@ -156,8 +157,8 @@ void RemoveRotation(std::vector<Place>* places) {
 }
 
 // Sums over pixels: of squared differences per coordinate, of predicted
-// variances and of noise variances; and the squared ratios of differences to
-// both.
+// variances and of noise variances; and the ratios of squared differences to
+// both variances.
 struct Spread {
   double difference2 = 0, stated2 = 0, scatter2 = 0;
   std::vector<double> by_stated2, by_scatter2;
@@ -192,10 +193,10 @@ double RootMean(const std::vector<double>& squares) {
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-// For two independent axes this is about the RMS. If all pixels move together
-// it is smaller, and a few outliers are ignored.
+// A robust RMS: for two independent normal axes, it approximates the RMS. It is
+// smaller if all pixels are displaced alike, and ignores a few outliers.
 double TypicalRoot(const std::vector<double>& squares) {
-  constexpr double kMedianOfNormal = M_LN2;  // of half a sum of two squares
+  constexpr double kMedianOfNormal = M_LN2;  // for half the sum of two squares
   return std::sqrt(Quantile(squares, 0.5) / kMedianOfNormal);
 }
 
@@ -205,8 +206,8 @@ struct Repetition {
   std::map<int, Eigen::Vector2d> by_scatter;
 };
 
-// The 90 % range of the RMS of this many independent standard normal numbers:
-// roots of chi-squared quantiles (Wilson and Hilferty 1931).
+// The 90 % interval of the RMS of this many independent standard normal
+// numbers, from the quantiles of chi-squared (Wilson and Hilferty 1931).
 std::array<double, 2> ChanceRange(double numbers) {
   constexpr double kQuantile95 = 1.6449;
   const double variance = 2 / (9 * numbers);
@@ -218,8 +219,9 @@ std::array<double, 2> ChanceRange(double numbers) {
   return {root(-1), root(1)};
 }
 
-// The effective number of independent differences in all pairs. Independent
-// random fields of n numbers have a mean squared cosine of 1 / n.
+// The effective number of independent differences, estimated from all pairs:
+// independent random fields with n degrees of freedom have a mean squared
+// cosine of 1 / n.
 std::optional<double> ComputeIndependentParameters(
     const std::vector<std::optional<Repetition>>& repetitions) {
   std::map<int, size_t> times;
@@ -247,7 +249,8 @@ std::optional<double> ComputeIndependentParameters(
   return static_cast<double>(num_pairs) * count / sum;
 }
 
-// Knot spacing and per-view deformation as chosen for all images together.
+// Calibrates from both halves, with the knot spacing and per-view deformation
+// selected for all images together.
 std::optional<Repetition> Repeat(const ImageSet& set,
                                  const CalibrationResult& all, uint64_t seed) {
   Random random(seed);
@@ -285,7 +288,7 @@ std::vector<std::optional<Repetition>> RepeatAll(
     try {
       repetitions[k] = Repeat(set, together, options.seed + k);
     } catch (const Error&) {
-      // Half of the images may be too few.
+      // Half of the images may not suffice.
     }
   });
   return repetitions;

@@ -76,7 +76,7 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
     chance.points.push_back({x, percent(share.chance_high)});
   }
   parts.points.push_back({tick("unexplained"), percent(budget.rest)});
-  chart.series = {alone, chance, parts};  // the last over the others
+  chart.series = {alone, chance, parts};  // the last is drawn on top
   return chart;
 }
 

@@ -37,9 +37,9 @@ cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth errors of one image's map and of the mean of several, whose
-// matching errors are still those of single windows; and of medians over blocks
-// of that mean.
+// The depth errors of a single image's map; of the mean over several images,
+// which still contains the matching errors of single windows; and of medians
+// over blocks of that mean.
 struct DepthErrors {
   double one_median_mm = 0, mean_median_mm = 0, blocks_rms_mm = 0, scale = 1;
   int columns = 0;
@@ -98,16 +98,17 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
 
 // ---- Calibration -----------------------------------------------------------
 
-// Pairs that are compared. The last is the truth, or taken for it.
+// The compared pairs. The last is the ground truth, or serves as the reference.
 struct ComparedPairs {
   std::vector<NamedStereo> pairs;
   std::vector<Condition> conditions;
-  bool is_simulated = false;  // the truth, and everything else
+  bool is_simulated = false;  // both ground truth and images
 
   const NamedStereo& truth() const { return pairs.back(); }
 };
 
-// Calibrates like `raygrid calibrate` by default: target points are estimated.
+// Calibrates with the defaults of `raygrid calibrate`: target points are
+// estimated.
 void CalibratePairs(const Dataset& left, const Dataset& right,
                     const Pattern& pattern,
                     const std::vector<std::string>& hold_out,
@@ -115,7 +116,7 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
   CalibrationOptions calibration;
   calibration.hold_out = hold_out;
   calibration.num_threads = options.num_threads;
-  // The last is the paper's truth, of a user's features.
+  // For the user's features, the last model is the paper's reference.
   for (const std::string& model :
        LensNames(ModelUse::kAuto,
                  {models::kNonCentralGeneric, models::kCentralGeneric})) {
@@ -226,7 +227,7 @@ cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
       .clone();
 }
 
-// Depths from a user's images, minus those of the last pair.
+// The depths from a user's images, relative to those of the last pair.
 ExperimentResult CompareOnImages(const ComparedPairs& compared,
                                  const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
@@ -312,7 +313,8 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 
 // ---- A painted wall --------------------------------------------------------
 
-// Disparities of a wall in front of a pair, with a margin for its slope.
+// The disparity range for a wall in front of a pair, with a margin for its
+// slope.
 Matching MatchingOnWall(const NamedStereo& pair) {
   constexpr double kFarPart = 0.48, kNearPart = 1.9;
   Matching matching;
@@ -325,7 +327,7 @@ Matching MatchingOnWall(const NamedStereo& pair) {
   return matching;
 }
 
-// Depths of a wall from images rendered with the last pair.
+// The depths of a wall in images rendered with the last pair.
 ExperimentResult CompareOnWall(const ComparedPairs& compared,
                                const ExperimentOptions& options) {
   const NamedStereo& truth = compared.truth();

@@ -41,7 +41,8 @@ Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
           (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
 }
 
-// A non-central camera is rectified for points at that depth.
+// Rectifies an image; that of a non-central camera is exact for points at
+// depth_m.
 cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
                   const Eigen::Matrix3d& camera_from_rectified, double depth_m,
                   const Matching& matching, int num_threads) {
@@ -111,14 +112,15 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth of the mean of the disparity range.
+// The depth that corresponds to the centre of the disparity range.
 double CenterDepthM(const NamedStereo& cameras, const Matching& matching) {
   return RightCenter(cameras).norm() * matching.focal_px * 2 /
          (matching.min_disparity + matching.max_disparity);
 }
 
-// The midpoint of the closest approach of two pixels' lines, in the left
-// camera's frame; nothing if it is not in front of the cameras.
+// The midpoint of the shortest segment between the observation lines of two
+// pixels, in the left camera's frame; nothing if it is not in front of the
+// cameras.
 std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
                                              const Eigen::Vector2d& left,
                                              const Eigen::Vector2d& right) {
@@ -189,7 +191,7 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
 
 Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
                     const Matching& matching) {
-  constexpr double kSmooth = 0.03;  // of inverse depth, between nodes
+  constexpr double kSmooth = 0.03;  // inverse depth, between control points
   const ImageSize size = cameras.left->image_size();
   const Eigen::Matrix3d rectified_from_left = RectifiedFromLeft(cameras);
   const double depth_m = CenterDepthM(cameras, matching);
@@ -232,9 +234,9 @@ Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
 
 namespace {
 
-// The similarity (Umeyama, 1991) from points of a cloud to the surface, without
-// outliers: depth errors above six times the median, relative to the squared
-// depth.
+// The similarity transform (Umeyama, 1991) from points of a cloud to the
+// surface, without outliers: points whose depth error relative to the squared
+// depth exceeds six times the median.
 Eigen::Matrix4d EstimateRobustSimilarity(
     const StereoCloud& cloud, const std::vector<size_t>& matched,
     const std::vector<Eigen::Vector3d>& seen) {

@@ -15,20 +15,20 @@
 namespace raygrid {
 namespace {
 
-// A walk along a winding corridor.
+// A trajectory along a winding corridor.
 constexpr int kTrajectoryFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // of features of natural scenes
 constexpr int kFirstFrames = 12;  // for alignment of the paths
 
-// Errors of the initial path, as from odometry: rotation about each axis,
-// relative translation and scale errors of each step, which accumulate; and
+// The errors of the initial trajectory, as accumulated by odometry: rotation
+// about each axis, relative translation and scale errors of each step; and
 // depth errors of points. Standard deviations.
 constexpr double kTurnDeg = 0.1, kStepPart = 0.02, kScalePart = 0.005;
 constexpr double kDepthPart = 0.05;
 constexpr int kNumStarts = 2;
 
-// The last is the paper's truth, of a user's features.
+// For the user's features, the last model is the paper's reference.
 std::vector<std::string> DriftModels() {
   return LensNames(ModelUse::kAuto,
                    {models::kCentralGeneric, models::kNonCentralGeneric});
@@ -118,7 +118,7 @@ Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
   return trajectory;
 }
 
-// A user's walk, without pixels outside some camera's area.
+// The user's trajectory, without observations outside the area of any camera.
 Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
   Trajectory trajectory;
   trajectory.points = model.points;
@@ -147,7 +147,7 @@ Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
 
 // ---- Initialization --------------------------------------------------------
 
-// The poses and points before or after an optimization of a walk.
+// The poses and points before or after optimization.
 struct Reconstruction {
   std::vector<Pose> camera_from_world;
   std::vector<Eigen::Vector3d> points;
@@ -163,8 +163,8 @@ Eigen::Vector3d RandomVector(Random* random) {
   return {x, y, random->Normal()};
 }
 
-// The walk with accumulated errors. Points move with the first image that
-// observes them.
+// The trajectory with accumulated errors. Points are displaced with the first
+// image that observes them.
 Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
   Random random(seed);
   const double turn_rad = kTurnDeg * M_PI / 180;
@@ -198,12 +198,13 @@ Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
 
 // ---- Optimization ----------------------------------------------------------
 
-// The gauge and the scale are fixed only by the prior of the points.
+// Bundle adjustment: gauge and scale are constrained only by the weak prior of
+// the points.
 AdjustmentResult OptimizeTrajectory(const CameraModel& camera,
                                     const Trajectory& trajectory,
                                     const Reconstruction& start,
                                     const ExperimentOptions& options) {
-  constexpr double kWeakPx = 0.01;  // relative to the path's length
+  constexpr double kWeakPx = 0.01;  // for a shift by the path's length
   AdjustmentState state;
   state.SetCamera(camera);
   state.rig_from_pattern = start.camera_from_world;
@@ -226,8 +227,9 @@ AdjustmentResult OptimizeTrajectory(const CameraModel& camera,
 
 // ---- End-point error -------------------------------------------------------
 
-// The distance between two end points of a walk, relative to its length, after
-// alignment of corresponding points by a similarity (Umeyama, 1991).
+// The distance between the end points of two trajectories, relative to their
+// length, after aligning corresponding points by a similarity transform
+// (Umeyama, 1991).
 double EndErrorPercent(const Trajectory& trajectory,
                        const std::vector<Pose>& path,
                        const std::vector<Pose>& reference,
@@ -245,7 +247,8 @@ double EndErrorPercent(const Trajectory& trajectory,
          trajectory.Length();
 }
 
-// The end-point error relative to the truth, after aligning the first poses.
+// The end-point error relative to the ground truth, after aligning the first
+// poses.
 double EndErrorPercent(const Reconstruction& found, const Trajectory& truth) {
   std::vector<Eigen::Vector3d> from = GetCenters(found.camera_from_world),
                                to = GetCenters(truth.camera_from_world);
@@ -255,9 +258,9 @@ double EndErrorPercent(const Reconstruction& found, const Trajectory& truth) {
                          truth.camera_from_world, from, to);
 }
 
-// The difference of the end point from another optimization of the same
-// observations, with the same noise: aligned by points in the first images,
-// which constrain it better than positions that may be collinear.
+// The difference of the end point from that of another optimization of the same
+// noisy observations, after aligning the points in the first images, which
+// constrain the similarity better than camera positions that may be collinear.
 double EndDifferencePercent(const Reconstruction& found,
                             const Reconstruction& reference,
                             const Trajectory& trajectory) {
@@ -276,7 +279,7 @@ double EndDifferencePercent(const Reconstruction& found,
 
 // ---- Experiment ------------------------------------------------------------
 
-// One camera's optimizations of a walk.
+// The optimizations of a trajectory with one camera.
 struct DriftOfCamera {
   std::vector<AdjustmentResult> by_start;
 
@@ -336,8 +339,8 @@ void AddStartConditions(ExperimentResult* table) {
                                "converge to the same error"});
 }
 
-// The end-point errors by initial path, before the first optimization, and
-// after each one.
+// The end-point errors before the first optimization, and after the
+// optimization from each initial trajectory.
 struct EndErrors {
   double before = 0;
   std::array<double, kNumStarts> after = {};
@@ -411,7 +414,7 @@ void RequireSize(const ColmapModel& model,
   }
 }
 
-// The user's cameras, or calibrated from the user's features.
+// The user's cameras, or cameras calibrated from the user's features.
 ComparedCameras SelectTrajectoryCameras(const ExperimentOptions& options) {
   if (options.data.features)
     return SelectComparedCameras(options, DriftModels());

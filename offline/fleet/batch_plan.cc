@@ -18,15 +18,15 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMaxSerialSize = 31;  // as blobs have it
+constexpr size_t kMaxSerialSize = 31;  // the limit of blobs
 constexpr char kVaryWith[] = "vary_with";
 constexpr char kImagesAt[] = "images_at";
 constexpr char kOperatingPoints[] = "operating_points";
 constexpr char kTimestamps[] = "timestamps";
 constexpr char kPrior[] = "prior";
 
-// Keys of a plan or a unit, and the options of raygrid calibrate to which they
-// are converted: with a value, or without one.
+// Keys of a plan or a unit, and the corresponding options of raygrid calibrate:
+// options with a value, followed by flags.
 const std::vector<std::pair<std::string, std::string>> kValueOptions = {
     {"model", "--model"},
     {"knot_spacing_px", "--knot-spacing-px"},
@@ -44,10 +44,10 @@ const std::vector<std::pair<std::string, std::string>> kFlagOptions = {
     {"no_refine_features", "--no-refine-features"},
     {"rolling_shutter", "--rolling-shutter"},
     {"skip_comparison", "--skip-comparison"}};
-// Those that name a file.
+// The options whose value is a file.
 const std::vector<std::string> kFileOptions = {kOperatingPoints, kPrior,
                                                kTimestamps};
-// Former names of keys, which stay valid for one minor version.
+// Former names of keys, which remain valid for one minor version.
 const std::map<std::string, std::string> kFormerKeys = {
     {"cell_px", "knot_spacing_px"},
     {"condition", kVaryWith},
@@ -59,13 +59,13 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"measure_once", "no_refine_features"},
     {"like", kPrior},
     {"times", kTimestamps}};
-// The same of limits.
+// Former names of limits, likewise.
 const std::map<std::string, std::string> kFormerFigures = {
     {"trusted_part", "valid_fraction"},
     {"valid_share", "valid_fraction"},
     {"worst_deviation_px", "max_uncertainty_px"}};
 
-// A plan or unit with former keys replaced by the current ones.
+// Replaces former keys of a plan or unit by the current ones.
 YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
   std::map<std::string, YAML::Node> values;
   bool has_former = false;
@@ -80,8 +80,9 @@ YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
           "{}: duplicate key '{}' (its former name counts as the same key)",
           what, Printable(name)));
   }
-  // Each assignment below visits all nodes of the document, so that the time to
-  // read a plan would grow with the square of its number of units.
+  // Maps without former keys are not copied: each assignment below visits all
+  // nodes of the document, so that the time for reading a plan would grow
+  // quadratically with the number of units.
   if (!has_former) return map;
   YAML::Node current(YAML::NodeType::Map);
   for (const auto& [name, value] : values) current[name] = value;
@@ -102,7 +103,8 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
   }
 }
 
-// One of the conditions, or a list of several, as --vary-with takes them.
+// A condition, or a comma-separated list of several, as the value of
+// --vary-with.
 std::string FormatCondition(const YAML::Node& value) {
   const std::vector<YAML::Node> several =
       value.IsSequence() ? std::vector<YAML::Node>(value.begin(), value.end())
@@ -120,7 +122,7 @@ std::string FormatCondition(const YAML::Node& value) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-// A number, a word, or [width, height].
+// A number, a word, or [width, height], as the value of an option.
 std::string FormatOption(const YAML::Node& value, const std::string& key) {
   if (value.IsSequence() && key == "image_size") {
     RequireYamlList(value, "image_size", 2);
@@ -140,7 +142,7 @@ bool IsTrue(const YAML::Node& value, const std::string& key) {
   return is_true;
 }
 
-// A unit's own value, or the plan's.
+// The unit's value of a key, otherwise the plan's.
 YAML::Node Find(const YAML::Node& unit, const YAML::Node& plan,
                 const std::string& key) {
   return unit[key] ? unit[key] : plan[key];
@@ -177,7 +179,8 @@ bool IsNumber(const std::string& text) {
          *end == 0;
 }
 
-// Options that calibrate would reject for one unit after the other.
+// Throws for combinations of options that calibrate would reject for every
+// unit.
 void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                        const YAML::Node& plan) {
   const bool has_condition = Find(node, plan, kVaryWith).IsDefined();
@@ -238,7 +241,7 @@ void RequireSerial(const std::string& serial) {
         fmt::format("serial '{}': reserved for a file of the batch", serial));
 }
 
-// The single value of a key; empty if the key is missing.
+// The scalar value of a key; empty if the key is missing.
 std::string ReadText(const YAML::Node& map, const std::string& key) {
   return map[key] ? FormatOption(map[key], key) : std::string();
 }
@@ -307,8 +310,8 @@ MetricLimits ReadLimits(const YAML::Node& node) {
   return limits;
 }
 
-// Checks that each repeat refers to a unit, and that all calibrations of golden
-// units state their operator, or none does, and likewise their station.
+// Checks that each repeat refers to a unit, and that the operator is stated for
+// all calibrations of golden units, or for none; likewise the station.
 void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
   std::set<std::string> goldens, repeats;
   for (const BatchUnit& unit : units)

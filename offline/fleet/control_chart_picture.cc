@@ -14,13 +14,13 @@
 namespace raygrid {
 namespace {
 
-// In units of the picture.
+// Layout, in units of the picture.
 constexpr double kLeft = 76, kRight = 884, kTop = 16, kBottom = 204;
 constexpr int kWidth = 980, kHeight = 240;
 
-// ---- From values to places -------------------------------------------------
+// ---- Coordinates -----------------------------------------------------------
 
-// Ordinates are values, or natural logarithms of what the axis says.
+// Ordinates are values of the metric, or their natural logarithms.
 struct VerticalAxis {
   bool is_logarithmic = false;
   double low = 0, high = 1;
@@ -37,10 +37,10 @@ double AcrossOf(double unit, size_t count) {
   return kLeft + (unit + 0.5) / static_cast<double>(count) * (kRight - kLeft);
 }
 
-// A chart by its ordinates.
+// A control chart converted to ordinates.
 struct DrawnChart {
   std::vector<double> values, center_line;
-  double lower = 0, upper = 0;  // from the middle
+  double lower = 0, upper = 0;  // relative to the centre line
   bool has_middle = true;
   VerticalAxis axis = {};
 };
@@ -63,8 +63,8 @@ void SpanAxis(DrawnChart* chart) {
   chart->axis.high = high + margin;
 }
 
-// Charts of squares, with an upper limit only, are drawn as logarithms, from a
-// thousandth of the limit on.
+// Converts a chart. Charts of sums of squares, which have an upper limit only,
+// are logarithmic, starting at a thousandth of the limit.
 DrawnChart MakeDrawnChart(const ControlChart& chart) {
   DrawnChart drawn{chart.values, chart.center_line, chart.lower, chart.upper};
   drawn.axis.is_logarithmic = chart.is_logarithm;
@@ -82,7 +82,7 @@ DrawnChart MakeDrawnChart(const ControlChart& chart) {
 
 // ---- Axes ------------------------------------------------------------------
 
-// Ordinates of round numbers.
+// Ordinates of ticks at round numbers.
 std::vector<double> ComputeTicks(const VerticalAxis& axis) {
   const double low = axis.ToMetric(axis.low), high = axis.ToMetric(axis.high);
   if (!axis.is_logarithmic) return MakeTicks(low, high);
@@ -132,7 +132,7 @@ std::string MakeAxesSvg(const VerticalAxis& axis,
 
 // ---- Lines -----------------------------------------------------------------
 
-// The centre line plus an offset: straight between jumps.
+// The centre line plus an offset: piecewise linear between jumps.
 std::string MakeLineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
                         double offset, const char* kind) {
   const size_t count = chart.values.size();
@@ -150,7 +150,7 @@ std::string MakeLineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
   return fmt::format("<path class=\"{}\" d=\"{}\"/>", kind, path);
 }
 
-// Labels at the right ends of lines, without overlap.
+// Labels at the right ends of the lines, without overlap.
 std::string MakeLineFiguresSvg(const DrawnChart& chart) {
   std::vector<double> offsets;
   if (std::isfinite(chart.upper)) offsets.push_back(chart.upper);
@@ -170,7 +170,7 @@ std::string MakeLineFiguresSvg(const DrawnChart& chart) {
 
 // ---- Units -----------------------------------------------------------------
 
-// A single path of bounded size: coincident points are omitted.
+// A single path of bounded size, since coincident points are omitted.
 std::string MakePointsSvg(const DrawnChart& chart,
                           const std::vector<bool>& is_beyond) {
   std::set<std::pair<int, int>> places;

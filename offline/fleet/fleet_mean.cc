@@ -18,7 +18,7 @@
 namespace raygrid {
 namespace {
 
-// The cameras of inlier units; empty if one is not central.
+// The cameras of inlier units; empty if one of them is not central.
 std::vector<CameraFile> SelectInlierCameras(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
@@ -35,7 +35,7 @@ std::vector<CameraFile> SelectInlierCameras(
   return cameras;
 }
 
-// The union of their areas.
+// The union of the cameras' areas.
 Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
   Area area = cameras[0].camera->area();
   for (const CameraFile& file : cameras) {
@@ -46,7 +46,7 @@ Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
   return area;
 }
 
-// The medians of coordinates, if most of the units have values.
+// The coordinate-wise median, if most of the units have values.
 std::optional<Eigen::Vector2d> ComputeMajorityMedian(
     const std::vector<PixelField>& units, size_t pixel) {
   std::vector<double> x, y;
@@ -59,7 +59,7 @@ std::optional<Eigen::Vector2d> ComputeMajorityMedian(
   return Eigen::Vector2d(Median(x), Median(y));
 }
 
-// Fits a grid to the medians of values; nothing if there is none.
+// Fits a grid to the medians; nothing if there are none.
 std::optional<BSplineSurface> MedianSurface(
     const BSplineSurface& grid, const std::vector<Eigen::Vector2d>& pixels,
     const std::vector<PixelField>& units) {
@@ -71,7 +71,7 @@ std::optional<BSplineSurface> MedianSurface(
   return FitSurface(grid.area(), grid.columns(), grid.rows(), samples);
 }
 
-// The directions of a camera's pixels, in the chart.
+// The directions of pixels in the chart.
 PixelField ComputeChart(const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& pixels) {
   PixelField values;
@@ -82,13 +82,13 @@ PixelField ComputeChart(const CameraModel& camera,
   return values;
 }
 
-// Their degree in each coordinate.
+// The polynomials' degree in each coordinate.
 constexpr int kDegree = 5, kNumPolynomials = NumPolynomials(kDegree);
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 using SmoothFit = Eigen::Matrix<double, kNumPolynomials, 2>;
 
-// The smooth part of displacements, robust to poor extrapolation: values far
-// from the fit have little weight.
+// Fits polynomials to displacements. The fit is robust against poor
+// extrapolation: values far from it have a low weight.
 SmoothFit FitSmooth(const PixelField& displacements,
                     const std::vector<Polynomials>& polynomials) {
   constexpr int kRounds = 15;
@@ -111,18 +111,19 @@ SmoothFit FitSmooth(const PixelField& displacements,
       right += weight * polynomials[i] * displacements[i]->transpose();
     }
     fit = square.selfadjointView<Eigen::Lower>().llt().solve(right);
-    // The residuals of the previous round, at first zero.
+    // sizes are the residuals of the previous round; they are not available in
+    // the first round.
     if (round > 0) far_px = std::max(kLeastFarPx, Median(sizes));
   }
   return fit;
 }
 
-// The units without large deviations anywhere.
+// Marks the units without large deviations at any pixel.
 std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
                                 const std::vector<Polynomials>& polynomials) {
   constexpr double kTimesMost = 5;
   constexpr double kMinPx = 0.5;
-  constexpr size_t kEachPixel = 17;  // not all need be looked at
+  constexpr size_t kEachPixel = 17;  // subsampling suffices
   std::vector<bool> is_usual(fits.size(), true);
   for (size_t i = 0; i < polynomials.size(); i += kEachPixel) {
     std::vector<double> x, y, distances;
@@ -157,9 +158,9 @@ SmoothFit ComputeInlierMean(const std::vector<SmoothFit>& fits,
 }
 
 // Shifts a reference to the population mean. The smooth differences between
-// lenses exceed their errors: they are averaged, since a median would switch
+// lenses exceed their errors, and are averaged, since a median would switch
 // between units from pixel to pixel. For the remainder, the median is used.
-// Returns which units were averaged.
+// Returns the units that were averaged.
 BSplineSurface MoveToMean(const CentralGeneric& reference,
                           const std::vector<CameraFile>& cameras,
                           const std::vector<Eigen::Vector2d>& pixels,
@@ -203,7 +204,7 @@ std::optional<CameraFile> ComputeMeanCamera(
 std::optional<CameraFile> ComputeMeanCamera(
     const std::vector<CameraFile>& cameras) {
   if (cameras.empty()) return std::nullopt;
-  // Cells of a thirty-second of the image's width.
+  // A knot spacing of 1/32 of the image's width.
   constexpr int kColumns = 35, kSamplesPerCell = 3;
   const Area area = ComputeJoinedArea(cameras);
   const int rows =

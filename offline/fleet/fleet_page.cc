@@ -36,7 +36,7 @@ std::string UnitLink(const UnitRow& row) {
              : row.serial;
 }
 
-// ---- The verdict -----------------------------------------------------------
+// ---- Summary ---------------------------------------------------------------
 
 std::string DescribeCounts(const std::vector<UnitRow>& rows) {
   std::map<std::string, int> counts;
@@ -78,7 +78,7 @@ std::string MakeSummarySection(const FleetAnalysis& fleet) {
                      MakeHtmlList(sentences));
 }
 
-// ---- What is unusual -------------------------------------------------------
+// ---- Out-of-control units --------------------------------------------------
 
 std::string MakeUnusualSection(const FleetAnalysis& fleet) {
   if (fleet.statistics.outliers.empty()) return "";
@@ -231,7 +231,7 @@ std::string MakeBatchesSection(const BatchComparison& batches) {
              100 * kFleetChance, kMinBatchUnits);
 }
 
-// A deviation that stays on one line.
+// A standard deviation without line breaks.
 std::string DeviationCell(const GaugeMetric& metric, double deviation) {
   std::string text = FormatGaugeDeviation(metric, deviation);
   return text.replace(text.find(' '), 1, "&nbsp;");

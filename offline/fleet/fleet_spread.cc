@@ -11,9 +11,9 @@
 namespace raygrid {
 namespace {
 
-// Smooth displacements have a coefficient for each polynomial, in x and then in
-// y. The polynomials' mean square over the area is 1, so a coefficient is an
-// RMS displacement.
+// Smooth displacements have one coefficient per polynomial, first for x and
+// then for y. The mean square of each polynomial over the area is 1, so a
+// coefficient is an RMS displacement.
 constexpr int kSpreadDegree = 7;
 constexpr int kNumShapes = NumPolynomials(kSpreadDegree);
 constexpr int kNumFactors = 2 * kNumShapes;
@@ -56,10 +56,11 @@ class SmoothFactors {
     return Eigen::Map<const Eigen::VectorXd>(factors.data(), kNumFactors);
   }
 
-  // The coefficients' covariance by the uncertainty in a unit's file.
+  // The coefficients' covariance according to the uncertainty stored in a
+  // unit's file.
   Eigen::MatrixXd ErrorsOf(const CameraFile& unit) const {
     constexpr double kMinPx = 1e-4;
-    // The residual correlates within this fraction of an image.
+    // The effective number of independent residuals in an image.
     constexpr double kPartsOfRest = 192;
     Eigen::MatrixXd errors =
         kMinPx * kMinPx * Eigen::MatrixXd::Identity(kNumFactors, kNumFactors);
@@ -82,8 +83,9 @@ class SmoothFactors {
   std::vector<Eigen::VectorXd> shapes_;
 };
 
-// The maximum-likelihood covariance C of differences that vary by C and by
-// errors of their own about zero (expectation maximization).
+// The maximum-likelihood estimate of C for zero-mean differences with
+// covariance C plus their individual error covariances (expectation
+// maximization).
 Eigen::MatrixXd EstimateMaxLikelihoodCovariance(
     const std::vector<Eigen::VectorXd>& differences,
     const std::vector<Eigen::MatrixXd>& errors) {
@@ -106,7 +108,7 @@ Eigen::MatrixXd EstimateMaxLikelihoodCovariance(
   return covariance;
 }
 
-// The principal directions with non-negligible standard deviations.
+// The principal directions with standard deviations that are not negligible.
 std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
   constexpr double kMinPx = 0.002;
   constexpr int kMost = 24;
@@ -143,7 +145,7 @@ std::optional<LensSpread> EstimateSpread(const CameraModel& mean,
     errors.push_back(factors.ErrorsOf(unit));
     of_mean += errors.back() / (count * count);
   }
-  // Units are closer to their own mean than another unit is.
+  // Corrects the bias: units are closer to their own mean than a new unit is.
   const Eigen::MatrixXd covariance =
       (count + 1) / (count - 1) *
           EstimateMaxLikelihoodCovariance(differences, errors) +

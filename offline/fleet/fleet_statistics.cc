@@ -15,9 +15,9 @@
 namespace raygrid {
 namespace {
 
-// The control limit in standard deviations for a probability, if estimated by
-// EstimateNeighbourDeviation(), which has 0.31 times as many degrees of
-// freedom.
+// The control limit in standard deviations for a probability, if the standard
+// deviation is estimated by EstimateNeighbourDeviation(), which has 0.31 times
+// as many degrees of freedom as values.
 double DeviationsAt(double chance, double count) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(0.31 * count), chance));
@@ -30,7 +30,8 @@ double ComputeHotellingLimit(double chance, double count, double size) {
          boost::math::quantile(boost::math::complement(f, chance));
 }
 
-// The limit of a sum of squares from the mean and variance of units (Box 1954).
+// The limit of a sum of squares, from the mean and variance over the units (Box
+// 1954).
 double SquaresLimit(double chance, const std::vector<double>& usual) {
   double mean = 0, variance = 0;
   for (const double value : usual) mean += value / usual.size();
@@ -77,13 +78,15 @@ Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
   return parts;
 }
 
-// Lenses relative to medians of pixels, and the design matrix of their mean.
+// Lenses relative to the medians of pixels, and the design matrix of their
+// mean.
 struct CenteredLenses {
   Eigen::MatrixXd rows, means;
 };
 
-// Relative to the mean of inliers, which is a possible lens. Medians of pixels
-// are not: the difference would appear in the shape of all units of a segment.
+// Centres lenses about the mean of inliers, which is a possible lens. The
+// medians of pixels are not: the difference would appear in the shape of all
+// units of a segment.
 Eigen::MatrixXd CenterAboutInliers(const CenteredLenses& lenses,
                                    const std::vector<bool>& is_usual) {
   Eigen::MatrixXd rows = lenses.rows, means = lenses.means;
@@ -96,15 +99,17 @@ Eigen::MatrixXd CenterAboutInliers(const CenteredLenses& lenses,
          lenses.means * means.completeOrthogonalDecomposition().solve(rows);
 }
 
-// The two charts of lenses after removing jumps, and the directions.
+// The two control charts of lenses after removing jumps, and the principal
+// directions.
 struct LensCharts {
   std::vector<double> lens, shape;
   double lens_limit = 0, shape_limit = 0;
   LensDirections directions;
 };
 
-// A segment whose mean is distorted by an outlier would be rejected as a whole,
-// and never recover: its half nearest to the mean is always an inlier.
+// A segment whose mean is distorted by an outlier would be rejected entirely
+// and never recover: therefore, the half nearest to the mean is always accepted
+// as inliers.
 void KeepInliersOfSegments(const CenteredLenses& lenses,
                            const std::vector<double>& shape,
                            std::vector<bool>* is_usual) {
@@ -128,7 +133,7 @@ void KeepInliersOfSegments(const CenteredLenses& lenses,
 LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   const auto count = static_cast<size_t>(lenses.rows.rows());
   std::vector<bool> is_usual(count, true);
-  // Initially, the half closest to the median, by pixels.
+  // The initial inliers are the half closest to the median, by pixels.
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < lenses.rows.rows(); ++i)
     distances.push_back(lenses.rows.row(i).squaredNorm());
@@ -177,7 +182,8 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   return charts;
 }
 
-// Principal directions of neighbours' differences, robust to jumps.
+// The principal directions of differences between neighbouring units, which are
+// robust to jumps.
 LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   const Eigen::Index count = pixels.rows() - 1;
   const Eigen::MatrixXd differences =
@@ -239,7 +245,8 @@ void AddMetricChart(const FleetMetric& metric, double chance,
     drift.last = figure_of(center_line.back());
   }
   AddNamed(metric.name, changes, statistics);
-  // Most neighbours are equal, as with few digits: no limit can be estimated.
+  // No limit can be estimated if most neighbours are equal, for example due to
+  // few digits.
   const double deviation = EstimateNeighbourDeviation(values);
   const auto count = static_cast<double>(values.size());
   const double most = deviation > 0
@@ -277,7 +284,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   FleetStatistics statistics;
   const Eigen::Index count = input.pixels.rows();
   if (count < kMinFleetUnits || input.pixels.cols() == 0) return statistics;
-  // The probability is shared between lenses and each metric.
+  // The false-alarm probability is split between lenses and each metric.
   const double change_chance =
       kFleetChance / (1 + static_cast<double>(input.metrics.size()));
   const CenteredLenses centered =

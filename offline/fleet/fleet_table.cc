@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Columns of fleet.csv that are figures, between reason and lens_batch.
+// The columns of fleet.csv with metrics, between reason and lens_batch.
 const std::vector<std::string> kColumns = {"focal_px",
                                            "center_x_px",
                                            "center_y_px",
@@ -32,7 +32,7 @@ const std::vector<std::string> kColumns = {"focal_px",
                                            "images",
                                            "sensor_temperature_c"};
 
-// A number at keys behind each other, if there is one.
+// Adds the number at a path of nested keys, if there is one.
 void AddNumber(const Json& json, const std::vector<std::string>& keys,
                const std::string& name, UnitRow* row) {
   const Json* at = &json;
@@ -53,12 +53,13 @@ void AddResult(const Json& result, UnitRow* row) {
   row->status = result.value("verdict", "");
   if (row->status == "fail" && !result.at("reasons").empty())
     row->reason = result.at("reasons")[0].get<std::string>();
-  // The warning that a lens is none of the fleet that `like` is of, no other.
+  // The reason is the warning that the lens is an outlier of the prior's
+  // population; other warnings are not included.
   const Json& distance = result.value("population_distance", Json::object());
   if (row->status == "warn") row->reason = distance.value("warning", "");
 }
 
-// Pixels per radian about the z axis, over both of the image's axes.
+// Pixels per radian at the z axis, as the geometric mean over both image axes.
 std::optional<double> FocalLength(const CameraModel& camera) {
   constexpr double kStep = 1e-3;
   double area = 0;

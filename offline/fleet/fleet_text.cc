@@ -26,7 +26,7 @@ const std::string& GetSerial(const FleetAnalysis& fleet, int unit) {
   return fleet.rows[fleet.compared[unit]].serial;
 }
 
-// " (its lens is the first of batch B2)", if that is so.
+// Returns " (its lens is the first of batch B2)", if applicable.
 std::string BatchWarning(const FleetAnalysis& fleet, int unit) {
   const std::string& batch = fleet.rows[fleet.compared[unit]].lens_batch;
   if (batch.empty()) return "";

@@ -16,7 +16,7 @@ namespace {
 
 // ---- The linear model ------------------------------------------------------
 
-// A column for each level, with 1 in the rows that have it.
+// Indicator variables: one column per level, with 1 in the rows of that level.
 Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   std::map<std::string, Eigen::Index> columns;
   for (const std::string& level : levels) columns.emplace(level, 0);
@@ -29,27 +29,27 @@ Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   return indicators;
 }
 
-// An orthonormal basis of what columns span.
+// An orthonormal basis of the column space.
 Eigen::MatrixXd ComputeBasis(const Eigen::MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   return Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }
 
-// The residual sum of squares of columns after projection to a basis.
+// The residual sum of squares after projection of columns onto a basis.
 double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
   return (columns - basis * (basis.transpose() * columns)).squaredNorm();
 }
 
 struct GaugeTerm {
   std::string name;
-  Eigen::MatrixXd without;        // a basis of the model without this term
-  double degrees_of_freedom = 0;  // that it adds to that model
-  double size = 0;                // expected squares of a variance of 1
+  Eigen::MatrixXd without;        // basis of the model without this term
+  double degrees_of_freedom = 0;  // of this term
+  double size = 0;                // factor of its expected squares
 };
 
 struct GaugeModel {
   Eigen::MatrixXd basis;
-  double degrees_of_freedom = 0;  // of what the model leaves
+  double degrees_of_freedom = 0;  // of the residuals
   std::vector<GaugeTerm> terms;
 };
 
@@ -107,10 +107,9 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
   return model;
 }
 
-// ---- Figures ---------------------------------------------------------------
+// ---- Metrics ---------------------------------------------------------------
 
-// values: one column for each metric of a kind, combined by the mean of their
-// variances.
+// values: one column per metric of a kind; their variances are averaged.
 GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
                     const GaugeModel& model) {
   GaugeMetric metric;
@@ -165,7 +164,7 @@ double ComputeFleetStdDev(const FleetInput& fleet, const std::string& name) {
   return 0;
 }
 
-// Whether all values are known and not all are the same one.
+// Whether all values are known, and they are not all equal.
 bool Scatters(const std::vector<double>& values) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   return std::all_of(values.begin(), values.end(),

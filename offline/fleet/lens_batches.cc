@@ -74,7 +74,7 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
   }
   const double degrees_of_freedom = num_groups - 1,
                freedoms_within = static_cast<double>(all.size()) - num_groups;
-  constexpr double kRounding = 1e-24;  // of equal values' squares
+  constexpr double kRounding = 1e-24;  // of the sum of squares of equal values
   if (degrees_of_freedom < 1 || freedoms_within < 1 ||
       between + within <= kRounding * squares)
     return compared;

@@ -18,7 +18,8 @@ LensDirections ComputeDirections(const Eigen::MatrixXd& rows,
                                                               (count - 1));
   LensDirections all{solver.eigenvectors().rowwise().reverse(),
                      solver.eigenvalues().reverse()};
-  // Those that make up nearly all of the variance, few against the units.
+  // Keeps the directions that explain nearly all of the variance, at most a
+  // quarter of the number of units.
   constexpr double kPart = 0.999;
   const double total = all.variances.sum();
   const auto most = std::min<Eigen::Index>(

@@ -39,8 +39,8 @@ std::vector<StandardSeries> Standardize(
   return all;
 }
 
-// Splits a segment where the means change most, if the sum of squared changes
-// exceeds the limit, and recurses into both.
+// Splits a segment at the largest change of the means, if the sum of squared
+// changes exceeds the limit, and recurses into both parts.
 void FindJumps(const std::vector<StandardSeries>& series,
                const SeriesPart& part, double limit,
                std::vector<MeanJump>* jumps) {
@@ -63,7 +63,8 @@ void FindJumps(const std::vector<StandardSeries>& series,
   FindJumps(series, {best.unit, part.end}, limit, jumps);
 }
 
-// The sum of squares explained by piecewise means, beyond a single mean.
+// The sum of squares explained by piecewise constant means, in addition to a
+// single mean.
 double ExplainedByParts(const StandardSeries& series,
                         const std::vector<int>& cuts) {
   const int count = static_cast<int>(series.values.size());
@@ -101,7 +102,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
   const std::vector<StandardSeries> standard = Standardize(series);
   if (standard.empty()) return changes;
   const int count = static_cast<int>(standard[0].values.size());
-  // A sum of squares of normal values with an estimated standard deviation.
+  // The limit for a sum of squares of normal values with an estimated standard
+  // deviation.
   const auto size = static_cast<double>(standard.size());
   const boost::math::fisher_f f(size, count - size - 1);
   const auto limit_of = [&](double part) {
@@ -114,8 +116,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
     by_parts += ExplainedByParts(one, changes.Cuts());
     by_line += ExplainedByLine(one);
   }
-  // Number of parameters: a position and a mean per series for each jump, a
-  // slope per series for the line.
+  // The number of parameters: for each jump, a position, and a mean per series;
+  // for the line, a slope per series.
   const double penalty = std::log(count);
   const auto num_jumps = static_cast<double>(changes.jumps.size());
   if (by_line > limit_of(chance / 2) &&

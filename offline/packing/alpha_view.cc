@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// The usable pixels of a camera's area, as in tables.
+// The usable pixels of a camera, which remap tables may show.
 struct Inside {
   Area area;
   std::optional<ImageCircle> circle;
@@ -18,8 +18,8 @@ struct Inside {
 };
 
 Inside SampleInside(const CameraModel& camera) {
-  // Tables have smaller errors, unless their limit is larger: keeps sources off
-  // the border.
+  // Keeps sources off the border: the errors of tables are smaller, unless the
+  // limit is larger.
   constexpr double kInsetPx = 0.25;
   const Area& area = camera.area();
   const Area image = WholeImage(camera.image_size());
@@ -71,8 +71,8 @@ class BorderlessSearch {
     return MakeCentralView(cameras_[camera].plane, size_, center, focal_px);
   }
 
-  // The mean direction of the areas' centres; for several cameras, if
-  // necessary, another point in all areas.
+  // The mean of the directions of the areas' centres; for several cameras, if
+  // necessary, another point inside all areas.
   std::optional<Eigen::Vector2d> Start() const {
     Eigen::Vector2d sum(0, 0);
     Eigen::AlignedBox2d common(Eigen::Vector2d::Constant(-1e9),
@@ -101,7 +101,8 @@ class BorderlessSearch {
     return std::nullopt;
   }
 
-  // Wider views would show too much far off the axis, or repetitions.
+  // Limits the field of view: wider views would show mostly the region far off
+  // the axis, or repetitions.
   double ShortestPx() const {
     const double far = std::tan(kUsefulStretchRad);
     const double width = size_.width / 2.0, height = size_.height / 2.0;
@@ -120,7 +121,7 @@ class BorderlessSearch {
     return std::hypot(width, height) / M_PI;
   }
 
-  // The shortest focal length without border, at most long_px.
+  // The minimum focal length without border, at most long_px.
   double Widest(const Eigen::Vector2d& center, double long_px) const {
     double least = ShortestPx();
     if (IsWithoutBorder(center, least)) return least;
@@ -138,8 +139,8 @@ class BorderlessSearch {
     return true;
   }
 
-  // Evaluates points along the edges, each initialized with its neighbour's
-  // source, and some interior points.
+  // Whether the view has no border. Evaluates points along the edges, each
+  // initialized with its neighbour's source, and some interior points.
   bool IsWithoutBorder(size_t c, const VirtualView& view) const {
     constexpr int kSteps = 64;
     const double right = size_.width - 1, bottom = size_.height - 1;

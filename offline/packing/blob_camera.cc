@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Whether bytes begin with the magic number of blobs, as far as they go.
+// Whether bytes begin with the magic number of blobs, or with a truncated one.
 bool HasBlobMagic(const std::string& bytes) {
   const std::string magic = "RAYGRID";
   return bytes.compare(0, magic.size(), magic, 0, bytes.size()) == 0;
@@ -33,7 +33,7 @@ int FractionBits(const Eigen::Vector3d& point) {
   return std::min(30 - exponent, static_cast<int>(RG_POINT_MAX_BITS));
 }
 
-// One channel of interleaved pixels.
+// Extracts one channel of interleaved pixels.
 std::vector<uint8_t> Channel(const Image& image, int channel) {
   std::vector<uint8_t> plane(image.pixels.size() / image.channels);
   const int pixel_bytes = image.channels * image.sample_bytes;
@@ -78,7 +78,7 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
   const uint32_t size = static_cast<uint32_t>(bytes.size());
   rg_status status = rg_blob_open(words_.data(), size, &blob_);
   if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
-  // Text is reported as such, however short it is.
+  // Files that are not blobs get this error even if they are short.
   if (status == RG_ERR_TRUNCATED && !HasBlobMagic(bytes)) status = RG_ERR_MAGIC;
   if (status != RG_OK) Refuse(name, status);
 }
@@ -143,7 +143,7 @@ void BlobCamera::SetOperatingPoint(double value) {
   if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
 }
 
-// A control point of the current grid, or of a later sample.
+// A control point of the current grid, or of the same grid in a later sample.
 Eigen::Vector2d BlobCamera::ControlPoint(const Eigen::Vector2i& place,
                                          int upper_sample) const {
   rg_blob there = blob_;

@@ -29,7 +29,7 @@ double MaxControlPoint() {
   return std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
 }
 
-// The control points on which regular pixels' rays depend.
+// The control points that affect the rays of regular pixels.
 std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
                                     const RegularRegion& region) {
   std::vector<bool> is_used(surface.num_points(), false);
@@ -44,9 +44,9 @@ std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
   return is_used;
 }
 
-// Moves control points into the format's range, and those without regular
-// pixels near the others, so that 16 bits have a finer resolution. Both occur
-// outside a fisheye's image circle.
+// Moves control points into the format's range, and those that affect no
+// regular pixels close to the others, so that 16 bits have a finer resolution.
+// Both occur outside a fisheye's image circle.
 void DrawIntoChart(const RegularRegion& region, bool is_fitted,
                    BSplineSurface* surface) {
   constexpr double kNear = 1.25;
@@ -90,7 +90,7 @@ class GridSearch {
     }
   }
 
-  // Whether the fit error is within the limit, at each relevant node.
+  // For each relevant node, whether the fit error is within the limit.
   std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
     std::vector<bool> is_followed(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {
@@ -103,7 +103,7 @@ class GridSearch {
     return is_followed;
   }
 
-  // The fraction of relevant nodes at which it is not.
+  // The fraction of relevant nodes at which the fit error exceeds the limit.
   double ComputeLostFraction(const std::vector<bool>& is_followed) const {
     const auto num_not_found =
         std::count(is_followed.begin(), is_followed.end(), false);
@@ -116,8 +116,8 @@ class GridSearch {
     return ComputeLostFraction(FollowedBy(surface)) > kNegligiblePart;
   }
 
-  // The coarsest grid that fits everywhere, otherwise one that loses about the
-  // least.
+  // The coarsest grid that fits everywhere; otherwise the coarsest one that
+  // loses almost the minimum number of nodes.
   BSplineSurface Find() const {
     std::vector<Candidate> candidates;
     double least = INFINITY;
@@ -142,13 +142,15 @@ class GridSearch {
   }
 
  private:
-  // 2 to 128 cells; more for rough cameras, with a spacing of 4 px or more.
-  // Near a fold that would gain a few pixels for four times the size.
+  // 2 to 128 cells; more for cameras that are hard to fit, with a knot spacing
+  // of at least 4 px. Near a fold, a finer grid would gain a few pixels for
+  // four times the size.
   static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
   static constexpr double kMinKnotSpacingPx = 4, kRoughPart = 0.01;
   static constexpr double kHardlyCut = 0.999;
   static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
-  // Rays that hardly change between pixels are not evaluated in pixels.
+  // Rays that hardly change between pixels are ignored, since their errors in
+  // pixels are ill-conditioned.
   static constexpr double kNegligibleRotation = 20;
   static constexpr int kSamplesPerCell = 4;
   // Regularization that extrapolates the grid smoothly outside the region.
@@ -183,8 +185,8 @@ class GridSearch {
     return surface;
   }
 
-  // Rays that cannot be fitted, as near a fold, distort the grid next to them:
-  // it is fitted again without them.
+  // Rays that cannot be fitted, for example near a fold, distort the grid next
+  // to them: the grid is fitted again without them.
   Candidate FitTrimmed(const Area& area, double knot_spacing_px) const {
     Candidate best;
     std::vector<bool> is_good(counts_.size(), true);
@@ -205,7 +207,7 @@ class GridSearch {
   int64_t num_counting_ = 0;
 };
 
-// A mask with cells half as large as usual, all valid: the limit of the regular
+// A valid mask with half the usual cell size, since the boundary of the regular
 // region is precise.
 ValidityMask FineMask(const ImageSize& size) {
   constexpr int kMinKnotSpacingPx = 4;
@@ -250,7 +252,7 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
     surface = *own;
     DrawIntoChart(*region, false, &surface);
   }
-  // With wide cells, clamped control points distort most of the image.
+  // With a wide knot spacing, clamped control points distort most of the image.
   if (surface.num_points() == 0 || search.HasLargeLoss(surface)) {
     BSplineSurface fitted = search.Find();
     if (surface.num_points() == 0 ||

@@ -9,13 +9,14 @@
 namespace raygrid {
 namespace {
 
-// A picture's samples of one type, interpolated.
+// Bilinear interpolation of an image with one sample type.
 template <typename Sample>
 class BilinearPicture {
  public:
   explicit BilinearPicture(const Image& picture) : picture_(picture) {}
 
-  // Writes the channels at a position between the first and the last pixel.
+  // Writes the channels at a position between the centres of the first and the
+  // last pixel.
   void Sampled(const Eigen::Vector2d& position, uint8_t* to) const {
     const int x0 = FirstOf(position.x(), picture_.size.width);
     const int y0 = FirstOf(position.y(), picture_.size.height);

@@ -13,7 +13,8 @@ namespace {
 // valid pixels require it.
 constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
 constexpr int kMaxCellsForMore = 24;
-// From this error, one step reaches the runtime's accuracy.
+// With an initial error below this, one Newton step reaches the runtime's
+// accuracy.
 constexpr double kCloseEnoughPx = 1.0 / 32;
 constexpr double kCloseEnoughSlope = 0.02;  // relative
 // About three samples per cell along each axis.
@@ -24,7 +25,8 @@ constexpr double kOthersWeight = 0.01;
 // Relative to the samples' weight: negligible for supported control points, but
 // keeps unsupported ones in range.
 constexpr double kSmoothness = 1e-4;
-// Chart positions have magnitudes below 4, and pixels below 16384.
+// The absolute values of chart positions are below 4, those of pixel
+// coordinates below 16384.
 constexpr double kMaxChart = 4;
 constexpr double kMaxPixel = 16000;
 constexpr double kFewPixels = 3e4, kManyPixels = 1e6;
@@ -43,7 +45,7 @@ class SurfaceSampling {
         trusted_(valid_region),
         handedness_(FindDominantHandedness(surface)) {}
 
-  // The area's edge densely, its inside more coarsely.
+  // Samples the area's edge densely and its interior more coarsely.
   InverseSamples Samples() const {
     InverseSamples samples;
     for (int k = 0; k <= kEdgeSamples; ++k) {
@@ -131,7 +133,7 @@ class InverseFitting {
                       kSmoothness);
   }
 
-  // Nothing if 16 bits cannot represent it.
+  // Nothing if 16 bits cannot represent the grid.
   std::optional<InverseGrid> QuantizeInverseGrid(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
@@ -155,8 +157,8 @@ class InverseFitting {
     return inverse;
   }
 
-  // Whether one step from the inverse's pixel, with its Jacobian, suffices for
-  // all samples.
+  // Whether one Newton step from the inverse's pixel, with its Jacobian,
+  // suffices for all samples.
   bool IsCloseEnough(const BSplineSurface& inverse,
                      const std::vector<SurfaceSample>& samples) const {
     return std::all_of(
@@ -185,8 +187,8 @@ bool IsBetter(const EvaluatedInverseGrid& a, const EvaluatedInverseGrid& b) {
   return faults(a) < faults(b);
 }
 
-// Searches the number of cells; replaces *best if better. The sample of few
-// pixels avoids evaluating many.
+// Searches the number of cells; replaces *best if an inverse is better. Most
+// candidates are rejected by evaluating a few pixels only.
 void SearchCells(const InverseFitting& fitting,
                  const std::vector<SurfaceSample>& valid_region,
                  const InverseGridEvaluator& measure,
@@ -242,8 +244,8 @@ std::optional<EvaluatedInverseGrid> FitInverseGrid(
 
 namespace {
 
-// The inverses of several surfaces with this number of cells, of equal layout;
-// nothing if 16 bits cannot represent one of them.
+// The inverses of several surfaces with this number of cells and a common
+// layout; nothing if 16 bits cannot represent one of them.
 std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
     const std::vector<InverseFitting>& fittings,
     const std::vector<InverseSamples>& samples, int cells) {
@@ -272,7 +274,8 @@ std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
   return made;
 }
 
-// The fraction missed by all of them.
+// The sum of the fractions of pixels that the inverses miss; ties are resolved
+// in favour of inverses that need a single step.
 double FailedFraction(const std::vector<EvaluatedInverseGrid>& inverses) {
   double missed = 0;
   for (const EvaluatedInverseGrid& inverse : inverses)

@@ -12,8 +12,8 @@ int32_t Rounded(double value) {
       std::lround(std::clamp(value, -2147483647.0, 2147483647.0)));
 }
 
-// The plane through opposite edges' means, for one coordinate. It is clamped to
-// 32 bits.
+// Fits the plane through the means of opposite edges, for one coordinate;
+// clamped to 32 bits.
 void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
   const int right = points.columns - 1, bottom = points.rows - 1;
   const auto mean = [&](int i0, int i1, int j0, int j1) {

@@ -11,12 +11,12 @@ namespace {
 
 constexpr int kFitCell = SourceMap::kCellSize;
 
-// The sums of a cell with a source at every pixel. They are integers, and
-// exact.
+// The sums over a cell with a source at every pixel. They are sums of integers,
+// and therefore exact.
 CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
-    double plain[kFitCell] = {}, by_y[kFitCell] = {};  // of the cell's columns
+    double plain[kFitCell] = {}, by_y[kFitCell] = {};  // by column of the cell
     for (int y = 0; y < kFitCell; ++y) {
       const int32_t* const units =
           &map.sources[axis][map.Index(column * kFitCell, row * kFitCell + y)];
@@ -64,15 +64,15 @@ CellSums::Products WholeProducts() {
   return products;
 }
 
-// The weights of a block's nodes at one of its pixels: the four vertices, then,
-// if edges are bent, the upper, lower, left and right edge. A bend's weight is
-// maximal at its edge's midpoint, and zero at its ends and on the opposite
-// edge; it is linear between tile corners.
+// The weights of a block's nodes at one of its pixels: of the four vertices,
+// followed, with bends, by the upper, lower, left and right edge. A bend's
+// weight is maximal at its edge's midpoint, and zero at its ends and on the
+// opposite edge; it is linear between tile corners.
 template <int kNodes>
 class BlockBasis {
  public:
   using Nodes = std::array<int, kNodes>;
-  // The factors for 1, x, y, x y of a pixel (x, y) of a cell.
+  // The coefficients of 1, x, y and x y for a pixel (x, y) of a cell.
   using EvaluateBasis = Eigen::Matrix<double, kNodes, 4>;
 
   explicit BlockBasis(const Blocks& blocks)
@@ -82,7 +82,8 @@ class BlockBasis {
         factors_.push_back(MakeFactors(column * kFitCell, row * kFitCell));
   }
 
-  // The factors of the cell in a column and row of its block, and of all cells.
+  // The coefficients for the cell in a column and row of its block, and for all
+  // cells.
   const EvaluateBasis& Of(int column, int row) const {
     return factors_[row * cells_ + column];
   }
@@ -103,7 +104,8 @@ class BlockBasis {
   }
 
  private:
-  // A function's value at a cell's first pixel, and how it grows to the next.
+  // A linear function: its value at a cell's first pixel, and its increment per
+  // pixel.
   struct Line {
     double value, step;
   };
@@ -116,7 +118,7 @@ class BlockBasis {
     return {curve(first) + (x - first) * step, step};
   }
 
-  // The factors of the cell at pixel (x, y) of a block.
+  // The coefficients for the cell at pixel (x, y) of a block.
   EvaluateBasis MakeFactors(int x, int y) const {
     const double unit = 1.0 / blocks_.size();
     const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};
@@ -146,8 +148,8 @@ class BlockBasis {
   std::vector<EvaluateBasis> factors_;
 };
 
-// The least-squares problem of the nodes of used blocks. Second differences of
-// equal nodes are regularized where pixels do not determine them.
+// The least-squares problem for the nodes of used blocks. Second differences of
+// nodes of the same kind are regularized where pixels do not determine them.
 template <int kNodes>
 class NodeEquations {
  public:
@@ -205,7 +207,7 @@ class NodeEquations {
     BlockPositions right;
     int normal;  // index
   };
-  static constexpr int kWhole = 0;  // the normal of a block of whole cells
+  static constexpr int kWhole = 0;  // normal matrix shared by whole blocks
   struct SecondDifference {
     int center, step;
   };
@@ -224,7 +226,7 @@ class NodeEquations {
                 int j) {
     Block block = {i, j, basis.NodesOf(i, j), BlockPositions::Zero(), kWhole};
     const int cells = basis.num_cells();
-    // The last block may extend beyond the cells.
+    // The last block may extend beyond the last cell.
     const int columns = std::min(cells, sums.columns() - i * cells);
     const int rows = std::min(cells, sums.rows() - j * cells);
     bool is_whole = columns == cells && rows == cells;
@@ -268,14 +270,15 @@ class NodeEquations {
     }
   }
 
-  // Initializes vertices by affine maps fitted to the pixels of their blocks;
-  // no bends.
+  // Initializes vertices by affine maps fitted to the pixels of their blocks,
+  // without bends.
   NodePositions Start() const {
-    // An affine map that starts at a block, at its nodes.
+    // Evaluates an affine map, given relative to a block, at the block's nodes.
     Eigen::Matrix<double, kNodes, 3> at_nodes =
         Eigen::Matrix<double, kNodes, 3>::Zero();
     for (int k = 0; k < 4; ++k) at_nodes.row(k) << 1, k % 2, k / 2;
-    // One that starts at the first block, from there.
+    // Converts an affine map relative to the first block to one relative to
+    // this block.
     const auto from_block = [](const Block& block) {
       Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
       frame.row(0) << 1, block.column, block.row;
@@ -298,7 +301,7 @@ class NodeEquations {
       normal = at_nodes.transpose() * normals_[block.normal] * at_nodes;
       right = at_nodes.transpose() * block.right - normal * expected;
       const double num_pixels = normal(0, 0);
-      // Regularization, since few pixels do not determine the steps.
+      // Regularized, since a few pixels do not determine the steps.
       normal.diagonal() += Eigen::Vector3d(kHold, 1e-2, 1e-2);
       const Affine found = expected + normal.ldlt().solve(right);
       for (int k = 0; k < 4; ++k) {
@@ -340,17 +343,18 @@ NodePositions FitLeastSquares(const CellSums& sums, const Blocks& blocks) {
   return NodeEquations<4>(sums, blocks).Solve();
 }
 
-// Moves vertices so that the largest error is least. The error of interpolation
-// is a parabola of some height in each direction where second derivatives are
-// constant. Least squares put its ends, the vertices, 2/3 of the height to one
-// side of the exact position; half of the height, 3/4 of that, makes the
-// largest error least. This holds for the parts between an edge's ends and its
-// middle too. Vertices beyond the image follow the last one in it.
+// Shifts vertices to minimize the maximum error. Where second derivatives are
+// constant, the error of interpolation along each direction is a parabola with
+// some height. Least squares shift its ends, the vertices, by 2/3 of the height
+// to one side of the exact position; the maximum error is minimal for half of
+// the height, 3/4 of that shift. This also holds for the two halves of an edge
+// between its ends and its midpoint. Vertices outside the image are shifted
+// like the last one inside.
 NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
   const std::vector<bool> needed = FindRequiredNodes(blocks);
-  // The correction that an output pixel needs; nothing without a source.
+  // The correction that an output pixel requires; nothing without a source.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
       return Eigen::RowVector2d(0, 0);

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// The maximum distance in pixels between a camera and the interpolation of two
-// others, over a lattice of its area.
+// The maximum error in pixels of interpolating between two cameras, compared to
+// a third one, over a grid of its area.
 double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
                   double weight, const CentralGeneric& truth) {
   constexpr int kSteps = 24;
@@ -26,7 +26,7 @@ double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
       const Eigen::Vector2d blend =
           (1 - weight) * lower.surface().Evaluate(pixel) +
           weight * upper.surface().Evaluate(pixel);
-      // Chart positions to pixels, by the surface there.
+      // Converts chart positions to pixels by the local Jacobian.
       const Eigen::Matrix2d inverse = slope.inverse();
       if (inverse.allFinite())
         worst = std::max(worst, (inverse * (blend - chart)).norm());

@@ -18,8 +18,8 @@
 namespace raygrid {
 namespace {
 
-// Why projection does not reach the guaranteed accuracy; nothing if it does.
-// Without an error the blob has no inverse grid.
+// The warning if projection does not reach the guaranteed accuracy; nothing if
+// it does. Without an error, the blob has no inverse grid.
 std::optional<std::string> WarnAboutProjection(
     const std::optional<ProjectionError>& error, bool has_mask) {
   if (!error)
@@ -58,9 +58,9 @@ void RequirePackable(const CameraModel& camera) {
         "the image exceeds {} px in width or height", RG_MAX_IMAGE_SIZE));
 }
 
-// Before tables are fitted, which takes time. A blob's other sections are
-// camera, grid, inverse grid and quality, and those that not every camera has:
-// a mask if the camera may not be regular everywhere.
+// Checked before tables are fitted, which takes time. A blob's other sections
+// are camera, grid, inverse grid and quality, and optional ones, such as a mask
+// if the camera may not be regular everywhere.
 void RequireFewTables(const CameraFile& file, const PackOptions& options) {
   const bool has_modes =
       std::any_of(options.remaps.begin(), options.remaps.end(),
@@ -85,7 +85,7 @@ void ThrowIfStopped(const PackOptions& options) {
                 "with raygrid pack");
 }
 
-// The part of the image that is calibrated, and trusted if there is a mask.
+// The fraction of the image that is calibrated and, if there is a mask, valid.
 double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
   ValidityMask mask =
       valid_region ? *valid_region : ValidityMask::Over(camera.image_size());
@@ -94,8 +94,8 @@ double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
                                                          camera.area());
 }
 
-// How well a camera is known, as far as it is valid. A camera that is trusted
-// nowhere stays so.
+// The uncertainty of a camera, restricted to the valid region. A camera without
+// a valid region remains so.
 std::optional<CameraUncertainty> UncertaintyWithin(
     const std::optional<CameraUncertainty>& known, const ValidityMask* valid) {
   if (!valid || (known && !known->mask.HasValidCells())) return known;
@@ -105,8 +105,8 @@ std::optional<CameraUncertainty> UncertaintyWithin(
   return within;
 }
 
-// A remark on what a blob leaves out of the image, and why; nothing if it is
-// nothing.
+// A warning about the part of the image that a blob excludes, with the reason;
+// nothing if it excludes none.
 std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
                                                  const GridsToPack& made,
                                                  double left_out_part,
@@ -129,8 +129,8 @@ std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
       100 * left_out_part, why);
 }
 
-// Packs a camera over several conditions: boards have a stack over one, which
-// is the first.
+// Packs a camera calibrated over several conditions. The operating-point model
+// of a blob varies with one condition only, the first one.
 PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   CameraFile along = file;
   along.stack = SliceOperatingPointModel(*file.stack, 0);
@@ -145,7 +145,7 @@ PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
   return packed;
 }
 
-// Sections from the camera's file; contents point to them.
+// The sections with data of the camera file; contents point to them.
 class FileSections {
  public:
   void AddTo(const CameraFile& file, const NonCentralGeneric* lines,
@@ -179,7 +179,7 @@ class FileSections {
   rg_row_time_section line_delay_;
 };
 
-// The section of the operating-point stack; contents point to it.
+// The section of the operating-point model; contents point to it.
 class OperatingPointSectionWriter {
  public:
   void AddTo(const OperatingPointSamples& stack, const GridPoints& points,
@@ -205,14 +205,15 @@ class OperatingPointSectionWriter {
   rg_stack_contents section_ = {};
 };
 
-// Packs a camera with the stack that the options have, if any.
+// Packs a camera with the operating-point model given in the options, if any.
 PackedCamera PackWithOperatingPoints(const CameraFile& file,
                                      const PackOptions& options) {
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
   RequireFewTables(file, options);
-  // The central part of a camera of lines, which sees far scenes.
+  // The central part of a non-central camera, which is exact for distant
+  // scenes.
   const std::optional<CentralGeneric> far =
       lines ? std::optional(CentralPart(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
@@ -230,7 +231,7 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
       IsBlobGrid(central)
           ? nullptr
           : std::make_shared<RegularRegion>(central, num_threads);
-  // The part of the camera that tables show.
+  // The part of the camera that remap tables use.
   const std::unique_ptr<CameraModel> shown =
       region && !region->IsWhole() && !region->IsEmpty()
           ? std::make_unique<RegularCamera>(central, region)
@@ -266,7 +267,7 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
           task, grids->made, packed.left_out_part,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
     packed.warnings.push_back(*warning);
-  // To the pixels that look into a direction, also where those are of lines.
+  // Projects directions to pixels, also for non-central cameras.
   const InverseSections inverse(grids->Surfaces(), points, valid_region,
                                 num_threads, go_on, &contents);
   packed.projection = inverse.error();
@@ -295,7 +296,8 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
     return PackOverFirst(file, options);
   PackOptions with_stack = options;
   with_stack.stack = MakeModelSamples(file.stack->cameras);
-  // A blob has one statement of how well its cameras are known.
+  // A blob has a single uncertainty section, which must hold for all of its
+  // cameras.
   CameraFile known_everywhere = file;
   known_everywhere.uncertainty = ComputeMaxUncertainty(file);
   return PackWithOperatingPoints(known_everywhere, with_stack);

@@ -23,7 +23,8 @@ namespace {
 struct StereoBaseline {
   Eigen::Vector3d in_first, in_second;
   bool is_vertical = false;
-  // Along the axis in both images: 1 or -1; 0 if the images do not agree.
+  // The sign of the baseline along the axis, in both images: 1 or -1; 0 if the
+  // images do not agree.
   int direction = 0;
 };
 
@@ -39,7 +40,7 @@ StereoBaseline FindBaseline(const Pose& second_from_first) {
   return baseline;
 }
 
-// Axes of the views to those of the first camera.
+// The rotation from the views' axes to those of the first camera.
 Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
                               const Eigen::Vector3d& mean_z) {
   const Eigen::Vector3d along = baseline.in_first.normalized();

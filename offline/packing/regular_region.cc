@@ -14,25 +14,26 @@
 namespace raygrid {
 namespace {
 
-// Cells of the lattice along the longer side, of a pixel at least.
+// The maximum number of cells along the longer side; cells have at least one
+// pixel.
 constexpr int kMostCells = 400;
 // The tolerance for the projection of a pixel's ray.
 constexpr double kBackPx = 1e-5;
-// The minimum singular value of a Jacobian relative to a typical one, below
-// which the distortion is about to fold.
+// The minimum singular value of a Jacobian relative to a typical one; below it,
+// the distortion is about to fold.
 constexpr double kSingularPart = 0.02;
-// Rays of a pixel that is found again.
+// The tolerance between a pixel's rays to count as the same ray.
 constexpr double kSameRayRad = 1e-6;
 
 using RayJacobian = Eigen::Matrix<double, 2, 3>;
 
-// The determinant of a projection's Jacobian in the plane across the ray:
-// positive where the image is not mirrored.
+// The determinant of a projection's Jacobian in the plane orthogonal to the
+// ray: positive if the image is not mirrored.
 double Determinant(const RayJacobian& J_ray, const Eigen::Vector3d& ray) {
   return J_ray.row(0).cross(J_ray.row(1)).dot(ray);
 }
 
-// The smaller singular value.
+// The smaller singular value of the Jacobian.
 double ComputeMinScale(const RayJacobian& J_ray) {
   const Eigen::Matrix2d product = J_ray * J_ray.transpose();
   const double half = product.trace() / 2;
@@ -51,7 +52,7 @@ RegularRegion::Node FindNode(const CameraModel& camera, bool is_grid,
   if (!(chart.norm() <= kMaxChartRadius) ||
       !camera.Linearize(*ray, &pixel, 1, &projection) ||
       !projection.J_point.allFinite()) {
-    // A grid's fold projects nothing, but has rays.
+    // At a grid's fold, rays exist, but cannot be projected.
     node.is_regular = is_grid && chart.norm() <= kMaxChartRadius;
     node.ray = *ray;
     return node;
@@ -120,7 +121,8 @@ void RegularRegion::ExcludeSingularNodes() {
     if (!(ComputeMinScale(node.J_ray) >= least_scale_)) node.is_regular = false;
 }
 
-// The regular node nearest to the pixel on the z axis, otherwise to the centre.
+// The regular node nearest to the pixel on the optical axis, otherwise to the
+// centre.
 int RegularRegion::FirstNode(const CameraModel& camera) const {
   const Eigen::Vector2d place =
       camera.Project(Eigen::Vector3d(0, 0, 1)).value_or(camera_area_.center());
@@ -133,7 +135,7 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
   return nearest;
 }
 
-// Whether rays differ between nodes by far more than Jacobians predict.
+// Whether the rays of two nodes differ by far more than the Jacobians predict.
 bool RegularRegion::IsJump(int from, int to) const {
   constexpr double kFar = 4;
   const double least = std::min(ComputeMinScale(nodes_[from].J_ray),
@@ -243,7 +245,7 @@ bool RegularCamera::Shows(const Eigen::Vector2d& pixel,
   if (const auto ray = camera().Unproject(pixel))
     return (*ray - point.normalized()).norm() <= kSameRayRad &&
            region_->IsRegularRay(camera(), pixel, *ray);
-  // In the margin around the camera's area.
+  // Positions in the margin around the camera's area are accepted.
   LinearizedProjection projection;
   constexpr double kAnywherePx = 1e9;
   return !camera().area().Contains(pixel) &&

@@ -11,9 +11,9 @@
 namespace raygrid {
 namespace {
 
-constexpr double kPositionUnits = 4096;  // a board's positions are Q12
+constexpr double kPositionUnits = 4096;  // the runtime's positions are q12
 
-// The section as a board will read it.
+// Encodes the section as the runtime reads it.
 std::vector<uint32_t> EncodeSection(const RemapTable& table) {
   rg_remap_section section = table.section;
   section.empty_blocks = table.empty_blocks.data();
@@ -57,8 +57,9 @@ class TableErrors {
         part_(1 << blocks.layout.SmallestLog2()),
         num_part_rows_((map.height + part_ - 1) / part_) {}
 
-  // The maximum PixelError; nothing if it exceeds the limit. First evaluated by
-  // the map, then by the camera for candidates of the maximum.
+  // The maximum PixelError; nothing if it exceeds the limit. It is first
+  // evaluated from the source map, then from the camera for candidates of the
+  // maximum.
   std::optional<double> Worst(double limit_px) const {
     std::vector<double> worst(num_part_rows_, 0);
     std::atomic<bool> fails{false};
@@ -81,7 +82,7 @@ class TableErrors {
     return exact;
   }
 
-  // Whether a tile has an error beyond a limit, row by row.
+  // For each tile, row by row, whether an error exceeds the limit.
   std::vector<bool> Beyond(double limit_px) const {
     const int num_columns = (map_.width + part_ - 1) / part_;
     std::vector<uint8_t> is_beyond(
@@ -176,8 +177,7 @@ class TableErrors {
     return PixelError(map_.rectangle, source, 0, position);
   }
 
-  // The maximum error of a tile all of whose pixels have sources in the
-  // rectangle.
+  // The maximum error of a tile whose pixels all have sources in the rectangle.
   double ComputeMaxErrorOfTile(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
     using Integers = Eigen::Array<int32_t, kLanes, 1>;
@@ -226,8 +226,8 @@ class TableErrors {
   const int num_threads_, part_, num_part_rows_;
 };
 
-// The maximum error of a chroma component, by the map: a source is the mean of
-// those of the output pixels of a sample.
+// The maximum error of a chroma component, from the source map: the source of a
+// sample is the mean of those of its output pixels.
 double ComputeMaxErrorOfChroma(const SourceMap& map,
                                const std::vector<uint32_t>& words,
                                const rg_component& lattice, int num_threads) {
@@ -237,7 +237,7 @@ double ComputeMaxErrorOfChroma(const SourceMap& map,
   const int num_x = 1 << lattice.log2[0], num_y = 1 << lattice.log2[1];
   const Eigen::Vector2d half(lattice.half[0] / 2.0, lattice.half[1] / 2.0);
   const Eigen::Vector2d unit(num_x, num_y);
-  // The sample's position in the lattice, if it counts.
+  // The source of the chroma sample, if all of its pixels have one.
   const auto source = [&](int x, int y) -> std::optional<Eigen::Vector2d> {
     Eigen::Vector2d sum(0, 0);
     for (int j = y; j < y + num_y; ++j) {
@@ -336,7 +336,7 @@ double ComputeMinRemapError(const SourceMap& map, int part_log2) {
                     (at[0][1] + at[2][1] - at[1][0] - at[1][2]).norm() / 4});
     }
   }
-  // A row's step is rounded.
+  // Subtracts the effect of rounding a row's step.
   const double rounding_px = half / kPositionUnits + map.max_deviation_px;
   return worst - rounding_px;
 }

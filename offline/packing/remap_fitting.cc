@@ -21,11 +21,13 @@ namespace {
 
 constexpr double kQ12 = 4096;
 
-// Large tiles, which remap faster, before small ones; then few bytes.
+// Large tiles, which are faster to remap, before small ones; then small
+// sections.
 constexpr BlockLayout kLayouts[] = {{6, 5}, {5, 0}, {6, 4}, {5, 4}, {4, 0},
                                     {6, 3}, {5, 3}, {4, 3}, {3, 0}};
 
-// Blocks are the border's grain where pixels are not shown.
+// The maximum block size if pixels are hidden, since the border has the
+// resolution of blocks.
 constexpr int kMaxHidingLog2 = 4;
 
 void FillFields(const ImageSize& source, const SourceMap& map,
@@ -73,8 +75,8 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
               size.width, size.height, limit));
 }
 
-// The pixels of a camera's frames that are shown: those requested, within the
-// image circle. Nothing: all.
+// The pixels of a camera's frames that tables show: the requested ones within
+// the image circle. Nothing: all pixels.
 PixelFilter SelectCameraPixels(const CameraModel& camera,
                                const PixelFilter& asked) {
   if (!camera.image_circle()) return asked;
@@ -108,7 +110,7 @@ struct TableInput {
   std::function<void(SourceMap*)> hide;
 };
 
-// A table's input, and precomputed data independent of its blocks.
+// A table's input, and precomputed data that does not depend on its blocks.
 struct MappedInput {
   MappedInput(const TableInput& table, int num_threads)
       : input(table),
@@ -132,8 +134,8 @@ struct MappedInput {
   }
 };
 
-// Extrapolates nodes that a table lacks, where no block of it has a source,
-// from those of the nearest other table, by the affine map that best fits their
+// Extrapolates nodes that none of a table's used blocks determine, from those
+// of the nearest other table, by the affine map that best fits their
 // differences elsewhere.
 void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
                    size_t table, std::vector<NodePositions>* nodes) {
@@ -197,7 +199,7 @@ int ExcludeOutOfRangeBlocks(const NodePositions& nodes, double max_error_px,
   return num_left_out;
 }
 
-// Tables with blocks of a layout, if the format can represent them. Small
+// Fits tables with a block layout, if the format can represent them. Small
 // blocks that it cannot represent are excluded from own and all.
 std::optional<std::vector<RemapTable>> FitWithLayout(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
@@ -228,8 +230,8 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
   return tables;
 }
 
-// Measures a table in the blocks in which it has sources; false if its error
-// exceeds the limit.
+// Evaluates a table in the blocks in which it has sources; returns false if its
+// error exceeds the limit.
 bool MeasureTable(const MappedInput& input, const Blocks& own,
                   double max_error_px, double limit_px, int num_threads,
                   RemapTable* table) {
@@ -274,9 +276,10 @@ void ExcludeInaccurateBlocks(
       if (is_rough[k]) blocks.used[k] = false;
 }
 
-// Tables of the smallest blocks without the few that exceed the limit, as where
-// the distortion nearly folds, or leaves the image; nothing if they are more.
-// Each table is fitted again without them, since they affect their neighbours.
+// Tables of the smallest blocks, excluding the few that exceed the limit, for
+// example where the distortion almost folds, or at the image's edge; nothing if
+// there are many of them. Each table is fitted again without them, since they
+// affect their neighbours.
 std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     double max_error_px, const VirtualView& view, int num_threads,

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kVertexUnits = 4096;  // a pixel
+constexpr double kVertexUnits = 4096;  // per pixel
 
 // The affine map fitted to the vertices of used blocks: origin, column step,
 // row step.
@@ -47,7 +47,7 @@ int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   return static_cast<int16_t>(rounded);
 }
 
-// The place of a vertex by the section's affine map.
+// The position of a vertex according to the section's affine map.
 int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
   return axis == 0 ? s.origin_x_q12 + int64_t{column} * s.column_step_x_q12 +
                          int64_t{row} * s.row_step_x_q12
@@ -91,7 +91,7 @@ std::vector<double> ResidualsQ12(const Blocks& blocks,
         const double target = needed[k] ? vertices(k, c) * kVertexUnits
                                         : std::clamp(base[c], 0.0, 1.0);
         residuals_q12.push_back(std::clamp(target, -kLimit, kLimit) - base[c]);
-        // Unused ones are arbitrary within the limit.
+        // Residuals of unused vertices are arbitrary within the limit.
         *largest =
             std::max(*largest, needed[k] ? std::abs(residuals_q12.back())
                                          : std::abs(base[c]) - kLimit + 1);

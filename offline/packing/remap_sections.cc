@@ -88,7 +88,7 @@ double PercentOfPicture(const RemapTable& table) {
          (static_cast<double>(table.section.width) * table.section.height);
 }
 
-// An error says which of several tables it is of.
+// Errors name the table if there are several.
 std::vector<RemapTable> FitTables(
     const std::vector<const CameraModel*>& sources, const RemapRequest& request,
     const PackOptions& options, const ValidityMask* valid_region,

@@ -13,7 +13,7 @@ namespace raygrid {
 namespace {
 
 constexpr char kErased = '\xff';
-constexpr char kSlotMagic[] = "RGSLOTS";  // with its zero
+constexpr char kSlotMagic[] = "RGSLOTS";  // with the terminating zero
 
 std::vector<uint32_t> AlignedWords(const std::string& bytes) {
   std::vector<uint32_t> words((bytes.size() + 3) / 4);
@@ -21,7 +21,7 @@ std::vector<uint32_t> AlignedWords(const std::string& bytes) {
   return words;
 }
 
-// Whether a slot's header with a correct CRC is at an offset.
+// Whether a slot header with a correct CRC is located at an offset.
 bool HasHeaderAt(const std::string& bytes, size_t at) {
   if (bytes.compare(at, sizeof(kSlotMagic), kSlotMagic, sizeof(kSlotMagic)) !=
           0 ||
@@ -40,7 +40,7 @@ bool MayBeSlotAt(const std::string& bytes, size_t at) {
          begin == std::string(sizeof(kSlotMagic), kErased);
 }
 
-// Why the device's functions or the host reject a blob.
+// The reason why the runtime or the host rejects a blob.
 std::string CheckBlob(const std::string& blob) {
   const std::vector<uint32_t> words = AlignedWords(blob);
   const auto size = static_cast<uint32_t>(blob.size());
@@ -67,14 +67,14 @@ BlobSlot ReadSlot(const std::string& bytes) {
   return slot;
 }
 
-// The slot that a device would choose among those that meet a condition.
+// The slot that the runtime would select among those that meet a condition.
 template <typename Admits>
 std::optional<uint32_t> FindNewest(const std::array<BlobSlot, 2>& slots,
                                    Admits admits) {
   const bool first = admits(slots[0]), second = admits(slots[1]);
   if (!first && !second) return std::nullopt;
   if (!first || !second) return second ? 1 : 0;
-  constexpr uint32_t kHalfOfAll = 1u << 31;  // numbers wrap around
+  constexpr uint32_t kHalfOfAll = 1u << 31;  // sequence numbers wrap around
   const uint32_t ahead = slots[1].sequence - slots[0].sequence;
   return ahead != 0 && ahead < kHalfOfAll ? 1 : 0;
 }

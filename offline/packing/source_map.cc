@@ -9,10 +9,10 @@ namespace raygrid {
 namespace {
 
 constexpr int kCell = SourceMap::kCellSize;
-// The margin around the rectangle with sources, so that fits are not one-sided
-// at its edge.
+// The margin around the rectangle with sources, so that fits at its edge have
+// samples on both sides.
 constexpr double kMarginPx = 1.5;
-// The interpolation error above which the model is evaluated.
+// The interpolation error above which the camera model is evaluated.
 constexpr double kMaxDeviationPx = 2e-3;
 constexpr double kRoundingPx = 1.0 / SourceMap::kUnitsPerPx;  // at most
 
@@ -34,10 +34,11 @@ std::optional<Eigen::Vector2d> ComputeSource(const CameraModel& camera,
   return camera.Project(*direction, start, margin_px);
 }
 
-// The sources of the cells' corners and of two more rows and columns on each
-// side of the image, as far as they are in the rectangle, and of two points
-// around those. Computed by propagation from the centre, each point initialized
-// with its neighbour's source: a camera that folds sees some directions twice.
+// The sources of the cells' corners inside the rectangle, including two more
+// rows and columns on each side of the image, and of two points around those.
+// Computed by propagation from the centre, each point initialized with its
+// neighbour's source, since a camera that folds maps some directions to two
+// pixels.
 class Lattice {
  public:
   Lattice(const CameraModel& camera, const OutputImage& output,
@@ -77,7 +78,7 @@ class Lattice {
     Eigen::Vector2d source = Eigen::Vector2d(NAN, NAN);
     double deviation = NAN;
     bool is_tried = false;
-    bool is_seen = false;  // in the rectangle, or next to what is
+    bool is_seen = false;  // in the rectangle, or adjacent to such a point
   };
 
   int Index(int i, int j) const { return j * columns_ + i; }
@@ -129,8 +130,8 @@ class Lattice {
                          rectangle_.y0 + rectangle_.height() * j / kSteps});
   }
 
-  // Starts from the image's corners and midpoints, in case it is a small part
-  // of the rectangle.
+  // Starts from the output image's corners and midpoints, in case it shows only
+  // a small part of the rectangle.
   void StartFromImage() {
     for (int k = 0; k < 9; ++k) {
       const int index =
@@ -140,7 +141,7 @@ class Lattice {
     }
   }
 
-  // Calls visit(index) for the points around one.
+  // Calls visit(index) for the neighbours of a point.
   template <typename Visit>
   void ForEachNeighbor(int index, int distance, const Visit& visit) const {
     for (int j = -distance; j <= distance; ++j)
@@ -155,7 +156,7 @@ class Lattice {
       if (!from.allFinite()) continue;
       ForEachNeighbor(seen_[num_spread_], 1, [&](int index) {
         Try(index, &from);
-        // Nearer to the rectangle than the point that it was found from.
+        // Accepts points that approach the rectangle.
         const Eigen::Vector2d& source = points_[index].source;
         if (rectangle_.Contains(source, (source - from).norm()))
           MarkSeen(index);
@@ -173,7 +174,7 @@ class Lattice {
 
   // Estimates the interpolation error: for constant fourth derivatives, cubic
   // interpolation between points with a fourth difference d has an error of at
-  // most 3/128 d. 1/8 d is conservative for others, such as those of a spline.
+  // most 3/128 d. 1/8 d is conservative for other functions, such as splines.
   void FindDeviations() {
     const auto fourth_difference = [&](int index, int step) {
       const auto at = [&](int k) -> const Eigen::Vector2d& {
@@ -196,7 +197,7 @@ class Lattice {
   const int columns_, rows_;
   std::vector<Point> points_;
   std::vector<int> seen_;
-  size_t num_spread_ = 0;  // of seen_
+  size_t num_spread_ = 0;  // number of processed elements of seen_
 };
 
 // The maximum interpolation error in a cell; infinite where it cannot be
@@ -217,8 +218,8 @@ double CellDeviation(const Lattice& lattice, int column, int row) {
   return worst >= 0 && worst <= kMaxDeviationPx ? worst : INFINITY;
 }
 
-// The weights of four values a cell apart for those between the inner two:
-// cubic interpolation.
+// The weights of four values at consecutive corners for the positions between
+// the inner two: cubic interpolation.
 using Interpolation = Eigen::Matrix<double, kCell, 4>;
 Interpolation MakeInterpolation() {
   Interpolation weights;
@@ -231,8 +232,7 @@ Interpolation MakeInterpolation() {
   return weights;
 }
 
-// The sources of a cell's pixels, by coordinate and row; NaN where there is
-// none.
+// The sources of a cell's pixels, by coordinate and row; NaN without a source.
 struct CellSources {
   using Plane = Eigen::Matrix<double, kCell, kCell, Eigen::RowMajor>;
   Plane planes[2];
@@ -270,7 +270,8 @@ CellSources InterpolateCell(const Lattice& lattice, int column, int row) {
   return sources;
 }
 
-// The initial value is the previous result, or the cell's corner.
+// Each projection is initialized with the previous result, or with the cell's
+// corner.
 CellSources ProjectCell(const CameraModel& camera, const OutputImage& output,
                         int column, int row, const Eigen::Vector2d& corner) {
   CellSources sources;
@@ -288,7 +289,7 @@ CellSources ProjectCell(const CameraModel& camera, const OutputImage& output,
   return sources;
 }
 
-// Rounded, if it is not negative.
+// Rounds non-negative values.
 int32_t ToUnits(double value_px) {
   return static_cast<int32_t>(value_px * SourceMap::kUnitsPerPx + 0.5);
 }
@@ -337,14 +338,15 @@ void StoreCell(int column, int row, const CellSources& sources,
   }
 }
 
-// Finds the cells that are cut off.
+// Finds the cells where the image is cut off by the camera's area, not by the
+// rectangle.
 class CutOffSearch {
  public:
   CutOffSearch(const CameraModel& camera, const OutputImage& output,
                SourceMap* map)
       : camera_(camera), output_(output), map_(*map) {}
 
-  // Marks those of a row of pixels.
+  // Marks the cells of a row of pixels.
   void MarkRow(int y) const {
     for (int x = 0; x < map_.width; ++x) {
       if (map_.IsKnown(x, y) || !IsCutOff(x, y)) continue;
@@ -367,8 +369,8 @@ class CutOffSearch {
     return false;
   }
 
-  // Whether a pixel would be visible in the rectangle, like its neighbour, if
-  // the camera were defined there.
+  // Whether a pixel would be in the rectangle, like its neighbour, if the
+  // camera were defined there.
   bool IsCutOffFrom(int x, int y, int dx, int dy) const {
     const Eigen::Vector2d beside = map_.At(x + dx, y + dy);
     const int far_x = x + 2 * dx, far_y = y + 2 * dy;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kMaxMeasuredPixels = 1.6e7;
 
-// The number of pixels per radian where rays change fastest, across the centre
-// of the area; fisheyes are uniform within their image circle.
+// The minimum number of pixels per radian along a horizontal line through the
+// area's centre; that of fisheyes is uniform within their image circle.
 double ComputeMinPixelsPerRadian(const CameraModel& camera) {
   constexpr int kSteps = 16;
   const Area& area = camera.area();

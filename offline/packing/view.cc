@@ -12,8 +12,8 @@
 namespace raygrid {
 namespace {
 
-// The angle from the middle at which an axis of the plane shows something, or
-// at which the projection ends before that.
+// The angle from the optical axis of a point on an axis of the image plane,
+// clamped to the domain of the projection.
 double AngleOfAxis(ViewProjection projection, int axis, double coordinate) {
   switch (projection) {
     case ViewProjection::kPinhole:
@@ -78,7 +78,7 @@ Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg) {
 Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view) {
   const Eigen::Matrix3d& r = camera_from_view;
   const double across = std::hypot(r(0, 2), r(2, 2));
-  // Straight up or down, yaw and roll are the same: all is roll.
+  // For a vertical optical axis, yaw and roll are redundant: yaw is set to 0.
   const bool is_vertical = across < 1e-12;
   const double yaw = is_vertical ? 0 : std::atan2(r(0, 2), r(2, 2));
   const double roll = is_vertical ? std::atan2(-r(0, 1), r(0, 0))

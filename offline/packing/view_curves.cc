@@ -6,8 +6,8 @@
 namespace raygrid {
 namespace {
 
-// Collects points as curves, which end where there is no point, or where the
-// distance to the previous one indicates the opposite side of the image.
+// Splits points into curves, which end at missing points, or if the distance to
+// the previous point indicates the opposite side of the image.
 class CurveCollector {
  public:
   explicit CurveCollector(const ImageSize& size)
@@ -34,8 +34,8 @@ class CurveCollector {
   std::vector<PixelCurve> curves_;
 };
 
-// A pixel of the view, if it is not far outside the image, where pinholes are
-// numerically useless.
+// Projects a ray to the view, if the pixel is not far outside the image, where
+// pinhole projections are numerically useless.
 std::optional<Eigen::Vector2d> PixelNearImage(const VirtualView& view,
                                               const Eigen::Vector3d& ray) {
   const auto pixel = view.Pixel(ray);
@@ -56,18 +56,18 @@ void AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
   curves->push_back(std::move(curve));
 }
 
-// Steps around the cube, from a corner on, that are small against what a view
-// sees; the other corners are among them.
+// The number of steps around the cube, starting at a corner, such that steps
+// are small compared to the view's field, and the other corners are among them.
 int StepsAroundCube(const VirtualView& view) {
-  constexpr int kLeast = 180, kMost = 1000;  // of an eighth
+  constexpr int kLeast = 180, kMost = 1000;  // for an eighth
   const double seen_deg =
       std::max(view.HorizontalFieldOfViewDeg(), view.VerticalFieldOfViewDeg());
   const double enough = 64 * 45 / std::max(seen_deg, 1e-3);
   return 8 * static_cast<int>(std::clamp<double>(enough, kLeast, kMost));
 }
 
-// A point of the square in which the plane at an offset along an axis cuts the
-// cube.
+// A point of the square in which a plane orthogonal to an axis, at an offset,
+// intersects the cube.
 Eigen::Vector3d PointOfLoop(int axis, double offset, double angle_rad) {
   Eigen::Vector3d point;
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
@@ -160,7 +160,7 @@ std::vector<PixelCurve> ProjectCurves(const CameraModel& camera,
 
 std::vector<PixelCurve> ComputeViewEdge(const CameraModel& camera,
                                         const VirtualView& view) {
-  // Just inside, as edges of projections show nothing.
+  // Slightly inside the view, since projections are undefined on its edge.
   constexpr double kInsetPx = 1e-3;
   std::vector<PixelCurve> seen;
   const double x1 = view.size.width - 0.5 - kInsetPx;

@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-// The maximum field of view of projections along x and y, degrees. Projections
-// with unbounded stretch would otherwise leave little room for the centre.
+// The maximum field of view of projections along x and y, in degrees. For
+// projections with unbounded stretch, a larger one would compress the centre.
 Eigen::Vector2d GetMaxFieldDeg(ViewProjection projection) {
   switch (projection) {
     case ViewProjection::kPinhole:
@@ -32,14 +32,15 @@ Eigen::Vector2d GetMaxFieldDeg(ViewProjection projection) {
   return {360, 360};
 }
 
-// Blobs hold centres in q16.
+// Blobs store principal points in q16.
 constexpr double kMaxCenterPx = 32767;
 
 [[noreturn]] void ThrowUsage(const std::string& what) {
   throw Error(ExitCode::kUsage, what);
 }
 
-// A view of focal length 1 around (0, 0), whose pixels are points of the plane.
+// A view of focal length 1 with principal point (0, 0): its pixels are points
+// of the image plane.
 VirtualView Plane(const ViewRequest& request) {
   VirtualView plane;
   plane.projection = request.projection.value_or(ViewProjection::kPinhole);
@@ -49,8 +50,8 @@ VirtualView Plane(const ViewRequest& request) {
   return plane;
 }
 
-// Pixels per radian at the view's principal point, or otherwise at the
-// camera's, or at the centre of its area.
+// The number of pixels per radian at the view's principal point, otherwise at
+// the camera's, or at the centre of its area.
 double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   LinearizedProjection projection;
   const auto ray = camera.Unproject(camera.area().center());
@@ -68,7 +69,7 @@ double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   return camera.image_size().width;
 }
 
-// The focal length at which an axis of an image has a field of view.
+// The focal length that yields a field of view along an axis of an image.
 double SolveFocalLength(ViewProjection projection, int axis, double field_deg,
                         double center_px, int pixels) {
   const double from_center = center_px - (pixels - 1) / 2.0;
@@ -126,7 +127,8 @@ VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
   return result;
 }
 
-// A view about a centre with the requested focal lengths; 0 if none is.
+// A view about a principal point with the requested focal lengths; they are 0
+// if none is requested.
 VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
                        const ImageSize& size) {
   VirtualView view = plane;
@@ -150,7 +152,7 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
   return view;
 }
 
-// Such a view, with the camera's resolution if no focal length is given.
+// The same, with the camera's resolution if no focal length is requested.
 VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
                         const ViewRequest& request, const ImageSize& size) {
   VirtualView view = ViewAround(plane, request, size);
@@ -251,7 +253,8 @@ VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
       camera.Unproject(mode.ToCalibrated(WholeImage(mode.size).center()));
   if (!calibrated_middle || !midpoint) return view;
   const Eigen::Vector2d center_px = view.center_px;
-  // A field of view around another centre has another focal length.
+  // Iterates, since moving the principal point changes the focal length for a
+  // given field of view.
   constexpr int kTurns = 5;
   ViewRequest moved = request;
   for (int turn = 0; turn < kTurns; ++turn) {

@@ -17,7 +17,7 @@ namespace {
 std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
                                           const OutputImage& output,
                                           int num_threads) {
-  // A pixel at the image's edge may come out a little beyond it.
+  // The tolerance for a source at the image's edge, due to rounding.
   constexpr double kEdgeRoundingPx = 1e-6;
   num_threads = NumThreads(num_threads);
   const SourceMap map = MakeSourceMap(camera, output, num_threads);

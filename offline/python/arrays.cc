@@ -15,8 +15,8 @@ std::string FormatShape(const py::array& array) {
   return fmt::format("({}{})", text, array.ndim() == 1 ? "," : "");
 }
 
-// Whether all are finite; a difference from itself is then 0. Four sums at a
-// time, which do not wait for each other.
+// Whether all values are finite: the difference of a value from itself is then
+// 0. Four independent sums allow parallel execution.
 bool AreFinite(const double* begin, const double* end) {
   double sums[4] = {};
   for (; end - begin >= 4; begin += 4)

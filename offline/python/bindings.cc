@@ -38,10 +38,10 @@ Eigen::Matrix4d MatrixOfPose(const Pose& pose) {
 
 namespace {
 
-// Lives as long as Python does.
+// Never released: lives as long as the interpreter.
 PyObject* error_type = nullptr;
 
-// Errors have the line and the exit code of the commands.
+// Raises an exception with the message and the exit code of the commands.
 void RaiseError(const Error& error) {
   const py::object raised =
       py::reinterpret_borrow<py::object>(error_type)(Printable(error.what()));
@@ -71,8 +71,8 @@ void BindErrors(py::module_* module) {
 
 PYBIND11_MODULE(_raygrid, module) {
   namespace py = pybind11;
-  // Eigen cuts sums by the processor's caches; results are those of the
-  // commands only if they are cut alike.
+  // Eigen chooses the order of summation by cache sizes; these sizes make
+  // results identical to those of the commands.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   py::options options;
   options.disable_function_signatures();

@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- Measuring -------------------------------------------------------------
+// ---- Feature detection -----------------------------------------------------
 
-// The features of a camera, and the images that they were measured in.
+// The features of a camera, and the images in which they were detected.
 struct MeasuredCamera {
   Dataset dataset;
   std::vector<std::string> paths;
@@ -36,8 +36,8 @@ std::vector<RejectedImage> Listed(const std::vector<SkippedImage>& images) {
   return list;
 }
 
-// Images that show the same as others leave: a copy would be predicted by a
-// camera that was calibrated with it.
+// Removes near-duplicate images: cross-validation would otherwise evaluate an
+// image on a camera calibrated from its copy.
 void ExcludeCopies(MeasuredCamera* camera) {
   Dataset& dataset = camera->dataset;
   const auto repeated = RepeatedImages(dataset);
@@ -71,7 +71,7 @@ MeasuredCamera MeasureImages(const GivenCamera& given, const Pattern& pattern,
   return camera;
 }
 
-// The arguments of calibrate() besides images and pattern.
+// The arguments of calibrate() other than images and pattern.
 struct Wishes {
   CalibrationOptions options;
   std::string name, serial;
@@ -109,7 +109,8 @@ MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
   return camera;
 }
 
-// A way to measure images again; empty for features alone.
+// The callback that refines features with the current model; empty if only
+// features are given.
 RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
                                       const Wishes& wishes, const Task* task) {
   if (camera.paths.empty() || wishes.measures_once) return nullptr;
@@ -126,7 +127,7 @@ RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
   };
 }
 
-// ---- Calibrating -----------------------------------------------------------
+// ---- Calibration -----------------------------------------------------------
 
 constexpr double kDetectionPart = 0.2;
 
@@ -187,7 +188,7 @@ void ParseImageCircleArgument(const py::object& given, Wishes* wishes) {
   wishes->circle->radii_px.setConstant(numbers[0][2]);
 }
 
-// Former names of arguments stay valid for one minor version.
+// Former names of arguments, which remain valid for one minor version.
 class FormerNames {
  public:
   explicit FormerNames(const py::kwargs& given) : given_(given) {}
@@ -199,7 +200,7 @@ class FormerNames {
     ++num_taken_;
   }
 
-  // Throws TypeError for names that no argument ever had.
+  // Throws TypeError for unknown argument names.
   void RequireAllTaken() const {
     if (num_taken_ != given_.size())
       throw py::type_error(

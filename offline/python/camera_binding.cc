@@ -77,7 +77,7 @@ py::dict GetUncertaintyMetrics(const PyCamera& self) {
 
 // ---- Files -----------------------------------------------------------------
 
-// Warns of whatever another program's file says that is not taken.
+// Reads another program's file; warns about contents that are not imported.
 CameraFile ParseForeign(const std::string& path, const std::string& text,
                         const Format& format) {
   RequireCameraFormat(format, path);
@@ -130,7 +130,8 @@ py::list AllRanges(const PyCamera& self) {
   return all;
 }
 
-// The values of the ranges, of which those without a name are of the only one.
+// The values for the ranges; `value` without a name applies if there is only
+// one range.
 FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
                                    std::optional<double> value,
                                    std::optional<double> lens_position,
@@ -205,7 +206,7 @@ void RequireNumber(const std::optional<double>& number, const char* name) {
     throw py::value_error(fmt::format("{}: expected a finite number", name));
 }
 
-// In the frame that views are made in.
+// The camera, rotated to the frame in which views are defined.
 std::shared_ptr<const CameraModel> Upright(const PyCamera& self) {
   std::shared_ptr<const CameraModel> camera = self.file.camera;
   AlignToCameraFrame(&camera);
@@ -282,7 +283,8 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
   PackedCamera packed;
   RunInBackground(py::none(), [&](Task* task) {
     CameraFile file = self.file;
-    // Its other cameras would have to turn, too.
+    // The cameras of the other operating points would have to be rotated as
+    // well.
     if (AlignToCameraFrame(&file.camera)) file.stack.reset();
     PackOptions options;
     for (const VirtualView& view : views) options.remaps.emplace_back(view);

@@ -11,10 +11,11 @@
 namespace raygrid {
 namespace {
 
-// Calls of one thread; fewer are not worth a thread.
+// The number of points per task; smaller tasks do not justify a thread.
 constexpr size_t kCallsPerPart = 4096;
 
-// body(first, end) for parts of [0, count), without Python's lock.
+// Calls body(first, end) for parts of [0, count) in parallel, without holding
+// the GIL.
 template <typename Body>
 void ParallelForRanges(size_t count, int num_threads, const Body& body) {
   const py::gil_scoped_release released;
@@ -33,8 +34,9 @@ void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
 
 // ---- Points ----------------------------------------------------------------
 
-// A point with the same image, the square of which is a number: to a central
-// camera a point's distance does not matter, to others not beyond 2^100 m.
+// Scales a point, without changing its image, such that its squared norm
+// neither overflows nor underflows: for a central camera, the distance is
+// irrelevant; for others, it is beyond 2^100 m.
 Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
                          int* shift) {
   constexpr int kFarAway = 100, kHuge = 300;
@@ -49,7 +51,8 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
   return point.unaryExpr([shift](double x) { return std::ldexp(x, *shift); });
 }
 
-// The pixel of a point, and its derivatives if by_point is not null; NaN.
+// The pixel of a point, and the Jacobian unless by_point is null; NaN if the
+// point does not project.
 void ProjectPoint(const CameraModel& camera, bool is_central,
                   const double* given, double* pixel, double* by_point) {
   int shift = 0;
@@ -76,7 +79,7 @@ void ProjectPoint(const CameraModel& camera, bool is_central,
 
 // ---- Pixels ----------------------------------------------------------------
 
-// Two directions across a unit vector.
+// Two orthonormal directions perpendicular to a unit vector.
 Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 3, 2> across;
   across.col(0) = direction.unitOrthogonal();
@@ -84,7 +87,8 @@ Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
   return across;
 }
 
-// d pixel / d movement across the line of a point on it.
+// d pixel / d displacement, for a point on the line displaced perpendicularly
+// to it.
 Eigen::Matrix2d ByMovement(const CameraModel& camera,
                            const ObservationLine& line,
                            const Eigen::Matrix<double, 3, 2>& across,
@@ -97,10 +101,11 @@ Eigen::Matrix2d ByMovement(const CameraModel& camera,
   return found.J_point * across;
 }
 
-// d direction / d pixel. A pixel sees all points of its line, however the pixel
-// moves: of central cameras the movement across the line at a distance of 1 is
-// that of the direction. Lines of others move as a whole, too, by what they do
-// at a distance of 0, which is found from those of 1 and 2.
+// d direction / d pixel. A pixel's change moves all points of its line: the
+// displacement at a distance of 1 is, for central cameras, that of the
+// direction. The lines of other cameras are also translated, by the
+// displacement at a distance of 0; the change of direction is then the
+// difference of the displacements at distances of 2 and 1.
 Eigen::Matrix<double, 3, 2> DirectionByPixel(const CameraModel& camera,
                                              bool is_central,
                                              const ObservationLine& line,
@@ -122,7 +127,7 @@ void UnprojectPixel(const CameraModel& camera, const double* given,
     Put<3>({NAN, NAN, NAN}, direction);
 }
 
-// The derivatives at a pixel that looks along a direction; NaN without one.
+// The Jacobian of the direction at a pixel; NaN without a direction.
 void DeriveDirection(const CameraModel& camera, bool is_central,
                      const double* given, const double* direction,
                      double* by_pixel) {

@@ -82,8 +82,8 @@ py::array GetIntegers(const PyDetection& detection, int Feature::*member) {
   return integers;
 }
 
-// An array as the bytes of an image file, which has the same grey levels then
-// as any other file.
+// Converts an array to the bytes of an image file, so that grey levels are
+// computed as for any other file.
 std::string PortableMap(const py::array& image) {
   const bool has_colour = image.ndim() == 3;
   const auto bits = 8 * image.itemsize();
@@ -102,11 +102,11 @@ std::string PortableMap(const py::array& image) {
   bytes.append(data, static_cast<size_t>(plain.nbytes()));
   char* const samples = &bytes[start];
   const size_t count = static_cast<size_t>(plain.size());
-  if (bits == 16)  // the most significant byte comes first there
+  if (bits == 16)  // PGM and PPM are big-endian
     for (size_t k = 0; k < count; ++k)
       std::swap(samples[2 * k], samples[2 * k + 1]);
   const size_t width = static_cast<size_t>(image.itemsize());
-  if (has_colour)  // red comes first there
+  if (has_colour)  // PPM has RGB order
     for (size_t k = 0; k < count; k += 3)
       std::swap_ranges(samples + k * width, samples + (k + 1) * width,
                        samples + (k + 2) * width);
@@ -173,7 +173,7 @@ PyDetection Detect(const py::object& image, const py::object& pattern,
   return detection;
 }
 
-// ---- Cameras that Python gave ----------------------------------------------
+// ---- Cameras passed from Python --------------------------------------------
 
 bool IsPath(const py::handle& given) {
   return py::isinstance<py::str>(given) || py::isinstance<py::bytes>(given) ||

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A camera of a file with its pose, for Python to make a Rig of.
+// A camera of a file with its name and pose, from which Python creates a Rig.
 using NamedCamera = std::tuple<std::string, PyCamera, std::optional<Pose>>;
 
 py::tuple ToPython(const NamedCamera& camera) {
@@ -55,8 +55,8 @@ ExchangeContents ReadOne(const std::string& path, const Format* format,
   return contents;
 }
 
-// All files together; cameras are named after them where nothing else names all
-// of them.
+// Reads all files; cameras are named after the files unless every camera has a
+// name in its file.
 ExchangeContents ReadAll(const std::vector<std::string>& paths,
                          const Format* format, const std::string& model,
                          const std::optional<ImageSize>& size) {
@@ -153,7 +153,7 @@ py::object ComputeFitMetrics(const WrittenLens& lens) {
   return std::move(metrics);
 }
 
-// Cameras are (name, camera, camera_from_rig or None).
+// Exports cameras given as tuples (name, camera, camera_from_rig or None).
 py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
                 const std::string& to, const std::string& model,
                 const std::optional<double>& max_fit_error) {

@@ -17,7 +17,7 @@ size_t PyCalibration::IndexOf(const std::string& name) const {
 
 namespace {
 
-// ---- Figures ---------------------------------------------------------------
+// ---- Metrics ---------------------------------------------------------------
 
 py::tuple Residuals(const std::vector<FeatureResidual>& residuals) {
   const auto count = static_cast<py::ssize_t>(residuals.size());
@@ -63,7 +63,7 @@ py::dict CameraFromRig(const PyCalibration& self) {
   return poses;
 }
 
-// ---- The result's folder ---------------------------------------------------
+// ---- Result folder ---------------------------------------------------------
 
 ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   ResultExtras extras;
@@ -80,7 +80,8 @@ ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   return extras;
 }
 
-// The folder has all files of the result in the end, or those it had before.
+// Writes the folder atomically: it contains either all files of the result, or
+// its previous files.
 void SaveResult(const PyCalibration& self, const py::object& path) {
   const std::string folder = PathOf(path);
   RunInBackground(py::none(), [&](Task* task) {

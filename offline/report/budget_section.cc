@@ -11,12 +11,12 @@
 namespace raygrid {
 namespace {
 
-// A cause in the bar and in the table.
+// A component of the residual budget, in the bar and in the table.
 struct BudgetPart {
   std::string name, meaning;
   double part = 0;
-  const CauseShare* share = nullptr;  // none: chance has no share in it
-  const char* color = "";             // Okabe and Ito
+  const CauseShare* share = nullptr;  // nullptr for chance, which has no share
+  const char* color = "";             // of the Okabe-Ito palette
 };
 
 const char* DescribeCause(ErrorCause cause) {

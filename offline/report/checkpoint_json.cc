@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 4;
 
-// A checksum over the inputs and contents of the checkpoint, both of which
+// A checksum over the checkpoint's inputs and contents, which together
 // determine the result.
 std::string Checksum(const std::string& inputs, const std::string& cameras) {
   ContentHash hash;
@@ -27,8 +27,8 @@ std::string Checksum(const std::string& inputs, const std::string& cameras) {
 constexpr char kBegin[] = "{\"raygrid_resume\":";
 constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 
-// The text of a checkpoint's cameras, after checking that it has these inputs:
-// nothing is parsed that was not written here, whatever its size.
+// The text of a checkpoint's cameras, after verifying its inputs and checksum:
+// only files written by this program are parsed.
 std::string FormatCameras(const std::string& text, const std::string& inputs) {
   constexpr size_t kLongestHead = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0
@@ -154,7 +154,7 @@ std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                      {"inputs", inputs},
                      {"checksum", Checksum(inputs, text)}};
   std::string all = head.dump();
-  all.pop_back();  // the brace
+  all.pop_back();  // the closing brace
   return all + kCameras + text + kEnd;
 }
 

@@ -33,13 +33,13 @@ double TextWidth(const std::string& text, cairo_t* cr) {
   return extents.x_advance;
 }
 
-// Removes the last character of a text of UTF-8.
+// Removes the last character of a UTF-8 text.
 void DropLastCharacter(std::string* text) {
   while (!text->empty() && (text->back() & 0xc0) == 0x80) text->pop_back();
   if (!text->empty()) text->pop_back();
 }
 
-// Draws a line, in smaller letters if it is too long, and truncated if
+// Draws a line of text, with a smaller font if it is too long, and truncated if
 // necessary.
 void DrawLine(std::string text, double x, double baseline, double width,
               double size, cairo_t* cr) {
@@ -86,7 +86,7 @@ struct Box {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-// A picture's size in a column: height is limited to the column width.
+// A picture's size in a column: the height is limited to the column's width.
 Box SizeInColumn(const Image& picture, int column_width) {
   const double width = picture.size.width, height = picture.size.height;
   Box box;
@@ -99,7 +99,7 @@ Box SizeInColumn(const Image& picture, int column_width) {
   return box;
 }
 
-// The picture in the size of a box, as cairo wants it.
+// The picture, resized to a box, in cairo's pixel format.
 cv::Mat Resized(const Image& picture, const Box& box) {
   const cv::Mat whole(picture.size.height, picture.size.width,
                       CV_8UC(picture.channels),
@@ -199,7 +199,7 @@ void DrawTile(const SheetTile& tile, double x, double y, double caption_height,
 
 // ---- The sheet -------------------------------------------------------------
 
-// Tiles beside each other.
+// A row of tiles.
 struct Line {
   std::vector<const SheetTile*> tiles;
   double caption_height = 0, height = 0;

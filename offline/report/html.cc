@@ -118,7 +118,7 @@ std::string PageStart(const std::string& heading, const std::string& title) {
 }
 
 std::string PageEnd(const std::string& data_json, bool has_trial) {
-  std::string safe;  // no tag ends the script
+  std::string safe;  // escaped such that no tag ends the script
   for (const char c : data_json)
     safe += c == '<' ? "\\u003c" : std::string(1, c);
   return "<script id=\"data\" type=\"application/json\">" + safe +

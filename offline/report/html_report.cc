@@ -141,7 +141,7 @@ void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
     rows->push_back({"camera.raygrid", EscapeHtml(warning)});
 }
 
-// The predicted uncertainty in one sentence, and as shares of the image.
+// The predicted uncertainty in one sentence, and as fractions of the image.
 std::string MakeUncertaintySection(const CalibrationResult& result) {
   const auto& uncertainty = result.camera.uncertainty;
   if (!uncertainty || !uncertainty->HasDeviations()) return "";
@@ -208,7 +208,8 @@ std::map<std::string, std::vector<double>> NormsByImage(
   return norms;
 }
 
-// The table equivalent of the bars, without the script and in print.
+// A table with the data of the bars, for browsers without scripts and for
+// print.
 std::string MakeImageTable(const CalibrationResult& result) {
   auto training = NormsByImage(result.training);
   auto held_out = NormsByImage(result.held_out);
@@ -306,7 +307,7 @@ std::string MakeTrialFigure(const char* caption, const char* id) {
       caption, id);
 }
 
-// Filled by the script page/trial.js, and shown when the runtime is loaded.
+// Filled by the script page/trial.js, and displayed once the runtime is loaded.
 std::string MakeTrialSection(const std::string& blob) {
   return "<div id=\"trial\" hidden data-blob=\"" + Base64(blob) +
          "\">\n<h2>Undistort an image</h2>\n<p>Drop an image of this camera "

@@ -22,14 +22,14 @@ std::string WordsOf(OperatingParameter condition) {
                                                         : "temperature";
 }
 
-// A line of a chart: one value for each of the changes.
+// A line of a chart, with one value per operating point.
 struct FormatOperatingPointLine {
   std::string name;
-  const char* color;  // Okabe and Ito
+  const char* color;  // of the Okabe-Ito palette
   std::vector<double> values;
 };
 
-// A chart as SVG that shows without a script, over the changes' values.
+// A static SVG chart over the operating points.
 std::string LineChart(const std::string& title,
                       const std::vector<OperatingPointChange>& changes,
                       const std::vector<FormatOperatingPointLine>& lines) {
@@ -114,7 +114,8 @@ std::string TableOf(const OperatingPointCalibration& stack,
 
 // ---- Maps ------------------------------------------------------------------
 
-// A round number above nearly all values; a single corner may exceed it.
+// A round number above nearly all values; values in single corners may exceed
+// it.
 double FullScale(std::vector<double> values) {
   constexpr double kPart = 0.98;
   values.erase(std::remove_if(values.begin(), values.end(),
@@ -128,8 +129,8 @@ ColorBar MakeBar(const std::string& label, double full_scale_px) {
           fmt::format("{:g} px +", full_scale_px)};
 }
 
-// The distortion by position at both ends of the range, relative to the middle,
-// and its uncertainty.
+// The change of distortion by position at both ends of the range, relative to
+// the centre of the range, and its uncertainty.
 std::string MapsOf(const OperatingPointCalibration& stack) {
   constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
   const OperatingPointModel& cameras = stack.cameras;
@@ -184,9 +185,9 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
   return html;
 }
 
-// Charts, table and maps of a model with one condition.
+// Charts, table and maps of an operating-point model with one condition.
 std::string FormatChanges(const OperatingPointCalibration& stack) {
-  constexpr int kNumValues = 13;  // odd: the middle is one of them
+  constexpr int kNumValues = 13;  // odd, to include the centre of the range
   const std::vector<OperatingPointChange> changes =
       MeasureOperatingPointChanges(stack.cameras, kNumValues);
   const OperatingParameter condition = stack.cameras.ranges()[0].condition;

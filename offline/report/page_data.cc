@@ -16,7 +16,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Residuals = std::vector<FeatureResidual>;
 
-// The maximum number of residuals in a page; images are thinned evenly.
+// The maximum number of residuals in a page; beyond it, the residuals of each
+// image are subsampled evenly.
 constexpr size_t kMaxResiduals = 600000;
 constexpr size_t kMaxBoards = 300;
 
@@ -47,7 +48,7 @@ void Append(double value, double quantum, std::string* bytes) {
 struct PackedResiduals {
   std::string bytes;
   size_t count = 0;
-  double position_px = 1, error_px = 1;  // what 1 stands for
+  double position_px = 1, error_px = 1;  // scale of the integers
 };
 
 Json AddImages(const ByImage& images, const char* set, size_t step,
@@ -127,7 +128,7 @@ Json Quantiles(const Residuals& residuals) {
 
 // ---- Camera ----------------------------------------------------------------
 
-// How many features depend on each control point.
+// The number of features that depend on each control point.
 std::vector<int> CountSupport(const BSplineSurface& surface,
                               const Residuals& residuals) {
   const int columns = surface.columns(), rows = surface.rows();
@@ -160,7 +161,8 @@ void AddGrid(const CalibrationResult& result, Json* json) {
                      {"support", CountSupport(*surface, result.training)}};
 }
 
-// Distances of lines from the point closest to all, by their angle.
+// The distance of observation lines from the point closest to all of them, by
+// their angle.
 void AddLines(const CameraModel& camera, Json* json) {
   if (camera.IsCentral()) return;
   constexpr int kSteps = 24;
@@ -180,7 +182,7 @@ void AddLines(const CameraModel& camera, Json* json) {
   (*json)["lines"] = std::move(lines);
 }
 
-// ---- Space -----------------------------------------------------------------
+// ---- Poses -----------------------------------------------------------------
 
 Json Vector(const Eigen::Vector3d& v) {
   return {Rounded(v.x()), Rounded(v.y()), Rounded(v.z())};
@@ -223,7 +225,7 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {
-  std::set<std::string> used;  // boards of the same view hide each other
+  std::set<std::string> used;  // near-duplicates would overlap
   for (const ImageFeatures& image : camera.features.images)
     used.insert(image.image);
   for (const BoardPose& pose : camera.poses) {

@@ -22,9 +22,9 @@ PictureAxes ImageAxes(double width, double height) {
       {"0", fmt::format("{:.0f}", height / 2), fmt::format("{:.0f}", height)}};
 }
 
-// The data that pictures are made of, in their pixels.
+// The dataset in the pixel coordinates of a picture.
 struct PictureSpace {
-  double scale = 1;  // picture / image
+  double scale = 1;  // of the picture relative to the image
   ImageSize size;
   Area area;
   std::vector<FeatureResidual> residuals;
@@ -96,7 +96,7 @@ std::string MakeBiasPicture(const CalibrationResult& result) {
       "area");
 }
 
-// Counts of errors by dx and dy.
+// A histogram of residuals by dx and dy.
 std::string MakeHistogramFigure(const std::vector<FeatureResidual>& residuals,
                                 const std::string& name, double extent_px) {
   constexpr int kBins = 61;
@@ -139,7 +139,7 @@ std::string MakeUncertaintyFigure(const CalibrationResult& result) {
          "</figure>\n";
 }
 
-// ---- Lines that do not meet ------------------------------------------------
+// ---- Non-central cameras ---------------------------------------------------
 
 struct LineOffsets {
   std::vector<double> distance_mm, x_mm, y_mm;

@@ -12,8 +12,7 @@ namespace {
 constexpr SheetColor kAxisColors[] = {
     {0.95, 0.15, 0.1}, {0.1, 0.75, 0.15}, {0.2, 0.4, 1.0}};
 
-// A polyline in the pixels of a smaller picture, interrupted where points are
-// not visible.
+// A polyline in a downscaled picture, interrupted where points are not visible.
 class PixelCurve {
  public:
   PixelCurve(const CameraModel& camera, const Pose& camera_from_board,
@@ -59,7 +58,7 @@ SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
   return curves;
 }
 
-// A third of the board's longest side.
+// The length of drawn axes: a third of the board's longest side.
 double AxisLength(const Board& board) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : board.points) box.extend(point);
@@ -67,7 +66,7 @@ double AxisLength(const Board& board) {
 }
 
 SheetCurves AxisCurve(int axis, double length, PixelCurve curve) {
-  constexpr int kSteps = 20;  // distortion bends it
+  constexpr int kSteps = 20;  // for curves due to distortion
   for (int k = 0; k <= kSteps; ++k)
     curve.Add(length * k / kSteps * Eigen::Vector3d::Unit(axis));
   SheetCurves curves;

@@ -68,7 +68,7 @@ CameraFile ReadResultCamera(const std::string& path) {
   return ReadCameraFile(path);
 }
 
-// The tables, files of one line an item, of each camera.
+// The contents of the CSV files, by camera.
 struct Tables {
   std::map<std::string, Dataset> features;
   std::map<std::string, std::vector<BoardPose>> poses;
@@ -83,7 +83,7 @@ Tables ReadTables(const std::string& folder) {
           ReadResiduals(In(folder, "residuals.csv"))};
 }
 
-// Adds what result.json does not contain.
+// Adds the data that result.json does not contain.
 void Complete(CameraFile camera, const Pattern& pattern,
               const std::string& name, Tables* tables,
               CalibrationResult* result) {
@@ -100,7 +100,7 @@ void Complete(CameraFile camera, const Pattern& pattern,
   result->rejected_features = std::move(sets.rejected);
 }
 
-// Checks that features are in the camera's images and on the pattern.
+// Checks that features are inside the camera's images and on the target.
 void RequireMatching(const std::string& folder,
                      const CalibrationResult& result) {
   RequireConsistent(In(folder, "features.csv"), result.features,
@@ -117,7 +117,7 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
   return BeforeAfter{ReadImage(before, true), ReadImage(after, true)};
 }
 
-// Nothing for rigs without pictures.
+// Nothing for rigs without stereo pictures.
 std::optional<StereoExample> ReadStereo(
     const std::string& folder, const std::optional<StereoMetrics>& metrics) {
   const std::string rows = In(folder, kRowsPicture);
@@ -134,13 +134,13 @@ ThumbnailTexts ReadThumbnails(const std::string& folder) {
   return ParseThumbnails(path, ReadFile(path));
 }
 
-// Nothing where the camera was not packed.
+// Empty if the camera was not packed.
 std::string ReadBlob(const std::string& folder) {
   const std::string path = In(folder, kBlob);
   return fs::exists(path) ? ReadFile(path) : "";
 }
 
-// The cameras with files in the folder, according to result.json.
+// The cameras with files in the folder, as listed in result.json.
 std::vector<RigFileCamera> CamerasIn(const std::string& folder,
                                      const RigResult& result) {
   const std::string path = In(folder, "rig.yaml");
@@ -213,7 +213,7 @@ std::set<std::string> ResultFiles(const std::string& folder) {
   files.insert({"example_after.png", "example_before.png", "features.csv",
                 "pattern.yaml", "poses.csv", kDisparityPicture, kRowsPicture,
                 "residuals.csv", "result.json", "resume.json", "rig.yaml"});
-  // Partially written checkpoints belong to the result, too.
+  // Partially written checkpoints also belong to the result.
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
@@ -224,7 +224,7 @@ std::set<std::string> ResultFiles(const std::string& folder) {
       for (const std::string& file : of_camera)
         files.insert(camera.name + "/" + file);
   } catch (const InputError&) {
-    // No rig.
+    // The folder does not contain a rig.
   }
   return files;
 }
@@ -238,7 +238,7 @@ bool HasFinishedResult(const std::string& folder) {
                                             nullptr, false);
     return !json.is_object() || json.value("status", "") != "interrupted";
   } catch (const std::exception&) {
-    return true;  // a camera is one without its figures, too
+    return true;  // metrics are optional
   }
 }
 

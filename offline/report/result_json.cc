@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The camera over its only condition: differences from the middle.
+// The camera over its only condition: differences from the centre of the range.
 Json MakeRangeJson(const OperatingPointCalibration& stack) {
   const OperatingPointModel& cameras = stack.cameras;
   const OperatingRange& range = cameras.ranges()[0];
@@ -40,7 +40,8 @@ Json MakeRangeJson(const OperatingPointCalibration& stack) {
   return json;
 }
 
-// The camera over each of its conditions, with the others at mid-range.
+// The camera over each of its conditions, with the others at the centre of
+// their ranges.
 Json MakeRangesJson(const OperatingPointCalibration& stack) {
   const size_t count = stack.cameras.ranges().size();
   Json json = Json::array();
@@ -86,7 +87,7 @@ Json MakeBaselineJson(const RigResult& result, const Baseline& baseline) {
   return json;
 }
 
-// Adds rigid multi-board targets, and the evidence for them.
+// Adds rigid multi-board targets and the evidence for their rigidity.
 void AddRigidTargets(const RigResult& result, Json* json) {
   for (const RigidTarget& body : result.rigid_targets) {
     Json poses = Json::array();
@@ -113,7 +114,7 @@ void AddRigidTargets(const RigResult& result, Json* json) {
   if (!told.empty()) (*json)["rigid_target_summary"] = told;
 }
 
-// Sums over the cameras.
+// Totals over all cameras.
 struct RigCounts {
   size_t parameters = 0, images = 0, features = 0, rejected_features = 0;
 };

@@ -9,9 +9,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A renamed key. `object` is the key of the object that contains it, or of the
-// list of such objects; empty: the result itself, or a camera of a rig. Numbers
-// are multiplied by the scale.
+// A renamed key. `object`: the key of the object that contains it, or of the
+// list of such objects; empty for the result itself and for the cameras of a
+// rig. Numbers are multiplied by the scale.
 struct RenamedKey {
   const char* object;
   const char* former;
@@ -24,8 +24,8 @@ constexpr double kDegrees = M_PI / 180;
 
 using RenamedKeys = std::vector<RenamedKey>;
 
-// Names of version 1 that version 2 replaced. Keys are looked up in objects
-// that have the names of version 2 already.
+// Keys of version 1 that version 2 replaced. They are looked up in objects that
+// are already renamed to version 2.
 const RenamedKeys kRenamedInVersion2 = {
     {"", "cell_px", "knot_spacing_px"},
     {"", "cell_candidates", "knot_spacing_candidates"},
@@ -125,7 +125,7 @@ void Scale(double scale, Json* value) {
     for (Json& element : *value) Scale(scale, &element);
 }
 
-// Renames the keys of an object with the given key, recursively.
+// Recursively renames the keys of an object that is stored under the given key.
 void Rename(const RenamedKeys& renamed_keys, const std::string& object,
             Json* json) {
   if (json->is_array()) {

@@ -57,7 +57,7 @@ std::string MakeRigErrorTable(const RigResult& result) {
   return "<h2>Reprojection error</h2>\n" + MakeErrorTable(rows);
 }
 
-// The table of each camera's models, compared in its own images.
+// A table of the models compared for each camera, evaluated on its own images.
 std::string MakeRigComparisonTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const CalibrationResult& camera : result.cameras)
@@ -91,8 +91,8 @@ std::string MakeBaselineTable(const RigResult& result) {
                        rows);
 }
 
-// The per-view deformation in all cameras' views. A board that several cameras
-// see in one frame has one deformation.
+// The per-view deformation over the views of all cameras. A target that several
+// cameras see in one frame has a single deformation.
 std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardDeformation all;

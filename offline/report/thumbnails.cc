@@ -16,7 +16,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxBytes = 3e6;  // of all
+constexpr double kMaxBytes = 3e6;  // of all thumbnails
 constexpr int kMaxWidthPx = 640, kMinWidthPx = 16;
 
 std::string EncodeThumbnail(const Image& image) {
@@ -26,7 +26,7 @@ std::string EncodeThumbnail(const Image& image) {
   return EncodeJpeg(pixels, kQuality);
 }
 
-// The width of so many images of this shape that fit into the limit.
+// The width at which `count` images of this shape fit into the limit.
 int WidthFor(int count, const ImageSize& size) {
   constexpr double kBytesPerPixel = 0.12;
   const double pixels = kMaxBytes / std::max(1, count) / kBytesPerPixel;
@@ -56,7 +56,7 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
       images[i] = ShrinkImage(ReadImage(paths[i], true), width_px);
       files[i] = EncodeThumbnail(images[i]);
     } catch (const InputError&) {
-      // An image that is gone has no thumbnail.
+      // Deleted images have no thumbnail.
     }
   });
   while (TotalBytes(files) > kMaxBytes && width_px > kMinWidthPx) {

@@ -21,7 +21,8 @@ cv::Vec3b ScaleColor(double part) {
   return {color[0], color[1], color[2]};
 }
 
-// Nearly all of the lattice is within the scale; a corner may exceed it.
+// The scale covers nearly all of the grid; values in single corners may exceed
+// it.
 double FullScalePx(const UncertaintyLattice& lattice) {
   constexpr double kPart = 0.9;
   std::vector<double> known;

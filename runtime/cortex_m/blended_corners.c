@@ -1,17 +1,18 @@
-/* The corners of tiles between two samples of a stack, for the small traversal.
- */
+/* The corners of tiles interpolated between two samples of an operating-point
+ * model, for the small traversal. */
 #include "cortex_m/tile_corners.h"
 #include "operating_point_ops.h"
 
 #if !RG_FAST_TRAVERSAL
 
-/* RG_BLEND_STORED() with half a weight that is in a register. */
+/* RG_BLEND_STORED() with the rounding term, half a weight, in a register. */
 static RG_INLINE int32_t blend_stored(int32_t lower, int32_t upper,
                                       int32_t weight, int32_t half) {
   return lower + ((weight * (upper - lower) + half) >> RG_WEIGHT_BITS);
 }
 
-/* From a copy of the block's vertices, at the condition. */
+/* Interpolates the block's vertices at the operating point into a local copy.
+ */
 void rg_next_blended_tile(rg_tile_row* tiles, rg_position corners[4],
                           const rg_camera* camera) {
   uint32_t words[4 * RG_BENT_VERTEX_SIZE / 4];

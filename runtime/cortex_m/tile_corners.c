@@ -1,8 +1,8 @@
 #include "cortex_m/tile_corners.h"
 
-/* In place of an edge's ends, those of the tile at a place. SPEC.md, "Bends",
- * along(), with eight for 2^n: k is multiplied by what makes it so. bend is b
- * times 4 2^n; modulo 2^32. */
+/* Replaces the ends of a block's edge by those of the tile's part of it:
+ * along() of SPEC.md, "Bends", with 8 for 2^n, to which k is scaled. bend is 4
+ * 2^n b; sums are modulo 2^32. */
 static void cut_edge(int32_t* from, int32_t* to, int32_t bend,
                      const rg_tile_extent* extent) {
   const uint32_t first = (uint32_t)*from, line = (uint32_t)*to - first;
@@ -21,7 +21,8 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
   return (int32_t)(int8_t)*byte * (1 << shift);
 }
 
-/* A coordinate of the tile's corners: from corner on, every other one. */
+/* Computes one coordinate of the tile's corners and stores it in every other
+ * element, starting at corner. */
 static RG_INLINE void find_axis(const rg_tile_row* tiles, uint32_t c,
                                 int32_t* corner) {
   const uint8_t* const section = tiles->section;
@@ -55,7 +56,7 @@ static RG_INLINE void find_axis(const rg_tile_row* tiles, uint32_t c,
     above += size;
     below += size;
   }
-  if (size != RG_BENT_VERTEX_SIZE) return; /* the block is the tile */
+  if (size != RG_BENT_VERTEX_SIZE) return; /* the block is a single tile */
   cut_edge(&bends[0], &bends[1], 0, &tiles->extents[1]);
   const int32_t num = 1 << tiles->num_log2;
   corner -= 4;

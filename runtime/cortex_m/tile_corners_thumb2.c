@@ -1,4 +1,4 @@
-/* The corners of tiles on Cortex-M with the DSP extension, where size matters.
+/* The corners of tiles on Cortex-M with the DSP extension, optimized for size.
  */
 #include "cortex_m/tile_corners.h"
 
@@ -10,21 +10,22 @@
  *     along(A, Z, b, t) = A + round(t (Z - A + b (1 - t)))
  * r7 may be the frame pointer. */
 void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
-  /* No register is left for these. */
+  /* Spilled to the stack: no registers are left. */
   rg_tile_row* kept = tiles;
   rg_position* corner = corners;
   register rg_tile_row* r0 __asm__("r0") = tiles;
   __asm__ volatile(
-      /* Bytes from a vertex to the one below: r10 */
+      /* r10: bytes from a vertex to the one below */
       "ldr r10, [r0, %[row_size]]\n\t"
-      /* t down in q16: r12 */
+      /* r12: t along the vertical axis in q16 */
       "ldrh r12, [r0, %[down]]\n"
-      /* On the line above the tile, then below it; for y, then x: r6 = 1, 0 */
+      /* Outer loop: line above the tile, then below it; inner loop: r6 = 1 for
+       * y, then r6 = 0 for x */
       "2:\n\t"
       "movs r6, #1\n"
       "3:\n\t"
-      /* row_step: r9; origin + i column_step + j row_step: r8; that and
-       * column_step: r11 */
+      /* r9: row_step; r8: origin + i column_step + j row_step; r11: r8 +
+       * column_step */
       "ldr r4, %[walk]\n\t"
       "ldr r2, [r4]\n\t"
       "add r2, r2, r6, lsl #2\n\t"
@@ -37,7 +38,7 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "ldr r9, [r2, %[row_step]]\n\t"
       "mla r8, r9, r3, r0\n\t"
       "add r11, r8\n\t"
-      /* left: r8, right: r11 */
+      /* r8: left, r11: right */
       "ldr r5, [r4, %[block]]\n\t"
       "adds r5, r6\n\t"
       "lsl r3, r12, #14\n\t"
@@ -48,13 +49,13 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "adds r5, r4\n\t"
       "bl 4f\n\t"
       "add r11, r4\n\t"
-      /* That is all if a block is one tile wide. */
+      /* If a block is one tile wide, this line is complete. */
       "ldr r4, %[walk]\n\t"
       "ldrb r2, [r4, %[num_log2]]\n\t"
       "cmp r2, #2\n\t"
       "beq 6f\n\t"
-      /* bend = along(h10, h11, 0, t); 1 does for 0, as t or floor(1 - t) is 0
-       */
+      /* bend = along(h10, h11, 0, t); the third argument may be 1 instead of 0,
+       * since t or floor(1 - t) is 0 */
       "movs r2, %[hx]\n\t"
       "ldrsb r0, [r5, r2]\n\t"
       "add r5, r10\n\t"
@@ -64,7 +65,7 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
       "bl 5f\n\t"
-      /* along(left, right, bend, t) where the tile begins, and where it ends */
+      /* along(left, right, bend, t) at the start and at the end of the tile */
       "mov r0, r8\n\t"
       "mov r1, r11\n\t"
       "ldrb r2, [r5, %[num_log2]]\n\t"
@@ -86,7 +87,7 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "bpl 3b\n\t"
       "adds r5, #16\n\t"
       "str r5, %[corner]\n\t"
-      /* Was this t that of the line above? */
+      /* Repeat unless this was the line below the tile. */
       "ldr r0, %[walk]\n\t"
       "ldrh r1, [r0, %[down]]\n\t"
       "ldr r2, [r0, %[down] + 4]\n\t"
@@ -94,8 +95,8 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "add r12, r2\n\t"
       "beq 2b\n\t"
       "b 7f\n"
-      /* r4 = along(P0, P1, v1, t) without the plane, from the vertex at r5 - r6
-       */
+      /* Subroutine: r4 = along(P0, P1, v1, t) without the plane, for the vertex
+       * at r5 - r6 */
       "4:\n\t"
       "ldrsh r0, [r5, r6]\n\t"
       "add r4, r5, r10\n\t"
@@ -112,7 +113,7 @@ void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]) {
       "lsls r0, r4\n\t"
       "lsls r1, r4\n\t"
       "add r1, r9\n"
-      /* r4 = along(r0, r1, r2 / 4, r3), t in q30 */
+      /* Subroutine: r4 = along(r0, r1, r2 / 4, r3), t in q30 */
       "5:\n\t"
       "rsb r4, r3, #0x40000000\n\t"
       "smmla r4, r4, r2, r1\n\t"

@@ -1,4 +1,4 @@
-/* Frames that a DMA writes band by band, undistorted while they come. */
+/* Undistorts frames while a DMA writes them band by band. */
 #include "dma_stream.h"
 
 static uint32_t band_bytes(const dma_stream* stream) {
@@ -11,8 +11,9 @@ uint8_t* dma_stream_slot(const dma_stream* stream, uint32_t band) {
   return stream->ring + slot * band_bytes(stream);
 }
 
-/* The bands that rows of the output need: [first, end), none where the camera
- * sees nothing. One slot less than there are: the DMA is filling the other. */
+/* The bands [first, end) that rows of the output require; empty if these rows
+ * have no source. At most one less than the number of slots, since the DMA is
+ * filling the remaining slot. */
 static rg_status find_bands(const dma_stream* stream, const rg_camera* camera,
                             const rg_target* target, uint32_t* first,
                             uint32_t* end) {
@@ -29,7 +30,7 @@ static rg_status find_bands(const dma_stream* stream, const rg_camera* camera,
                                                       : RG_ERR_ROWS_MISSING;
 }
 
-/* The rows of the output from target's last on; 0 behind the last of all. */
+/* Advances target to the next rows of the output; 0 after the last row. */
 static int next_rows(const dma_stream* stream, uint16_t height,
                      rg_target* target) {
   const uint32_t row = (uint32_t)target->first_row + target->num_rows;
@@ -58,9 +59,9 @@ rg_status dma_stream_check(const dma_stream* stream, const rg_camera* camera) {
 
 void dma_stream_begin(dma_stream* stream) {
   stream->num_seen = stream->num_filled = stream->has_failed = 0;
-  /* Cache, before the DMA starts: lines of the ring that the processor has
-   * written, as start-up code does with zeros, would sooner or later be
-   * written back over what the DMA brings. */
+  /* Cache maintenance before the DMA starts: dirty lines of the ring, for
+   * example from zeroing by start-up code, would be evicted later and overwrite
+   * DMA data. */
   board_invalidate(stream->ring, band_bytes(stream) << stream->num_slots_log2);
 }
 
@@ -73,24 +74,25 @@ void dma_stream_fail(dma_stream* stream) { stream->has_failed = 1; }
 /* Waits for the first num_bands bands of the frame. */
 static rg_status wait_for_bands(dma_stream* stream, uint32_t num_bands) {
   for (int is_there = 0; !is_there;) {
-    /* An interrupt between the question and the sleep would be overslept. */
+    /* Interrupts are masked: an interrupt between the check and the sleep would
+     * otherwise be missed. */
     const uint32_t state = board_lock();
     is_there = stream->num_filled >= num_bands || stream->has_failed;
     if (!is_there) board_sleep();
     board_unlock(state);
   }
   if (stream->has_failed) return RG_ERR_ROWS_MISSING;
-  /* Cache, after the DMA is done with a band and before its first pixel is
-   * read: lines may be left from the slot's earlier band, or were fetched by
-   * guess while the DMA wrote. Once for each band, since nobody writes it
-   * until the ring comes round. */
+  /* Cache maintenance after the DMA has completed a band and before its first
+   * pixel is read: lines may contain the slot's previous band, or may have been
+   * prefetched speculatively during the DMA. Once per band suffices, since it
+   * is not written again until the ring wraps around. */
   for (; stream->num_seen < num_bands; ++stream->num_seen)
     board_invalidate(dma_stream_slot(stream, stream->num_seen),
                      band_bytes(stream));
   return RG_OK;
 }
 
-/* Whether the DMA has begun to write over a band. */
+/* Whether the DMA has started to overwrite a band. */
 static int is_overtaken(const dma_stream* stream, uint32_t band) {
   return stream->num_filled >= band + (1u << stream->num_slots_log2);
 }
@@ -112,7 +114,8 @@ static rg_status undistort_rows(dma_stream* stream, const rg_camera* camera,
       .planes = {
           {stream->ring, (uint32_t)stream->width * stream->pixel_bytes}}};
   status = rg_remap(camera, &image, target);
-  /* Afterwards, since it may have happened meanwhile. */
+  /* Checked after remapping, since the band may have been overwritten
+   * meanwhile. */
   if (status == RG_OK && end > 0 && is_overtaken(stream, first))
     status = RG_ERR_ROWS_MISSING;
   return status;
@@ -129,14 +132,15 @@ rg_status dma_stream_undistort(dma_stream* stream, const rg_camera* camera) {
     target.border_values[1] = target.border_values[2] = 128;
   }
   while (next_rows(stream, height, &target)) {
-    /* Two buffers are enough: when the last band was sent, the one before it
-     * had left the buffer that is now written to. */
+    /* Two buffers suffice: a band is sent only after the previous one has been
+     * sent completely, so its buffer is free again. */
     uint8_t* const out = stream->out[stream->num_sent & 1];
     target.planes[0].data = out;
     target.planes[0].stride = stride;
     status = undistort_rows(stream, camera, &target);
     if (status != RG_OK) return status;
-    /* Cache, after the last pixel is written and before the DMA reads. */
+    /* Cache maintenance after the last pixel is written and before the DMA
+     * reads. */
     board_clean(out, target.num_rows * stride);
     board_send(out, target.num_rows * stride);
     ++stream->num_sent;

@@ -1,22 +1,24 @@
-/* ESP32-S3: a sensor on the camera port, 320 x 240 of YUYV, undistorted while
- * it comes, to UART0. A component of ESP-IDF: it calls app_main().
+/* ESP32-S3: a sensor on the camera port with 320 x 240 YUYV frames, which are
+ * undistorted while they are received, and sent to UART0. A component of
+ * ESP-IDF, which calls app_main().
  *
- * The GDMA goes round a ring of descriptors, one a slot, and interrupts after
- * each.
+ * The GDMA uses a circular list of descriptors, one per slot, and interrupts
+ * after each.
  *
- * The task keeps its core to itself, so the watchdog must not ask the core's
- * idle task (CONFIG_ESP_TASK_WDT_CHECK_IDLE_TASK_CPU0). No driver of ESP-IDF
- * may use channel 0 of the GDMA.
+ * The task occupies its core permanently, so the watchdog must not monitor the
+ * core's idle task (CONFIG_ESP_TASK_WDT_CHECK_IDLE_TASK_CPU0). No driver of
+ * ESP-IDF may use channel 0 of the GDMA.
  *
- * Set before: the sensor by its own bus, its clock, UART0's rate. Buffers are
- * in the internal memory, which has no cache; with ring or out in PSRAM,
- * board_invalidate() and board_clean() are to call esp_cache_msync(). */
+ * To be configured before: the sensor via its control bus, its clock, UART0's
+ * baud rate. Buffers are in internal memory, which is not cached; with ring or
+ * out in PSRAM, board_invalidate() and board_clean() must call
+ * esp_cache_msync(). */
 #include "dma_stream.h"
 #include "esp32s3_registers.h"
 
 #define WIDTH 320u
 #define HEIGHT 240u
-#define BAND_ROWS_LOG2 2u /* 4 rows: a descriptor takes at most 4095 bytes */
+#define BAND_ROWS_LOG2 2u /* 4 rows: a descriptor holds at most 4095 bytes */
 #define NUM_SLOTS_LOG2 4u /* 64 rows of the sensor: 40,960 bytes */
 #define NUM_SLOTS (1u << NUM_SLOTS_LOG2)
 #define BAND_BYTES ((WIDTH * 2u) << BAND_ROWS_LOG2)
@@ -42,7 +44,7 @@ static uint32_t address_of(const volatile void* object) {
 
 /* ---- Pins and peripherals ----------------------------------------------- */
 
-/* Pins of D0 to D7, then of pixel clock, line valid and frame valid. */
+/* GPIOs of D0 to D7, pixel clock, line valid and frame valid. */
 static const uint8_t kPins[] = {11, 9, 8, 10, 12, 18, 17, 16, 13, 7, 6};
 static const uint8_t kSignals[] = {
     CAM_DATA_IN0_IDX,      CAM_DATA_IN0_IDX + 1u, CAM_DATA_IN0_IDX + 2u,
@@ -59,7 +61,7 @@ rg_status camera_init(void) {
     IO_MUX->PIN[kPins[k]] = IO_MUX_FUN_IE | IO_MUX_MCU_SEL_GPIO;
     GPIO->FUNC_IN_SEL_CFG[kSignals[k]] = GPIO_SIG_IN_SEL | kPins[k];
   }
-  /* 8 bits at a clock, from VSYNC to VSYNC. */
+  /* 8 bits per clock; frames are delimited by VSYNC. */
   LCD_CAM->CAM_CTRL =
       CAM_CTRL_CLK_SEL_160M | CAM_CTRL_CLKM_DIV_NUM(8) | CAM_CTRL_VS_EOF_EN;
   LCD_CAM->CAM_CTRL1 = CAM_CTRL1_VSYNC_FILTER_EN;
@@ -69,7 +71,7 @@ rg_status camera_init(void) {
     descriptors[k].buffer = address_of(dma_stream_slot(&stream, k));
     descriptors[k].next = address_of(&descriptors[(k + 1u) % NUM_SLOTS]);
   }
-  GDMA_IN0->CONF1 = 0; /* owners are not asked: the ring goes on for ever */
+  GDMA_IN0->CONF1 = 0; /* no owner check: the ring runs indefinitely */
   GDMA_IN0->PERI_SEL = GDMA_PERI_LCD_CAM;
   GDMA_IN0->INT_CLR = GDMA_IN_DONE | GDMA_IN_ERRORS;
   GDMA_IN0->INT_ENA = GDMA_IN_DONE | GDMA_IN_ERRORS;
@@ -106,8 +108,8 @@ static void gdma_done(void* argument) {
   GDMA_IN0->INT_CLR = flags;
   if (flags & GDMA_IN_ERRORS) dma_stream_fail(&stream);
   if (!(flags & GDMA_IN_DONE)) return;
-  /* The GDMA hands a full descriptor to the processor, which gives it back.
-   * If the next one is full, too, an interrupt came later than its end. */
+  /* The GDMA passes a full descriptor to the processor, which returns it. If
+   * the next one is also full, the interrupt was too late. */
   const uint32_t slot = stream.num_filled % NUM_SLOTS;
   if (descriptors[slot].DW0 & GDMA_DW0_OWNER_DMA) dma_stream_fail(&stream);
   if (!(descriptors[(slot + 1u) % NUM_SLOTS].DW0 & GDMA_DW0_OWNER_DMA))
@@ -121,7 +123,7 @@ rg_status camera_frame(const rg_camera* camera) {
   return dma_stream_undistort(&stream, camera);
 }
 
-/* ---- What dma_stream.c wants -------------------------------------------- */
+/* ---- Functions called by dma_stream.c ------------------------------------ */
 
 uint32_t board_lock(void) { return hold_interrupts(); }
 void board_unlock(uint32_t state) { release_interrupts(state); }
@@ -137,7 +139,7 @@ void board_clean(const void* begin, uint32_t num_bytes) {
   wait_for_memory();
 }
 
-/* By the processor itself: returns when the last bytes are in the queue. */
+/* Sent by the processor: returns when the last bytes are in the FIFO. */
 void board_send(const uint8_t* bytes, uint32_t num_bytes) {
   for (uint32_t k = 0; k < num_bytes; ++k) {
     while (UART_TXFIFO_CNT(UART0->STATUS) >= UART_TXFIFO_SIZE) POLL();
@@ -147,7 +149,7 @@ void board_send(const uint8_t* bytes, uint32_t num_bytes) {
 
 /* ---- The program -------------------------------------------------------- */
 
-/* The array that raygrid export front.raygrid --to c -o front.h writes, and its
+/* The array written by raygrid export front.raygrid --to c -o front.h, and its
  * size. */
 extern const uint8_t camera_blob[];
 extern const uint32_t camera_blob_bytes;
@@ -159,5 +161,5 @@ void app_main(void) {
   if (status == RG_OK) status = rg_select_remap(&camera, 0);
   if (status == RG_OK) status = dma_stream_check(&stream, &camera);
   if (status == RG_OK) status = camera_init();
-  while (status == RG_OK) camera_frame(&camera); /* or a part, if overtaken */
+  while (status == RG_OK) camera_frame(&camera); /* may be truncated */
 }

@@ -1,14 +1,14 @@
-/* RP2040: a grey sensor with 8 parallel pins, such as the HM01B0, 320 x 240,
- * undistorted while it comes, to SPI0.
+/* RP2040: a grey sensor with 8 parallel pins, such as the HM01B0, with 320 x
+ * 240 frames, which are undistorted while they are received, and sent to SPI0.
  *
- * A state machine of PIO0 takes a byte at each pixel clock. Two channels of the
- * DMA start each other by turns, each with a band. The interrupt gives the one
- * that is done the address of the slot after the next.
+ * A state machine of PIO0 reads a byte at each pixel clock. Two chained DMA
+ * channels transfer bands alternately. The interrupt handler sets the address
+ * of the completed channel to the slot after the next.
  *
  * Pins: D0 to D7 at GPIO 0 to 7, pixel clock 8, line valid 9, frame valid 10;
- * SPI0 at 18 (clock) and 19 (data). The system's clock must be eight times the
- * pixel clock or more. Set before: clocks, the sensor by its own bus. The
- * RP2040's memory has no cache. */
+ * SPI0 at 18 (clock) and 19 (data). The system clock must be at least eight
+ * times the pixel clock. To be configured before: clocks, and the sensor via
+ * its control bus. The RP2040's memory is not cached. */
 #include "dma_stream.h"
 #include "rp2040_registers.h"
 
@@ -22,7 +22,7 @@
 #define PIN_LINE 9u
 #define PIN_FRAME 10u
 
-/* Channels of the DMA. */
+/* DMA channels. */
 #define EVEN_BANDS 0u
 #define ODD_BANDS 1u
 #define OUTPUT 2u
@@ -46,7 +46,8 @@ static uint32_t address_of(const volatile void* object) {
 
 /* ---- Pins and peripherals ----------------------------------------------- */
 
-/* Waits for a frame to begin, then takes 8 pins at each clock in a line. */
+/* Waits for the start of a frame, then reads 8 pins at each pixel clock of a
+ * line. */
 #define FIRST_OF_LOOP 2u
 static const uint16_t kProgram[] = {PIO_WAIT_GPIO(0u, PIN_FRAME),
                                     PIO_WAIT_GPIO(1u, PIN_FRAME),
@@ -66,7 +67,8 @@ void camera_init(void) {
   IO_BANK0->GPIO[18].CTRL = FUNCSEL_SPI;
   IO_BANK0->GPIO[19].CTRL = FUNCSEL_SPI;
 
-  /* Words of four pixels, the first in the low byte; pins from GPIO 0 on. */
+  /* Words of four pixels, the first in the low byte; the first pin is GPIO 0.
+   */
   for (uint32_t k = 0; k < PROGRAM_LENGTH; ++k)
     PIO0->INSTR_MEM[k] = kProgram[k];
   PIO0->SM[0].CLKDIV = 1u << 16;
@@ -95,14 +97,14 @@ static void prepare_channel(uint32_t channel) {
   dma_channel_registers* const dma = &DMA->CH[channel];
   dma->READ_ADDR = address_of(&PIO0->RXF[0]);
   dma->WRITE_ADDR = address_of(dma_stream_slot(&stream, channel));
-  dma->TRANS_COUNT = BAND_BYTES / 4u; /* of each start */
+  dma->TRANS_COUNT = BAND_BYTES / 4u; /* of each transfer */
 }
 
 static void start_frame(void) {
   const uint32_t both = 1u << EVEN_BANDS | 1u << ODD_BANDS;
   PIO0->CTRL = 0;
-  /* Channels are switched off first: else the end of one by force would
-   * start the other. No interrupt may come of it. */
+  /* Channels are disabled before they are aborted: an abort would otherwise
+   * trigger the chained channel. The abort must not cause an interrupt. */
   DMA->INTE0 = 0;
   DMA->CH[EVEN_BANDS].AL1_CTRL = 0;
   DMA->CH[ODD_BANDS].AL1_CTRL = 0;
@@ -115,10 +117,11 @@ static void start_frame(void) {
   dma_stream_begin(&stream);
   prepare_channel(EVEN_BANDS);
   prepare_channel(ODD_BANDS);
-  DMA->CH[ODD_BANDS].AL1_CTRL = band_control(EVEN_BANDS); /* does not start */
+  DMA->CH[ODD_BANDS].AL1_CTRL = band_control(EVEN_BANDS); /* does not trigger */
   DMA->CH[EVEN_BANDS].CTRL_TRIG = band_control(ODD_BANDS);
 
-  /* The queue is emptied by joining it anew; the program begins at its top. */
+  /* Changing the FIFO's join mode clears it; the program restarts at its first
+   * instruction. */
   PIO0->SM[0].SHIFTCTRL = PIO_SHIFTCTRL_AUTOPUSH | PIO_SHIFTCTRL_IN_RIGHT;
   PIO0->SM[0].SHIFTCTRL =
       PIO_SHIFTCTRL_AUTOPUSH | PIO_SHIFTCTRL_IN_RIGHT | PIO_SHIFTCTRL_FJOIN_RX;
@@ -127,16 +130,16 @@ static void start_frame(void) {
   PIO0->CTRL = PIO_CTRL_SM0_ENABLE;
 }
 
-/* DMA_IRQ_0, by the name of the vector table of the SDK. */
+/* DMA_IRQ_0, by its name in the SDK's vector table. */
 void isr_irq11(void) {
   const uint32_t flags = DMA->INTS0;
   DMA->INTS0 = flags;
-  /* Band n is full, by the channel of even bands or that of odd ones. Both
-   * flags: an interrupt came later than the next band's end. */
+  /* Band n is full: the channel of even bands, or that of odd ones, has
+   * completed. If both flags are set, the interrupt was too late. */
   const uint32_t channel = stream.num_filled & 1u;
   if (flags != 1u << channel) dma_stream_fail(&stream);
   if (DMA->CH[channel].AL1_CTRL & DMA_CTRL_ERRORS) dma_stream_fail(&stream);
-  /* The other channel has been started by this one. */
+  /* The other channel has already been triggered by this one. */
   DMA->CH[channel].WRITE_ADDR =
       address_of(dma_stream_slot(&stream, stream.num_filled + 2u));
   dma_stream_filled(&stream);
@@ -147,13 +150,13 @@ rg_status camera_frame(const rg_camera* camera) {
   return dma_stream_undistort(&stream, camera);
 }
 
-/* ---- What dma_stream.c wants -------------------------------------------- */
+/* ---- Functions called by dma_stream.c ------------------------------------ */
 
 uint32_t board_lock(void) { return hold_interrupts(); }
 void board_unlock(uint32_t state) { release_interrupts(state); }
 void board_sleep(void) { wait_for_interrupt(); }
 
-/* There is no cache, but what the processor has written must have arrived. */
+/* There is no cache, but pending writes must have completed. */
 void board_invalidate(const void* begin, uint32_t num_bytes) {
   (void)begin, (void)num_bytes;
   wait_for_memory();
@@ -166,18 +169,18 @@ void board_clean(const void* begin, uint32_t num_bytes) {
 
 void board_send(const uint8_t* bytes, uint32_t num_bytes) {
   dma_channel_registers* const dma = &DMA->CH[OUTPUT];
-  while (dma->TRANS_COUNT != 0) POLL(); /* what is left of the one before */
+  while (dma->TRANS_COUNT != 0) POLL(); /* waits for the previous transfer */
   dma->READ_ADDR = address_of(bytes);
   dma->WRITE_ADDR = address_of(&SPI0->SSPDR);
   dma->TRANS_COUNT = num_bytes;
-  /* Chained to itself: to none. */
+  /* Chaining a channel to itself disables chaining. */
   dma->CTRL_TRIG = DMA_CTRL_EN | DMA_CTRL_INCR_READ |
                    DMA_CTRL_CHAIN_TO(OUTPUT) | DMA_CTRL_TREQ(DREQ_SPI0_TX);
 }
 
 /* ---- The program -------------------------------------------------------- */
 
-/* The array that raygrid export front.raygrid --to c -o front.h writes, and its
+/* The array written by raygrid export front.raygrid --to c -o front.h, and its
  * size. */
 extern const uint8_t camera_blob[];
 extern const uint32_t camera_blob_bytes;
@@ -189,5 +192,5 @@ int main(void) {
   if (status == RG_OK) status = dma_stream_check(&stream, &camera);
   if (status != RG_OK) return (int)status;
   camera_init();
-  for (;;) camera_frame(&camera); /* one that was overtaken is cut off */
+  for (;;) camera_frame(&camera); /* may be truncated */
 }

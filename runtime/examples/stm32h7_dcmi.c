@@ -1,26 +1,27 @@
-/* STM32H743: a sensor on the DCMI, 320 x 240 of RGB565, undistorted while it
- * comes, to a display on SPI1.
+/* STM32H743: a sensor on the DCMI with 320 x 240 RGB565 frames, which are
+ * undistorted while they are received, and sent to a display on SPI1.
  *
- * The DCMI's DMA has two buffers by turns. Each interrupt gives the one that
- * is full the address of the slot after the next, so the two wander through
- * the ring, and nothing is copied.
+ * The DCMI's DMA is in double-buffer mode. Each interrupt sets the address of
+ * the completed buffer to the slot after the next, so that the two buffers
+ * advance through the ring without copying.
  *
- * Set before: clocks, the data cache on, the sensor by its own bus and the
- * display by its commands. DMA1 does not reach the DTCM: have the linker put
- * ring and out into AXI SRAM (0x24000000), which is cached. */
+ * To be configured before: clocks, the data cache (enabled), the sensor via its
+ * control bus and the display by its commands. DMA1 cannot access the DTCM: the
+ * linker script must place ring and out in AXI SRAM (0x24000000), which is
+ * cached. */
 #include "dma_stream.h"
 #include "stm32h7_registers.h"
 
 #define WIDTH 320u
 #define HEIGHT 240u
-#define BAND_ROWS_LOG2 3u /* 8 rows: 1280 words of the DMA, at most 65535 */
+#define BAND_ROWS_LOG2 3u /* 8 rows: 1280 words; the DMA's limit is 65535 */
 #define NUM_SLOTS_LOG2 3u /* 64 rows of the sensor: 40,960 bytes */
 #define BAND_BYTES ((WIDTH * 2u) << BAND_ROWS_LOG2)
 #define OUT_ROWS 2u
 #define CACHE_LINE 32u
 
-/* Whole lines of the cache: else the processor would write back what the DMA
- * has written beside its own variables. */
+/* Aligned to whole cache lines: otherwise, the processor would write back stale
+ * data over DMA data that shares a line with its own variables. */
 static uint8_t ring[BAND_BYTES << NUM_SLOTS_LOG2]
     __attribute__((aligned(CACHE_LINE)));
 static uint8_t out[2][OUT_ROWS * WIDTH * 2u]
@@ -62,7 +63,7 @@ static void set_pin(const pin* p) {
   *function = (*function & ~(15u << shift)) | (uint32_t)p->function << shift;
   gpio->OSPEEDR |= 3u << (2u * p->number);
   gpio->MODER = (gpio->MODER & ~(3u << (2u * p->number))) |
-                2u << (2u * p->number); /* an alternate function */
+                2u << (2u * p->number); /* alternate function mode */
 }
 
 void camera_init(void) {
@@ -73,21 +74,22 @@ void camera_init(void) {
   for (uint32_t k = 0; k < sizeof(kPins) / sizeof(kPins[0]); ++k)
     set_pin(&kPins[k]);
 
-  /* Stream 0 takes words from the DCMI, stream 1 gives pixels to SPI1. */
+  /* Stream 0 transfers words from the DCMI, stream 1 pixels to SPI1. */
   DMAMUX1->CCR[0] = DMAMUX_DCMI;
   DMAMUX1->CCR[1] = DMAMUX_SPI1_TX;
   DMA1->S[0].PAR = address_of(&DCMI->DR);
   DMA1->S[0].FCR = DMA_FCR_DMDIS | DMA_FCR_FTH_FULL;
   DMA1->S[1].PAR = address_of(&SPI1->TXDR);
 
-  /* A frame at a time. Pixels at the clock's rising edge, HSYNC and VSYNC low
-   * while there are none; else with DCMI_CR_HSPOL and DCMI_CR_VSPOL. */
+  /* Snapshot mode. Pixels are sampled at the clock's rising edge; HSYNC and
+   * VSYNC are low during blanking. Otherwise, set DCMI_CR_HSPOL and
+   * DCMI_CR_VSPOL. */
   DCMI->IER = DCMI_OVR;
   DCMI->CR = DCMI_CR_CM | DCMI_CR_PCKPOL | DCMI_CR_ENABLE;
   NVIC->ISER[DMA1_STREAM0_IRQ / 32u] = 1u << DMA1_STREAM0_IRQ % 32u;
   NVIC->ISER[DCMI_IRQ / 32u] = 1u << DCMI_IRQ % 32u;
 
-  /* 16 bits at a time, the upper first, without an end. */
+  /* 16-bit frames, most significant bit first, without a transfer size. */
   SPI1->CFG1 = SPI_CFG1_DSIZE_16 | SPI_CFG1_TXDMAEN | SPI_CFG1_MBR_4;
   SPI1->CFG2 =
       SPI_CFG2_COMM_TX | SPI_CFG2_MASTER | SPI_CFG2_SSM | SPI_CFG2_AFCNTR;
@@ -100,12 +102,12 @@ void camera_init(void) {
 
 static void start_frame(void) {
   dma_stream_registers* const dma = &DMA1->S[0];
-  /* A frame that was given up may still come. */
+  /* The rest of an aborted frame may still arrive. */
   DCMI->CR &= ~DCMI_CR_CAPTURE;
   while (DCMI->CR & DCMI_CR_CAPTURE) POLL();
   dma->CR &= ~DMA_CR_EN;
   while (dma->CR & DMA_CR_EN) POLL();
-  DMA1->LIFCR = DMA_LISR_STREAM0; /* the end by force sets one, too */
+  DMA1->LIFCR = DMA_LISR_STREAM0; /* disabling the stream also sets a flag */
   dma_stream_begin(&stream);
   dma->NDTR = BAND_BYTES / 4u;
   dma->M0AR = address_of(dma_stream_slot(&stream, 0));
@@ -114,7 +116,7 @@ static void start_frame(void) {
             DMA_CR_PSIZE_32 | DMA_CR_MSIZE_32 | DMA_CR_TCIE | DMA_CR_TEIE;
   dma->CR |= DMA_CR_EN;
   DCMI->ICR = DCMI_OVR;
-  DCMI->CR |= DCMI_CR_CAPTURE; /* from the next VSYNC on */
+  DCMI->CR |= DCMI_CR_CAPTURE; /* starts at the next VSYNC */
 }
 
 void DMA1_Stream0_IRQHandler(void) {
@@ -122,12 +124,12 @@ void DMA1_Stream0_IRQHandler(void) {
   DMA1->LIFCR = flags & DMA_LISR_STREAM0;
   if (flags & DMA_LISR_TEIF0) dma_stream_fail(&stream);
   if (!(flags & DMA_LISR_TCIF0)) return;
-  /* Band n is full, and n + 1 is being filled, into M1AR where that is odd.
-   * Otherwise an interrupt came later than the next band's end. */
+  /* Band n is full, and n + 1 is being written, to M1AR if odd. Otherwise, the
+   * interrupt was too late. */
   const uint32_t filling = stream.num_filled + 1;
   const uint32_t is_second = (DMA1->S[0].CR & DMA_CR_CT) != 0;
   if (is_second != (filling & 1u)) dma_stream_fail(&stream);
-  /* The DMA may be given the address that it does not use. */
+  /* Only the address of the inactive buffer may be written. */
   const uint32_t slot = address_of(dma_stream_slot(&stream, filling + 1));
   if (is_second)
     DMA1->S[0].M0AR = slot;
@@ -136,7 +138,7 @@ void DMA1_Stream0_IRQHandler(void) {
   dma_stream_filled(&stream);
 }
 
-/* The DMA did not keep up with the sensor. */
+/* Overrun: the DMA was slower than the sensor. */
 void DCMI_IRQHandler(void) {
   DCMI->ICR = DCMI_OVR;
   dma_stream_fail(&stream);
@@ -147,14 +149,14 @@ rg_status camera_frame(const rg_camera* camera) {
   return dma_stream_undistort(&stream, camera);
 }
 
-/* ---- What dma_stream.c wants -------------------------------------------- */
+/* ---- Functions called by dma_stream.c ------------------------------------ */
 
 uint32_t board_lock(void) { return hold_interrupts(); }
 void board_unlock(uint32_t state) { release_interrupts(state); }
 void board_sleep(void) { wait_for_interrupt(); }
 
-/* By lines. Buffers begin with a line and consist of whole ones, so nothing
- * else is lost with them. */
+/* Line by line. Buffers consist of whole cache lines, so that invalidation does
+ * not discard other data. */
 void board_invalidate(const void* begin, uint32_t num_bytes) {
   const uint32_t address = address_of(begin);
   wait_for_memory();
@@ -173,7 +175,7 @@ void board_clean(const void* begin, uint32_t num_bytes) {
 
 void board_send(const uint8_t* bytes, uint32_t num_bytes) {
   dma_stream_registers* const dma = &DMA1->S[1];
-  while (dma->CR & DMA_CR_EN) POLL(); /* the DMA itself clears it at the end */
+  while (dma->CR & DMA_CR_EN) POLL(); /* cleared by hardware at the end */
   DMA1->LIFCR = DMA_LISR_STREAM1;
   dma->NDTR = num_bytes / 2u;
   dma->M0AR = address_of(bytes);
@@ -184,7 +186,7 @@ void board_send(const uint8_t* bytes, uint32_t num_bytes) {
 
 /* ---- The program -------------------------------------------------------- */
 
-/* The array that raygrid export front.raygrid --to c -o front.h writes, and its
+/* The array written by raygrid export front.raygrid --to c -o front.h, and its
  * size. */
 extern const uint8_t camera_blob[];
 extern const uint32_t camera_blob_bytes;
@@ -196,5 +198,5 @@ int main(void) {
   if (status == RG_OK) status = dma_stream_check(&stream, &camera);
   if (status != RG_OK) return (int)status;
   camera_init();
-  for (;;) camera_frame(&camera); /* one that was overtaken is cut off */
+  for (;;) camera_frame(&camera); /* may be truncated */
 }

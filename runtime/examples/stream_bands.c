@@ -1,11 +1,11 @@
-/* Undistorts a grey frame while the sensor sends it: on a Cortex-M with room
- * for a ring of rows, and none for a frame. */
+/* Undistorts a grey frame while the sensor sends it, on a Cortex-M with memory
+ * for a ring buffer of rows, but not for a frame. */
 #include "stream_bands.h"
 
 static uint8_t ring[RING_ROWS * SENSOR_WIDTH];
 static uint8_t band[BAND_ROWS * SENSOR_WIDTH];
 
-/* Receives rows until the ring's last is the one before end_row. */
+/* Receives rows until the ring's last row is end_row - 1. */
 static void receive_up_to(uint32_t end_row, rg_image* image) {
   uint32_t row = (uint32_t)image->first_row + image->num_rows;
   for (; row < end_row; ++row)
@@ -22,7 +22,7 @@ static rg_status stream_band(const rg_camera* camera, rg_image* image,
                            target->num_rows, &first_source, &num_source);
   if (status != RG_OK) return status;
   receive_up_to((uint32_t)first_source + num_source, image);
-  /* RG_ERR_ROWS_MISSING where the lens wants a larger ring. */
+  /* RG_ERR_ROWS_MISSING if the distortion requires a larger ring. */
   status = rg_remap(camera, image, target);
   if (status != RG_OK) return status;
   for (uint32_t k = 0; k < target->num_rows; ++k)
@@ -49,6 +49,6 @@ rg_status stream_frame(const rg_camera* camera) {
     status = stream_band(camera, &image, &target, width);
     if (status != RG_OK) return status;
   }
-  receive_up_to(frame_height, &image); /* rows that nobody needed */
+  receive_up_to(frame_height, &image); /* unused remaining rows */
   return RG_OK;
 }

@@ -1,7 +1,8 @@
-/* Finds where a far point comes to lie when the camera turns, as a gyroscope
- * says: a tracker looks for it there, and as far around as the camera is
- * uncertain.
- *   track_point BLOB X Y YAW_DEG PITCH_DEG */
+/* Predicts the pixel of a distant point after a rotation of the camera measured
+ * by a gyroscope: a tracker searches for it there, in a radius given by the
+ * camera's uncertainty.
+ *
+ * track_point BLOB X Y YAW_DEG PITCH_DEG */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ static int32_t to_pixel(const char* text) {
   return (int32_t)lround(number(text) * 65536);
 }
 
-/* (a, b) turned by an angle. */
+/* Rotates (a, b) by an angle. */
 static void turn(int32_t* a, int32_t* b, const char* degrees) {
   const double angle = number(degrees) * 3.14159265358979323846 / 180;
   const double c = cos(angle), s = sin(angle), x = *a, y = *b;
@@ -33,7 +34,7 @@ static void turn(int32_t* a, int32_t* b, const char* degrees) {
 }
 
 int main(int argc, char** argv) {
-  static uint32_t blob[1 << 18]; /* a blob starts at a multiple of 4 */
+  static uint32_t blob[1 << 18]; /* blobs must be aligned to 4 bytes */
   if (argc != 6) return fail("usage", "track_point BLOB X Y YAW_DEG PITCH_DEG");
   FILE* file = fopen(argv[1], "rb");
   if (!file) return fail(argv[1], "cannot be read");
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
   printf("direction %.6f %.6f %.6f\n", ray.x_q30 / 1073741824.0,
          ray.y_q30 / 1073741824.0, ray.z_q30 / 1073741824.0);
 
-  /* The camera turns right and up, so the world turns left and down. */
+  /* The camera rotates right and up, so points rotate left and down. */
   turn(&ray.x_q30, &ray.z_q30, argv[4]);
   turn(&ray.z_q30, &ray.y_q30, argv[5]);
 

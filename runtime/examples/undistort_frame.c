@@ -5,10 +5,10 @@
 
 #include "raygrid.h"
 
-/* In words: a blob starts at a multiple of 4. */
+/* Words, since blobs must be aligned to 4 bytes. */
 static uint32_t blob[1 << 18];
 
-/* Bytes read, 0 on failure. */
+/* Returns the number of bytes read, 0 on failure. */
 static size_t read_file(const char* path, void* bytes, size_t size) {
   FILE* file = fopen(path, "rb");
   if (!file) return 0;

@@ -62,7 +62,7 @@ uint32_t rg_row_pairs(rg_format format) {
   return kFormats[format] & FORMAT_ROW_PAIRS;
 }
 
-/* For each kind; for RGB565, a quarter of a word. */
+/* The bits of a sample of each kind; for RGB565, a quarter of a word. */
 #define RG_SAMPLE_KIND(kind, bits) [kind] = (bits),
 static const uint8_t kSampleBits[RG_SAMPLE_565 + 1] = {RG_SAMPLE_KINDS};
 

@@ -17,7 +17,7 @@ static rg_status check_grey_frames(const rg_camera* camera,
     return RG_ERR_FRAME_SIZE;
   const uint32_t end_row = (uint32_t)band->first_row + band->num_rows;
   if (end_row > rg_load_u16(section + RG_REMAP_HEIGHT)) return RG_ERR_ROWS;
-  RG_FORGET(band); /* otherwise its rows occupy a register */
+  RG_FORGET(band); /* otherwise, its rows occupy a register */
   return rg_check_overlap(
       frame, band->data, band->stride,
       rg_load_u16(section + RG_REMAP_WIDTH) | (uint32_t)band->num_rows << 16);

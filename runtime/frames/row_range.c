@@ -1,9 +1,8 @@
 #include "frames/row_range.h"
 
-/* The tolerance of a position in q12: a row's step is rounded by up to a half,
- * so its 32nd pixel by up to 16, and an interpolated pixel may be rounded in
- * the other direction.
- */
+/* The tolerance of a position in q12: a row's step is rounded by up to 1/2, so
+ * its 32nd pixel by up to 16; an interpolated pixel may be rounded in the
+ * opposite direction. */
 #define SLACK 33
 
 void rg_add_rows(rg_row_range* found, int32_t y_q12, int32_t num_rows,

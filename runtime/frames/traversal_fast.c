@@ -17,8 +17,8 @@
 
 /* The edge handling that the pixels of a span require. */
 typedef enum edge_handling {
-  EDGE_NONE,    /* their neighbours are in the source, in rows that follow each
-                   other in memory, and so do the spare rows */
+  EDGE_NONE,    /* their neighbours are in the source, in contiguous rows, which
+                   the spare rows follow */
   EDGE_GUARDED, /* their neighbours are, but perhaps not the spare rows */
   EDGE_PER_PIXEL, /* a single pixel, which may have no source, or a source that
                  lacks neighbours */
@@ -41,8 +41,8 @@ typedef struct fast_traversal {
   uint16_t row;        /* first output row of the row of tiles */
   uint16_t end_row;    /* after the last one to process */
   uint8_t tile_rows;   /* of the tiles; 0 before the first ones */
-  uint8_t tile_pixels; /* of such a row, where the tile at hand is done in
-                          segments of rows; 0: not yet */
+  uint8_t tile_pixels; /* of such a row, if the current tile is processed in
+                          segments of rows; otherwise 0 */
   uint8_t rows_left;   /* of the tile; 0: the span is the last one */
   uint8_t is_clamped;  /* use the nearest source if there is none */
   uint16_t num_whole_tiles; /* number in a row of tiles, from the left */

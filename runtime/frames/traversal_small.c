@@ -22,11 +22,11 @@ typedef struct small_traversal {
   rg_tile_row tiles;
   rg_source source;
   uint16_t width;        /* of the output, in component pixels */
-  uint16_t row, end_row; /* of the output: behind the row of tiles at hand, and
-                            behind the last one to do */
+  uint16_t row, end_row; /* of the output: after the current row of tiles, and
+                            after the last one to process */
   rg_span span;
-  const uint8_t* ranges; /* of the positions that have a source, as a table's
-                            section has them: |q12| below 2^27 */
+  const uint8_t* ranges; /* of the positions that have a source, in the format
+                            of a table's section: |q12| below 2^27 */
 } small_traversal;
 
 /* A function that interpolates a grey output pixel at a position. */
@@ -84,8 +84,7 @@ static int next_tile(small_traversal* traversal, const rg_camera* camera) {
   return 1;
 }
 
-/* Whether all positions have a source, and so has everything within a margin
- * around them. */
+/* Whether all positions, including a margin around them, have a source. */
 static int have_sources(const small_traversal* traversal,
                         const rg_position* positions, uint32_t num,
                         int32_t margin) {
@@ -107,9 +106,9 @@ static RG_INLINE int has_source(const small_traversal* traversal,
   return have_sources(traversal, position, 1, 0);
 }
 
-/* More than the rounding of a position; a component may end half a pixel before
- * the positions with a source. (The nearest pixel of such a position is not
- * after its last one, either.) */
+/* The margin exceeds the rounding of a position. A component may end half a
+ * pixel before the positions with a source do. (Even then, the nearest pixel of
+ * such a position is not after the last one.) */
 #define COMPONENT_MARGIN (RG_POSITION_MARGIN + 2048)
 
 /* Whether no pixel of the tile needs edge handling, except for ring buffers.
@@ -118,7 +117,7 @@ static RG_INLINE int is_interior_tile(const small_traversal* traversal) {
   const rg_position* const corners = traversal->span.block.corners;
   if (!RG_ALL_BUILT_IN)
     return have_sources(traversal, corners, 4, COMPONENT_MARGIN);
-  /* Built-in kernels are fast, so this check should be, too. */
+  /* Built-in kernels are fast, so this check must be fast as well. */
   if (traversal->tiles.is_empty) return 0;
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = traversal->ranges + 4 * c;

@@ -69,7 +69,7 @@ struct UndistortState {
   std::mutex mutex;  // of all below: properties are set by any thread
   raygrid::UndistortSettings settings;
   bool is_changed = false;  // since the next one was made
-  // next: with the current settings; in_use: until caps are set with next.
+  // next: for the current settings; in_use: used until caps are set for next.
   std::shared_ptr<raygrid::FrameUndistorter> next, in_use;
   // The current operating point; NaN: not set.
   double condition = NAN;
@@ -351,7 +351,7 @@ gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
   if (!GST_BASE_TRANSFORM_CLASS(raygrid_undistort_parent_class)
            ->propose_allocation(transform, decide, query))
     return FALSE;
-  if (!decide) return TRUE;  // passthrough: those behind have proposed
+  if (!decide) return TRUE;  // passthrough: downstream proposes
   GstCaps* caps = nullptr;
   GstVideoInfo info;
   gst_query_parse_allocation(query, &caps, nullptr);
@@ -377,7 +377,7 @@ gboolean ProposeAllocation(GstBaseTransform* transform, GstQuery* decide,
 
 // ---- Frames ----------------------------------------------------------------
 
-// Regions of interest move; TransformFrame() does it.
+// TransformFrame() transforms regions of interest.
 gboolean TransformMeta(GstBaseTransform* transform, GstBuffer* view,
                        GstMeta* meta, GstBuffer* frame) {
   if (meta->info->api == GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)

@@ -1,7 +1,7 @@
-/* Bilinear blending of two rows at once, 128 bits each. Where steps are small,
- * by table lookup: the pixels of a segment read at most 16 contiguous bytes of
- * each of three rows, so that byte shuffles take the place of a gather.
- * Elsewhere each pixel's samples are loaded by themselves. */
+/* Bilinear interpolation of two rows at once, 128 bits each. If steps are
+ * small, by table lookup: the pixels of a segment read at most 16 contiguous
+ * bytes of each of three rows, so that byte shuffles replace a gather.
+ * Otherwise, the samples of each pixel are loaded separately. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -16,28 +16,28 @@ RG_BEGIN_FEATURES("avx2")
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Rows whose positions are found together. */
+/* The number of rows whose positions are computed together. */
 #define TILE_ROWS 8u
 
-/* How far to the right memory is asked for: bytes of a row. */
+/* The prefetch distance to the right, in bytes of a row. */
 #define AHEAD 128
 
-/* How the 8 lanes of 16 bits that a row has are used. */
+/* The use of a row's 8 lanes of 16 bits. */
 typedef struct layout {
   uint32_t channels;
-  uint32_t pixels; /* of a segment */
-  int is_halved;   /* two windows of 8 bytes a segment, for steep rows */
+  uint32_t pixels; /* per segment */
+  int is_halved;   /* two windows of 8 bytes per segment, for steep rows */
 } layout;
 
 INLINE uint32_t num_windows(layout l) { return l.is_halved ? 2 : 1; }
 
 INLINE uint32_t window_pixels(layout l) { return l.pixels / num_windows(l); }
 
-/* Two bytes for each of 8 lanes, in both rows. */
+/* Two bytes for each of 8 lanes, repeated for both rows. */
 #define LANES(a, b, c, d, e, f, g, h) \
   _mm256_setr_epi16(a, b, c, d, e, f, g, h, a, b, c, d, e, f, g, h)
 
-/* The pixel of each lane, counted in its window. */
+/* The pixel of each lane, relative to its window. */
 INLINE __m256i lane_pixels(layout l) {
   if (l.channels == 1 && l.is_halved) return LANES(0, 1, 2, 3, 0, 1, 2, 3);
   if (l.channels == 1) return LANES(0, 1, 2, 3, 4, 5, 6, 7);
@@ -45,8 +45,8 @@ INLINE __m256i lane_pixels(layout l) {
   return LANES(0, 0, 1, 1, 2, 2, 3, 3);
 }
 
-/* The bytes of each lane's window with the first pixel's left and right sample.
- */
+/* The byte offsets of the first pixel's left and right samples in each lane's
+ * window. */
 INLINE __m256i lane_offsets(layout l) {
   if (l.channels == 1 && l.is_halved)
     return LANES(0x100, 0x100, 0x100, 0x100, 0x908, 0x908, 0x908, 0x908);
@@ -56,13 +56,14 @@ INLINE __m256i lane_offsets(layout l) {
   return LANES(0x200, 0x301, 0x200, 0x301, 0x200, 0x301, 0x200, 0x301);
 }
 
-/* Keeps the compiler from taking a multiplication apart. */
+/* Prevents the compiler from decomposing a multiplication. */
 INLINE __m256i as_is(__m256i value) {
   __asm__("" : "+x"(value));
   return value;
 }
 
-/* b where the mask's bytes are negative: the compiler would compare first. */
+/* b where the mask's bytes are negative; without assembler, the compiler would
+ * insert a comparison. */
 INLINE __m256i choose(__m256i a, __m256i b, __m256i mask) {
   __asm__("vpblendvb %2, %1, %0, %0" : "+x"(a) : "x"(b), "x"(mask));
   return a;
@@ -70,16 +71,15 @@ INLINE __m256i choose(__m256i a, __m256i b, __m256i mask) {
 
 /* ---- Positions ----------------------------------------------------------- */
 
-/* The source of a span, and what its rows have in common. It is read once, as
- * stores to the output might change the span for all that the compiler knows.
- */
+/* The source of a span, and values common to its rows. They are loaded once,
+ * since the compiler must assume that stores to the output modify the span. */
 typedef struct span_source {
   const uint8_t* data;
   size_t stride, out_stride;
   uint32_t num_pixels;
   int looks_below;
   __m256i stride_lanes;
-  __m256i top[4], height[4]; /* of the left edge, x and y, and the right one */
+  __m256i top[4], height[4]; /* of x and y, at the left and at the right edge */
   __m256i half_height, half_width, first_pixel;
   __m128i height_log2, width_log2;
 } span_source;
@@ -114,7 +114,7 @@ INLINE span_source find_source(const rg_span* span) {
   return s;
 }
 
-/* The starts of 8 rows, x + 16 and y, and their steps. */
+/* The start positions of 8 rows (x + 16 and y) and their steps. */
 typedef struct tile {
   __m256i x, y, step_x, step_y;
 } tile;
@@ -132,7 +132,7 @@ INLINE __m256i find_step(const span_source* s, __m256i left, __m256i right) {
       s->width_log2);
 }
 
-/* Rows r of the block. */
+/* The rows r of the block. */
 INLINE tile find_tile(const span_source* s, __m256i r) {
   tile rows;
   const __m256i x = find_edge(s, 0, r), y = find_edge(s, 1, r);
@@ -150,7 +150,7 @@ INLINE void advance(tile* rows, int32_t pixels) {
   rows->y = _mm256_add_epi32(rows->y, _mm256_mullo_epi32(rows->step_y, count));
 }
 
-/* Bytes from the source's start to the pixels of positions. */
+/* Byte offsets of positions' pixels from the source's start. */
 INLINE __m256i find_offsets(const span_source* s, __m256i x, __m256i y,
                             uint32_t channels) {
   const __m256i column = _mm256_srli_epi32(x, 12);
@@ -164,14 +164,16 @@ INLINE __m256i find_offsets(const span_source* s, __m256i x, __m256i y,
                                    : _mm256_add_epi32(twice, twice));
 }
 
-/* The memory that is asked for: bytes away from what a row reads and writes. */
+/* Prefetch distances in bytes, relative to the source and the output of a row.
+ */
 typedef struct outlook {
   ptrdiff_t source, out;
 } outlook;
 
-/* The outlook to the second tile below: far enough ahead for memory, and rows
- * seldom turn that much. Large parts of many channels fill the nearest cache in
- * between: there, to the right. first, last: offsets of a tile's rows. */
+/* The distance to the second tile below: sufficient for memory latency, and the
+ * direction of rows seldom changes that much. Large blocks with many channels
+ * would evict these lines from the L1 cache before their use: then to the
+ * right. first, last: offsets of a tile's rows. */
 INLINE outlook find_outlook(const span_source* s, uint32_t first, uint32_t last,
                             uint32_t channels) {
   outlook look = {AHEAD, AHEAD};
@@ -182,7 +184,7 @@ INLINE outlook find_outlook(const span_source* s, uint32_t first, uint32_t last,
   return look;
 }
 
-/* Once for 64 bytes of output, which come from up to 128. */
+/* Prefetches once per 64 bytes of output, which depend on up to 128 bytes. */
 INLINE int is_line_begun(const uint8_t* out, uint32_t num_bytes) {
   return ((uintptr_t)out & 63) < num_bytes;
 }
@@ -200,7 +202,7 @@ INLINE void look_on(const span_source* s, const outlook* look,
 
 /* ---- Blending ------------------------------------------------------------ */
 
-/* Bytes wx - 128 and -wx. */
+/* The bytes wx - 128 and -wx. */
 INLINE __m256i find_weights(__m256i x_q12) {
   const __m256i wx =
       _mm256_and_si256(_mm256_srli_epi16(x_q12, 5), _mm256_set1_epi16(127));
@@ -209,7 +211,7 @@ INLINE __m256i find_weights(__m256i x_q12) {
       _mm256_set1_epi16(128));
 }
 
-/* From -h of the upper and the lower row. */
+/* upper, lower: -h of the two rows. */
 INLINE __m256i blend_down(__m256i upper, __m256i lower, __m256i wy_q15) {
   /* -v = -h0 + ((h0 - h1) wy + 2^14) >> 15 */
   const __m256i v = _mm256_add_epi16(
@@ -218,11 +220,11 @@ INLINE __m256i blend_down(__m256i upper, __m256i lower, __m256i wy_q15) {
   return _mm256_mulhrs_epi16(v, _mm256_set1_epi16(-256));
 }
 
-/* ---- By windows ---------------------------------------------------------- */
+/* ---- Table lookup in windows --------------------------------------------- */
 
-/* The windows of a segment: where they start, and x in q12 and y in q15 of
- * their first pixels from there, in the low and the high half. Those of a row
- * follow each other. */
+/* The windows of a segment: their offsets, and the positions of their first
+ * pixels relative to these, x in q12 in the low half and y in q15 in the high
+ * half. The windows of a row are contiguous. */
 typedef struct window_starts {
   uint32_t offsets[2 * TILE_ROWS], starts[2 * TILE_ROWS];
 } window_starts;
@@ -236,7 +238,7 @@ INLINE void interleave(__m256i first, __m256i second, uint32_t* out) {
                       _mm256_permute2x128_si256(low, high, 0x31));
 }
 
-/* up: from a window's first pixel to its least y. */
+/* up: the offset from a window's first pixel to its minimum y. */
 INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
   const __m256i y_q15 = _mm256_srli_epi32(
       _mm256_slli_epi32(_mm256_add_epi32(rows->y, up), 20), 1);
@@ -244,7 +246,7 @@ INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
                          _mm256_sub_epi32(y_q15, _mm256_slli_epi32(up, 19)));
 }
 
-/* Moves to the next segment. */
+/* Computes the windows of a segment and advances to the next one. */
 INLINE void find_windows(const span_source* s, tile* rows, __m256i up, layout l,
                          window_starts* w) {
   __m256i offsets[2], starts[2];
@@ -263,7 +265,8 @@ INLINE void find_windows(const span_source* s, tile* rows, __m256i up, layout l,
   }
 }
 
-/* Half c of 32-bit values of two rows, or of their windows, to their lanes. */
+/* Distributes half c of the 32-bit values of two rows, or of their windows, to
+ * lanes. */
 INLINE __m256i to_lanes(const uint32_t* values, int c, int is_halved) {
   const int16_t half = (int16_t)(0x0100 + 0x0202 * c);
   __m256i pair;
@@ -286,9 +289,9 @@ INLINE __m256i to_lanes(const uint32_t* values, int c, int is_halved) {
                               _mm_set1_epi16((int16_t)(half + 0x404)), 1));
 }
 
-/* 8 bytes each, in halves of a register. */
+/* Loads 8 bytes each into the halves of a register. */
 INLINE __m128i load_two(const uint8_t* a, const uint8_t* b) {
-  double low, high; /* of any address */
+  double low, high; /* loadable from any address */
   __builtin_memcpy(&low, a, 8);
   __builtin_memcpy(&high, b, 8);
   return _mm_castpd_si128(_mm_set_pd(high, low));
@@ -300,7 +303,7 @@ INLINE __m256i load_four(const uint8_t* a, const uint8_t* b, const uint8_t* c,
                                  load_two(c, d), 1);
 }
 
-/* 16 bytes of both rows, or 8 of both windows of both. */
+/* 16 bytes of both rows, or 8 bytes of each of their windows. */
 INLINE __m256i load(const uint8_t* const* windows, size_t offset, layout l) {
   if (!l.is_halved)
     return _mm256_inserti128_si256(
@@ -311,8 +314,8 @@ INLINE __m256i load(const uint8_t* const* windows, size_t offset, layout l) {
                    windows[2] + offset, windows[3] + offset);
 }
 
-/* A segment of both rows; x in q12 and y in q15 from where the windows start.
- */
+/* A segment of both rows; x in q12 and y in q15 relative to the windows'
+ * starts. */
 INLINE __m256i blend_windows(const uint8_t* const* windows, size_t stride,
                              __m256i x_q12, __m256i y_q15, layout l) {
   /* byte indices of left and right sample */
@@ -329,13 +332,14 @@ INLINE __m256i blend_windows(const uint8_t* const* windows, size_t stride,
       _mm256_shuffle_epi8(load(windows, stride, l), index), weights);
   const __m256i h2 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(windows, 2 * stride, l), index), weights);
-  /* The sign of y: in the second of the window's rows. */
+  /* The sign bit of y selects the second of the window's rows. */
   const __m256i is_second = _mm256_srai_epi16(y_q15, 15);
   return blend_down(choose(h0, h1, is_second), choose(h1, h2, is_second),
                     _mm256_and_si256(y_q15, _mm256_set1_epi16(INT16_MAX)));
 }
 
-/* Steps of two rows to lanes, and from a window's first x and y. */
+/* The distances of each lane from its window's first x and y, for pairs of
+ * rows. */
 typedef struct lane_steps {
   __m256i x[TILE_ROWS / 2], y[TILE_ROWS / 2];
 } lane_steps;
@@ -354,7 +358,7 @@ INLINE void find_lanes(const tile* rows, layout l, lane_steps* lanes) {
   }
 }
 
-/* The segments of up to 8 rows, from out on. */
+/* Processes the segments of up to 8 rows, starting at out. */
 INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
                        uint8_t* out, layout l) {
   const uint32_t n = s->num_pixels, per_row = num_windows(l);
@@ -364,7 +368,7 @@ INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
       rows.step_y, _mm256_set1_epi32((int32_t)window_pixels(l) - 1));
   const __m256i up = _mm256_min_epi32(last_y, _mm256_setzero_si256());
   for (uint32_t k = 0; k < n; k += l.pixels) {
-    if (k + l.pixels > n) { /* the last segment begins earlier */
+    if (k + l.pixels > n) { /* the last segment overlaps the previous one */
       advance(&rows, (int32_t)(n - l.pixels) - (int32_t)k);
       k = n - l.pixels;
     }
@@ -400,9 +404,9 @@ INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
   }
 }
 
-/* Whether windows of so many pixels, twice as many with their neighbours, hold
- * them on two rows: (x & 4095) + (pixels - 1) step < 4096 (2 pixels - 1), and
- * likewise y. */
+/* Whether windows of `pixels` pixels, twice as many including neighbours,
+ * contain the samples of these pixels in two rows: (x & 4095) + (pixels - 1)
+ * step < 4096 (2 pixels - 1), and likewise y. */
 INLINE int fits(const tile* rows, uint32_t pixels) {
   const __m256i max_x = _mm256_set1_epi32(8192);
   const __m256i max_y = _mm256_set1_epi32(4096 / ((int32_t)pixels - 1));
@@ -413,9 +417,9 @@ INLINE int fits(const tile* rows, uint32_t pixels) {
   return _mm256_movemask_epi8(is_small) == -1;
 }
 
-/* ---- Each pixel by itself ------------------------------------------------ */
+/* ---- Separate loads for each pixel --------------------------------------- */
 
-/* 8 bytes of pixels 0, 1, 4, 5, or of 2, 3, 6, 7 where k is 2. */
+/* 8 bytes of each of the pixels 0, 1, 4, 5, or 2, 3, 6, 7 if k is 2. */
 INLINE __m256i load_pixels(const uint8_t* data, const uint32_t* offsets,
                            int k) {
   offsets += k;
@@ -423,7 +427,7 @@ INLINE __m256i load_pixels(const uint8_t* data, const uint32_t* offsets,
                    data + offsets[5]);
 }
 
-/* Left and right samples side by side. */
+/* Interleaves left and right samples. */
 INLINE __m256i to_pairs(__m256i samples, uint32_t channels) {
   if (channels == 1) return samples;
   const __m128i pairs =
@@ -435,7 +439,8 @@ INLINE __m256i to_pairs(__m256i samples, uint32_t channels) {
   return _mm256_shuffle_epi8(samples, _mm256_broadcastsi128_si256(pairs));
 }
 
-/* The low halves of pixels to all of their lanes: from pixel k of four on. */
+/* Distributes the low halves of pixels to all of their lanes, starting at pixel
+ * k of each half. */
 INLINE __m256i spread(__m256i values, uint32_t channels, int k) {
   const __m128i lanes = channels <= 2
                             ? _mm_setr_epi16(0x100, 0x100, 0x504, 0x504, 0x908,
@@ -447,7 +452,7 @@ INLINE __m256i spread(__m256i values, uint32_t channels, int k) {
                                              _mm256_set1_epi8((char)(4 * k))));
 }
 
-/* -h of pixels k and k + 1 of both fours, or of all. */
+/* -h of pixels k and k + 1 of both halves, or of all pixels. */
 INLINE __m256i blend_across(const uint8_t* row, const uint32_t* offsets,
                             __m256i weights, uint32_t channels, int k) {
   const __m256i samples =
@@ -460,7 +465,7 @@ INLINE __m256i blend_across(const uint8_t* row, const uint32_t* offsets,
                               spread(weights, channels, k));
 }
 
-/* Their results in the low bytes of lanes. */
+/* Returns the results in the low bytes of lanes. */
 INLINE __m256i blend_pixels(const span_source* s, const uint32_t* offsets,
                             __m256i weights, __m256i wy_q15, uint32_t channels,
                             int k) {
@@ -470,7 +475,7 @@ INLINE __m256i blend_pixels(const span_source* s, const uint32_t* offsets,
   return blend_down(upper, lower, spread(wy_q15, channels, k));
 }
 
-/* 8 pixels. */
+/* Stores 8 pixels. */
 INLINE void store_pixels(__m256i v, uint8_t* out, uint32_t channels) {
   __m128i low = _mm256_castsi256_si128(v);
   __m128i high = _mm256_extracti128_si256(v, 1);
@@ -495,7 +500,7 @@ INLINE void store_pixels(__m256i v, uint8_t* out, uint32_t channels) {
   }
 }
 
-/* A row from (x, y), x + 16. */
+/* Processes a row that starts at (x, y), where x includes the offset 16. */
 INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
                       int32_t y, int32_t step_x, int32_t step_y, uint8_t* out,
                       uint32_t channels) {
@@ -504,7 +509,7 @@ INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
   const __m256i lanes_x = _mm256_mullo_epi32(_mm256_set1_epi32(step_x), lane);
   const __m256i lanes_y = _mm256_mullo_epi32(_mm256_set1_epi32(step_y), lane);
   for (int32_t k = 0; k < n; k += 8) {
-    if (k + 8 > n) k = n - 8; /* the last ones begin earlier */
+    if (k + 8 > n) k = n - 8; /* the last pixels overlap the previous ones */
     const __m256i xs =
         _mm256_add_epi32(_mm256_set1_epi32(x + k * step_x), lanes_x);
     const __m256i ys =
@@ -512,7 +517,7 @@ INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
     uint32_t offsets[8];
     _mm256_storeu_si256((__m256i*)(void*)offsets,
                         find_offsets(s, xs, ys, channels));
-    __asm__("" : "+m"(offsets)); /* read from there, not taken from lanes */
+    __asm__("" : "+m"(offsets)); /* keeps the loads from memory */
     uint8_t* const target = out + (uint32_t)k * channels;
     if (is_line_begun(target, 8 * channels))
       look_on(s, look, s->data + offsets[0], target);
@@ -542,9 +547,9 @@ INLINE void blend_rows(const span_source* s, const tile* rows,
               out, channels);
 }
 
-/* ---- Runs ---------------------------------------------------------------- */
+/* ---- Spans --------------------------------------------------------------- */
 
-/* Rows from t on. */
+/* Processes num_rows rows, starting at row t. */
 static void blend_portably(const rg_span* span, uint32_t t, uint32_t num_rows,
                            rg_blend* portable) {
   rg_span part = *span;
@@ -570,7 +575,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* portable) {
   __m256i r = _mm256_add_epi32(_mm256_set1_epi32(span->first_row),
                                _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
-    /* Behind the last row, that one again. */
+    /* The last row is repeated to fill the tile. */
     const tile rows = find_tile(&s, _mm256_min_epi32(r, last_row));
     const uint32_t in_tile =
         num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
@@ -594,14 +599,15 @@ void rg_blend_4_avx2(const rg_span* span) { blend(span, 4, rg_blend_4); }
 
 /* ---- Words of RGB565 ----------------------------------------------------- */
 
-/* A field of 8 pixels, 32 bits each. Samples are the left one in the low half,
- * the right one in the high half, of the upper row and the lower row; so are
- * weights: across, and down in both halves likewise. */
+/* One field of 8 pixels, 32 bits each. Samples of the upper and of the lower
+ * row have the left one in the low half and the right one in the high half. The
+ * weights across are arranged alike; those down are for the upper row in the
+ * low half and the lower row in the high half. */
 INLINE __m256i blend_field(__m256i upper, __m256i lower, __m256i across,
                            __m256i down) {
   const __m256i upper_q8 = _mm256_madd_epi16(upper, across);
   const __m256i lower_q8 = _mm256_madd_epi16(lower, across);
-  /* A row's blend is at most 63 * 256. */
+  /* The horizontal interpolation of a row is at most 63 * 256. */
   const __m256i rows =
       _mm256_or_si256(upper_q8, _mm256_slli_epi32(lower_q8, 16));
   const __m256i sums_q16 = _mm256_add_epi32(_mm256_madd_epi16(rows, down),
@@ -609,7 +615,8 @@ INLINE __m256i blend_field(__m256i upper, __m256i lower, __m256i across,
   return _mm256_srli_epi32(sums_q16, 16);
 }
 
-/* 256 - w in the low halves, w in the high ones: 8 bits of positions. */
+/* 256 - w in the low halves, w in the high halves: the upper 8 fraction bits of
+ * positions. */
 INLINE __m256i weights_of(__m256i q12) {
   const __m256i w =
       _mm256_and_si256(_mm256_srli_epi32(q12, 4), _mm256_set1_epi32(255));
@@ -617,12 +624,12 @@ INLINE __m256i weights_of(__m256i q12) {
                           _mm256_set1_epi32(256));
 }
 
-/* The pair of words that begins at each offset. */
+/* Loads the two adjacent words at each offset. */
 INLINE __m256i gather_words(const uint8_t* row, __m256i offsets) {
   return _mm256_i32gather_epi32((const int*)(const void*)row, offsets, 1);
 }
 
-/* 8 pixels, whose rows are counted from the uppermost one. */
+/* Processes 8 pixels; y is relative to the uppermost row. */
 INLINE void blend_words(const uint8_t* top, uint32_t stride, __m256i x_q12,
                         __m256i y_q12, uint8_t* out) {
   const __m256i offsets =
@@ -647,11 +654,11 @@ INLINE void blend_words(const uint8_t* top, uint32_t stride, __m256i x_q12,
   _mm_storeu_si128((__m128i*)(void*)out, _mm256_castsi256_si128(halves));
 }
 
-/* The rows of 8 pixels are at most 16 pixels a pixel apart, so that their
- * offsets fit into 32 bits. */
+/* At most 16 pixels per pixel: the offsets of 8 pixels then fit into 32 bits.
+ */
 #define MAX_WORD_STEP_Q12 65536
 
-/* The positions of the row have their rounding. */
+/* The positions of the row already include the rounding term. */
 INLINE void blend_row_of_words(const rg_span* span, const rg_block_row* row,
                                uint8_t* out) {
   const int32_t n = span->num_pixels;
@@ -661,7 +668,7 @@ INLINE void blend_row_of_words(const rg_span* span, const rg_block_row* row,
   const __m256i lanes_y = _mm256_mullo_epi32(_mm256_set1_epi32(step_y), lanes);
   const int32_t up = step_y < 0 ? 7 * step_y : 0;
   for (int32_t k = 0; k < n; k += 8) {
-    if (k + 8 > n) k = n - 8; /* the last segment begins earlier */
+    if (k + 8 > n) k = n - 8; /* the last segment overlaps the previous one */
     const int32_t x = row->start.q12[0] + k * step_x;
     const int32_t y = row->start.q12[1] + k * step_y;
     const int32_t top = (y + up) >> 12;

@@ -1,6 +1,6 @@
-/* Bilinear blending by lookups in tables of 128 bytes: pixels of neighbouring
- * rows, 32 samples in lanes of 16 bits, find their source in a box of bytes in
- * two registers. Where they need a larger box, the AVX2 kernels take over. */
+/* Bilinear interpolation by lookups in tables of 128 bytes: 32 samples of
+ * adjacent rows, in lanes of 16 bits, are in a box of bytes that fits into two
+ * registers. If pixels require a larger box, the AVX2 kernels are used. */
 #include "kernels/kernel.h"
 
 #if RG_SELECT_KERNELS && defined(__x86_64__)
@@ -14,24 +14,23 @@ RG_BEGIN_FEATURES("avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi,avx512vbmi2")
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* The size of a tile: so many pixels of so many rows, which are found together.
- */
+/* The size of a tile, whose positions are computed together. */
 #define TILE_PIXELS 8u
 #define TILE_ROWS 8u
 
-/* The largest stride of rows, in bytes, that offsets are found for. */
+/* The maximum stride in bytes for which offsets fit. */
 #define MAX_STRIDE (1u << 18)
 
-/* How far to the right memory is asked for: bytes of a row. */
+/* The prefetch distance to the right, in bytes of a row. */
 #define AHEAD 128
 
 /* ---- Layouts ------------------------------------------------------------- */
 
-/* Positions are found for a set of 4 rows of a tile, one pixel a lane. Samples
- * are found for a group, one channel a lane: a set of one channel, half of its
- * columns with two channels, and half of these rows with three or four, which
- * have four lanes a pixel. The box of a group has 8 rows of 16 bytes, or 4 rows
- * of 32. */
+/* Positions are computed for a set: 4 rows of a tile, with one pixel per lane.
+ * Samples are interpolated for a group, with one channel per lane: a whole set
+ * with one channel, half of its columns with two channels, and half of these
+ * rows with three or four channels, which use four lanes per pixel. The box of
+ * a group has 8 rows of 16 bytes, or 4 rows of 32. */
 typedef struct layout {
   uint32_t channels;
   int is_tile; /* a span is a whole tile of 8 x 8 pixels */
@@ -44,7 +43,7 @@ typedef uint8_t bytes_64 __attribute__((vector_size(64)));
 typedef uint16_t words_32 __attribute__((vector_size(64)));
 typedef uint32_t dwords_16 __attribute__((vector_size(64)));
 
-/* The compiler makes constants of what is made of these. */
+/* Expressions of these are folded to constants. */
 INLINE words_32 lane_numbers(void) {
   const words_32 n = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
                       11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21,
@@ -66,7 +65,8 @@ INLINE bytes_64 byte_numbers(void) {
   return n;
 }
 
-/* The words of a tile that a set takes; of another tile for the second half. */
+/* The indices of a set's words in a tile; in another tile for the second half.
+ */
 INLINE __m512i x_words(uint32_t set, layout l) {
   const words_32 n = lane_numbers();
   const words_32 other = num_halves(l) == 2 ? (n & 4) * 8 : n & 0;
@@ -77,7 +77,7 @@ INLINE __m512i y_words(uint32_t set, layout l) {
   return (__m512i)((words_32)x_words(set, l) + 16);
 }
 
-/* The words of its set that a group takes. */
+/* The indices of a group's words in its set. */
 INLINE words_32 pixel_words(uint32_t pair, uint32_t half, layout l) {
   const words_32 n = lane_numbers();
   const uint16_t first = (uint16_t)(16 * pair + 4 * half);
@@ -86,15 +86,15 @@ INLINE words_32 pixel_words(uint32_t pair, uint32_t half, layout l) {
   return (n >> 4) * 8 + (n >> 2 & 3) + first;
 }
 
-/* Bytes from a pixel to the left and right sample of a lane. */
+/* Byte offsets from a pixel to the left and right sample of each lane. */
 INLINE __m512i lane_samples(layout l) {
   const words_32 n = lane_numbers();
   const uint16_t last = l.channels == 1 ? 0 : l.channels == 2 ? 1 : 3;
   return (__m512i)((n & last) * 0x0101 + (uint16_t)(0x0100 * l.channels));
 }
 
-/* Values that fill a register: in memory, since compilers would compose them
- * anew in every turn. */
+/* Values that fill a register. They are in memory, since compilers would
+ * recompute them in each iteration. */
 typedef struct fills {
   uint32_t seven_bits, fifteen_bits, left_weight, right_weight, last_factor;
   uint32_t both_bytes;
@@ -108,8 +108,8 @@ INLINE __m512i fill(uint32_t value) {
 
 /* ---- Positions ----------------------------------------------------------- */
 
-/* The starts and steps of 8 rows, in 32 bits: x + 16 in the low half and y in
- * the high. */
+/* The starts and steps of 8 rows, in 32 bits: x + 16 in the low half of the
+ * register and y in the high half. */
 typedef struct tile {
   __m512i start, step;
 } tile;
@@ -121,7 +121,7 @@ INLINE __m512i load_position(const rg_position* p) {
                                 p->q12[1]);
 }
 
-/* (value + 2^(log2 - 1)) >> log2; 3 in tiles. */
+/* (value + 2^(log2 - 1)) >> log2; log2 is 3 in tiles. */
 INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
   if (l.is_tile)
     return _mm512_srai_epi32(_mm512_add_epi32(value, _mm512_set1_epi32(4)), 3);
@@ -130,18 +130,19 @@ INLINE __m512i round_shift(__m512i value, uint32_t log2, layout l) {
       _mm512_set1_epi32((int32_t)log2));
 }
 
-/* The positions at p and behind it: x, y, x, y. */
+/* Loads two adjacent positions: x, y, x, y. */
 INLINE __m128i load_positions(const rg_position* p) {
   return _mm_loadu_si128((const __m128i*)(const void*)p);
 }
 
-/* Position k of two. */
+/* Broadcasts position k of two. */
 INLINE __m512i spread(__m128i two, int32_t k) {
   const dwords_16 lanes = (dword_numbers() >> 3) + 2 * (uint32_t)k;
   return _mm512_permutexvar_epi32((__m512i)lanes, _mm512_castsi128_si512(two));
 }
 
-/* The points where rows r of the block meet the left (0) or right (1) edge. */
+/* The points at which rows r of the block intersect its left (0) or right (1)
+ * edge. */
 INLINE __m512i find_edge(const rg_span* span, __m128i upper, __m128i lower,
                          int32_t k, __m512i r, layout l) {
   const __m512i down =
@@ -150,7 +151,8 @@ INLINE __m512i find_edge(const rg_span* span, __m128i upper, __m128i lower,
                           round_shift(down, span->block.height_log2, l));
 }
 
-/* Rows of the span from t on; behind the last row, that one again. */
+/* The rows of the span, starting at t; the last row is repeated to fill the
+ * tile. */
 INLINE tile find_tile(const rg_span* span, uint32_t t, layout l) {
   __m512i r = (__m512i)(dword_numbers() & 7);
   if (!l.is_tile) {
@@ -176,11 +178,11 @@ INLINE tile find_tile(const rg_span* span, uint32_t t, layout l) {
 
 /* ---- Boxes --------------------------------------------------------------- */
 
-/* Bytes to pixels and rows. */
+/* Byte distances between pixels and between rows. */
 typedef struct source_steps {
-  __m512i pixel; /* of x and of y, as a tile */
+  __m512i pixel; /* for x and for y, arranged as in a tile */
   __m256i row;
-  __m256i upper_rows, lower_rows; /* of boxes, from their first */
+  __m256i upper_rows, lower_rows; /* relative to a box's first row */
 } source_steps;
 
 INLINE source_steps find_source_steps(const rg_span* span, layout l) {
@@ -195,13 +197,13 @@ INLINE source_steps find_source_steps(const rg_span* span, layout l) {
   return s;
 }
 
-/* The offsets of the rows of the boxes of a tile's groups, or of those of a
- * half: the upper half of each, and the lower halves. */
+/* The row offsets of the boxes of a tile's groups, or of the groups in one
+ * half: of the upper halves and of the lower halves of the boxes. */
 typedef struct boxes {
   int32_t upper[8], lower[8];
 } boxes;
 
-/* Least or greatest of the rows of each group, in all of them. */
+/* The minimum or maximum over the rows of each group, in all of its lanes. */
 INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
   __m512i least = _mm512_min_epi32(a, b);
   least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0xb1));
@@ -221,9 +223,9 @@ INLINE __m512i find_greatest(__m512i a, __m512i b, layout l) {
 INLINE __m256i low_half(__m512i v) { return _mm512_castsi512_si256(v); }
 INLINE __m256i high_half(__m512i v) { return _mm512_extracti64x4_epi64(v, 1); }
 
-/* For rows from start to end. Rows below the lowest one that is needed become
- * that one. first: start, from the box. Returns whether boxes are large enough.
- */
+/* The boxes for rows from start to end. Rows below the last required one are
+ * replaced by it. first: start relative to the box. Returns whether boxes are
+ * large enough. */
 INLINE int find_boxes(const source_steps* s, __m512i start, __m512i end,
                       layout l, __m512i* first, boxes* b) {
   const uint32_t columns = 64 / group_rows(l) / l.channels;
@@ -240,14 +242,15 @@ INLINE int find_boxes(const source_steps* s, __m512i start, __m512i end,
   const __m256i lowest = _mm256_add_epi32(
       _mm256_mullo_epi32(_mm256_srli_epi32(high_half(size), 12), s->row),
       s->row);
-  /* By halves: a whole register would not be forwarded to the loads. */
+  /* Two stores: the loads could not be forwarded from a single 64-byte store.
+   */
   _mm256_storeu_si256(
       (__m256i*)(void*)b->upper,
       _mm256_add_epi32(corner, _mm256_min_epu32(s->upper_rows, lowest)));
   _mm256_storeu_si256(
       (__m256i*)(void*)b->lower,
       _mm256_add_epi32(corner, _mm256_min_epu32(s->lower_rows, lowest)));
-  __asm__("" : "+m"(*b)); /* read from there, not taken from lanes */
+  __asm__("" : "+m"(*b)); /* keeps the loads from memory */
   return 1;
 }
 
@@ -259,7 +262,7 @@ INLINE __m256i load_32(const uint8_t* bytes) {
   return _mm256_loadu_si256((const __m256i*)(const void*)bytes);
 }
 
-/* Half a box: rows of 16 bytes, or of 32. */
+/* Loads half a box: rows of 16 bytes, or of 32. */
 INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
                          layout l) {
   if (group_rows(l) == 2)
@@ -277,7 +280,7 @@ INLINE __m512i load_rows(const uint8_t* data, const int32_t* offsets,
 
 /* ---- Sets ---------------------------------------------------------------- */
 
-/* From the first pixels of halves to those of a set's lanes. */
+/* The distances of a set's lanes from the first pixels of their halves. */
 typedef struct lane_steps {
   __m512i x, y;
 } lane_steps;
@@ -292,8 +295,8 @@ INLINE lane_steps find_lane_steps(__m512i step, __m512i pixels, uint32_t set,
   return steps;
 }
 
-/* Each pixel of a set: bytes from the start of its box, weights of the left and
- * right sample, and of the lower row. */
+/* For each pixel of a set: the byte offset from the start of its box, the
+ * weights of the left and right sample, and the weight of the lower row. */
 typedef struct set {
   __m512i offset, weights, wy_q15;
 } set;
@@ -304,7 +307,7 @@ INLINE __m512i find_lanes(const __m512i* firsts, __m512i words, layout l) {
              : _mm512_permutex2var_epi16(firsts[0], words, firsts[1]);
 }
 
-/* firsts: of the halves, from their boxes. */
+/* firsts: the first pixels of the halves, relative to their boxes. */
 INLINE set find_set(const __m512i* firsts, uint32_t number,
                     const lane_steps* steps, layout l, const fills* f) {
   const __m512i x_q12 =
@@ -332,7 +335,7 @@ INLINE set find_set(const __m512i* firsts, uint32_t number,
 
 /* ---- Groups -------------------------------------------------------------- */
 
-/* Results in the low bytes of lanes. */
+/* Returns the results in the low bytes of lanes. */
 INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
                            uint32_t g, uint32_t half, layout l,
                            const fills* f) {
@@ -370,9 +373,9 @@ typedef struct tile_output {
   uint8_t* out;
   size_t stride;
   uint32_t num_rows;
-  int looks_below; /* what memory is asked for */
-  int is_whole;    /* all of its rows and pixels are wanted */
-  __mmask32 bytes; /* of a row */
+  int looks_below; /* prefetch direction: below, or to the right */
+  int is_whole;    /* all of its rows and pixels are output */
+  __mmask32 bytes; /* mask for one row */
 } tile_output;
 
 INLINE void store_row(const tile_output* t, uint32_t r, __m256i bytes,
@@ -389,7 +392,7 @@ INLINE void store_row(const tile_output* t, uint32_t r, __m256i bytes,
   }
 }
 
-/* 8 bytes each, of rows r and r + 4. */
+/* Stores 8 bytes each to rows r and r + 4. */
 INLINE void store_both(const tile_output* t, uint32_t r, __m128i bytes,
                        layout l) {
   if (t->is_whole) {
@@ -404,8 +407,8 @@ INLINE void store_both(const tile_output* t, uint32_t r, __m128i bytes,
   }
 }
 
-/* 16 bytes of each of four rows from r on; of one channel, 8 of these and 8 of
- * the four rows below. */
+/* Stores 16 bytes to each of four rows, starting at r; with one channel, 8
+ * bytes to each of eight rows. */
 INLINE void store_four(const tile_output* t, uint32_t r, __m512i rows,
                        layout l) {
 #define STORE(k)                                               \
@@ -423,12 +426,12 @@ INLINE void store_four(const tile_output* t, uint32_t r, __m512i rows,
 #undef STORE
 }
 
-/* Two rows from r on, whose halves are v and w. */
+/* Stores two rows, starting at r, whose halves are v and w. */
 INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
                       layout l) {
   const bytes_64 b = byte_numbers() & 31;
   const bytes_64 row = (byte_numbers() >> 5) * 32;
-  /* of three channels, the bytes of the fourth are left out */
+  /* with three channels, the unused fourth byte is omitted */
   const bytes_64 in_half = b % 12;
   const bytes_64 index =
       row + (l.channels == 3 ? b / 12 * 64 + in_half / 3 * 8 + in_half % 3 * 2
@@ -438,11 +441,11 @@ INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
   store_row(t, r + 1, high_half(bytes), l);
 }
 
-/* Asks for what the second tile below, and those to its right, will read and
- * write: once for 64 bytes of output, which come from up to 128. That is far
- * enough ahead for memory, and rows seldom turn that much. Large parts of many
- * channels fill the nearest cache in between: there, for what is to the right.
- */
+/* Prefetches the source and the output of the second tile below, once per 64
+ * bytes of output, which depend on up to 128 bytes. This distance is sufficient
+ * for memory latency, and the direction of rows seldom changes that much. Large
+ * blocks with many channels would evict these lines from the L1 cache before
+ * their use: then prefetches to the right. */
 INLINE void look_on(const uint8_t* data, const boxes* b, const tile_output* t) {
   const uint8_t* const out =
       t->out + (t->looks_below ? 2 * TILE_ROWS * t->stride : AHEAD);
@@ -458,11 +461,11 @@ INLINE void look_on(const uint8_t* data, const boxes* b, const tile_output* t) {
 
 /* ---- Tiles --------------------------------------------------------------- */
 
-/* The steps that the tiles of some rows have in common. */
+/* Values common to the tiles of a few rows. */
 typedef struct tile_row {
-  lane_steps upper, lower; /* of both sets */
-  /* From the first pixel to the last, to the last of the first half, and to the
-   * first of the second. */
+  lane_steps upper, lower; /* for both sets */
+  /* From the first pixel to the last one, to the last one of the first half,
+   * and to the first one of the second half. */
   __m512i to_last, to_half, to_next_half;
 } tile_row;
 
@@ -474,7 +477,7 @@ INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
   const words_32 n = lane_numbers();
   const uint32_t last = num_pixels - 1;
   __m512i pixels = (__m512i)(num_halves(l) == 1 ? n & 7 : n & 3);
-  if (!l.is_tile) { /* behind the last pixel, that one again */
+  if (!l.is_tile) { /* the last pixel is repeated */
     const __m512i lasts = _mm512_set1_epi16((int16_t)last);
     pixels = _mm512_min_epu16((__m512i)(n & 7), lasts);
     if (num_halves(l) == 2)
@@ -488,7 +491,7 @@ INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
   return row;
 }
 
-/* start: of its rows. Returns whether it was done. */
+/* start: of the tile's rows. Returns whether the tile was processed. */
 INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
                       const tile_row* row, const tile_output* to, layout l,
                       const fills* f) {
@@ -526,7 +529,7 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
   return 1;
 }
 
-/* Returns how many pixels of the rows were done. */
+/* Returns the number of pixels processed in each row. */
 INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
                             tile rows, tile_output to, uint32_t n, layout l,
                             const fills* f) {
@@ -541,7 +544,7 @@ INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
     k += num_pixels;
     if (k == n) return n;
     rows.start = _mm512_add_epi32(rows.start, to_next);
-    if (k + TILE_PIXELS > n) { /* the last tile begins earlier */
+    if (k + TILE_PIXELS > n) { /* the last tile overlaps the previous one */
       const uint32_t back = k + TILE_PIXELS - n;
       rows.start = _mm512_sub_epi32(rows.start, times(rows.step, back));
       k -= back;
@@ -549,9 +552,10 @@ INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
   }
 }
 
-/* ---- Runs ---------------------------------------------------------------- */
+/* ---- Spans --------------------------------------------------------------- */
 
-/* Rows from t on, pixels from k on. */
+/* Processes num_rows rows, starting at row t and pixel k, with another kernel.
+ */
 static void blend_elsewhere(const rg_span* span, uint32_t t, uint32_t num_rows,
                             uint32_t k, rg_blend* other) {
   rg_span part = *span;
@@ -573,7 +577,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* other) {
     return;
   }
   const fills* f = &kFills;
-  __asm__("" : "+r"(f)); /* values are loaded from there */
+  __asm__("" : "+r"(f)); /* forces loads from there */
   const source_steps s = find_source_steps(span, l);
   tile_output to = {span->out + span->out_pixel * channels,
                     span->out_stride,
@@ -591,12 +595,12 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* other) {
   }
 }
 
-/* Each tile has 8 x 8 pixels. */
+/* Processes adjacent tiles of 8 x 8 pixels. */
 INLINE void blend_tile_row(const rg_span* first, const rg_position* corners,
                            uint32_t num_tiles, uint32_t channels,
                            rg_blend* other) {
   const layout l = {channels, 1};
-  rg_span span = *first; /* which no byte that is stored can be part of */
+  rg_span span = *first; /* a copy that stores to the output cannot alias */
   const fills* f = &kFills;
   __asm__("" : "+r"(f));
   const source_steps s = find_source_steps(&span, l);

@@ -1,4 +1,4 @@
-/* The kernels that this processor has. */
+/* Selects the kernels that the processor supports. */
 #include "kernel_name.h"
 #include "kernels/kernel.h"
 #include "x86_features.h"

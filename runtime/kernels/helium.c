@@ -1,6 +1,6 @@
-/* Bilinear blending by gathers of 8 pixels, of any steps whose offsets fit into
- * 16 bits. Nothing is read but the pixels' own neighbours: lanes behind the
- * last pixel are predicated away. */
+/* Bilinear interpolation by gathers of 8 pixels, for any step whose offsets fit
+ * into 16 bits. Only the pixels' own neighbours are read: lanes after the last
+ * pixel are predicated off. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -16,9 +16,10 @@
 
 #define ROWS 4
 
-/* The values that a row begins with: where the least x and y of a first segment
- * lie, the steps, and how far these are from its first lane. ROWS rows have
- * them at once, so that they are ROWS apart. */
+/* The initial values of a row: the position of the minimum x and y of its first
+ * segment, the steps, and the (non-positive) distances from the first lane to
+ * that minimum. They are stored for ROWS rows at once, with a stride of ROWS.
+ */
 enum {
   X = 0 * ROWS,
   STEP_X = 1 * ROWS,
@@ -29,7 +30,7 @@ enum {
   GROUP_SIZE = 6 * ROWS
 };
 
-/* One coordinate of rows that are so far down in the block. */
+/* Computes one coordinate of the rows with these numbers in the block. */
 INLINE void find_rows(const rg_span* span, int c, int32x4_t row, int32_t origin,
                       int32_t width_shift, int32_t height_shift,
                       int32_t* values) {
@@ -58,7 +59,7 @@ static void find_row_group(const rg_span* span, uint32_t r, int32_t* values) {
             height_shift, values + Y);
 }
 
-/* One row of samples across, times 128. */
+/* Interpolates one row of samples horizontally, times 128. */
 INLINE uint16x8_t blend_across(const uint8_t* base, uint32_t channels,
                                uint16x8_t offsets, uint16x8_t wx) {
   const uint16x8_t left = vldrbq_gather_offset_u16(base, offsets);
@@ -66,8 +67,8 @@ INLINE uint16x8_t blend_across(const uint8_t* base, uint32_t channels,
   return vmlaq_n_u16(vmulq_u16(vsubq_u16(right, left), wx), left, 128);
 }
 
-/* x and y in q12 from the base, which is the least of a segment. Masks are
- * pairs of shifts: registers are scarce. */
+/* x and y in q12 relative to the base, the minimum of the segment. Masks are
+ * pairs of shifts, since registers are scarce. */
 INLINE void blend_segment(const uint8_t* base, uint32_t stride,
                           uint32_t channels, uint16x8_t x, uint16x8_t y,
                           uint8_t* out) {
@@ -94,7 +95,8 @@ INLINE void blend_segment(const uint8_t* base, uint32_t stride,
   }
 }
 
-/* The second segment has so many pixels that the first one has not. */
+/* pixels: the distance from the first segment to the second one, such that the
+ * last segment ends at the row's end. */
 INLINE void blend_row(const rg_span* span, const int32_t* row, uint32_t pixels,
                       uint32_t channels, uint8_t* out) {
   const uint8_t* const data = span->data;
@@ -122,7 +124,7 @@ INLINE void blend_row(const rg_span* span, const int32_t* row, uint32_t pixels,
   }
 }
 
-/* Functions of their own, so that their loops have all registers. */
+/* Separate functions, so that each loop can use all registers. */
 typedef void blend_one_row(const rg_span* span, const int32_t* row,
                            uint32_t pixels, uint8_t* out);
 #define ROW_OF(channels)                                        \
@@ -142,7 +144,7 @@ INLINE void blend(const rg_span* span, uint32_t channels,
     portable(span);
     return;
   }
-  /* The second segment of a row may begin within the first. */
+  /* The second segment of a row may overlap the first. */
   const uint32_t pixels = (span->num_pixels - 1u) % LANES + 1;
   uint8_t* out = span->out + span->out_pixel * channels;
   uint32_t r = span->first_row, rest = span->num_rows;

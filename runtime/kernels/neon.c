@@ -1,6 +1,7 @@
-/* Bilinear blending by table lookup: 8 lanes read at most 16 contiguous bytes
- * of each of three rows (32 for three channels), so that table lookups take the
- * place of a gather. Runs with larger steps go to the portable kernels. */
+/* Bilinear interpolation by table lookup: 8 lanes read at most 16 contiguous
+ * bytes of each of three rows (32 for two or three channels), so that table
+ * lookups replace a gather. Spans with larger steps are processed by the
+ * portable kernels. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -11,7 +12,7 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Pixels of a segment, and bytes of its window. */
+/* The pixels of a segment, and the bytes of its window. */
 typedef struct layout {
   uint32_t channels, pixels, window;
 } layout;
@@ -19,16 +20,17 @@ typedef struct layout {
 static const uint16_t kLanePixels[2][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
                                            {0, 0, 0, 0, 1, 1, 1, 1}};
 
-/* The bytes of the window with the left samples of a segment's first pixel, and
- * with the right ones. */
+/* The byte offsets in the window of the left samples of a segment's first
+ * pixel, and of the right ones. */
 static const uint8_t kLaneOffsets[2][16] = {
     {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1},
     {0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7}};
 
-/* 128 - wx in the low half, wx in the high one: |wx - these|. */
+/* Constants c such that |c - wx| is 128 - wx in the low half and wx in the high
+ * half. */
 static const uint8_t kWeights[16] = {128, 128, 128, 128, 128, 128, 128, 128};
 
-/* Rows of a span, one after the other. */
+/* Iterates over the rows of a span. */
 typedef struct row_steps {
   int32x4_t top;  /* P00, P10 */
   int32x4_t down; /* (P01 - P00) r, (P11 - P10) r */
@@ -51,7 +53,7 @@ INLINE row_steps first_row(const rg_span* span) {
   return rows;
 }
 
-/* A row: x + 16 and y of the block's left edge, and steps. */
+/* A row: x + 16 and y at the block's left edge, and the steps. */
 typedef struct row_line {
   int32x2_t start, step;
 } row_line;
@@ -68,18 +70,18 @@ INLINE row_line next_row(row_steps* rows) {
   return row;
 }
 
-#define MAX_PIXELS 32 /* of a row */
+#define MAX_PIXELS 32 /* per row */
 
 /* The windows of a row's segments, which start at the first lane's x and the
- * least y of the lanes; and the first lane from there, x in q12 and y in q15.
- */
+ * minimum y of the lanes; and the first lane relative to these, x in q12 and y
+ * in q15. */
 typedef struct row_segments {
   uint32_t offsets[MAX_PIXELS / 2];
   uint16_t starts[MAX_PIXELS / 2][2];
 } row_segments;
 
-/* Segments k to k + 3, which begin at some pixels of the block; ends is what
- * their last lanes are, less one. */
+/* Computes segments k to k + 3, which begin and end at these pixels of the
+ * block. */
 INLINE void find_segments(const row_line* row, int32x4_t pixels, int32x4_t ends,
                           uint32x4_t stride, layout l, uint32_t k,
                           row_segments* segments) {
@@ -102,7 +104,8 @@ INLINE void find_segments(const row_line* row, int32x4_t pixels, int32x4_t ends,
             vsliq_n_u32(vandq_u32(left, fraction), above, 16 + 3));
 }
 
-/* The next one, as lanes; the compiler would not step on while it reads. */
+/* Loads the next segment, broadcast to lanes; in C, the compiler would not use
+ * post-increment. */
 INLINE size_t next_segment(const uint32_t** offset, const uint16_t** start,
                            uint16x8_t* x_q12, uint16x8_t* y_q15) {
   uint64_t found;
@@ -124,15 +127,16 @@ INLINE uint8x8_t blend_down(uint16x8_t h0, uint16x8_t h1, int16x8_t wy) {
   return vqrshrun_n_s16(v, 7);
 }
 
-/* h: left samples and weights in the low halves, right ones in the high. */
+/* samples, weights: left ones in the low halves, right ones in the high halves.
+ */
 INLINE uint16x8_t blend_across(uint8x16_t samples, uint8x16_t weights) {
   return vmlal_high_u8(vmull_u8(vget_low_u8(samples), vget_low_u8(weights)),
                        samples, weights);
 }
 
-/* x in q12 and y in q15 of 8 lanes, from where the window starts. */
+/* 8 lanes; their x in q12 and y in q15 are relative to the window's start. */
 typedef struct lanes {
-  uint8x16_t pixel; /* of the window, 16 more in the second row; twice */
+  uint8x16_t pixel; /* in the window, + 16 in the second row; twice */
   uint8x16_t weights;
   int16x8_t wy;
 } lanes;
@@ -140,7 +144,7 @@ typedef struct lanes {
 INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   lanes cut;
   uint16x8_t low_bits = vdupq_n_u16(0x7fff);
-  __asm__("" : "+w"(low_bits)); /* else a copy and a shorter instruction */
+  __asm__("" : "+w"(low_bits)); /* otherwise a copy and a shorter instruction */
   uint16x8_t wy = vandq_u16(y_q15, low_bits);
   __asm__("" : "+w"(wy));
   cut.wy = vreinterpretq_s16_u16(wy);
@@ -151,15 +155,16 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   return cut;
 }
 
-/* The constants that the segments of a span, and of a row, have in common. */
+/* The constants of a span's segments, and of a row's. */
 typedef struct segment_constants {
-  const uint8_t *row0, *row1, *row2; /* the first ones */
+  const uint8_t *row0, *row1, *row2; /* of the first window */
   uint8x16_t offsets;
-  uint16x8_t lanes_x, lanes_y; /* of the row, from the first lane */
+  uint16x8_t lanes_x, lanes_y; /* of the row, relative to the first lane */
 } segment_constants;
 
-/* Samples of rows 0 and 1, 16 bytes each, and of rows 1 and 2. The tables must
- * be neighbouring registers, which the compiler would make copies for. */
+/* Looks up samples of rows 0 and 1, 16 bytes each, and of rows 1 and 2. The
+ * tables must be in consecutive registers, for which the compiler would insert
+ * copies. */
 INLINE void look_up(const segment_constants* s, size_t offset, uint8x16_t index,
                     uint8x16_t* upper, uint8x16_t* lower) {
   register uint8x16_t row0 __asm__("v16") = vld1q_u8(s->row0 + offset);
@@ -181,7 +186,7 @@ INLINE lanes cut_segment(const segment_constants* s, uint16x8_t x_q12,
 INLINE uint8x8_t blend_segment(const segment_constants* s, size_t offset,
                                lanes cut, layout l) {
   uint8x16_t index = vaddq_u8(cut.pixel, s->offsets);
-  if (l.channels != 1) { /* channels times the pixel; the 16 stay */
+  if (l.channels != 1) { /* multiplies the pixel by channels, not the 16 */
     const uint8x16_t pixel = vandq_u8(cut.pixel, vdupq_n_u8(15));
     index = vmlaq_u8(index, pixel, vdupq_n_u8((uint8_t)(l.channels - 1)));
   }
@@ -191,12 +196,12 @@ INLINE uint8x8_t blend_segment(const segment_constants* s, size_t offset,
                     blend_across(lower, cut.weights), cut.wy);
 }
 
-/* Rows of 32 bytes a window: rows 0 and 1, and rows 1 and 2. */
+/* Windows with rows of 32 bytes: rows 0 and 1, and rows 1 and 2. */
 typedef struct long_window {
   uint8x16_t row0[2], row1[2], row2[2];
 } long_window;
 
-/* The compiler would use two instructions. */
+/* A single instruction; the compiler would use two. */
 INLINE void load_32(const uint8_t* p, uint8x16_t loaded[2]) {
   __asm__("ldp %q0, %q1, [%2]"
           : "=w"(loaded[0]), "=w"(loaded[1])
@@ -219,7 +224,7 @@ INLINE void look_up_long(const long_window* w, uint8x16_t index,
           : "w"(index), "w"(row10), "w"(row11), "w"(row20), "w"(row21));
 }
 
-/* 8 pixels of two or three channels. */
+/* Processes 8 pixels of two or three channels. */
 INLINE void blend_long_segment(const segment_constants* s, size_t offset,
                                lanes cut, layout l, uint8_t* out) {
   long_window w;
@@ -246,7 +251,7 @@ INLINE void blend_long_segment(const segment_constants* s, size_t offset,
   }
 }
 
-/* Segments from one on to the one that ends at end. */
+/* Processes the segments from out to end. */
 INLINE void blend_segments(const segment_constants* s, layout l,
                            const uint32_t** offset, const uint16_t** start,
                            uint8_t* out, const uint8_t* end) {
@@ -262,7 +267,7 @@ INLINE void blend_segments(const segment_constants* s, layout l,
   } while (out != end);
 }
 
-/* All rows of a span. */
+/* Processes all rows of a span. */
 INLINE void blend_span(const rg_span* span, layout l) {
   static const int32_t kSegments[4] = {0, 1, 2, 3};
   const int is_long = l.window == 32;
@@ -303,12 +308,13 @@ INLINE void blend_span(const rg_span* span, layout l) {
     const uint16_t* start = segments.starts[0];
     uint8_t* const end = out + bytes;
     blend_segments(&s, l, &offset, &start, out, end - rest);
-    if (rest != 0) /* the last one begins within the one before */
+    if (rest != 0) /* the last segment overlaps the previous one */
       blend_segments(&s, l, &offset, &start, end - l.pixels * l.channels, end);
   }
 }
 
-/* Offsets of segments fit into 32 bits. */
+/* Whether windows are large enough, and the segments' offsets fit into 32 bits.
+ */
 INLINE int fits(const rg_span* span, layout l) {
   return span->stride <= 1 << 18 &&
          rg_fits_windows(span, l.pixels, l.window / l.channels);

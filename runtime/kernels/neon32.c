@@ -1,6 +1,6 @@
-/* Bilinear blending by table lookup on 32-bit Arm: 8 lanes of a row, whose
- * pixels read at most 16 contiguous bytes of each of three rows. Runs with
- * larger steps go to the portable kernels. */
+/* Bilinear interpolation by table lookup on 32-bit Arm: 8 lanes of a row, whose
+ * pixels read at most 16 contiguous bytes of each of three rows. Spans with
+ * larger steps are processed by the portable kernels. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -11,25 +11,25 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Pixels of a segment: 2, 4 or 8. */
+/* The pixels of a segment: 2, 4 or 8. */
 typedef struct layout {
   uint32_t channels, pixels;
 } layout;
 
-/* By channels less 1: the pixel of each lane, counted in its window. */
+/* By channels - 1: the pixel of each lane, relative to its window. */
 static const uint16_t kLanePixels[4][8] = {{0, 1, 2, 3, 4, 5, 6, 7},
                                            {0, 0, 1, 1, 2, 2, 3, 3},
                                            {0, 0, 0, 1, 1, 1, 1, 1},
                                            {0, 0, 0, 0, 1, 1, 1, 1}};
 
-/* By channels less 1: the byte of the window with the first pixel's left
+/* By channels - 1: the byte offset in the window of the first pixel's left
  * sample, for each lane. */
 static const uint8_t kLaneOffsets[4][8] = {{0, 0, 0, 0, 0, 0, 0, 0},
                                            {0, 1, 0, 1, 0, 1, 0, 1},
                                            {0, 1, 2, 0, 1, 2, 2, 2},
                                            {0, 1, 2, 3, 0, 1, 2, 3}};
 
-/* Samples of two rows, one behind the other, times their weights. */
+/* Weighted samples of two consecutive rows. */
 INLINE uint16x8_t blend_across(uint8x16_t upper, uint8x16_t lower,
                                uint8x8_t left, uint8x8_t right, uint8x8_t wx) {
   const uint8x8x4_t rows = {{vget_low_u8(upper), vget_high_u8(upper),
@@ -38,15 +38,15 @@ INLINE uint16x8_t blend_across(uint8x16_t upper, uint8x16_t lower,
                   vtbl4_u8(rows, right), wx);
 }
 
-/* x in q12 and y in q15 from where the window starts. */
+/* x in q12 and y in q15, relative to the window's start. */
 INLINE uint8x8_t blend_segment(const uint8_t* window, size_t stride,
                                uint16x8_t x_q12, uint16x8_t y_q15,
                                uint8x8_t offsets, layout l) {
-  /* The pixel of the window, 16 more in the second of its rows. */
+  /* The pixel in the window, plus 16 in the second of its rows. */
   const uint8x8_t pixel =
       vshr_n_u8(vshrn_n_u16(vsriq_n_u16(y_q15, x_q12, 1), 8), 3);
   uint8x8_t left = vadd_u8(pixel, offsets);
-  if (l.channels != 1) /* channels times the pixel; the 16 stay */
+  if (l.channels != 1) /* multiplies the pixel by channels, not the 16 */
     left = vmla_u8(left, vand_u8(pixel, vdup_n_u8(15)),
                    vdup_n_u8((uint8_t)(l.channels - 1)));
   const uint8x8_t right = vadd_u8(left, vdup_n_u8((uint8_t)l.channels));
@@ -65,8 +65,8 @@ INLINE uint8x8_t blend_segment(const uint8_t* window, size_t stride,
   return vqrshrun_n_s16(v, 7);
 }
 
-/* Three channels leave two bytes of the eight over, which the next segment
- * overwrites. */
+/* With three channels, two of the eight bytes are unused; the next segment
+ * overwrites them. */
 INLINE void store(uint8_t* out, uint8x8_t bytes, int is_last, layout l) {
   if (l.channels == 3 && is_last) {
     uint8_t all[8];
@@ -81,7 +81,7 @@ INLINE void blend_row(const rg_span* span, const rg_block_row* row,
                       uint8_t* out, layout l) {
   const int32_t pixels = (int32_t)l.pixels, n = span->num_pixels;
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
-  /* The window starts at the first x + 16 and the least y. */
+  /* The window starts at the first x + 16 and the minimum y. */
   const int32_t up = step_y < 0 ? (pixels - 1) * step_y : 0;
   const uint16x8_t lanes = vld1q_u16(kLanePixels[l.channels - 1]);
   const uint8x8_t offsets = vld1_u8(kLaneOffsets[l.channels - 1]);
@@ -91,7 +91,7 @@ INLINE void blend_row(const rg_span* span, const rg_block_row* row,
                 vdupq_n_u16((uint16_t)(8 * up)));
   int32_t x = row->start.q12[0] + 16, y = row->start.q12[1] + up;
   for (int32_t k = 0; k < n; k += pixels) {
-    if (k + pixels > n) { /* the last segment begins earlier */
+    if (k + pixels > n) { /* the last segment overlaps the previous one */
       const int32_t back = k + pixels - n;
       x -= back * step_x;
       y -= back * step_y;

@@ -1,4 +1,4 @@
-/* The kernels that define the others' bits. */
+/* The reference kernels, with which all others agree bit for bit. */
 #include <stddef.h>
 
 #include "fixed_point.h"
@@ -25,8 +25,8 @@ void rg_blend_1(const rg_span* span) {
 
 /* ---- Words of RGB565 ----------------------------------------------------- */
 
-/* The fields of a word, apart, with room for 16 bits more: green from bit 0 on,
- * blue from 22, red from 43. Each sum of 4 samples, with weights whose sum is
+/* Separates the fields of a word, with 16 more bits each: green at bit 0, blue
+ * at bit 22, red at bit 43. Each sum of 4 samples, with weights whose sum is
  * 2^16, fits: 63 2^16 + 2^15 is below 2^22, 31 2^16 + 2^15 below 2^21. */
 static RG_INLINE uint64_t stride_fields(uint32_t word) {
   return (word >> 5 & 63) | (uint64_t)(word & 31) << 22 |
@@ -39,14 +39,14 @@ static RG_INLINE uint32_t join_fields(uint64_t sums_q16) {
          ((uint32_t)(sums_q16 >> 38) & 31);
 }
 
-/* Two words beside each other, with 8-bit weights. */
+/* Interpolates two adjacent words with 8-bit weights. */
 static RG_INLINE uint64_t blend_words_across(const uint8_t* words,
                                              uint32_t wx_q8) {
   return stride_fields(rg_load_u16(words)) * (256 - wx_q8) +
          stride_fields(rg_load_u16(words + 2)) * wx_q8;
 }
 
-/* rg_blend_samples() of all fields of a pixel; or a copy of its word. */
+/* rg_blend_samples() for all fields of a pixel, or a copy of its word. */
 static RG_INLINE void process_word(const rg_neighbors* at, int is_copy,
                                    uint8_t* out) {
   const uint64_t rounding =
@@ -66,8 +66,8 @@ static RG_INLINE void process_word(const rg_neighbors* at, int is_copy,
 
 /* ---- Any component ------------------------------------------------------- */
 
-/* With all that the compiler knows of the component. is_copy: all neighbours
- * are the same one. */
+/* Specialized by the compiler for the component. is_copy: all neighbours are
+ * the same pixel. */
 static RG_INLINE void process_pixel(const rg_component* component,
                                     uint32_t kind, uint32_t num_channels,
                                     const rg_neighbors* at, int is_copy,
@@ -84,9 +84,9 @@ static RG_INLINE void process_pixel(const rg_component* component,
                             : rg_blend_samples(kind, at, index));
 }
 
-/* A copy of the span, which no byte that is stored can be part of. It is made
- * value by value, as some were stored just now, by themselves. The corners are
- * left out. */
+/* Copies the span to a local variable, which stores to the output cannot alias.
+ * It is copied value by value, since some values have just been stored
+ * separately. The corners are not copied. */
 static RG_INLINE void copy_span(const rg_span* span, rg_span* own) {
   own->data = span->data;
   own->stride = span->stride;
@@ -101,8 +101,8 @@ static RG_INLINE void copy_span(const rg_span* span, rg_span* own) {
   own->num_pixels = span->num_pixels;
 }
 
-/* Does the rows of a span, with what the compiler knows of kind, channels and
- * is_copy: the nearest pixel is copied. */
+/* Processes the rows of a span, specialized by the compiler for kind, channels
+ * and is_copy (the nearest pixel is copied). */
 static RG_INLINE void process_rows(const rg_span* span,
                                    const rg_component* component, uint32_t kind,
                                    uint32_t num_channels, int is_copy) {
@@ -130,9 +130,9 @@ static RG_INLINE void process_rows(const rg_span* span,
   }
 }
 
-/* Does the rows of a span of any component, with little code and stack. right:
- * the samples from a pixel to its right neighbour, or 0 if pixels are copied.
- */
+/* Processes the rows of a span of any component with little code and stack.
+ * right: the distance in samples from a pixel to its right neighbour, or 0 if
+ * pixels are copied. */
 static void process_rows_compactly(const rg_span* span,
                                    const rg_component* component,
                                    uint32_t right) {
@@ -142,7 +142,7 @@ static void process_rows_compactly(const rg_span* span,
   at.out = span->out;
   at.right = right;
   do {
-    RG_FORGET(span); /* else the address of its block is in another one */
+    RG_FORGET(span); /* otherwise its block's address uses another register */
     rg_compute_block_row(&span->block, span->first_row + r, &row);
     rg_move_to_span(span, &row);
     rg_round_row(component->kind, at.right == 0, &row);
@@ -158,8 +158,8 @@ static void process_rows_compactly(const rg_span* span,
   } while (++r != span->num_rows);
 }
 
-/* Does a span of all fields of RGB565 with the first one. The fields have the
- * same spans, so nothing is left to do with the others. */
+/* Processes all fields of RGB565 together with the first one. The fields have
+ * the same spans, so the others are skipped. */
 static RG_INLINE void process_first_field(const rg_span* span,
                                           const rg_component* component,
                                           int is_copy) {
@@ -167,8 +167,8 @@ static RG_INLINE void process_first_field(const rg_span* span,
     process_rows(span, component, RG_SAMPLE_565, 1, is_copy);
 }
 
-/* Does a span with component and sampling known to the compiler, where speed
- * matters. */
+/* Processes a span, specialized by the compiler for component and sampling if
+ * optimized for speed. */
 static RG_INLINE void process_component(const rg_span* span,
                                         const rg_component* component,
                                         int is_copy) {

@@ -1,7 +1,7 @@
-/* Bilinear blending by indexed loads of 8 pixels, of any steps whose offsets
- * fit into 16 bits; version 1.0 of the vector extension, in the assembler's
- * words, as compilers have no other ones yet. Nothing is read but the pixels'
- * own neighbours. */
+/* Bilinear interpolation by indexed loads of 8 pixels, for any step whose
+ * offsets fit into 16 bits. Uses version 1.0 of the vector extension by
+ * assembler mnemonics, since compilers do not provide stable intrinsics yet.
+ * Only the pixels' own neighbours are read. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -13,7 +13,7 @@
 
 #define LANES 8
 
-/* GCC before 13 neither uses nor knows them. */
+/* GCC before 13 does not know vector registers, and does not use them. */
 #if defined(__clang__) || __GNUC__ >= 13
 #define VECTOR_REGISTERS \
   , "v0", "v1", "v2", "v3", "v4", "v5", "v6", "v7", "v8", "v9", "v10", "v11"
@@ -21,14 +21,15 @@
 #define VECTOR_REGISTERS
 #endif
 
-/* Steps of a row, and from its first lane to the least x and y of a segment. */
+/* The steps of a row, and the distances from its first lane to the minimum x
+ * and y of a segment. */
 typedef struct lane_steps {
   int32_t x, y, back, up;
 } lane_steps;
 
-/* Up to 8 pixels; x and y in q12 from the base, which is the least of the
- * segment. v0 x, v1 y, v2 offsets, v3 and v4 weights of right and left samples,
- * v5 wy in q15, v6 and v7 h0 and h1, v8 to v11 samples. */
+/* Processes up to 8 pixels; x and y in q12 relative to the base, the minimum of
+ * the segment. v0: x; v1: y; v2: offsets; v3, v4: weights of right and left
+ * samples; v5: wy in q15; v6, v7: h0 and h1; v8 to v11: samples. */
 INLINE void blend_segment(const uint8_t* base, size_t stride, size_t channels,
                           uint32_t x, uint32_t y, const lane_steps* steps,
                           size_t num_pixels, uint8_t* out) {
@@ -96,7 +97,7 @@ INLINE void blend_row(const rg_span* span, const rg_block_row* row,
   int32_t y = row->start.q12[1] + steps.up;
   for (size_t rest = span->num_pixels;;) {
     const size_t pixels = rest < LANES ? rest : LANES;
-    /* The least of 8 pixels may lie outside where fewer are left. */
+    /* The minimum over 8 pixels may be outside the source if fewer are left. */
     const uint8_t* const base = span->data +
                                 (ptrdiff_t)(y >> 12) * (ptrdiff_t)span->stride +
                                 (ptrdiff_t)(x >> 12) * (ptrdiff_t)channels;

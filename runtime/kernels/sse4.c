@@ -1,6 +1,6 @@
-/* Bilinear blending by table lookup, as in avx2.c, with half its width: 8 lanes
- * of one row, whose pixels read at most 16 contiguous bytes of each of three
- * rows. Runs with larger steps go to the portable kernels. */
+/* Bilinear interpolation by table lookup as in avx2.c, with half its width: 8
+ * lanes of one row, whose pixels read at most 16 contiguous bytes of each of
+ * three rows. Spans with larger steps are processed by the portable kernels. */
 #include "kernels/kernel.h"
 #include "kernels/segments.h"
 
@@ -15,12 +15,12 @@ RG_BEGIN_FEATURES("sse4.1")
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* Pixels of a segment: 2, 4 or 8. */
+/* The pixels of a segment: 2, 4 or 8. */
 typedef struct layout {
   uint32_t channels, pixels;
 } layout;
 
-/* The pixel of each lane, counted in its window. */
+/* The pixel of each lane, relative to its window. */
 INLINE __m128i lane_pixels(layout l) {
   if (l.channels == 1) return _mm_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7);
   if (l.channels == 2) return _mm_setr_epi16(0, 0, 1, 1, 2, 2, 3, 3);
@@ -28,7 +28,7 @@ INLINE __m128i lane_pixels(layout l) {
   return _mm_setr_epi16(0, 0, 0, 0, 1, 1, 1, 1);
 }
 
-/* The bytes of the window with the first pixel's left and right sample. */
+/* The byte offsets in the window of the first pixel's left and right sample. */
 INLINE __m128i lane_offsets(layout l) {
   if (l.channels == 1) return _mm_set1_epi16(0x100);
   if (l.channels == 2)
@@ -40,21 +40,21 @@ INLINE __m128i lane_offsets(layout l) {
   return _mm_setr_epi16(0x400, 0x501, 0x602, 0x703, 0x400, 0x501, 0x602, 0x703);
 }
 
-/* Keeps the compiler from taking a multiplication or a blend apart. */
+/* Prevents the compiler from decomposing a multiplication or a blend. */
 INLINE __m128i as_is(__m128i value) {
   __asm__("" : "+x"(value));
   return value;
 }
 
-/* -h of one row: samples across, times 128. */
+/* -h of one row: the horizontal interpolation, times 128. */
 INLINE __m128i blend_across(const uint8_t* row, __m128i index,
                             __m128i weights) {
   const __m128i bytes = _mm_loadu_si128((const __m128i*)(const void*)row);
   return _mm_maddubs_epi16(_mm_shuffle_epi8(bytes, index), weights);
 }
 
-/* x in q12 and y in q15 from where the window starts; results in the low bytes
- * of lanes. */
+/* x in q12 and y in q15, relative to the window's start; results are in the low
+ * bytes of lanes. */
 INLINE __m128i blend_segment(const uint8_t* window, size_t stride,
                              __m128i x_q12, __m128i y_q15, layout l) {
   /* byte indices of left and right sample */
@@ -70,7 +70,7 @@ INLINE __m128i blend_segment(const uint8_t* window, size_t stride,
   const __m128i h0 = blend_across(window, index, weights);
   const __m128i h1 = blend_across(window + stride, index, weights);
   const __m128i h2 = blend_across(window + 2 * stride, index, weights);
-  /* The sign of y: in the second of the window's rows. */
+  /* The sign bit of y selects the second of the window's rows. */
   const __m128i is_second = as_is(_mm_srai_epi16(y_q15, 15));
   const __m128i wy = _mm_and_si128(y_q15, _mm_set1_epi16(INT16_MAX));
   const __m128i upper = _mm_blendv_epi8(h0, h1, is_second);
@@ -82,8 +82,8 @@ INLINE __m128i blend_segment(const uint8_t* window, size_t stride,
   return _mm_mulhrs_epi16(v, _mm_set1_epi16(-256));
 }
 
-/* Three channels leave two bytes of the eight over, which the next segment
- * overwrites. */
+/* With three channels, two of the eight bytes are unused; the next segment
+ * overwrites them. */
 INLINE void store(uint8_t* out, __m128i bytes, int is_last, layout l) {
   if (l.channels == 3 && is_last) {
     const uint32_t low = (uint32_t)_mm_cvtsi128_si32(bytes);
@@ -99,7 +99,7 @@ INLINE void blend_row(const rg_span* span, const rg_block_row* row,
                       uint8_t* out, layout l) {
   const int32_t pixels = (int32_t)l.pixels, n = span->num_pixels;
   const int32_t step_x = row->step.q12[0], step_y = row->step.q12[1];
-  /* The window starts at the first x + 16 and the least y. */
+  /* The window starts at the first x + 16 and the minimum y. */
   const int32_t up = step_y < 0 ? (pixels - 1) * step_y : 0;
   const __m128i lanes = lane_pixels(l);
   const __m128i lanes_x =
@@ -109,7 +109,7 @@ INLINE void blend_row(const rg_span* span, const rg_block_row* row,
       _mm_set1_epi16((int16_t)(8 * up)));
   int32_t x = row->start.q12[0] + 16, y = row->start.q12[1] + up;
   for (int32_t k = 0; k < n; k += pixels) {
-    if (k + pixels > n) { /* the last segment begins earlier */
+    if (k + pixels > n) { /* the last segment overlaps the previous one */
       const int32_t back = k + pixels - n;
       x -= back * step_x;
       y -= back * step_y;

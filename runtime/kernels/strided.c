@@ -1,19 +1,19 @@
-/* Components whose samples have others between them: luma and chroma of YUYV,
- * the colours of a Bayer frame. The groups of 2 or 4 bytes that they are in are
- * blended as pixels of as many channels, beside the output, and the component's
- * own bytes are copied. A group's other bytes are blended for nothing, which is
- * still several times as fast as one sample at a time.
+/* Strided components, whose samples are interleaved with others: luma and
+ * chroma of YUYV, the colours of a Bayer frame. Their groups of 2 or 4 bytes
+ * are interpolated as pixels with as many channels into a local buffer, and the
+ * component's own bytes are copied to the output. The result of the other bytes
+ * is discarded, which is still several times as fast as one sample at a time.
  *
- * Two chroma samples in a group of 4 are at the same place, so their components
- * have the same spans: those of the first one do both, and those of the second
- * one nothing. */
+ * Two chroma samples in a group of 4 have the same position, so their
+ * components have the same spans: those of the first component process both,
+ * and those of the second do nothing. */
 #include "kernels/kernel.h"
 
 #if RG_SELECT_KERNELS
 
 #include <stddef.h>
 
-/* Groups that are blended at once. */
+/* The groups that are interpolated at once. */
 #define STRIDED_ROWS 8u
 #define STRIDED_ROW_BYTES (64u * 4u)
 
@@ -23,8 +23,8 @@ static RG_INLINE void copy_row(const uint8_t* from, uint32_t count,
   for (uint32_t k = 0; k < 2 * count; k += 2) to[k] = from[k];
 }
 
-/* A copy of the span, but for where its output lies and for its rows. It is
- * made value by value, else the compiler calls memcpy(). */
+/* Copies the span, except for its output and its rows; value by value, since
+ * the compiler would otherwise call memcpy(). */
 static RG_INLINE void copy_source(const rg_span* span, rg_span* slice) {
   slice->first_pixel = span->first_pixel;
   slice->first_source_row = span->first_source_row;

@@ -1,15 +1,15 @@
-/* The portable kernels' bits for tiles of 8 x 8 pixels, in loops over all of
- * them that GCC makes vectors of; clang 14 does so with few, which is slower
- * than one pixel after the other. Lanes are a tile's rows, so that one sum
- * leads to the next column. Sources are counted in 16 bits from a pixel nearby.
- */
+/* The portable kernels' results for tiles of 8 x 8 pixels, in loops over whole
+ * tiles that GCC vectorizes; clang 14 vectorizes few of them, which is slower
+ * than pixel by pixel. Lanes are a tile's rows, so that a single addition
+ * advances to the next column. Source positions have 16 bits, relative to a
+ * nearby pixel. */
 #include "kernels/tiles.h"
 
 #include <stddef.h>
 
 #if RG_HAS_TILES
 
-/* Two neighbours, the left one in the low byte. */
+/* Two adjacent bytes, the left one in the low byte. */
 static inline uint32_t load_pair(const uint8_t* p) {
   return p[0] | (uint32_t)p[1] << 8;
 }
@@ -17,9 +17,9 @@ static inline uint32_t load_pair(const uint8_t* p) {
 #define TILE 8
 #define TILE_PIXELS (TILE * TILE)
 
-/* x, y of where a row begins, and where it ends, times the height of the block;
- * what rounds them is added, to the ends also what rounds a step. And how these
- * change to the next row. */
+/* x, y of a row's start and of its end, times the height of the block,
+ * including the rounding term and, for ends, also that of a step; and their
+ * increments to the next row. */
 typedef struct tile_edges {
   int32_t sums[4], heights[4];
   uint32_t width_log2, height_log2;
@@ -44,8 +44,8 @@ static RG_INLINE void start_tile_edges(const rg_span* span, int32_t bias_x,
   edges->height_log2 = log2;
 }
 
-/* One coordinate of where rows begin and of their steps, modulo 2^16; of the
- * first row, as it is. */
+/* One coordinate of the rows' starts and steps, modulo 2^16; in full precision
+ * for the first row. */
 typedef struct tile_rows {
   uint16_t start[TILE], step[TILE];
   int32_t first_start, first_step;
@@ -75,19 +75,19 @@ static RG_INLINE void find_tile_rows(const tile_edges* edges, int c,
   rows->first_step = ((right >> log2) - rows->first_start) >> width_log2;
 }
 
-/* To the tile on the right. */
+/* Advances to the next tile on the right. */
 static RG_INLINE void go_right(tile_rows* rows) {
   for (uint32_t r = 0; r < TILE; ++r)
     rows->start[r] = (uint16_t)(rows->start[r] + TILE * rows->step[r]);
   rows->first_start += TILE * rows->first_step;
 }
 
-/* More than rounding moves the pixels of a tile. */
+/* A margin larger than the effect of rounding on a tile's pixels. */
 #define TILE_MARGIN 64
 
-/* Whether a span is made of tiles, and their sources can be counted in 16 bits,
- * the offsets of 1 or 2 channels too. reach: how far before the source of a
- * tile's first pixel those of others lie at most, in q12. */
+/* Whether a span consists of tiles whose source positions fit into 16 bits, and
+ * with 1 or 2 channels their byte offsets as well. reach: the maximum distance,
+ * in q12, of the tile's sources before that of its first pixel. */
 static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
                                 int32_t reach[2]) {
   const rg_position* const corners = span->block.corners;
@@ -101,7 +101,8 @@ static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
     const int32_t lower_width = corners[3].q12[c] - corners[2].q12[c];
     const int32_t across = (width >> span->block.width_log2) * (TILE - 1);
     const int32_t down = (height >> span->block.height_log2) * (TILE - 1);
-    /* The edges of any tile differ less from these than those of the block. */
+    /* The edges of any tile differ from these by less than those of the block
+     * do. */
     const uint32_t slack = rg_magnitude(lower_width - width) + TILE_MARGIN;
     const uint32_t extent =
         rg_magnitude(across) + rg_magnitude(down) + 2 * slack + 4095;
@@ -114,13 +115,14 @@ static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
          pixels[1] * span->stride + pixels[0] * channels <= UINT16_MAX;
 }
 
-/* The pixel, or row, that the sources of a tile are counted from. */
+/* The pixel, or row, that a tile's source positions are relative to. */
 static inline uint32_t find_origin(const tile_rows* rows, int32_t reach) {
   const int32_t first = rows->first_start - reach;
   return first < 0 ? 0 : (uint32_t)first >> 12;
 }
 
-/* Counted from there; offsets in bytes, of 1 or 2 channels, and of more. */
+/* Source positions relative to the origin; byte offsets for 1 or 2 channels,
+ * and for more channels. */
 typedef struct tile {
   uint16_t x_q12[TILE_PIXELS], y_q12[TILE_PIXELS];
   uint16_t offsets[TILE_PIXELS];
@@ -157,11 +159,10 @@ static RG_INLINE size_t offset_of(const tile* t, uint32_t i,
   return channels <= 2 ? t->offsets[i] : t->far_offsets[i];
 }
 
-/* Planes of values of a tile's pixels: of channels, or of words. */
+/* Planar values of a tile's pixels: channels, or words. */
 typedef uint16_t tile_planes[4][TILE_PIXELS];
 
-/* Loads the words of two neighbours: two bytes of the upper row, and of the
- * lower one. */
+/* Loads two adjacent bytes of the upper and of the lower row for each pixel. */
 static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
                                  size_t stride, uint32_t channels,
                                  uint16_t* upper_words, uint16_t* lower_words) {
@@ -173,7 +174,7 @@ static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
   }
 }
 
-/* rg_blend_8() in lanes of 16 bits. */
+/* rg_blend_8() with 16-bit lanes. */
 static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
                                      uint32_t lower_left, uint32_t lower_right,
                                      uint16_t x_q12, uint16_t y_q12) {
@@ -185,14 +186,14 @@ static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
       (uint16_t)(lower_left * left_q7 + lower_right * right_q7);
   const int16_t down_q7 = (int16_t)(lower_q7 - upper_q7);
   const int16_t wy_q15 = (int16_t)((y_q12 & 4095) << 3);
-  /* The product in two halves; the lower one is a multiple of 8. */
+  /* The product in two halves; the low half is a multiple of 8. */
   const uint16_t high = (uint16_t)(((int32_t)down_q7 * wy_q15) >> 16);
   const uint16_t low = (uint16_t)((uint16_t)down_q7 * (uint32_t)wy_q15);
   const uint16_t rounded = (uint16_t)((low >> 3) + 2047) >> 12;
   return (uint16_t)(upper_q7 + 64 + 2 * high + rounded) >> 7;
 }
 
-/* Byte k of two neighbours. */
+/* Byte k of the bytes loaded for pixel i. */
 static RG_INLINE uint32_t byte_of(tile_planes words, uint32_t k, uint32_t i) {
   return (k & 1) != 0 ? words[k >> 1][i] >> 8 : words[k >> 1][i] & 255;
 }
@@ -206,13 +207,14 @@ static RG_INLINE void blend_channel(const tile* t, tile_planes upper,
                         t->x_q12[i], t->y_q12[i]);
 }
 
-/* Byte k of the tile's rows. */
+/* Byte k of each of the tile's rows. */
 static RG_INLINE const uint16_t* byte_lanes(tile_planes values,
                                             uint32_t channels, uint32_t k) {
   return values[k % channels] + k / channels * TILE;
 }
 
-/* Four bytes at once: processors with these vectors are little-endian. */
+/* Stores four bytes at once: processors with these vectors are little-endian.
+ */
 static RG_INLINE void store_tile(tile_planes values, uint32_t channels,
                                  uint8_t* out, size_t out_stride) {
   uint32_t words[4 * TILE_PIXELS / 4];
@@ -256,7 +258,7 @@ static RG_INLINE void copy_tile(const tile* t, const uint8_t* data,
     }
 }
 
-/* Returns whether the span was done. */
+/* Returns whether the span was processed. */
 static RG_INLINE int process_tiles(const rg_span* span, uint32_t channels,
                                    int is_copy) {
   int32_t reach[2];

@@ -29,7 +29,8 @@ std::string FormatCrop(const SensorCrop& crop) {
   return Print("%d,%d,%ux%u", crop.x, crop.y, crop.width, crop.height);
 }
 
-// Mirrored along x, along y, and rows made columns, in this order: bits 0 to 2.
+// By EXIF orientation: a flip along x (bit 0), a flip along y (bit 1) and a
+// transposition (bit 2), applied in this order.
 constexpr int kTurnOfOrientation[] = {0, 0, 1, 3, 2, 4, 5, 7, 6};
 
 int OrientationOfTurn(int turn) {

@@ -36,8 +36,9 @@ std::vector<uint8_t> MakeValidityFrame(const rg_camera& camera,
   return frame;
 }
 
-// That frame, undistorted: 1 where sources are valid. The mask's cells begin
-// between calibrated pixels, so the nearest pixel is in the cell of the source.
+// The undistorted validity frame: 1 where sources are valid. The mask's cells
+// begin between calibrated pixels, so the nearest pixel is in the cell of the
+// source.
 std::vector<uint8_t> UndistortValidity(const rg_camera& camera,
                                        const StreamFormat& format) {
   rg_mode mode = {};

@@ -98,7 +98,8 @@ void TakeMetadata(Request* completed, FrameInfo* info) {
 }  // namespace
 
 CameraList::CameraList() {
-  // One line per error: ours. The variable enables libcamera's messages.
+  // Errors are reported once, by this library. The variable enables libcamera's
+  // messages.
   if (!std::getenv("LIBCAMERA_LOG_LEVELS"))
     libcamera::logSetTarget(libcamera::LoggingTargetNone);
   manager_ = std::make_unique<libcamera::CameraManager>();
@@ -184,7 +185,7 @@ void LibcameraSource::Configure(const LibcameraOptions& options) {
     throw InputError("camera: does not support " + stream.toString() +
                      "; use a size from --list");
   orientation_ = GetOrientation(*configuration_);
-  // ScalerCropMaximum would be that of the mode, which may be cropped.
+  // ScalerCropMaximum applies to the sensor mode, which may already be cropped.
   const auto areas =
       camera_->properties().get(libcamera::properties::PixelArrayActiveAreas);
   if (areas && !areas->empty()) widest_ = (*areas)[0].width;
@@ -270,12 +271,12 @@ void LibcameraSource::FocusAt(const LensFocus& focus) {
 
 void LibcameraSource::UnlockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
-  // A lock that no request contains yet need not be sent any more.
+  // A lock that no request contains yet is dropped.
   if (!releasing_.empty()) next_controls_ = std::move(releasing_);
   releasing_.clear();
 }
 
-// Cameras may keep their controls, which are sent with a request: a pending one
+// Cameras may retain their controls. The release is sent with a request, so one
 // is queued once more.
 void LibcameraSource::SendUnlock() {
   UnlockState();

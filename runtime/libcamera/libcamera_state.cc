@@ -44,8 +44,8 @@ class LockMaker {
     lock_.releasing = libcamera::ControlList(controls);
   }
 
-  // Returns whether the camera has the mode. `values` are what the user may
-  // have given instead: then nothing is automatic.
+  // Returns whether the camera has the mode. `values`: controls that the user
+  // may have set instead, in which case nothing is automatic.
   bool EndMode(const std::string& name, const StateValue& manual,
                const StateValue& automatic,
                const std::vector<std::string>& values) {
@@ -141,7 +141,8 @@ LibcameraLock MakeLibcameraLock(const libcamera::ControlInfoMap& controls,
   maker.AddControl("focus", has_focus || has_lens,
                    DescribeNumber("focus at %.2f dioptres", now.lens_position));
 
-  // Since libcamera 0.5, each has a mode of its own. AeEnable is for both.
+  // Since libcamera 0.5, exposure time and gain have separate modes; AeEnable
+  // applies to both.
   bool has_exposure =
       maker.EndMode("ExposureTimeMode", kManual, kAutomatic, {"ExposureTime"});
   bool has_gain =

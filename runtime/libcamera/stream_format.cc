@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// Chroma planes have half the rows; those of YUV420 half the stride, too.
+// Chroma planes have half the rows; those of YUV420 also have half the stride.
 PlaneLayout LayOutPlane(const rg_component& component, uint32_t width,
                         uint32_t height, uint32_t first_stride) {
   PlaneLayout layout;

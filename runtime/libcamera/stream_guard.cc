@@ -145,8 +145,8 @@ std::string StreamGuard::Explain() const {
          Size(format_.width, format_.height);
 }
 
-// Whether the table in use accepts such frames or, if only points are needed,
-// these can be converted.
+// Whether the table in use accepts the last frame's sensor mode or, if only
+// points are needed, its positions can be converted.
 bool StreamGuard::IsServed() const {
   const bool is_known = calibrated_ && last_;
   if ((is_known && !mode_) || !HasSerial()) return false;
@@ -165,8 +165,8 @@ bool StreamGuard::IsServed() const {
   return table != RG_NO_TABLE && table == first_of_mode;
 }
 
-// A frame that the table accepts, but with another sensor crop than the blob
-// records: the CaptureGuard decides.
+// Whether the table accepts the last frame's size, although its sensor crop
+// differs from the one that the blob records: the CaptureGuard then decides.
 bool StreamGuard::IsBorne() const {
   return capture_ && capture_->crop() && !is_recorded_ && last_ &&
          use_ == Use::kFrames && HasSerial() && HasSizeOfTable();

@@ -66,7 +66,7 @@ rg_status rg_select_remap(rg_camera* camera, uint32_t index) {
   const uint32_t frame_size =
       rg_source_size(section, size, rg_camera_size(camera->blob));
   rg_status status = rg_check_remap(section, size, frame_size);
-  /* Otherwise, any of them can be processed safely. */
+  /* The small traversal processes any vertices safely. */
   if (RG_FAST_TRAVERSAL && status == RG_OK)
     status = rg_check_vertices(section, rg_find_vertices(section));
   if (RG_FAST_TRAVERSAL && camera->stack && status == RG_OK)

@@ -8,11 +8,11 @@
 #include "rays/surface_choice.h"
 #include "rg_blob.h"
 
-/* A blob's operating-point model. From the central grid on, the blob consists
- * of pieces of equal size: its own grids and tables with the model's fields,
- * then samples with their values. Nothing follows the model. So the counterpart
- * of any section of the blob, in any whole sample, is inside the blob. A
- * distance plus a sample's size is at most the blob's size. */
+/* A blob's operating-point model. From the central grid to its end, the blob
+ * consists of pieces of equal size: its own grids and tables with the model's
+ * fields, then samples with their values. Nothing follows the model. Therefore,
+ * the counterpart of any section of the blob, in any complete sample, is inside
+ * the blob. An offset plus a sample's size is at most the blob's size. */
 typedef struct camera_stack {
   const uint8_t* section;
   uint32_t size;            /* of the section */
@@ -35,9 +35,9 @@ static RG_INLINE int find_stack(const rg_camera* camera, camera_stack* stack) {
   return 1;
 }
 
-/* ---- Use ----------------------------------------------------------------- */
+/* ---- Evaluation ---------------------------------------------------------- */
 
-/* Evaluates the upper sample first, so that one place suffices. */
+/* Evaluates the upper sample first, so that one grid position suffices. */
 static RG_NOINLINE rg_status
 evaluate_blended_spline(const rg_camera* camera, int32_t x, int32_t y,
                         rg_grid_position* grid_position, const uint8_t* grid) {
@@ -96,7 +96,7 @@ static RG_NOINLINE int has_same_grid_fields(const uint8_t* own,
   return 1;
 }
 
-/* Checks the whole samples of a model, before its first use. The fields of
+/* Checks the complete samples of a model before its first use. The fields of
  * tables in samples are never read. */
 static RG_INLINE rg_status check_stack(const rg_camera* camera,
                                        const camera_stack* stack) {

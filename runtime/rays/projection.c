@@ -169,8 +169,8 @@ static RG_INLINE uint32_t size_of(const rg_ray* direction) {
          rg_bits_of(direction->z_q30);
 }
 
-/* A line; or a direction instead of its direction, and the pixel found for it
- * instead of its point, to reduce the stack. */
+/* A line; to reduce the stack, its direction is also used for a point's
+ * direction, and its point for the pixel found for that direction. */
 typedef union rg_line_words {
   rg_line line;
   int32_t words[6];

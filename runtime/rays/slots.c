@@ -10,7 +10,7 @@
 #define MAGIC_1 0x0053544fu
 #define MAJOR_AND_SIZE (1u | RG_SLOT_HEADER_SIZE << 16)
 
-/* A slot that is corrupt, erased or partially written is not whole. */
+/* A slot that is corrupt, erased or partially written is incomplete. */
 static int is_whole(const uint8_t* slot, uint32_t slot_size) {
   if (rg_load_u32(slot + RG_SLOT_MAGIC) != MAGIC_0 ||
       rg_load_u32(slot + RG_SLOT_MAGIC + 4) != MAGIC_1 ||

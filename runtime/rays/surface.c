@@ -6,7 +6,8 @@
 #include "rays/bspline.h"
 #include "rg_blob.h"
 
-/* The remainder of rg_evaluate_spline() for 32-bit control points. */
+/* The part of rg_evaluate_spline() that is specific to 32-bit control points.
+ */
 static RG_INLINE void find_wide_value(const uint8_t* grid,
                                       rg_grid_position* grid_position) {
   int32_t sums_q27[2];
@@ -18,7 +19,8 @@ static RG_INLINE void find_wide_value(const uint8_t* grid,
   grid_position->value.q27[1] = sums_q27[1];
 }
 
-/* The remainder of rg_evaluate_spline() for 16-bit control points. */
+/* The part of rg_evaluate_spline() that is specific to 16-bit control points.
+ */
 static void find_narrow_value(const uint8_t* grid,
                               rg_grid_position* grid_position) {
   RG_FORGET(grid); /* saves registers in the other branch */
@@ -58,9 +60,9 @@ static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
   return 128 * a + t_q7 * (b - a);
 }
 
-/* The derivative of one coordinate of residuals per cell, times 2^15: the sum
- * of differences of two cells, bilinear between the four surrounding knots, for
- * residuals that are apart bytes apart. */
+/* The derivative of one coordinate of the residuals with respect to the cell
+ * coordinate, times 2^15: the sum of differences over two cells, bilinear
+ * between the four surrounding knots; the residuals are `apart` bytes apart. */
 static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
                                     uint32_t row_bytes,
                                     const rg_grid_position* grid_position) {
@@ -68,7 +70,7 @@ static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
   const int32_t y_q7 = grid_position->t_q30[1] >> 23;
   int32_t above = 0, below = 0;
   uint32_t rows = 2;
-  RG_FORGET(rows); /* one loop */
+  RG_FORGET(rows); /* prevents full unrolling */
   RG_UNROLL
   do {
     const uint8_t* const right = residual + RG_NARROW_POINT_SIZE;

@@ -112,7 +112,7 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
   return add_rows(rows, w->down);
 }
 
-/* The value at a place of a grid with 16-bit control points. */
+/* The value of a grid with 16-bit control points at a position. */
 INLINE __m128i value_of_residuals(const uint8_t* grid,
                                   const rg_grid_position* grid_position,
                                   const weights* w) {
@@ -146,7 +146,7 @@ rg_status rg_evaluate_spline_avx2(const uint8_t* grid, int32_t x, int32_t y,
   return RG_OK;
 }
 
-/* ---- Slopes -------------------------------------------------------------- */
+/* ---- Derivatives --------------------------------------------------------- */
 
 /* Residuals of two neighbours, a b a b. */
 INLINE __m128i load_two(const uint8_t* residuals) {
@@ -193,7 +193,7 @@ void rg_compute_jacobian_avx2(const uint8_t* inverse,
       _mm_sub_epi32(load_two(third + row_bytes + RG_NARROW_POINT_SIZE),
                     load_two(second + RG_NARROW_POINT_SIZE)),
       w_above, w_below);
-  /* The steps of the plane are contiguous, too. */
+  /* The steps of the plane are contiguous as well. */
   const __m128i jacobian = _mm_add_epi32(
       _mm_loadu_si128((const __m128i*)(plane + RG_PLANE_COLUMN_STEP)),
       _mm_sra_epi32(_mm_unpacklo_epi64(across, down),

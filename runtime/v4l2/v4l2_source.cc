@@ -21,8 +21,8 @@ constexpr int kPatience_ms = 50;
 // Consecutive failed calls after which the device is given up.
 constexpr int kMaxFailures = 20;
 constexpr std::chrono::milliseconds kPauseAfterFailure(5);
-// The latency of detecting a zoom or a flip. USB cameras answer by separate
-// transfers.
+// The latency of detecting a zoom or a flip. USB cameras need a separate
+// transfer for each query.
 constexpr std::chrono::seconds kTellingTime(1);
 
 std::string StartRemedy(int error) {

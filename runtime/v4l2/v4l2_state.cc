@@ -20,7 +20,7 @@ struct V4l2StateLock::Subject {
 
 namespace {
 
-// EIO if the device accepts the value, but still changes it.
+// Returns EIO if the device reports success, but changes the value.
 int SetFirmly(V4l2Device* device, uint32_t id, int32_t value) {
   const int status = SetV4l2Control(device, id, value);
   if (status != 0) return status;

@@ -1,14 +1,15 @@
-/* The WebAssembly module of raygrid.js: raygrid.h with numbers and addresses as
- * arguments. A module's instance has one camera, and imports nothing. */
+/* The WebAssembly module of raygrid.js: the functions of raygrid.h with numbers
+ * and addresses as arguments. An instance of the module has one camera and no
+ * imports. */
 #include "raygrid.h"
 
 #define EXPORT(name) __attribute__((export_name(name)))
 
-extern uint8_t __heap_base; /* where the linker's memory ends */
+extern uint8_t __heap_base; /* end of the linker's static data */
 
 static rg_camera camera;
 
-/* Compilers call it by themselves. */
+/* Compilers generate calls of this function. */
 __attribute__((no_builtin("memcpy"))) void* memcpy(void* to, const void* from,
                                                    size_t num_bytes) {
   uint8_t* out = to;
@@ -17,7 +18,7 @@ __attribute__((no_builtin("memcpy"))) void* memcpy(void* to, const void* from,
   return to;
 }
 
-/* The first address that is free for blobs, frames and points. */
+/* The first free address for blobs, frames and points. */
 EXPORT("free_memory") uint32_t free_memory(void) {
   return (uint32_t)(uintptr_t)&__heap_base;
 }
@@ -38,8 +39,8 @@ EXPORT("is_central") int32_t is_central(void) { return !camera.line_points; }
 
 EXPORT("can_project") int32_t can_project(void) { return !!camera.inverse; }
 
-/* sizes: of calibrated frames, of the table's frames, of its output or zeros;
- * width and height of each. */
+/* sizes: width and height of calibrated frames, of the table's frames, and of
+ * its output (zeros without a table). */
 EXPORT("sizes") void sizes(int32_t* sizes) {
   uint16_t values[6] = {0};
   rg_calibrated_size(&camera, &values[0], &values[1]);
@@ -66,7 +67,7 @@ void project(const rg_ray* directions, rg_pixel* pixels, uint32_t num_points) {
   (void)rg_project_batch(&camera, directions, pixels, num_points);
 }
 
-/* Each point is x, y, z and its fraction bits. */
+/* Each point consists of x, y, z and the number of fraction bits. */
 EXPORT("project_points")
 void project_points(const int32_t* points, rg_pixel* pixels,
                     uint32_t num_points) {
@@ -89,7 +90,8 @@ void is_valid(const rg_pixel* pixels, int32_t* valid, uint32_t num_pixels) {
     valid[k] = rg_is_valid(&camera, pixels[k]);
 }
 
-/* -1 outside the area, and where the blob does not say. */
+/* Stores -1 outside the area, and if the blob does not contain the uncertainty.
+ */
 EXPORT("uncertainty")
 int32_t uncertainty(const rg_pixel* pixels, int32_t* deviations_q12,
                     uint32_t num_pixels) {
@@ -112,7 +114,7 @@ EXPORT("set_condition") int32_t set_condition(int32_t value_q16) {
   return rg_set_operating_point(&camera, value_q16);
 }
 
-/* view: projection, fx, fy, cx, cy, distorts, then the rotation. */
+/* view: projection, fx, fy, cx, cy, distorts, followed by the rotation. */
 EXPORT("view") int32_t view(int32_t* out) {
   rg_view found;
   const rg_status status = rg_remap_view(&camera, &found);
@@ -143,7 +145,7 @@ EXPORT("mode") int32_t mode(int32_t* out) {
   return RG_OK;
 }
 
-/* mode as above, or null; table: the index, or -1. */
+/* mode as above, or NULL; table: index, or -1. */
 EXPORT("match")
 int32_t match(const int32_t* mode, uint32_t width, uint32_t height,
               const char* serial, uint32_t* table) {
@@ -164,7 +166,7 @@ int32_t match(const int32_t* mode, uint32_t width, uint32_t height,
 
 /* ---- Frames -------------------------------------------------------------- */
 
-/* A plane of the frame and of the undistorted one. */
+/* A plane of the input frame and of the undistorted frame. */
 typedef struct plane_pair {
   const uint8_t* source;
   uint32_t source_stride;
@@ -172,7 +174,7 @@ typedef struct plane_pair {
   uint32_t target_stride;
 } plane_pair;
 
-/* A whole frame of the table's size. */
+/* Undistorts a whole frame of the table's size. */
 EXPORT("undistort")
 int32_t undistort(uint32_t format, const plane_pair* planes, uint32_t border,
                   uint32_t sampling, const uint32_t* border_values) {

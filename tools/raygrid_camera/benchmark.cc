@@ -8,9 +8,9 @@ namespace raygrid {
 namespace {
 
 constexpr uint64_t kNumSkipped = 30, kNumTimed = 30;
-// Larger than caches, so that what is copied comes from memory.
+// Exceeds the cache size, so that copies read from memory.
 constexpr size_t kOtherBytes = size_t{64} << 20;
-// Memory past the caches is slower than this.
+// Memory with a larger slowdown is assumed to be uncached.
 constexpr double kMaxSlowdown = 4;
 
 double ToMilliseconds(Clock::duration time) {
@@ -24,7 +24,7 @@ double Median(std::vector<double> values) {
   return *median;
 }
 
-// The time that copying the rows of a frame takes.
+// The time for copying the rows of a frame.
 double CopyPlanes_ms(const StreamFormat& format, const rg_image& image,
                      uint8_t* to) {
   const Clock::time_point start = Clock::now();
@@ -43,7 +43,7 @@ size_t CopiedBytes(const StreamFormat& format) {
   return number;
 }
 
-// The time that copying so many bytes takes where they are in no cache.
+// The time for copying a number of bytes that are not in a cache.
 double CopyOther_ms(size_t number) {
   std::vector<uint8_t> to(number, 1);
   const std::vector<uint8_t> from(std::max(kOtherBytes, 2 * number), 1);
@@ -89,7 +89,7 @@ class Benchmark::TimedSource : public FrameSource {
   void UnlockState() override { source_->UnlockState(); }
   void Stop() override { source_->Stop(); }
 
-  /// After the stream.
+  // Valid after the end of the stream.
   double reading_ms() const { return Median(reading_ms_); }
 
  private:

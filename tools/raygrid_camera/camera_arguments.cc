@@ -146,7 +146,7 @@ void ParseSource(const std::string& text, CameraArguments* arguments) {
                arguments);
 }
 
-// Whether only what is trusted is to be shown.
+// Whether output is restricted to the valid region.
 bool ParseOutside(const std::string& text) {
   const bool is_border = text == "border" || text == "trusted";  // former name
   if (text != "fill" && !is_border)
@@ -377,7 +377,7 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
       FailUsage(std::string(argv[optind - 1]) + ": unknown option");
     if (which == ':')
       FailUsage(std::string(argv[optind - 1]) + ": missing value");
-    // A value that stands apart, as those of other options may.
+    // The value may be a separate argument, as for other options.
     if (which == kSource && !optarg && optind < argc && argv[optind][0] != '-')
       optarg = argv[optind++];
     TakeOption(which, &arguments);

@@ -55,7 +55,7 @@ std::unique_ptr<PreviewServer> MakePreview(const CameraArguments& arguments,
   return preview;
 }
 
-// Ends what takes too long without a frame.
+// Throws if no frame arrives for too long.
 class FrameTimeout {
  public:
   explicit FrameTimeout(const CameraArguments& arguments)
@@ -80,7 +80,7 @@ class FrameTimeout {
   Clock::time_point last_ = Clock::now();
 };
 
-// Takes frames until the end; returns how many were written.
+// Reads frames until the end; returns the number of frames written.
 class FrameLoop {
  public:
   FrameLoop(const CameraArguments& arguments, const FrameSource& source,
@@ -102,7 +102,7 @@ class FrameLoop {
     }
   }
 
-  // Writes the frames that wait, too, when a signal or the source ended it.
+  // Also writes the pending frames after a signal or the end of the source.
   void Finish() {
     while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
     statistics_.ShowSummary(source_.counts(), *undistorter_);
@@ -127,7 +127,8 @@ class FrameLoop {
     patience_.Refresh();
   }
 
-  // Frames that are held back are frames, too, and an end has its own reason.
+  // Frames that are held back also reset the timeout; at the end of the stream,
+  // the timeout does not apply.
   void Wait() {
     const uint64_t held_back = capture_.num_held_back();
     if (held_back != held_back_) patience_.Refresh();
@@ -140,7 +141,7 @@ class FrameLoop {
   const CaptureGuard& capture_;
   Undistorter* const undistorter_;
   FrameOutput* const output_;
-  Benchmark* const benchmark_;  // NULL: nothing is timed
+  Benchmark* const benchmark_;  // NULL: no measurements
   CameraStatistics statistics_;
   FrameTimeout patience_;
   ServiceNotice notice_;
@@ -148,7 +149,7 @@ class FrameLoop {
   uint64_t written_ = 0, held_back_ = 0;
 };
 
-// The first frame that comes; nothing if a signal comes before.
+// The first frame; nothing if a signal is received before.
 std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
                                       FrameSource* source) {
   FrameTimeout patience(arguments);
@@ -164,13 +165,13 @@ std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
   return std::nullopt;
 }
 
-// Whether the first frame is to say which of the blob's tables is used.
+// Whether the remap table is selected by the first frame.
 bool IsTableOpen(const CameraArguments& arguments, const FrameSource& source,
                  const rg_camera& camera) {
   return !arguments.table && source.reports_crops() && HasTablesOfModes(camera);
 }
 
-// Selects the blob's table for frames as this one; leaves the one in use where
+// Selects the blob's table that matches this frame; keeps the current one if
 // there is none.
 void SelectTable(const CameraArguments& arguments, const FrameSource& source,
                  const CaptureGuard& capture, const FrameInfo& info,
@@ -187,7 +188,7 @@ std::string NameOfSource(const CameraArguments& arguments) {
   return arguments.recording.empty() ? "the camera" : arguments.recording;
 }
 
-// On a terminal, over the line of statistics.
+// Prints a line over the statistics if on a terminal.
 void SayLine(const std::string& text) {
   std::fprintf(stderr, "%sraygrid-camera: %s\n",
                isatty(STDERR_FILENO) == 1 ? "\x1b[K" : "", text.c_str());
@@ -220,7 +221,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   }
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kFrames,
                     arguments.serial, arguments.calibrated_crop, capture);
-  guard.CheckFormat();  // before anything is made
+  guard.CheckFormat();  // before any output is created
   if (!arguments.is_quiet && !source->memory().empty())
     std::fprintf(stderr, "frame buffers: %s\n", source->memory().c_str());
   UndistorterOptions options;
@@ -231,7 +232,7 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
   std::unique_ptr<Benchmark> benchmark;
   if (arguments.is_benchmark)
     benchmark = std::make_unique<Benchmark>(source, options.num_threads);
-  std::unique_ptr<PreviewServer> preview;  // outlives who shows it frames
+  std::unique_ptr<PreviewServer> preview;  // outlives its frame producers
   Undistorter undistorter(camera, benchmark ? benchmark->source() : source,
                           &guard, options);
   const auto output = MakeOutput(arguments, undistorter.format());
@@ -251,9 +252,9 @@ void StreamFrames(const CameraArguments& arguments, rg_camera camera,
     std::fputs(DescribeCheck(arguments, *source, undistorter).c_str(), stdout);
 }
 
-// Positions in frames as the camera gives them, in the view that those frames
-// are undistorted to: by the camera that the first frame tells, and then by
-// those that positions tell.
+// Converts positions in the camera's frames to positions in the undistorted
+// view. The operating point is set from the first frame, and then from the
+// metadata of each position.
 void StreamPoints(const CameraArguments& arguments, rg_camera camera,
                   CaptureGuard* capture, FrameSource* source) {
   StreamGuard guard(camera, source->format(), StreamGuard::Use::kPositions,
@@ -283,7 +284,7 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
 void InstallSignalHandlers() {
   struct sigaction action = {};
   action.sa_handler = OnSignal;
-  action.sa_flags = SA_RESETHAND;  // no SA_RESTART: reads end too
+  action.sa_flags = SA_RESETHAND;  // no SA_RESTART: signals interrupt reads
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = SIG_IGN;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::chrono::seconds kRoomPatience(5);
 
-// libmicrohttpd does not see that of a client that waits for a picture.
+// Whether the client has disconnected; libmicrohttpd does not notice this while
+// a client waits for a picture.
 bool HasLeft(MHD_socket socket) {
   char byte;
   const ssize_t size = recv(socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -21,7 +22,7 @@ bool HasLeft(MHD_socket socket) {
 }  // namespace
 
 void ClientSlots::Disconnect(Client* client) {
-  // libmicrohttpd closes it when it sees that.
+  // libmicrohttpd closes the socket when it detects the shutdown.
   shutdown(client->socket, SHUT_RDWR);
   client->is_sent_away = true;
 }

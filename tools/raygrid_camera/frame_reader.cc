@@ -19,7 +19,7 @@ CameraError InputError(const std::string& message) {
   return CameraError(CameraExit::kInput, "standard input: " + message);
 }
 
-// Planes one behind the other.
+// Reads consecutive planes.
 FrameReader::Outcome ReadPlanes(InputStream* stream, const StreamFormat& format,
                                 uint8_t* frame) {
   const size_t size = format.packed_size();
@@ -48,7 +48,8 @@ class RawReader : public FrameReader {
   const StreamFormat format_;
 };
 
-// A line without its end; nothing where none ends soon.
+// Reads a line, without its line break; returns false if it is too long or
+// incomplete.
 bool TakeLine(InputStream* stream, std::string* line) {
   for (size_t length = 0; length < kMaxLineBytes; ++length) {
     if (stream->Await(length + 1) <= length) return false;
@@ -60,7 +61,7 @@ bool TakeLine(InputStream* stream, std::string* line) {
   return false;
 }
 
-// The value of a parameter such as W640; empty where it is missing.
+// The value of a parameter such as W640; empty if it is missing.
 std::string Parameter(const std::string& line, char letter) {
   const size_t start = line.find(std::string(" ") + letter);
   if (start == std::string::npos) return "";

@@ -16,7 +16,7 @@ std::string Bytes(const void* first, size_t size) {
   return std::string(static_cast<const char*>(first), size);
 }
 
-// 4 or 16 of them; none of what is no address.
+// The 4 or 16 bytes of an IP address; empty for other address families.
 std::string AddressBytes(const sockaddr* address) {
   if (address->sa_family == AF_INET) {
     const auto* const v4 = reinterpret_cast<const sockaddr_in*>(address);
@@ -78,7 +78,7 @@ bool HostNames::IsLocalName(const std::string& name,
 
 bool HostNames::IsLocalHost(const std::string& host,
                             const sockaddr* reached) const {
-  // Else what follows a zero would not be compared.
+  // Characters after a zero would not be compared.
   if (host.find('\0') != std::string::npos) return false;
   const auto is_host = [this, &host](const std::string& own) {
     return AreSame(host, own) || AreSame(host, own + ":" + port_);

@@ -50,7 +50,7 @@ size_t InputStream::Read(uint8_t* to, size_t number) {
   return done;
 }
 
-// 0: nothing will come any more.
+// Returns 0 at the end of the stream.
 size_t InputStream::ReadSome(uint8_t* to, size_t number) {
   while (!is_over_ && !is_stopped_()) {
     pollfd waiting = {fd_, POLLIN, 0};

@@ -3,7 +3,7 @@
 #include <csetjmp>
 #include <cstdio>
 
-// Needs what is above.
+// Requires the headers above.
 #include <jpeglib.h>
 
 #include "picture_rows.h"
@@ -26,7 +26,7 @@ void IgnoreMessage(j_common_ptr) {}
 
 void StartBuffer(j_compress_ptr) {}
 
-// Leaves the encoder; called only when the buffer is full.
+// Aborts the compression; called only when the buffer is full.
 boolean LeaveOnFullBuffer(j_compress_ptr jpeg) {
   LeaveOnError(reinterpret_cast<j_common_ptr>(jpeg));
   return FALSE;
@@ -34,7 +34,7 @@ boolean LeaveOnFullBuffer(j_compress_ptr jpeg) {
 
 void EndBuffer(j_compress_ptr) {}
 
-// libjpeg leaves by longjmp: nothing here has a destructor.
+// libjpeg reports errors by longjmp: no local variable may have a destructor.
 size_t Compress(const StreamFormat& format, const rg_image& image, uint8_t* row,
                 uint8_t* bytes, size_t max_size) {
   jpeg_compress_struct jpeg;
@@ -74,7 +74,7 @@ size_t Compress(const StreamFormat& format, const rg_image& image, uint8_t* row,
 
 }  // namespace
 
-// Pictures of noise are about as large as their pixels.
+// Images of pure noise compress to about the size of their pixels.
 JpegEncoder::JpegEncoder(const StreamFormat& format)
     : format_(format),
       row_(size_t{3} * format.width),

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-// Needs what is above.
+// Requires the headers above.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -13,10 +13,10 @@
 namespace raygrid {
 namespace {
 
-// Larger pictures are none.
+// Larger data is not accepted as an image.
 constexpr size_t kMaxPictureBytes = size_t{1} << 28;
 
-// Markers behind a byte 0xff.
+// JPEG markers, which follow a byte 0xff.
 enum Marker : uint8_t {
   kStuffing = 0x00,
   kTemporary = 0x01,
@@ -42,7 +42,8 @@ void LeaveReader(j_common_ptr jpeg) {
   std::longjmp(reinterpret_cast<ReaderErrors*>(jpeg->err)->leave, 1);
 }
 
-// Many cameras write some bytes too many: no pixel suffers.
+// Records corrupt data. Extraneous bytes, which many cameras write, do not
+// affect pixels.
 void NoteDamage(j_common_ptr jpeg, int level) {
   if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
     reinterpret_cast<ReaderErrors*>(jpeg->err)->is_damaged = true;
@@ -70,7 +71,8 @@ PictureSize SizeOf(const jpeg_decompress_struct& jpeg) {
           jpeg.jpeg_color_space == JCS_GRAYSCALE};
 }
 
-// libjpeg leaves by longjmp: nothing in these two has a destructor.
+// libjpeg reports errors by longjmp: no local variable of the next two
+// functions may have a destructor.
 bool ReadPictureSize(const uint8_t* bytes, size_t number, PictureSize* size) {
   jpeg_decompress_struct jpeg;
   ReaderErrors errors;
@@ -86,7 +88,7 @@ bool ReadPictureSize(const uint8_t* bytes, size_t number, PictureSize* size) {
   return true;
 }
 
-// Whether all pixels are as they were written.
+// Returns whether all pixels were decoded without errors.
 bool Decompress(const uint8_t* bytes, size_t number, bool as_grey,
                 uint8_t* frame, size_t row_bytes) {
   jpeg_decompress_struct jpeg;
@@ -152,7 +154,7 @@ class JpegReader : public FrameReader {
  private:
   bool Has(size_t number) { return stream_->Await(number) >= number; }
 
-  // Takes what stands before a picture.
+  // Skips the bytes before an image.
   bool SkipToPicture() {
     while (Has(3)) {
       const uint8_t* const bytes = stream_->data();
@@ -167,7 +169,7 @@ class JpegReader : public FrameReader {
     return false;
   }
 
-  // Moves behind the coded pixels that begin at a place.
+  // Advances past the entropy-coded data that starts at a position.
   bool SkipScan(size_t* place) {
     while (Has(*place + 2)) {
       const uint8_t* const bytes = stream_->data();
@@ -192,7 +194,7 @@ class JpegReader : public FrameReader {
     return Outcome::kDamaged;
   }
 
-  // Awaits a whole picture; one without an end is dropped.
+  // Waits for a complete image; truncated images are dropped.
   Outcome FindPicture() {
     if (!SkipToPicture()) return Outcome::kEnd;
     size_t place = 2;

@@ -1,4 +1,4 @@
-// raygrid-camera: frames of a camera, undistorted on the board.
+// raygrid-camera: undistorts the frames of a camera on the device.
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -20,14 +20,15 @@
 namespace raygrid {
 namespace {
 
-// A blob in memory, and the camera that reads it in place.
+// A blob in memory, and the camera that accesses it in place.
 struct Blob {
   std::vector<uint8_t> bytes;
   rg_camera camera;
   std::optional<rg_capture_section> capture;
 };
 
-// For --outside border. rg_is_valid() calls all valid where there is no mask.
+// Required for --outside border: without a mask, rg_is_valid() returns true
+// everywhere.
 void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
   rg_blob blob;
   const rg_status status =
@@ -102,7 +103,8 @@ void Run(CameraArguments arguments) {
 }
 
 int Main(int argc, char** argv) {
-  // Images that calibrate a camera come before the blob of it.
+  // The subcommand capture requires no blob: it records the images for the
+  // calibration.
   if (argc > 1 && std::string(argv[1]) == "capture")
     return ExecSiblingProgram("raygrid-capture", {argv + 2, argv + argc});
   try {

@@ -17,7 +17,7 @@ struct NewestStream::Client {
   NewestStream* stream;
   MHD_Connection* connection;
   StreamClock::time_point* since;
-  std::vector<uint8_t> part;  // the one being sent
+  std::vector<uint8_t> part;  // the part being sent
   size_t sent = 0;
   uint64_t number = 0;
 };
@@ -61,7 +61,7 @@ MHD_Result NewestStream::Answer(MHD_Connection* connection,
       MHD_SIZE_UNKNOWN, kPiece, &NewestStream::ReadCallback, client.get(),
       &NewestStream::FreeCallback);
   if (!response) return MHD_NO;
-  client.release();  // now the response's
+  client.release();  // now owned by the response
   ++num_clients_;
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, type_);
   MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");

@@ -19,9 +19,9 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMaxClients = 16;         // that watch, and that ask
-constexpr unsigned kMaxConnections = 48;   // and some that are sent away
-constexpr size_t kMaxRequest = 16 * 1024;  // memory of a connection
+constexpr size_t kMaxClients = 16;         // streaming or requesting
+constexpr unsigned kMaxConnections = 48;   // including rejected clients
+constexpr size_t kMaxRequest = 16 * 1024;  // per connection
 constexpr unsigned kTimeout_s = 10;
 constexpr char kTokenParameter[] = "token";
 
@@ -37,7 +37,7 @@ std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const std::string number = std::to_string(port);
-  // [::1] is ::1.
+  // An IPv6 address in brackets.
   const bool is_bracketed =
       address.size() > 2 && address.front() == '[' && address.back() == ']';
   const std::string host =
@@ -58,7 +58,7 @@ bool IsLoopback(const sockaddr* address) {
   return number >> 24 == IN_LOOPBACKNET;
 }
 
-// Nothing where none is asked for.
+// The access token; nothing if none is required.
 std::optional<AccessToken> ChooseToken(const PageAddress& address,
                                        const sockaddr* parsed) {
   if (!address.token_file.empty()) return AccessToken::Read(address.token_file);
@@ -66,14 +66,15 @@ std::optional<AccessToken> ChooseToken(const PageAddress& address,
   return AccessToken::MakeRandom();
 }
 
-// The value of a field, parameter or cookie; empty where there is none.
+// The value of a header field, parameter or cookie; empty if it is missing.
 std::string ValueOf(MHD_Connection* connection, MHD_ValueKind kind,
                     const char* name) {
   const char* const value = MHD_lookup_connection_value(connection, kind, name);
   return value ? value : "";
 }
 
-// To the page without the token, which the browser keeps from then on.
+// Redirects to the page without the token, which the browser then stores as a
+// cookie.
 MHD_Result AnswerWithCookie(MHD_Connection* connection, const char* cookie,
                             const AccessToken& token) {
   MHD_Response* const response =
@@ -90,7 +91,7 @@ MHD_Result AnswerWithCookie(MHD_Connection* connection, const char* cookie,
   return queued;
 }
 
-// Paths are compared as they came: what %00 stands for would end them.
+// Paths are compared without decoding escapes, since %00 would terminate them.
 size_t KeepEscapes(void*, MHD_Connection*, char* text) {
   return std::strlen(text);
 }
@@ -101,7 +102,7 @@ void AddFields(MHD_Response* response, AnswerFields fields) {
     MHD_add_response_header(response, name, value);
 }
 
-// Calls a function with each value of a field of the request.
+// Calls a function for each value of a header field of the request.
 template <typename Function>
 void ForEachField(MHD_Connection* connection, const char* name,
                   Function function) {
@@ -172,13 +173,13 @@ class PageServer::Impl {
 
   const PageAddress address_;
   const bool takes_posts_;
-  const std::string foreign_name_, no_token_;  // answers
+  const std::string foreign_name_, no_token_;  // responses
   const Handler handler_;
   std::optional<AccessToken> token_;
   ClientSlots places_{kMaxClients};
-  std::mutex opening_;  // held until what follows is known
+  std::mutex opening_;  // locked until the members below are initialized
   uint16_t port_;
-  std::string cookie_;  // its name; servers of one machine share cookies
+  std::string cookie_;  // the name, since servers of one host share cookies
   std::unique_ptr<HostNames> names_;
   MHD_Daemon* daemon_ = nullptr;
 };
@@ -237,7 +238,8 @@ sockaddr_storage PageServer::Impl::ReachedAddress(
   return reached;
 }
 
-// Every field Host, and at least one, has a name of this server.
+// Whether the request has at least one Host field, and each contains a name of
+// this server.
 bool PageServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
   const sockaddr_storage reached = ReachedAddress(connection);
   bool is_asked = false, is_own = true;
@@ -249,7 +251,8 @@ bool PageServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
   return is_asked && is_own;
 }
 
-// Browsers say which site's page asks. Programs that are none say nothing.
+// Whether the request was not caused by a page of another site, as stated by
+// browsers' header fields. Other programs do not send these.
 bool PageServer::Impl::IsAskedByOwnPage(MHD_Connection* connection) const {
   constexpr char kScheme[] = "http://", kSecureScheme[] = "https://";
   const sockaddr_storage reached = ReachedAddress(connection);
@@ -281,7 +284,7 @@ bool PageServer::Impl::IsTokenKnown(MHD_Connection* connection) const {
           token_->Is(field.substr(7)));
 }
 
-// All addresses are none to ask for: the machine's name is.
+// The link contains the host name if the server listens on all addresses.
 std::string PageServer::Impl::link() const {
   std::string host = address_.number;
   if (host == "0.0.0.0" || host == "::" || host == "[::]") {

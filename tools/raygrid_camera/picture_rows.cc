@@ -12,7 +12,7 @@ uint8_t Clamp(int value) {
   return static_cast<uint8_t>(std::clamp(value, 0, 255));
 }
 
-// YUV of BT.601 to RGB, in q8.
+// Coefficients of BT.601 from YUV to RGB, in q8.
 struct YuvToRgb {
   int black, luma, red_v, green_u, green_v, blue_u;
 
@@ -32,15 +32,15 @@ const YuvToRgb& GetConversion(const StreamFormat& format) {
   return format.is_full_range ? kFull : kVideo;
 }
 
-// Converts a sample of the given number of bits to 8; shorter ones repeat their
-// high bits.
+// Converts a sample from the given number of bits to 8; shorter samples repeat
+// their high bits.
 uint8_t ScaleToByte(uint32_t sample, int bits) {
   return static_cast<uint8_t>(bits >= 8 ? sample >> (bits - 8)
                                         : sample << (8 - bits) |
                                               sample >> (2 * bits - 8));
 }
 
-// Bits of the channel's samples.
+// The number of bits of the channel's samples.
 int BitsOf(const PixelFormatInfo& pixel_format, const SampleChannel& channel) {
   if (channel.component.kind != RG_SAMPLE_565) return pixel_format.bits;
   return rg_field_mask(channel.first_sample) == 31 ? 5 : 6;

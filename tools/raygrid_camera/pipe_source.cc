@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// While a frame is undistorted and one is read, so many wait.
+// One frame is undistorted and one is read; the others wait.
 constexpr uint32_t kNumPipeBuffers = 4;
 constexpr std::chrono::milliseconds kPipePatience(50);
 

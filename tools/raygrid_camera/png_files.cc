@@ -10,7 +10,8 @@
 namespace raygrid {
 namespace {
 
-// The state that libpng's callbacks need. They must not throw: libpng is C.
+// The state used by libpng's callbacks, which must not throw, since libpng is
+// written in C.
 struct PngWriting {
   AtomicFile* file;
   std::optional<CameraError> error;
@@ -29,7 +30,7 @@ void WritePngBytes(png_structp png, png_bytep bytes, size_t size) {
 
 void FlushNothing(png_structp) {}
 
-// Without it, libpng prints lines of its own.
+// The default error handler of libpng prints messages.
 [[noreturn]] void LeaveEncoder(png_structp png, png_const_charp) {
   png_longjmp(png, 1);
 }
@@ -77,7 +78,7 @@ class PngFiles : public FrameOutput {
     return is_good;
   }
 
-  // libpng leaves by longjmp: nothing here has a destructor.
+  // libpng reports errors by longjmp: no local variable may have a destructor.
   bool EncodeRows(png_structp png, png_infop info, PngWriting* writing) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, writing, WritePngBytes, FlushNothing);

@@ -33,7 +33,8 @@ struct Point {
   std::optional<double> condition;
 };
 
-// A line of two numbers that can be pixels, or of these and a third one.
+// Parses a line of two numbers that can be pixel coordinates, and optionally a
+// third number.
 std::optional<Point> ParsePoint(const char* line) {
   Point point;
   double condition;

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// One of the two kinds of pictures.
+// One of the two streams: before or after undistortion.
 struct View {
   explicit View(const StreamFormat& stream_format)
       : format(stream_format),
@@ -29,7 +29,7 @@ struct View {
   }
 
   const StreamFormat format;
-  std::vector<uint8_t> bytes;  // a frame's copy
+  std::vector<uint8_t> bytes;  // a copy of the frame
   JpegEncoder encoder;
   PictureStream stream;
 };
@@ -51,7 +51,7 @@ class PreviewServer::Impl {
   View before_, after_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool is_full_ = false, is_stopped_ = false;  // the frames' copies
+  bool is_full_ = false, is_stopped_ = false;  // state of the frame copies
   PageServer server_;
   std::thread encoder_;
 };
@@ -81,7 +81,7 @@ void PreviewServer::Impl::OnFrame(const CapturedFrame& before,
   if (!before_.stream.has_clients() && !after_.stream.has_clients()) return;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (is_full_) return;  // the encoder has enough to do
+    if (is_full_) return;  // the encoder is still busy
   }
   CopyPlanes(before_.format, before.image, before_.bytes.data());
   std::memcpy(after_.bytes.data(), after.bytes.data(), after.bytes.size());
@@ -105,7 +105,7 @@ void PreviewServer::Impl::Encode() {
   }
 }
 
-// Paths are compared, never opened.
+// Paths are compared with known ones, but never opened.
 MHD_Result PreviewServer::Impl::Answer(MHD_Connection* connection,
                                        const std::string& path) {
   if (path == "/before")

@@ -22,7 +22,7 @@ class Header {
   size_t size() const { return size_; }
 
  private:
-  std::array<char, 1024> text_;  // enough for all that is added
+  std::array<char, 1024> text_;  // sufficient for all fields
   size_t size_ = 0;
 };
 

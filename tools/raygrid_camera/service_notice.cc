@@ -9,13 +9,13 @@
 namespace raygrid {
 namespace {
 
-// The watchdog hears of frames so often within the time that it waits. Many
-// more come, and each word costs a system call here and work in systemd.
+// The number of notifications per watchdog interval. More are unnecessary, and
+// each costs a system call and work in systemd.
 constexpr int kNoticesInTime = 4;
 
 #if RAYGRID_HAS_SYSTEMD
 
-// How long systemd's watchdog waits; 0: there is none.
+// The timeout of systemd's watchdog; 0 if it is disabled.
 std::chrono::microseconds WatchdogTime() {
   uint64_t time_us = 0;
   if (sd_watchdog_enabled(0, &time_us) <= 0) time_us = 0;

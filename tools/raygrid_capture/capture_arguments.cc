@@ -22,7 +22,7 @@
 namespace raygrid {
 namespace {
 
-// "0.02px", or without the unit.
+// Parses "0.02px"; the unit is optional.
 double ParsePixels(const std::string& option, const std::string& text) {
   char* end;
   const double value = std::strtod(text.c_str(), &end);
@@ -36,7 +36,8 @@ double ParsePixels(const std::string& option, const std::string& text) {
   return value;
 }
 
-// "v4l2:/dev/video0", "libcamera:imx708", "libcamera"; false for files.
+// Parses "v4l2:/dev/video0", "libcamera:imx708" or "libcamera"; returns false
+// for files.
 bool ParseCamera(const std::string& source, CameraArguments* camera) {
   for (const auto& [word, kind] :
        {std::pair("libcamera", CameraKind::kLibcamera),
@@ -50,7 +51,8 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
   return false;
 }
 
-// A camera's or a file's path without links; what is none stays as it is.
+// The canonical path of a camera device or file; other sources are returned
+// unchanged.
 std::string PlaceOf(const std::string& source) {
   CameraArguments camera;
   const std::string name =
@@ -60,7 +62,8 @@ std::string PlaceOf(const std::string& source) {
   return error ? source : place.string();
 }
 
-// Two sources that are one, by whatever path, would be a rig of one camera.
+// Throws if two sources are the same device or file, by whatever path: they
+// would form a rig of one camera.
 void RequireDifferentSources(const std::vector<NamedValue>& sources) {
   for (size_t k = 1; k < sources.size(); ++k)
     for (size_t before = 0; before < k; ++before)
@@ -72,7 +75,7 @@ void RequireDifferentSources(const std::vector<NamedValue>& sources) {
                                 sources[before].name));
 }
 
-// Opens a source; NULL if a signal came first.
+// Opens a source; NULL if a signal is received before.
 std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
                                            const std::string& name) {
   CameraArguments camera;
@@ -91,7 +94,7 @@ std::unique_ptr<LiveFrames> OpenLiveFrames(const CaptureArguments& arguments,
     const bool can_wait = is_input && CanFramesWait(camera);
     camera.every_frame = can_wait;
     auto source = OpenFrameSource(camera);
-    if (!source) return nullptr;  // a signal came first
+    if (!source) return nullptr;  // a signal was received
     return MakeSourceFrames(std::move(source), !can_wait);
   }
   struct stat status;

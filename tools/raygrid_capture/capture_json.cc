@@ -12,7 +12,7 @@ constexpr int kCaptureSchemaVersion = 3;
 
 double RoundedPixel(double pixel) { return std::round(10 * pixel) / 10; }
 
-// Four digits, which is more than anybody sees.
+// Rounds to four significant digits.
 double Rounded(double value) {
   if (!(value > 0) || std::isinf(value)) return value;
   const double scale = std::pow(10, 3 - std::floor(std::log10(value)));
@@ -72,7 +72,7 @@ std::string CaptureJson(const CaptureState& state) {
                      {"white_level", Rounded(state.brightness)},
                      {"frames_per_second", Rounded(state.frames_per_second)},
                      {"warnings", state.warnings}};
-  // Names of files may be no UTF-8.
+  // File names may be invalid UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -28,7 +28,7 @@ void RequireSize(const Session& session, const ImageSize& size) {
                           size.width, size.height));
 }
 
-// The remark at the end on a target that was not reached.
+// The warning at the end if the target uncertainty was not reached.
 std::string TargetWarning(const CaptureState& state) {
   if (!(state.target_px > 0) || state.kept.empty()) return "";
   const bool is_known = state.deviation_px > 0;
@@ -130,7 +130,7 @@ bool CaptureLoop::IsFinished() {
   return wishes_->is_finished_ || (guide_ && guide_->is_done());
 }
 
-// ---- The cameras so far -----------------------------------------------------
+// ---- Camera estimates ------------------------------------------------------
 
 void CaptureLoop::UpdateCameras(const std::vector<bool>& changed,
                                 const Update& update) {
@@ -179,8 +179,8 @@ void CaptureLoop::ChooseCameraShown() {
     for (shown_ = 0; !guide_->guide(shown_);) ++shown_;
 }
 
-// Some views cannot be shown: the board does not fit there, or is not found, or
-// two cameras see no place together.
+// Skips a suggested view after some time: the board may not fit there or not be
+// detected, or two cameras may have no common field of view.
 void CaptureLoop::SkipView() {
   constexpr double kPatienceS = 20;
   if (!frames_->is_live() || adjusting_.valid() || state_.is_paused ||
@@ -199,7 +199,7 @@ void CaptureLoop::SkipView() {
   UpdateCameras(changed, [](size_t, LiveCamera*) {});
 }
 
-// The frames of the session so far, which are looked at anew.
+// Detects the features of the session's existing frames again.
 void CaptureLoop::Resume() {
   std::vector<std::vector<ImageFeatures>> images(cameras_.size());
   for (const std::string& name : session_->CollectFrameSets()) {
@@ -227,7 +227,7 @@ void CaptureLoop::Resume() {
   TakeGuide(true);
 }
 
-// Cameras are known by their first frames.
+// The cameras' formats are known only after their first frames.
 void CaptureLoop::Begin(const FrameSet& frame_set) {
   if (!has_seen_frames_) Resume();
   has_seen_frames_ = true;
@@ -248,7 +248,7 @@ void CaptureLoop::Begin(const FrameSet& frame_set) {
   TakeGuide(true);
 }
 
-// ---- Instants ---------------------------------------------------------------
+// ---- Frame sets ------------------------------------------------------------
 
 void CaptureLoop::ProcessFrameSet(const FrameSet& frame_set) {
   Begin(frame_set);
@@ -285,7 +285,8 @@ AssessedFrames CaptureLoop::Assess(const FrameSet& frame_set) {
   return assessed_frames;
 }
 
-// For what a frame tells of its camera, or some together of the rig.
+// Whether a frame set is to be kept, because a frame improves the estimate of
+// its camera, or several frames that of the rig.
 bool CaptureLoop::IsRequested(const AssessedFrames& assessed_frames) const {
   std::vector<const ImageFeatures*> usable(assessed_frames.size(), nullptr);
   for (size_t c = 0; c < assessed_frames.size(); ++c) {
@@ -360,7 +361,7 @@ void CaptureLoop::Save(AssessedFrames* assessed_frames) {
   session_->Save(std::move(frames));
   state_.kept.push_back(name);
   if (viewers_.add_kept) viewers_.add_kept(name, greys);
-  // Frames come faster than cameras can be adjusted.
+  // With every_frame, frames arrive faster than the estimates can be updated.
   if (options_.judge.every_frame) return;
   for (auto& avoided : avoided_) avoided.clear();
   has_connected_in_vain_ = false;
@@ -395,7 +396,7 @@ void CaptureLoop::ApplyRequests() {
     Remove(std::string(state_.kept.back()));
 }
 
-// ---- What is shown ----------------------------------------------------------
+// ---- Display ---------------------------------------------------------------
 
 void CaptureLoop::CountFrameSet() {
   constexpr size_t kMost = 30;

@@ -19,7 +19,7 @@
 namespace raygrid {
 namespace {
 
-// Silence for longer tells the page that the connection is lost.
+// The page assumes that the connection is lost after a longer silence.
 constexpr std::chrono::seconds kMaxSilence(2);
 constexpr std::chrono::milliseconds kFarewell(500);
 constexpr size_t kUsualStateSize = 32 * 1024;
@@ -29,7 +29,7 @@ constexpr char kPolicy[] =
     "data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
 
-// So as encodeURIComponent() writes a name.
+// Escapes a name like encodeURIComponent().
 std::string EscapedName(const std::string& name) {
   constexpr char kPlain[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_.!~*'()";
@@ -47,7 +47,8 @@ std::string EscapedName(const std::string& name) {
   return out;
 }
 
-// The name in FOLDER/NAME.jpg as the path has it; false: it is no such path.
+// Parses a path FOLDER/NAME.jpg into its escaped name; returns false for other
+// paths.
 bool ParsePicturePath(const std::string& path, const std::string& folder,
                       std::string* name) {
   const std::string end = ".jpg";
@@ -99,15 +100,15 @@ class CapturePage::Impl {
   MHD_Result Answer(MHD_Connection* connection, const std::string& path,
                     bool is_post);
   MHD_Result AnswerCommand(MHD_Connection* connection, const std::string& path);
-  // The name that is escaped so; false: no frame has it.
+  // Finds the name with this escaped form; returns false if no frame has it.
   bool FindName(const std::string& escaped, std::string* name);
   void Repeat();
 
   const OnCommand on_command_;
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   std::string json_;
-  std::map<std::string, std::string> names_;  // of kept frames, by escaped ones
+  std::map<std::string, std::string> names_;  // of kept frames, by escaped name
   bool is_new_ = false, is_stopped_ = false;
   NewestStream states_{"text/event-stream", "", kUsualStateSize};
   KeptPictures kept_;
@@ -137,7 +138,7 @@ CapturePage::Impl::~Impl() {
   repeater_.join();
   live_.End();
   whole_.End();
-  // With the state, since that may not have been sent yet.
+  // Repeats the state, which may not have been sent yet.
   states_.Publish({"data: ", json_, "\n\nevent: end\ndata: end\n\n"});
   states_.End();
   const auto end = std::chrono::steady_clock::now() + kFarewell;
@@ -157,7 +158,8 @@ void CapturePage::Impl::Show(const CaptureState& state) {
   states_.Publish({"data: ", json_, "\n\n"});
 }
 
-// Who hears nothing cannot tell a still camera from a lost connection.
+// Sends the state regularly, so that clients can distinguish a static scene
+// from a lost connection.
 void CapturePage::Impl::Repeat() {
   std::unique_lock<std::mutex> lock(mutex_);
   do {

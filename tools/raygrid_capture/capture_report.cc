@@ -9,13 +9,13 @@
 namespace raygrid {
 namespace {
 
-// Cells of characters over an image.
+// A grid of characters that represents an image.
 class CharacterMap {
  public:
   CharacterMap(const CaptureState& state, int num_columns)
       : state_(state),
         num_columns_(num_columns),
-        // Characters are twice as high as wide.
+        // Characters are about twice as high as wide.
         num_rows_(std::max(
             1, static_cast<int>(std::lround(0.5 * num_columns * state.height /
                                             std::max(1, state.width))))),
@@ -45,7 +45,7 @@ class CharacterMap {
   std::vector<std::string> cells_;
 };
 
-// A line of a rig's cameras, and of how they stand to each other.
+// A line of text about a rig's cameras and their relative poses.
 std::string RigLine(const CaptureState& state) {
   std::string text;
   for (const CameraState& camera : state.cameras) {
@@ -60,7 +60,8 @@ std::string RigLine(const CaptureState& state) {
   return text.empty() ? "" : text + "\n";
 }
 
-// Darker the less a place is known: by factors of two over what is wanted.
+// A darker character for a larger uncertainty, in factors of two above the
+// target.
 char ShadeOf(double deviation_px, double good_px) {
   constexpr char kShades[] = " .:*@";
   const int step =

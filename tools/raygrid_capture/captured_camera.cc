@@ -8,7 +8,8 @@
 namespace raygrid {
 namespace {
 
-// The board of the pattern with most features in an image; NULL without any.
+// The board of the pattern with the most features in an image; NULL without
+// features.
 const Board* FindLargestBoard(const Pattern& pattern,
                               const ImageFeatures& image) {
   const Board* largest = nullptr;
@@ -28,7 +29,7 @@ std::optional<double> FiniteOrNull(double value) {
   return value > 0 ? std::optional(value) : std::nullopt;
 }
 
-// How the camera stood.
+// The capture settings of a frame.
 SessionFrame StateOf(const FrameInfo& info) {
   SessionFrame record;
   record.lens_position = info.lens_position;
@@ -53,8 +54,9 @@ LensFocus FocusOf(const SessionFrame& frame) {
   return focus;
 }
 
-// The word on a frame that shows another camera than the first one kept: its
-// lens has moved, or another part of the sensor is shown. NULL: the same.
+// The status word of a frame whose capture settings differ from those of the
+// first kept one: the lens has moved, or the sensor crop has changed. NULL: no
+// difference.
 const char* DescribeOtherCameraState(const SessionFrame& first,
                                      const SessionFrame& now) {
   const bool has_lens_moved =
@@ -109,15 +111,15 @@ std::string CapturedCamera::GetStateText(const LiveFrame& frame,
   return other ? other : "";
 }
 
-// Once a frame is good enough to be kept, the camera is to stay so. Frames that
-// arrived before, or just behind, may not tell yet how it stands: V4L2 is asked
-// once a second.
+// Locks the camera's settings once a frame is good enough to be kept. The
+// metadata of frames that arrived before, or shortly after, may not reflect the
+// lock: V4L2 controls are read once per second.
 bool CapturedCamera::IsLocking(const LiveFrame& frame, FrameSource* source,
                                const SessionFrame* first) {
   constexpr std::chrono::milliseconds kSettlingTime(1200);
   if (!lock_time_) {
     lock_time_ = Clock::now();
-    // A session that goes on has a focus already.
+    // A resumed session restores its focus.
     if (source && first) source->FocusAt(FocusOf(*first));
     if (source) new_lock_ = source->LockState();
     is_locked_ = new_lock_ && !new_lock_->locked.empty();

@@ -20,7 +20,7 @@ void ConvertRowToLuma(const PixelFormatInfo& info, const uint8_t* row,
   for (int x = 0; x < width; ++x) grey[x] = row[x * luma.component.sample_step];
 }
 
-// In the processor's order, as images in memory are.
+// Stored in the processor's byte order, like all images in memory.
 void WidenRow(const PixelFormatInfo& info, const uint8_t* row, int width,
               uint8_t* grey) {
   for (int x = 0; x < width; ++x) {

@@ -17,7 +17,7 @@ void KeptPictures::Add(const std::string& name, const StreamFormat& format,
                        const rg_image& image) {
   SmallerPicture smaller;
   std::vector<uint8_t> jpeg;
-  // Noise is smaller in a smaller picture.
+  // Downscaling reduces noise, and thereby the size of the JPEG file.
   for (int side = kMaxKeptSide; side > 1; side /= 2) {
     jpeg = smaller.Encode(format, image, side);
     if (jpeg.size() <= kMaxKeptSize) break;

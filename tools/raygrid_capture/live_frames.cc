@@ -84,7 +84,7 @@ class SourceFrames : public LiveFrames {
     ++num_taken_;
     return frame;
   }
-  // Not while there is a fault, which Next() tells.
+  // Not finished while there is an error, which Next() reports.
   bool is_finished() const override {
     return source_->is_finished() && source_->fault().empty();
   }
@@ -92,7 +92,7 @@ class SourceFrames : public LiveFrames {
   FrameSource* source() override { return source_.get(); }
 
  private:
-  // Those of a file come as fast as they are taken.
+  // Frames of a file have no arrival times: a constant rate is assumed.
   double GetTime(const FrameInfo& info) {
     constexpr double kFileFrameS = 1 / 30.0;
     if (!is_live_) return num_taken_ * kFileFrameS;

@@ -9,11 +9,12 @@ constexpr int kMaxLiveSide = 1280;
 constexpr size_t kUsualLiveSize = 256 * 1024;
 constexpr char kLiveType[] =
     "multipart/x-mixed-replace; boundary=raygrid-live-picture";
-// Browsers show a picture once they have read the fields of the next one. So
-// these stand behind each picture, and say nothing of the next one's size.
+// Browsers display a picture once they have received the header fields of the
+// next one. Therefore, these follow each picture immediately, without the next
+// one's size.
 constexpr char kNextPicture[] =
     "\r\n--raygrid-live-picture\r\nContent-Type: image/jpeg\r\n\r\n";
-// Leaves the processor to those who look for boards.
+// Leaves processor time for board detection.
 constexpr std::chrono::milliseconds kLivePause(66);
 
 }  // namespace

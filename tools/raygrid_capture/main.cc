@@ -1,4 +1,4 @@
-// raygrid-capture: from a live camera to the images that calibrate it.
+// raygrid-capture: captures calibration images from a live camera.
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -28,8 +28,8 @@
 namespace raygrid {
 namespace {
 
-// Shows states where they are asked for: lines of JSON when something changes,
-// a block on a terminal a few times a second, else a line for each kept frame.
+// Prints states: as lines of JSON when something changes, on a terminal as a
+// block a few times per second, otherwise as a line for each kept frame.
 class StandardOutput {
  public:
   explicit StandardOutput(const CaptureArguments& arguments)
@@ -40,7 +40,7 @@ class StandardOutput {
   void Show(const CaptureState& state) {
     const bool is_new = state.word != word_ || state.hint != hint_ ||
                         state.kept.size() != num_kept_;
-    // Those of a session that goes on are no news.
+    // Frames of a resumed session are not reported again.
     const bool is_kept = state.word == "kept" && state.kept.size() > num_kept_;
     word_ = state.word;
     hint_ = state.hint;
@@ -65,7 +65,7 @@ class StandardOutput {
   }
 
  private:
-  // Over the block before.
+  // Overwrites the previous block.
   void ShowBlock(const CaptureState& state) {
     constexpr std::chrono::milliseconds kPause(200);
     const auto now = std::chrono::steady_clock::now();
@@ -90,7 +90,7 @@ class StandardOutput {
   std::chrono::steady_clock::time_point shown_;
 };
 
-// The page of a session, for whoever is shown the link.
+// Starts the page of a session for everyone with the link.
 std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
                                       const SessionFolder& session,
                                       CaptureRequests* wishes) {
@@ -181,7 +181,7 @@ int Run(int argc, char** argv) {
   InstallSignalHandlers();
   const auto frames = OpenFrames(arguments);
   if (!frames) return 0;
-  // Nobody follows what is said of photographs and videos that are there.
+  // With existing photographs and videos, no operator follows suggestions.
   constexpr double kPartWithoutOperator = 0.15;
   if (!frames->is_live())
     arguments.loop.guide.part_of_next = kPartWithoutOperator;
@@ -215,7 +215,7 @@ int Run(int argc, char** argv) {
   RequireFrames(arguments, loop.state());
   SayEnd(arguments, loop.state());
   if (arguments.no_calibrate || IsSignalled()) return 0;
-  page.reset();  // another program cannot tell those who watch that this ends
+  page.reset();  // informs the clients of the end
   std::vector<std::string> calibrate = {
       "calibrate", arguments.output, "--threads",
       std::to_string(arguments.common.threads)};
@@ -235,7 +235,8 @@ int Fail(int code, const std::string& message) {
 }  // namespace raygrid
 
 int main(int argc, char** argv) {
-  // Sums are cut as in raygrid: the same bytes on any machine.
+  // Fixed cache sizes make Eigen's order of summation, and results, identical
+  // on all machines.
   Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 4 << 20);
   raygrid::RetainFreedMemory();
   try {

@@ -47,7 +47,7 @@ std::optional<FrameSet> PairedFrames::Next() {
   return frame_set;
 }
 
-// False: a camera has none.
+// Returns false if a camera has no frame.
 bool PairedFrames::FillPending() {
   bool is_full = true;
   for (size_t c = 0; c < size(); ++c) {
@@ -84,7 +84,7 @@ std::optional<FrameSet> PairedFrames::NextLive() {
     is_unpaired_ = false;
     return TakePending(std::vector<bool>(size(), true));
   }
-  // Its partner will not come any more, or a camera is late.
+  // The matching frame is missing, or a camera is late.
   is_unpaired_ = now - last_pair_ > kPatience;
   if (!is_full && !is_unpaired_) return std::nullopt;
   std::vector<bool> taken(size(), false);
@@ -97,9 +97,9 @@ std::optional<FrameSet> PairedFrames::NextOfFiles() {
   FillPending();
   for (size_t c = 0; c < size(); ++c)
     if (!pending_[c] && !cameras_[c].frames->is_finished())
-      return std::nullopt;  // it will come
+      return std::nullopt;  // the other frame is still to come
   std::vector<bool> taken(size(), false);
-  const std::string* first = nullptr;  // of the names; videos' are empty
+  const std::string* first = nullptr;  // name; empty for videos
   for (const auto& frame : pending_)
     if (frame && (!first || frame->name < *first)) first = &frame->name;
   if (!first) return std::nullopt;

@@ -33,7 +33,7 @@ void RequireSameCameras(const std::string& folder,
                         folder, fmt::join(names, ", ")));
 }
 
-// Nothing of the folder is one's own before.
+// Must be called before any access to the folder's files.
 int LockFolder(const std::string& folder) {
   const int lock = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock < 0) ThrowWriteError(folder, errno);
@@ -85,8 +85,8 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
           (fs::path(folder) / kSessionFrames / camera).string());
 }
 
-// A pattern that lies there may be the one that was given, and is never
-// replaced.
+// Writes the pattern file. An existing file is never replaced, since it may be
+// the one given by the user.
 void SessionFolder::TakePattern(const std::string& path,
                                 const std::string& text) {
   if (!fs::exists(path)) {
@@ -110,7 +110,7 @@ bool SessionFolder::IsEmpty() const {
       [](const Session& session) { return session.frames.empty(); });
 }
 
-// Leaves files of others, and the folders that have some.
+// Keeps other files, and folders that contain any.
 void SessionFolder::RemoveAll() const {
   std::error_code error;
   const fs::path frames = fs::path(folder_) / kSessionFrames;
@@ -122,7 +122,8 @@ void SessionFolder::RemoveAll() const {
 }
 
 std::vector<std::string> SessionFolder::CollectFrameSets() const {
-  // Those of the first camera in their order, and between them others'.
+  // The first camera's frames in their order; frames of other cameras are
+  // inserted between them.
   std::vector<std::string> names;
   for (const Session& session : cameras_) {
     auto at = names.begin();

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-// Three bytes: red, green, blue.
+// Three bytes per pixel: red, green, blue.
 StreamFormat MakeRgbFormat(int width, int height) {
   return MakeStreamFormat(*FindPixelFormat("BGR888"),
                           static_cast<uint32_t>(width),

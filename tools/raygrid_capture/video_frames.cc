@@ -20,7 +20,7 @@ extern char** environ;
 namespace raygrid {
 namespace {
 
-// A file's descriptor, or the end of a pipe from a program that reads it.
+// A file descriptor, or the read end of a pipe from a decoder process.
 class VideoStream {
  public:
   static VideoStream OfFile(const std::string& path) {
@@ -39,7 +39,7 @@ class VideoStream {
       throw InputError(fmt::format("{}: cannot create a pipe ({})", path,
                                    std::strerror(errno)));
     stream.fd_ = ends[0];
-    // A file's name alone is never taken for an address.
+    // The prefix prevents ffmpeg from interpreting a file name as a URL.
     const std::string file = "file:" + path;
     const char* const arguments[] = {
         "ffmpeg",       "-nostdin", "-v",    "error",    "-noautorotate", "-i",
@@ -100,7 +100,7 @@ class VideoSource : public PipeSource {
   static PipeOptions Options() {
     PipeOptions options = {};
     options.every_frame = true;
-    options.timeout_s = 20;  // ffmpeg may look at much of a file first
+    options.timeout_s = 20;  // ffmpeg may probe much of a file
     return options;
   }
 

@@ -16,7 +16,8 @@ constexpr size_t kMaxWaiting = 8;
 constexpr size_t kWholePiece = 64 * 1024;
 constexpr char kTooMany[] = "too many requests; try again later\n";
 
-// Empty for a picture that has no pixels, or not as many as it says.
+// Encodes a picture; empty if it has no pixels or their number does not match
+// its size.
 std::vector<uint8_t> EncodeWhole(const GreyPicture& picture) {
   if (picture.width <= 0 || picture.height <= 0 ||
       picture.bytes.size() < size_t(picture.width) * size_t(picture.height))
@@ -28,7 +29,7 @@ std::vector<uint8_t> EncodeWhole(const GreyPicture& picture) {
         MakeGreyImage(format, picture.bytes.data(), format.width));
     return {encoder.bytes(), encoder.bytes() + size};
   } catch (const CameraError&) {
-    return {};  // larger than frames are
+    return {};  // exceeds the maximum frame size
   }
 }
 
@@ -39,7 +40,7 @@ struct WholePictures::Job {
   std::string name;
   MHD_Connection* connection;
   bool is_suspended = false, is_ready = false, is_gone = false;
-  std::vector<uint8_t> jpeg;  // empty: it could not be read
+  std::vector<uint8_t> jpeg;  // empty if it could not be read
   size_t sent = 0;
 };
 
@@ -65,7 +66,7 @@ MHD_Result WholePictures::Answer(MHD_Connection* connection,
       MHD_SIZE_UNKNOWN, kWholePiece, &WholePictures::ReadCallback, asked.get(),
       &WholePictures::FreeCallback);
   if (!response) return MHD_NO;
-  asked.release();  // now the response's
+  asked.release();  // now owned by the response
   MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, "image/jpeg");
   MHD_add_response_header(response, MHD_HTTP_HEADER_CACHE_CONTROL, "no-store");
   const MHD_Result queued =
