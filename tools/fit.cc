@@ -222,8 +222,8 @@ void AddFit(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "--spline", arguments->spline,
-          "control points and field of view of splined-stereographic (default: "
-          "fewest control points with an error of at most 0.005 px)")
+          "size of the spline grid and field of view (default: fewest control "
+          "points with an error of at most 0.005 px)")
       ->option_text("COLUMNSxROWS[,fov=DEG]");
   AddAtOption(command, common);
   BeginGroup(command, help_group::kOutput);
