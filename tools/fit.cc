@@ -222,7 +222,7 @@ void AddFit(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "--spline", arguments->spline,
-          "size of the spline grid and field of view (default: fewest control "
+          "size of the grid and field of view (default: fewest control "
           "points with an error of at most 0.005 px)")
       ->option_text("COLUMNSxROWS[,fov=DEG]");
   AddAtOption(command, common);
