@@ -30,8 +30,7 @@ const std::vector<Experiment>& Experiments() {
        40,
        {"--features", "--camera", "--image"}},
       {"noncentrality",
-       "error of treating a non-central camera as central, as a function of "
-       "distance",
+       "error of treating a camera as central, by distance",
        MeasureNoncentrality,
        60,
        {"--features", "--camera"}},
