@@ -353,24 +353,8 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
 void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
   command->add_option("images", arguments->images,
                       "images, folders or a capture session");
-  command
-      ->add_option("--camera", arguments->cameras,
-                   "images of one camera of a rig; repeatable. Synchronized "
-                   "images have the same name in all cameras")
-      ->option_text("NAME=DIR")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--sync-by", arguments->sync_by,
-                   "match images of a rig by file name, or by the last number "
-                   "in it (left01, right01)")
-      ->check(CLI::IsMember({"name", "number"}))
-      ->option_text("name|number")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--features", arguments->features,
-          "features.csv instead of images; for a rig, with a column camera")
-      ->option_text("FILE");
+  AddRigImageOptions(command, &arguments->cameras, &arguments->sync_by,
+                     &arguments->features);
   command
       ->add_option(
           "--image-size", arguments->image_sizes,

@@ -553,4 +553,26 @@ std::string SerializeInputs(const CalibrateArguments& arguments,
   return hash.Text();
 }
 
+void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
+                        std::string* sync_by, std::string* features) {
+  command
+      ->add_option("--camera", *folders,
+                   "images of one camera of a rig; repeatable. Synchronized "
+                   "images have the same name in all cameras")
+      ->option_text("NAME=DIR")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--sync-by", *sync_by,
+                   "match images of a rig by file name, or by the last number "
+                   "in it (left01, right01)")
+      ->check(CLI::IsMember({"name", "number"}))
+      ->option_text("name|number")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--features", *features,
+          "features.csv instead of images; for a rig, with a column camera")
+      ->option_text("FILE");
+}
+
 }  // namespace raygrid

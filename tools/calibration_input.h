@@ -115,6 +115,10 @@ std::vector<Measurements> CollectMeasurements(
 
 struct CaptureConditions;
 
+/// Adds --camera, --sync-by and --features, which calibrate and localize share.
+void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
+                        std::string* sync_by, std::string* features);
+
 /// Returns the inputs of a calibration, with the checkpoints of an interrupted
 /// one, if any. They refer to `cameras` and `checkpoints`, which must outlive
 std::vector<CalibrationInput> CalibrationInputs(

@@ -417,24 +417,8 @@ void AddLocalize(CLI::App* app, CommonOptions* common) {
       ->required();
   command->add_option("images", arguments->images,
                       "images and folders, of a single camera");
-  command
-      ->add_option("--camera", arguments->folders,
-                   "images of one camera of a rig; repeatable. Synchronized "
-                   "images have the same name in all cameras")
-      ->option_text("NAME=DIR")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--sync-by", arguments->sync_by,
-                   "match images of a rig by file name, or by the last number "
-                   "in it (left01, right01)")
-      ->check(CLI::IsMember({"name", "number"}))
-      ->option_text("name|number")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--features", arguments->features,
-          "features.csv instead of images; for a rig, with a column camera")
-      ->option_text("FILE");
+  AddRigImageOptions(command, &arguments->folders, &arguments->sync_by,
+                     &arguments->features);
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   AddPatternOption(command, &arguments->pattern,
