@@ -244,9 +244,9 @@ void PrintSummary(const RigResult& result, const std::string& folder) {
   else
     PrintSingleCamera(result.cameras.front());
   PrintBoards(result.cameras.front().pattern);
-  for (const std::string& told :
+  for (const std::string& description :
        DescribeRigidTargets(result.rigid_targets, result.board_pairs))
-    fmt::print("  {}\n", told);
+    fmt::print("  {}\n", description);
   if (!result.rigid_targets.empty())
     fmt::print("    (use --independent-boards to estimate a pose per board)\n");
   fmt::print("  verdict: {}\n", result.assessment.word);

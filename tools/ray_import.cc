@@ -43,7 +43,7 @@ void ImportRays(const RayTable& rays, const std::string& format,
   RequireNoInputReplaced({rays.path}, {output});
   RayGrid grid = FitRayGrid(rays, model, common.threads);
   const std::vector<std::string> warnings = FormatGridWarnings(grid);
-  const nlohmann::ordered_json told = MakeGridJson(grid, format);
+  const nlohmann::ordered_json grid_json = MakeGridJson(grid, format);
   const std::string text = fmt::format(
       "{}: {} of {} x {} px, {} x {} control points; fit error {:.2g} px RMS, "
       "{:.2g} px max at {} pixels; cross-validation (fitted to half of the "
@@ -58,7 +58,7 @@ void ImportRays(const RayTable& rays, const std::string& format,
     fmt::print(stderr, "raygrid: {}\n", warning);
   if (common.json)
     PrintCommandJson({{"rig", false},
-                      {"cameras", nlohmann::ordered_json::array({told})},
+                      {"cameras", nlohmann::ordered_json::array({grid_json})},
                       {"warnings", warnings}});
   else if (!common.quiet)
     fmt::print("{}", text);

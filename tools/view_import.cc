@@ -40,12 +40,12 @@ std::optional<ImageSize> GetRequestedSize(const ViewRequest& request) {
 }
 
 void RequireSize(const std::string& option, const ViewImport& import,
-                 const ImageSize& table, const ImageSize& told) {
-  if (table == told) return;
+                 const ImageSize& table, const ImageSize& stated) {
+  if (table == stated) return;
   throw Error(ExitCode::kUsage,
               fmt::format("{}: {} has {} x {} pixels instead of {} x {}",
                           option, import.path, table.width, table.height,
-                          told.width, told.height));
+                          stated.width, stated.height));
 }
 
 RayTable EmptyRays(const ViewTable& table) {

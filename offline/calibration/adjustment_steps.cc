@@ -104,10 +104,11 @@ void Calibration::OptimizeWithRigidTargets(
   try {
     adjusted_ = AdjustTogether(all, rejected);
   } catch (const Error& error) {
-    const auto told = DescribeRigidTargets({}, result_.board_pairs);
-    if (error.code() != ExitCode::kInitialization || told.empty()) throw;
+    const auto descriptions = DescribeRigidTargets({}, result_.board_pairs);
+    if (error.code() != ExitCode::kInitialization || descriptions.empty())
+      throw;
     throw Error(error.code(),
-                fmt::format("{}; {}", error.what(), told.front()));
+                fmt::format("{}; {}", error.what(), descriptions.front()));
   }
 }
 

@@ -109,9 +109,9 @@ void AddRigidTargets(const RigResult& result, Json* json) {
          {"rotation_sd_rad", pair.deviation_rad},
          {"expected_translation_sd_m", pair.expected_m},
          {"expected_rotation_sd_rad", pair.expected_rad}});
-  const auto told =
+  const auto descriptions =
       DescribeRigidTargets(result.rigid_targets, result.board_pairs);
-  if (!told.empty()) (*json)["rigid_target_summary"] = told;
+  if (!descriptions.empty()) (*json)["rigid_target_summary"] = descriptions;
 }
 
 // Totals over all cameras.

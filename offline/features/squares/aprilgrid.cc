@@ -32,7 +32,7 @@ namespace {
 
 // Black squares touch the corners of the tags, and blur joins them to one shape
 // that is no square. Where white has grown into black by some pixels, they are
-// apart. Cells of few pixels are told from each other only when enlarged.
+// apart. Cells of few pixels are distinguished only when enlarged.
 struct Preparation {
   int scale;
   int growth_px;  // of the enlarged image

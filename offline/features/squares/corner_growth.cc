@@ -16,7 +16,7 @@ constexpr double kMinCornerSpacingPx = 5;
 constexpr double kNearPart = 0.4;      // of the patches' reach
 constexpr double kMinNearReachPx = 5;  // more than blur
 
-// The reach of a patch: as far as corners of black squares can be told from
+// The reach of a patch: as far as corners of black squares can be distinguished from
 // each other. An AprilGrid is like a chessboard as far as the tags' borders and
 // the black squares between them go: the tags' insides may be turned.
 double PatchReach(const Board& board) {
