@@ -168,8 +168,11 @@ class Page(unittest.TestCase):
         self.shows("num-kept", "4")
         self.shows("word-text", "Moving")
         self.wait_for(f"/Kept, 4 frames/.test({text_of('spoken')})")
+        # It is announced even if the next state arrives before its turn.
+        self.tell("keep two-more.png", "word absent Show the board")
+        self.wait_for(f"/Kept, 5 frames. .*Show the board/.test({text_of('spoken')})")
         # A look at one, then at the one before.
-        self.browser.click("#kept li:nth-child(1) .open")
+        self.browser.click("#kept li:nth-child(2) .open")
         picture = "document.getElementById('look-picture')"
         self.wait_for(f"{picture}.naturalWidth === 960")
         self.shows("look-name", "one-more.png")
@@ -179,7 +182,7 @@ class Page(unittest.TestCase):
         self.browser.click("#look-close")
         self.wait_for("!document.getElementById('look').open")
         self.tell("keep lost.png")
-        self.shows("num-kept", "5")
+        self.shows("num-kept", "6")
         self.browser.click("#kept li:nth-child(1) .open")
         self.shows("look-text", "Cannot read this frame.")
         self.browser.complaints[:] = [complaint for complaint in self.browser.complaints

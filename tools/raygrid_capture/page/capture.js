@@ -45,20 +45,22 @@ function putWord(word, ms) {
   byId('word').dataset.kind = kind;
 }
 
-// Readers of screens hear the newest, at their pace.
-let spoken = '', spokenAt = -SPEECH_MS, speechTimer = 0;
+// Screen readers announce the newest state at most once per SPEECH_MS. That a frame was kept is
+// announced even if newer states arrive before its turn.
+let spoken = '', spokenAt = -SPEECH_MS, speechTimer = 0, keptToSpeak = '';
 
 function speak(text) {
   clearTimeout(speechTimer);
+  if (text === spoken && !keptToSpeak) return;
   const wait = spokenAt + SPEECH_MS - performance.now();
-  if (text === spoken) return;
   if (wait > 0) {
     speechTimer = setTimeout(speak, wait, text);
     return;
   }
+  byId('spoken').textContent = keptToSpeak + text;
   spoken = text;
   spokenAt = performance.now();
-  byId('spoken').textContent = text;
+  keptToSpeak = '';
 }
 
 let toldTimer = 0;
@@ -572,8 +574,8 @@ function show(newState) {
   if (isNew && !(state.done && !wasDone)) play(660, 880);
   if (state.done && !wasDone && !isFirst) play(660, 880, 1320);
   showWord();
-  const kept = isNew ? `Kept, ${state.kept_frames.length} frames. ` : '';
-  speak(kept + (state.done ? 'Done. ' : '') + `${byId('word-text').textContent}. ${state.hint}`);
+  if (isNew) keptToSpeak = `Kept, ${state.kept_frames.length} frames. `;
+  speak((state.done ? 'Done. ' : '') + `${byId('word-text').textContent}. ${state.hint}`);
   root.dataset.states = Number(root.dataset.states || 0) + 1;
 }
 
