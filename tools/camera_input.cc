@@ -171,8 +171,8 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
 void AddCameraArgument(CLI::App* command, std::string* path) {
   command
       ->add_option("camera", *path,
-                   "camera.yaml (double precision) or blob (fixed-point "
-                   "runtime)")
+                   "camera.yaml (double precision) or .raygrid blob "
+                   "(fixed point)")
       ->required();
 }
 

@@ -288,8 +288,8 @@ void AddCompare(CLI::App* app, CommonOptions* common) {
       ->required();
   command
       ->add_option("--features", arguments->features,
-                   "features.csv of images not used to calibrate either "
-                   "camera; tests which camera predicts them better")
+                   "features.csv of images that neither calibration used: "
+                   "compares the reprojection errors of both cameras")
       ->option_text("FILE");
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);

@@ -269,7 +269,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->option_text("FILE");
   command
       ->add_option("--image-size", arguments->image_size,
-                   "size in px of the images that --features was detected in")
+                   "size in px of the images in which --features were detected")
       ->option_text("WxH");
   AddHoldOut(command, "test images (default: every fifth)",
              &arguments->hold_out);

@@ -66,7 +66,7 @@ std::string Question(const Board& board, const std::string& mm_option) {
                        has_squares ? Given(board.square_m, mm_option) +
                                          fmt::format(" with {} x {} features",
                                                      board.columns, board.rows)
-                                   : "its xyz must be in metres");
+                                   : "xyz must be in metres");
   return "";
 }
 

@@ -27,14 +27,15 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->check(CLI::Range(1, 1000000));
   command
       ->add_option("--noise-px", simulation.noise_px,
-                   "white feature noise without --render, 1 σ per coordinate")
+                   "standard deviation of white feature noise, per "
+                   "coordinate; ignored with --render")
       ->option_text("PX")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command
       ->add_option("--correlated-noise-px", simulation.shared_noise_px,
-                   "spatially correlated feature noise without --render, 1 σ "
-                   "per coordinate")
+                   "standard deviation of spatially correlated feature noise, "
+                   "per coordinate; ignored with --render")
       ->option_text("PX")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
@@ -53,8 +54,9 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--per-view-deformation-mm", arguments->board_deformation_mm,
-                   "additional smooth random deformation per view, without "
-                   "--render: deflection, 1 σ")
+                   "standard deviation of the deflection by an additional "
+                   "smooth random deformation of each view; ignored with "
+                   "--render")
       ->option_text("MM")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();

@@ -370,7 +370,8 @@ void AddView(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<ViewArguments>();
   command
       ->add_option("files", arguments->files,
-                   "blobs, camera.yaml or NAME.camera.yaml, one row each")
+                   "cameras to compare, each drawn as one row: blobs, "
+                   "camera.yaml or NAME.camera.yaml")
       ->required();
   command
       ->add_option(

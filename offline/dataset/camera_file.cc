@@ -177,7 +177,8 @@ MovementErrors ParseBeyond(const YAML::Node& node) {
        {beyond.scale, beyond.shift_px, beyond.tilt_rad, beyond.local_px})
     if (!(deviation >= 0 && std::isfinite(deviation)))
       throw InputError(
-          "uncertainty modes: 'beyond' must be finite and not negative");
+          "uncertainty modes: the values of 'beyond' must be finite and "
+          "non-negative");
   return beyond;
 }
 

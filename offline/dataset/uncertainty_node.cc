@@ -35,7 +35,7 @@ UncertaintyLattice ParseUncertaintyLattice(const YAML::Node& node) {
       lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
       if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
         throw InputError(
-            "uncertainty: deviation_px must be a number and not negative");
+            "uncertainty: deviation_px must be a non-negative number");
     }
   }
   return lattice;

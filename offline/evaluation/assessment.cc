@@ -340,8 +340,8 @@ void AssessFoldOver(const CalibrationMetrics& metrics, Findings* findings) {
   if (fold_over.valid_part > 0)
     findings->Fail(fmt::format(
         "the model is not injective within the valid region ({:.2g} % of the "
-        "calibrated area): two pixels have the same ray; remove misread "
-        "features, or increase --knot-spacing-px",
+        "calibrated area): two pixels have the same ray; remove "
+        "misidentified features, or increase --knot-spacing-px",
         100 * fold_over.valid_part));
   else if (fold_over.part > 0)
     findings->Note(

@@ -332,7 +332,7 @@ std::map<int, Eigen::Vector3d> ParsePuzzlepaintPoints(const std::string& path,
   const YAML::Node root = LoadMap(path, text);
   const std::vector<double> numbers = FiniteNumbers(root["points"], "points");
   if (numbers.size() % 3 != 0)
-    throw InputError("points: expected x, y, z of each");
+    throw InputError("points: expected three coordinates per point");
   const YAML::Node list = root["feature_id_to_point_index"];
   RequireList(list, "feature_id_to_point_index");
   constexpr int kMostIds = 1 << 30;

@@ -66,9 +66,9 @@ std::map<std::string, ResidualSets> ReadResiduals(const std::string& path) {
     ResidualSets& sets = cameras[has_camera ? table.Text("camera") : ""];
     std::vector<FeatureResidual>* set = FindSet(table.Text("set"), &sets);
     if (!set)
-      throw InputError(
-          fmt::format("{}: unknown set '{}'; rerun the calibration",
-                      table.Place(), table.Text("set")));
+      throw InputError(fmt::format(
+          "{}: unknown value '{}' in column 'set'; rerun the calibration",
+          table.Place(), table.Text("set")));
     set->push_back({table.Text("image"),
                     table.Integer("board"),
                     table.Integer("column"),

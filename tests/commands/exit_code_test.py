@@ -61,7 +61,7 @@ class FormerNames(CommandTest):
 
 class MisspeltCommands(CommandTest):
     def test_the_nearest_command_is_named(self):
-        for word, meant in (("captur", "capture"), ("calibrat", "calibrate"), ("undistrot", "undistort"),
+        for word, meant in (("localise", "localize"), ("calibrat", "calibrate"), ("undistrot", "undistort"),
                             ("inspec", "inspect"), ("udpate", "update")):
             self.assert_refused(run(word), 1, f"did you mean {meant}?")
 
