@@ -93,27 +93,28 @@ SmoothFit FitSmooth(const PixelField& displacements,
                     const std::vector<Polynomials>& polynomials) {
   constexpr int kRounds = 15;
   constexpr double kLeastFarPx = 0.1;
+  const auto count = std::count_if(displacements.begin(), displacements.end(),
+                                   [](const auto& d) { return d.has_value(); });
+  Eigen::MatrixXd basis(count, kNumPolynomials), values(count, 2);
+  for (size_t i = 0, row = 0; i < displacements.size(); ++i) {
+    if (!displacements[i]) continue;
+    basis.row(row) = polynomials[i];
+    values.row(row++) = *displacements[i];
+  }
   SmoothFit fit = SmoothFit::Zero();
   double far_px = INFINITY;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix<double, kNumPolynomials, kNumPolynomials> square;
-    square.setIdentity();
-    square *= 1e-9;
-    SmoothFit right = SmoothFit::Zero();
-    std::vector<double> sizes;
-    for (size_t i = 0; i < displacements.size(); ++i) {
-      if (!displacements[i]) continue;
-      const Eigen::Vector2d left =
-          *displacements[i] - fit.transpose() * polynomials[i];
-      const double weight = 1 / (1 + left.squaredNorm() / (far_px * far_px));
-      sizes.push_back(left.norm());
-      square.selfadjointView<Eigen::Lower>().rankUpdate(polynomials[i], weight);
-      right += weight * polynomials[i] * displacements[i]->transpose();
-    }
-    fit = square.selfadjointView<Eigen::Lower>().llt().solve(right);
+    const Eigen::VectorXd sizes = (values - basis * fit).rowwise().norm();
+    const Eigen::VectorXd weights =
+        (1 + (sizes / far_px).array().square()).inverse();
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * basis;
+    Eigen::MatrixXd square = basis.transpose() * weighted;
+    square.diagonal().array() += 1e-9;
+    fit = square.llt().solve(weighted.transpose() * values);
     // sizes are the residuals of the previous round; they are not available in
     // the first round.
-    if (round > 0) far_px = std::max(kLeastFarPx, Median(sizes));
+    if (round > 0)
+      far_px = std::max(kLeastFarPx, Median({sizes.begin(), sizes.end()}));
   }
   return fit;
 }

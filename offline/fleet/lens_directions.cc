@@ -9,13 +9,11 @@ LensDirections ComputeDirections(const Eigen::MatrixXd& rows,
                                  const std::vector<bool>& is_usual) {
   const auto count =
       static_cast<double>(std::count(is_usual.begin(), is_usual.end(), true));
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(rows.cols(), rows.cols());
+  Eigen::MatrixXd usual = rows;
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    if (is_usual[i])
-      covariance.selfadjointView<Eigen::Lower>().rankUpdate(
-          rows.row(i).transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance /
-                                                              (count - 1));
+    if (!is_usual[i]) usual.row(i).setZero();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      usual.transpose() * usual / (count - 1));
   LensDirections all{solver.eigenvectors().rowwise().reverse(),
                      solver.eigenvalues().reverse()};
   // Keeps the directions that explain nearly all of the variance, at most a
