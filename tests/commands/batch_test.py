@@ -106,11 +106,11 @@ class Batch(CommandTest):
                                                          "fleet.html"])
 
     def test_conditions_and_rolling_shutters_are_passed_on(self):
-        features, values, board = [], ["image,value"], "chessboard:13x9:30mm"
+        features, values, board = [], ["image,value"], self.path("board.yaml")
         for position in (0, 5, 10):
             folder = self.path("at%d" % position)
             self.assert_done(run("simulate", "--lens", "focusing", "--at", position, "--pattern", board, "--images", 5,
-                                 "--noise-px", 0.03, "--seed", position + 1, "-o", folder))
+                                 "--size", "160x120", "--features-per-image", 40, "--noise-px", 0.03, "--seed", position + 1, "-o", folder))
             lines = read(folder + "/features.csv").decode().splitlines()
             features = features or lines[:1]
             features += ["%d_%s" % (position, line) for line in lines[1:]]
@@ -121,8 +121,8 @@ class Batch(CommandTest):
 pattern: {board}
 skip_comparison: true
 fix_target_geometry: true
-image_size: [640, 480]
-knot_spacing_px: 160
+image_size: [160, 120]
+knot_spacing_px: 40
 units:
   - {{serial: F1, features: focusing.csv, vary_with: lens_position, operating_points: values.csv}}
   - {{serial: R1, features: at0/features.csv, rolling_shutter: true, timestamps: gone.csv}}

@@ -1,5 +1,6 @@
 """Helpers of the command tests: running a program, and a few files to run it on."""
 import argparse
+import functools
 import os
 import re
 import resource
@@ -39,10 +40,21 @@ def main(module):
     parser = argparse.ArgumentParser()
     for name in ("raygrid", "undistort", "reference", "photographs"):
         parser.add_argument("--" + name, required=True)
+    parser.add_argument("--long", action="store_true", help="with the tests that take minutes")
     # Nothing that other versions of the programs remember.
     os.environ["XDG_CACHE_HOME"] = cache.name
     _, rest = parser.parse_known_args(namespace=programs)
     unittest.main(module=module, argv=[module] + rest, verbosity=2)
+
+
+def long_test(method):
+    """Marks a test that only tests/run everything runs."""
+    @functools.wraps(method)
+    def wrapper(self):
+        if not programs.long:
+            self.skipTest("takes minutes; tests/run everything runs it")
+        method(self)
+    return wrapper
 
 
 def run(*arguments, program=None):

@@ -6,7 +6,7 @@ import math
 import os
 import random
 
-from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
+from command_test import CommandTest, SIMULATED_PATTERN, long_test, main, read, run, write
 
 ERRORS = ["median_x_px", "median_y_px", "rms_x_px", "rms_y_px"]
 COUNTS = ["visible", "found", "compared"]
@@ -99,6 +99,7 @@ class Experiment(CommandTest):
             self.assertEqual((len(parametric), len(generic)), (3, 4))
             self.assertLess(2 * max(generic), min(parametric))
 
+    @long_test
     def test_capture_guidance(self):
         rows, pictures = self.small("capture-guidance", "--size", "320x240", images=1)
         self.assertEqual(pictures, [])
@@ -181,6 +182,7 @@ class Experiment(CommandTest):
         self.assertLess(2 * error["curved", "21"], error["homography", "21"])
         self.assertLess(error["homography", "11"], error["homography", "31"])
 
+    @long_test
     def test_stereo_depth(self):
         rows, pictures = self.small("stereo-depth", images=8)
         self.assertEqual(pictures, ["stereo-depth-bias.png"])
@@ -481,6 +483,7 @@ cameras:
         self.assert_refused(run("experiment", "localization", "-o", folder, *data[:2]), 1,
                             "--pattern")
 
+    @long_test
     def test_repeatability(self):
         def simulate(folder, images):
             self.assert_done(run("simulate", "--images", images, "--features-per-image", 100,
