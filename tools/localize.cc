@@ -234,14 +234,19 @@ struct LocalizationSummary {
   ErrorMetrics errors;
   int num_frames = 0, outside_area = 0;
   double rotation_sd_rad = 0, translation_sd_m = 0;
-  std::optional<double> target_change_m;  // RMS
+  std::vector<std::optional<double>> systematic_px;  // of each camera
+  std::optional<double> target_change_m;             // RMS
   std::vector<std::string> files;
 };
 
-LocalizationSummary Summarize(const TargetLocalization& localization) {
+LocalizationSummary Summarize(const RigModel& model,
+                              const TargetLocalization& localization) {
   LocalizationSummary summary;
   std::vector<FeatureResidual> residuals;
-  for (const Evaluation& camera : localization.cameras) {
+  for (size_t c = 0; c < localization.cameras.size(); ++c) {
+    const Evaluation& camera = localization.cameras[c];
+    summary.systematic_px.push_back(
+        ComputeSystematicError(camera.residuals, model.cameras[c]->area()));
     residuals.insert(residuals.end(), camera.residuals.begin(),
                      camera.residuals.end());
     summary.outside_area += camera.outside_area;
@@ -256,6 +261,23 @@ LocalizationSummary Summarize(const TargetLocalization& localization) {
   summary.translation_sd_m =
       MedianOf(localization.poses, &TargetPose::TranslationStdDev);
   return summary;
+}
+
+// Says that the intrinsics are wrong where much of the error is systematic.
+void WarnAboutIntrinsics(const std::string& name,
+                         const std::vector<FeatureResidual>& residuals,
+                         const std::optional<double>& systematic_px) {
+  constexpr double kMinShare = 0.5;  // of the RMS error
+  constexpr double kMinPx = 0.02;
+  const double rms_px = ComputeErrorMetrics(residuals).rms_px;
+  if (!systematic_px || *systematic_px < kMinPx ||
+      *systematic_px < kMinShare * rms_px)
+    return;
+  fmt::print(stderr,
+             "raygrid: {}warning: {:.2g} of {:.2g} px RMS reprojection error "
+             "repeat in all images: the intrinsics do not fit these images; "
+             "calibrate the camera again\n",
+             name.empty() ? "" : name + ": ", *systematic_px, rms_px);
 }
 
 nlohmann::ordered_json ToJson(const Evaluation& evaluation) {
@@ -282,6 +304,8 @@ nlohmann::ordered_json ToJson(const FixedRig& rig, const Pattern& pattern,
   for (size_t c = 0; c < rig.names.size(); ++c) {
     json["cameras"].push_back({{"name", rig.names[c]}});
     json["cameras"].back().update(ToJson(localization.cameras[c]));
+    if (summary.systematic_px[c])
+      json["cameras"].back()["systematic_px"] = *summary.systematic_px[c];
   }
   return json;
 }
@@ -388,7 +412,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
     for (const RejectedImage& image : cameras[c].skipped)
       localization.cameras[c].rejected_images.push_back(image);
 
-  LocalizationSummary summary = Summarize(localization);
+  LocalizationSummary summary = Summarize(model, localization);
   summary.target_change_m = target_change_m;
   summary.files = WriteLocalization(
       arguments.output,
@@ -397,6 +421,10 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
        {kEstimatedPattern, target_change_m ? FormatPattern(pattern) : ""},
        {kPosesPicture,
         EncodePoseSheet(rig, model, cameras, pattern, localization)}});
+  for (size_t c = 0; c < cameras.size(); ++c)
+    WarnAboutIntrinsics(rig.is_rig ? rig.names[c] : "",
+                        localization.cameras[c].residuals,
+                        summary.systematic_px[c]);
   if (common.json)
     PrintCommandJson(ToJson(rig, pattern, localization, summary));
   else if (!common.quiet)

@@ -164,6 +164,46 @@ std::optional<double> ComputeNoiseBias(
   return sum / kDraws;
 }
 
+std::optional<double> ComputeSystematicError(
+    const std::vector<FeatureResidual>& residuals, const Area& area) {
+  constexpr int kCells = 10;
+  constexpr size_t kMinImages = 5;
+  struct Sum {
+    Eigen::Vector2d error = Eigen::Vector2d::Zero();
+    int count = 0;
+  };
+  std::map<int, std::map<std::string, Sum>> cells;
+  std::set<std::string> images;
+  for (const FeatureResidual& residual : residuals) {
+    images.insert(residual.image);
+    const Eigen::Vector2d position =
+        (residual.pixel - Eigen::Vector2d(area.x0, area.y0))
+            .cwiseQuotient(Eigen::Vector2d(area.width(), area.height()));
+    const Eigen::Vector2i cell =
+        (kCells * position.array()).floor().max(0).min(kCells - 1).cast<int>();
+    Sum& sum = cells[cell.y() * kCells + cell.x()][residual.image];
+    sum.error += residual.error_px;
+    ++sum.count;
+  }
+  if (images.size() < kMinImages) return std::nullopt;
+  double weighted = 0, weight = 0;
+  for (const auto& [cell, sums] : cells) {
+    if (sums.size() < 2) continue;
+    Eigen::Vector2d total = Eigen::Vector2d::Zero();
+    double squares = 0;
+    for (const auto& [image, sum] : sums) {
+      const Eigen::Vector2d mean = sum.error / sum.count;
+      total += mean;
+      squares += mean.squaredNorm();
+    }
+    const auto n = static_cast<double>(sums.size());
+    // The mean product of two different images' means.
+    weighted += n * (total.squaredNorm() - squares) / (n * (n - 1));
+    weight += n;
+  }
+  return std::sqrt(std::max(weight > 0 ? weighted / weight : 0, 0.0));
+}
+
 std::set<std::string> FindOutlierImages(
     const std::vector<FeatureResidual>& residuals) {
   constexpr double kManyTimes = 5, kNegligiblePx = 0.02;

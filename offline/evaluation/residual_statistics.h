@@ -50,6 +50,14 @@ std::vector<double> ComputeCellBias(
 std::optional<double> ComputeNeighborCorrelation(
     const std::vector<FeatureResidual>& residuals);
 
+/// Computes the RMS, in px, of the part of the residuals that is the same in
+/// all images: a function of the position in the image, as wrong intrinsics
+/// cause it. Estimated without bias by noise, from products of the mean
+/// residuals of different images in the same cell (10 x 10 cells of the area).
+/// nullopt if fewer than five images have residuals.
+std::optional<double> ComputeSystematicError(
+    const std::vector<FeatureResidual>& residuals, const Area& area);
+
 /// Finds images whose median residual is many times the median of the other
 /// images: outliers, from another camera or another board.
 std::set<std::string> FindOutlierImages(

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
 
@@ -53,12 +54,22 @@ class Localize(CommandTest):
         self.assertEqual([key for key in poses[0] if key.startswith("cov_")],
                          [f"cov_{a}_{b}" for k, a in enumerate(AXES) for b in AXES[k:]])
         self.assert_near_truth(poses, rows(self.path("one/true_poses.csv")))
+        self.assertNotIn("intrinsics", result.stderr)
         self.assertLess(summary["translation_sd_m"], 0.002)
         evaluated = json.loads(run("evaluate", self.camera, "--features", self.features, "--pattern", self.pattern,
                                    "--json").stdout)
         for key in ("median_px", "rms_px", "max_px", "count"):
             self.assertEqual(summary[key], evaluated[key])
         self.assertEqual(len(rows(self.path("poses/residuals.csv"))), summary["count"])
+
+    def test_wrong_intrinsics_are_reported(self):
+        fitted = self.path("fitted.yaml")
+        self.assert_done(run("fit", self.camera, "--model", "opencv", "-o", fitted))
+        text = re.sub(r"\bk1: (\S+)", lambda found: f"k1: {float(found[1]) + 0.01}", read(fitted).decode())
+        wrong = write(self.path("wrong.yaml"), text)
+        result = self.localize(wrong, "--features", self.features, out="wrong")
+        self.assert_done(result)
+        self.assertRegex(result.stderr, r"the intrinsics do not fit these images")
 
     def test_poses_are_exported_as_a_trajectory(self):
         self.assert_done(self.localize(self.camera, "--features", self.features, out="walk"))

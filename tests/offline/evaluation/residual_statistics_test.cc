@@ -123,5 +123,30 @@ TEST(ComputeNeighborCorrelation, NeighboursAreOnOneBoardInOneImage) {
   EXPECT_FALSE(ComputeNeighborCorrelation({}));
 }
 
+TEST(ComputeSystematicError, IsWhatRepeatsInAllImages) {
+  const Area area{0, 0, 640, 480};
+  const auto residuals = [&](int num_images, double systematic_px) {
+    TestRandom random(5);
+    std::vector<FeatureResidual> all;
+    for (int image = 0; image < num_images; ++image) {
+      const Eigen::Vector2d of_image = 0.5 * random.NormalVector<2>();
+      for (int k = 0; k < 100; ++k) {
+        const Eigen::Vector2d pixel(64 * (k % 10) + 30, 48 * (k / 10) + 20);
+        const double phase = 0.01 * pixel.x();
+        all.push_back(
+            {std::to_string(image), 0, 0, k, pixel,
+             systematic_px * Eigen::Vector2d(std::sin(phase), std::cos(phase)) +
+                 of_image + random.NormalVector<2>()});
+      }
+    }
+    return all;
+  };
+  // The part of an image does not repeat: 0.5 sqrt(2) px of it and of noise.
+  EXPECT_NEAR(ComputeSystematicError(residuals(40, 1), area).value(), 1, 0.15);
+  EXPECT_LT(ComputeSystematicError(residuals(40, 0), area).value(), 0.3);
+  EXPECT_FALSE(ComputeSystematicError(residuals(4, 1), area));
+  EXPECT_FALSE(ComputeSystematicError({}, area));
+}
+
 }  // namespace
 }  // namespace raygrid
