@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the tables of README.md and benchmarks/README.md between <!-- NAME --> and <!-- end -->, from the CSV files
-of benchmarks/ and from runtime/COST.md; tools/measure_readme does so, too.
+of benchmarks/ and runtime/cost/; tools/measure_readme does so, too.
 
 Usage: tools/measure/page.py [FOLDER]
 """
@@ -11,7 +11,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(HERE, "..", "..", "benchmarks")
-COST = os.path.join(HERE, "..", "..", "runtime", "COST.md")
+COST = os.path.join(HERE, "..", "..", "runtime", "cost")
 PROGRAMS = ("OpenCV", "mrcal", "raygrid")
 TABLE = re.compile(r"(<!-- (?!end)(\w+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 # Sets of images, and how the page calls them.
@@ -55,12 +55,6 @@ def markdown(head, rows):
     lines = [head, ["---"] * len(head), *rows]
     return "".join(("|" + "|".join(line) + "|" if line[0] == "---" else "| " + " | ".join(line) + " |") + "\n"
                    for line in lines)
-
-
-def parse_table(text):
-    """Cells of the Markdown tables of a text, heads among them."""
-    return [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in text.splitlines()
-            if line.startswith("|") and not line.startswith("|-")]
 
 
 # ---- Accuracy ------------------------------------------------------------------
@@ -182,17 +176,15 @@ def frames_table(folder):
     return markdown(["program", *formats], lines)
 
 
-def cost_rows(title):
-    """A table of runtime/COST.md, by core and column."""
-    text = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", read_text(COST), re.MULTILINE | re.DOTALL).group(1)
-    head, *rows = parse_table(text)
-    return {row[0]: dict(zip(head, row)) for row in rows}
+def cost_rows(name):
+    """A file of runtime/cost, by target and column."""
+    return {row["target"]: row for row in read_rows(COST, name)}
 
 
 def cost_table(_):
-    code, instructions = cost_rows("Code"), cost_rows("Instructions on microcontrollers")
+    code, instructions = cost_rows("code"), cost_rows("instructions")
     columns = ("unproject", "project", "undistort point", "GREY8", "NV12", "RGB24")
-    lines = [[core, code[core][".text: rays"], code[core]["everything"],
+    lines = [[core, code[core]["rays"], code[core]["everything"],
               *(instructions[core][column] for column in columns)] for core in CORES]
     return markdown(["core", "bytes: rays", "everything", *columns], lines)
 
