@@ -116,15 +116,16 @@ def results_table(folder):
 
 
 def accuracy_table(folder):
+    """A row per set; of each program the best setting with nominal and with estimated targets."""
     found, lines = read_accuracy(folder), []
     for name, title in SETS.items():
-        for estimated in (False, True):
-            rows = [row for row in select(found, set=name) if is_estimated(row) == estimated]
-            default = select(rows, program="raygrid", model="central-generic")
-            lines.append([title, "estimated" if estimated else "nominal",
-                          *(best_cell(select(rows, program=program), "median_px") for program in PROGRAMS),
-                          default[0]["median_px"] if default else "–"])
-    return markdown(["images", "target", *PROGRAMS, "`central-generic`"], lines)
+        pairs = [[row for row in select(found, set=name) if is_estimated(row) == estimated]
+                 for estimated in (False, True)]
+        defaults = [best_of(select(rows, program="raygrid", model="central-generic"), "median_px") for rows in pairs]
+        lines.append([title, *("; ".join(best_cell(select(rows, program=program), "median_px") for rows in pairs)
+                               for program in PROGRAMS),
+                      "; ".join(row["median_px"] if row else "–" for row in defaults)])
+    return markdown(["images", *PROGRAMS, "`central-generic`"], lines)
 
 
 def corners_table(folder):
