@@ -192,9 +192,8 @@ def cost_table(_):
 
 def runs_table(folder):
     rows = [row for row in read_rows(folder, "runs") if row["file"] not in ("localization", "remap_ratios", "sets")]
-    return markdown(["file", "date", "machine", "version"],
-                    [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "–",
-                      row["raygrid"] or "–"] for row in rows])
+    return markdown(["file", "date", "machine"],
+                    [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "–"] for row in rows])
 
 
 TABLES = {"results": results_table, "accuracy": accuracy_table, "corners": corners_table,
