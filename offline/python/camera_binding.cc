@@ -323,9 +323,10 @@ py::object CircleOf(const PyCamera& self) {
 }  // namespace
 
 void BindView(py::module_* module) {
-  py::class_<VirtualView>(*module, "View",
-                          "The virtual camera (view) of undistorted images, "
-                          "made by Camera.view(); immutable.")
+  py::class_<VirtualView>(
+      *module, "View",
+      "An output view: the virtual camera of undistorted images, "
+      "made by Camera.view(); immutable.")
       .def_property_readonly(
           "size",
           [](const VirtualView& v) {
@@ -345,7 +346,7 @@ void BindView(py::module_* module) {
       .def_property_readonly(
           "camera_from_view",
           [](const VirtualView& v) { return ReadOnly(v.camera_from_view); },
-          "Rotation (3, 3) from axes of the view to camera axes.")
+          "Rotation (3, 3) from axes of the output view to camera axes.")
       .def_property_readonly("hfov_deg", &VirtualView::HorizontalFieldOfViewDeg,
                              "Horizontal field of view in degrees.")
       .def_property_readonly("vfov_deg", &VirtualView::VerticalFieldOfViewDeg,
@@ -360,7 +361,7 @@ void BindView(py::module_* module) {
                   Pose{Eigen::Quaterniond(view.camera_from_view), {0, 0, 0}};
             return PyCamera{file};
           },
-          "The view as a Camera, in axes of the view.")
+          "The output view as a Camera, in its own axes.")
       .def("__repr__", [](const VirtualView& v) {
         return fmt::format("<raygrid.View {} {} x {}, {:.1f} x {:.1f} degrees>",
                            ProjectionName(v.projection), v.size.width,

@@ -123,10 +123,10 @@ image inside it; and fraction_below_px, the fraction of the image below each of
 several limits in pixels. Raises Error if the camera has no uncertainty.)";
 
 inline constexpr char kView[] =
-    R"(Define the virtual camera (view) of undistorted images.
+    R"(Define an output view: the virtual camera of undistorted images.
 
 Arguments are the options of 'raygrid undistort'. At most one of hfov, vfov,
-focal and alpha is needed. Without any argument it is the view of the remap
+focal and alpha is needed. Without any argument it is the output view of the remap
 table that calibrate packs.
 
 Args:
@@ -143,7 +143,7 @@ Args:
 
 Raises:
     ValueError: an argument is invalid.
-    Error: no such view of this camera exists.)";
+    Error: no such output view of this camera exists.)";
 
 inline constexpr char kMaps[] =
     R"(Compute the maps of cv2.remap() that undistort images.
@@ -164,7 +164,7 @@ inline constexpr char kPack[] =
 Warns (UserWarning) about contents that the blob cannot contain.
 
 Args:
-    views: a remap table is made for each; default: for view().
+    views: output views, each with a remap table; default: view().
     max_error_px: largest error of the remap tables, in pixels.
     threads: number of threads; 0: one per core. Results do not depend on it.
 
@@ -172,7 +172,7 @@ Returns:
     The bytes of the blob (formats/SPEC.md).
 
 Raises:
-    Error: the camera or a view cannot be packed.)";
+    Error: the camera or an output view cannot be packed.)";
 
 }  // namespace raygrid::docstring
 

@@ -139,7 +139,7 @@ class Mode(NamedTuple):
 
 
 class View(NamedTuple):
-    """The virtual camera of undistorted images."""
+    """An output view: the virtual camera of undistorted images."""
     #: One of PROJECTIONS.
     projection: str
     #: Of the undistorted image, in pixels.
@@ -447,7 +447,7 @@ class Camera:
         return size
 
     def view(self):
-        """View of the undistorted image, a View. Raises Error without a table."""
+        """Output view of the selected table, a View. Raises Error without a table."""
         view = _View()
         _check(_library.rg_remap_view(ctypes.byref(self._camera), ctypes.byref(view)))
         numbers = [value / Q30 for value in view.rotation_q30]
@@ -458,8 +458,8 @@ class Camera:
     def undistort_points(self, points):
         """Undistort pixels (x, y) to positions (x, y) in the undistorted image.
 
-        A list of tuples, with None for pixels that the view cannot show. Raises Error without a
-        selected table.
+        A list of tuples, with None for pixels that the output view cannot show. Raises Error
+        without a selected table.
         """
         self.remap_size()
         result = (_Pixel * len(points))()

@@ -1,9 +1,10 @@
-"""A target's rows in the tables of runtime/COST.md, which are written, and its ceilings in
-budgets.toml, which are gates.
+"""A target's rows in the files of runtime/cost, which are written, and its ceilings in budgets.toml,
+which are gates.
 
 A kind of figures is a table of both: its figures are a dictionary by name, whole numbers or such
 with one decimal, in the table's order.
 """
+import csv
 import os
 import sys
 import tomllib
@@ -11,38 +12,25 @@ import tomllib
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools", "measure"))
 import page  # noqa: E402
 
-# How the heading of a kind's table begins in COST.md.
-HEADINGS = {"text": "| core | .text: rays |", "stack": "| core | stack: open |",
-            "instructions": "| core | unproject |", "points": "| target | unproject |",
-            "frames": "| target | GREY8, 32 |", "conditions": "| core | .text: operating point |",
-            "conditions of Linux": "| target | .text: operating point |"}
+# Files of runtime/cost by the kind of their figures.
+FILES = {"text": "code", "stack": "stack", "instructions": "instructions", "points": "points_linux",
+         "frames": "frames_linux", "conditions": "operating_points",
+         "conditions of Linux": "operating_points_linux"}
 
 
-def find_row(lines, title, name):
-    """Number of the line that begins with name, in the table whose heading begins with title."""
-    headings = [k for k, line in enumerate(lines) if line.startswith(title)]
-    if len(headings) != 1:
-        sys.exit(f"COST.md has {len(headings)} tables '{title}'")
-    for place in range(headings[0], len(lines)):
-        if lines[place].startswith(f"| {name} |"):
-            return place
-        if not lines[place].startswith("|"):
-            break
-    return sys.exit(f"COST.md's table '{title}' has no row of {name}")
-
-
-def write_rows(cost, target, kinds):
-    """Replaces the target's row in the table of each kind; one cell a column."""
-    with open(cost, encoding="utf-8") as file:
-        lines = file.read().split("\n")
+def write_rows(folder, target, kinds):
+    """Replaces the target's row in the file of each kind; one cell a column."""
     for kind, figures in kinds.items():
-        place = find_row(lines, HEADINGS[kind], target)
-        row = f"| {target} | " + " | ".join(map(str, figures.values())) + " |"
-        if row.count("|") != lines[place].count("|"):
-            sys.exit(f"COST.md's table '{HEADINGS[kind]}' has other columns than {', '.join(figures)}")
-        lines[place] = row
-    with open(cost, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines))
+        path = os.path.join(folder, FILES[kind] + ".csv")
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+        if target not in [row[0] for row in rows]:
+            sys.exit(f"{path} has no row of {target}")
+        if len(rows[0]) != 1 + len(figures):
+            sys.exit(f"{path} has other columns than {', '.join(figures)}")
+        rows = [[target, *figures.values()] if row[0] == target else row for row in rows]
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def find_faults(kind, budget, target, figures):
@@ -74,8 +62,8 @@ def check_budgets(path, target, kinds):
 
 def add_arguments(parser):
     parser.add_argument("--budgets", required=True, help="budgets.toml")
-    parser.add_argument("--update", metavar="COST.md",
-                        help="write the figures into this file instead of comparing them")
+    parser.add_argument("--update", metavar="FOLDER",
+                        help="write the figures into the files of this folder instead of comparing them")
 
 
 def settle(arguments, target, kinds):

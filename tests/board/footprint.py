@@ -4,7 +4,7 @@
 Flash, RAM and stack from the objects: what a firmware links that calls the entry points of a
 set; it may take no static memory and no symbol from outside. The stack is the deepest path of
 the compiler's call graph (-fcallgraph-info=su). Executed instructions, of microcontrollers, from
-instruction_bench on an emulator that counts them. --update writes the core's rows of COST.md.
+instruction_bench on an emulator that counts them. --update writes the core's rows of runtime/cost.
 """
 import argparse
 import os

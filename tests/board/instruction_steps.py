@@ -3,7 +3,7 @@
 budgets.toml.
 
 QEMU's user mode notes every instruction, with the function that it belongs to; a call's are those
-between two of mark_call(). --update writes the target's rows of COST.md.
+between two of mark_call(). --update writes the target's rows of runtime/cost.
 """
 import argparse
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the tables of README.md and benchmarks/README.md between <!-- NAME --> and <!-- end -->, from the CSV files
-of benchmarks/ and from runtime/COST.md; tools/measure_readme does so, too.
+of benchmarks/ and runtime/cost/; tools/measure_readme does so, too.
 
 Usage: tools/measure/page.py [FOLDER]
 """
@@ -11,7 +11,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FOLDER = os.path.join(HERE, "..", "..", "benchmarks")
-COST = os.path.join(HERE, "..", "..", "runtime", "COST.md")
+COST = os.path.join(HERE, "..", "..", "runtime", "cost")
 PROGRAMS = ("OpenCV", "mrcal", "raygrid")
 TABLE = re.compile(r"(<!-- (?!end)(\w+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 # Sets of images, and how the page calls them.
@@ -55,12 +55,6 @@ def markdown(head, rows):
     lines = [head, ["---"] * len(head), *rows]
     return "".join(("|" + "|".join(line) + "|" if line[0] == "---" else "| " + " | ".join(line) + " |") + "\n"
                    for line in lines)
-
-
-def parse_table(text):
-    """Cells of the Markdown tables of a text, heads among them."""
-    return [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in text.splitlines()
-            if line.startswith("|") and not line.startswith("|-")]
 
 
 # ---- Accuracy ------------------------------------------------------------------
@@ -122,15 +116,16 @@ def results_table(folder):
 
 
 def accuracy_table(folder):
+    """A row per set; of each program the best setting with nominal and with estimated targets."""
     found, lines = read_accuracy(folder), []
     for name, title in SETS.items():
-        for estimated in (False, True):
-            rows = [row for row in select(found, set=name) if is_estimated(row) == estimated]
-            default = select(rows, program="raygrid", model="central-generic")
-            lines.append([title, "estimated" if estimated else "nominal",
-                          *(best_cell(select(rows, program=program), "median_px") for program in PROGRAMS),
-                          default[0]["median_px"] if default else "–"])
-    return markdown(["images", "target", *PROGRAMS, "`central-generic`"], lines)
+        pairs = [[row for row in select(found, set=name) if is_estimated(row) == estimated]
+                 for estimated in (False, True)]
+        defaults = [best_of(select(rows, program="raygrid", model="central-generic"), "median_px") for rows in pairs]
+        lines.append([title, *("; ".join(best_cell(select(rows, program=program), "median_px") for rows in pairs)
+                               for program in PROGRAMS),
+                      "; ".join(row["median_px"] if row else "–" for row in defaults)])
+    return markdown(["images", *PROGRAMS, "`central-generic`"], lines)
 
 
 def corners_table(folder):
@@ -182,26 +177,23 @@ def frames_table(folder):
     return markdown(["program", *formats], lines)
 
 
-def cost_rows(title):
-    """A table of runtime/COST.md, by core and column."""
-    text = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", read_text(COST), re.MULTILINE | re.DOTALL).group(1)
-    head, *rows = parse_table(text)
-    return {row[0]: dict(zip(head, row)) for row in rows}
+def cost_rows(name):
+    """A file of runtime/cost, by target and column."""
+    return {row["target"]: row for row in read_rows(COST, name)}
 
 
 def cost_table(_):
-    code, instructions = cost_rows("Code"), cost_rows("Instructions on microcontrollers")
+    code, instructions = cost_rows("code"), cost_rows("instructions")
     columns = ("unproject", "project", "undistort point", "GREY8", "NV12", "RGB24")
-    lines = [[core, code[core][".text: rays"], code[core]["everything"],
+    lines = [[core, code[core]["rays"], code[core]["everything"],
               *(instructions[core][column] for column in columns)] for core in CORES]
     return markdown(["core", "bytes: rays", "everything", *columns], lines)
 
 
 def runs_table(folder):
     rows = [row for row in read_rows(folder, "runs") if row["file"] not in ("localization", "remap_ratios", "sets")]
-    return markdown(["file", "date", "machine", "version"],
-                    [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "–",
-                      row["raygrid"] or "–"] for row in rows])
+    return markdown(["file", "date", "machine"],
+                    [[f"[`{row['file']}.csv`]({row['file']}.csv)", row["date"], row["machine"] or "–"] for row in rows])
 
 
 TABLES = {"results": results_table, "accuracy": accuracy_table, "corners": corners_table,

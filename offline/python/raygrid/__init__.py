@@ -1,4 +1,4 @@
-"""Camera calibration with raygrid: detection, calibration, cameras, views and blobs.
+"""Camera calibration with raygrid: detection, calibration, cameras, undistortion and blobs.
 
 Example::
 

@@ -75,7 +75,7 @@ class Blob(_runtime.Camera):
     def undistort_points(self, points: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Undistort pixels (N, 2) to positions (N, 2) in the undistorted image.
 
-        NaN for pixels that the view cannot show. Raises BlobError without a selected table.
+        NaN for pixels that the output view cannot show. Raises BlobError without a selected table.
         """
         return _rows(super().undistort_points(_vectors(points, 2)), 2)
 
