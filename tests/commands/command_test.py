@@ -4,6 +4,7 @@ import functools
 import os
 import re
 import resource
+import signal
 import struct
 import subprocess
 import sys
@@ -41,6 +42,8 @@ def main(module):
     for name in ("raygrid", "undistort", "reference", "photographs"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--long", action="store_true", help="with the tests that take minutes")
+    # A shell ignores it in what it starts in the background, and programs inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # Nothing that other versions of the programs remember.
     os.environ["XDG_CACHE_HOME"] = cache.name
     _, rest = parser.parse_known_args(namespace=programs)
