@@ -19,7 +19,7 @@ struct ColmapCamera {
   std::string model;  ///< "OPENCV"
   ImageSize size;
   std::vector<double> parameters;
-  std::string name, serial;  ///< raygrid's comments; "" in binary files
+  std::string name, serial;  ///< from raygrid's comments; "" in binary files
   std::string warning;       ///< written as a comment
 };
 
@@ -49,8 +49,8 @@ const std::vector<std::string>& ColmapModelNames();
 /// Returns the number of parameters of one of these models.
 int NumColmapParameters(const std::string& model);
 
-/// Returns whether a text or bytes may be cameras.txt or cameras.bin, even with
-/// an unknown model.
+/// Returns whether a text or binary file may be cameras.txt or cameras.bin,
+/// even with an unknown model.
 bool IsColmapText(const std::string& text);
 bool IsColmapBinary(const std::string& bytes);
 

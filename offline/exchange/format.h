@@ -88,7 +88,7 @@ struct WriteRequest {
   std::vector<std::string> beside = {};
 };
 
-/// A file that is written beside the main file.
+/// A file that is written to the folder of the main file.
 struct CompanionFile {
   std::string path, text;
   /// If true, a different file of this name is an error, not overwritten.

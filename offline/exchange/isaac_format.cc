@@ -37,9 +37,9 @@ Eigen::Vector2d FromUnitImage(const ImageSize& size,
       position.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
 }
 
-// Octahedral map of all directions to the square from (-1, -1) to (1, 1), seen
-// along z; the far half is folded outward. The centre of the square is the
-// direction ahead of the camera, or behind it.
+// Octahedral map of all directions to the square from (-1, -1) to (1, 1),
+// projected along z; the far half is folded outwards. The centre of the square
+// is the viewing direction or its opposite.
 class Octahedron {
  public:
   explicit Octahedron(bool is_ahead) : sign_(is_ahead ? -1 : 1) {}
@@ -270,9 +270,9 @@ class ExitProjection {
   std::vector<bool> is_near_;
 };
 
-// Returns an invalid position outside the image, beyond the corner nearest to a
-// direction: positions interpolated between it and one outside the image are
-// outside, as well.
+// Returns an invalid position outside the image, near the corner closest to a
+// direction. Positions interpolated between it and another one outside the
+// image are outside, too.
 Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
@@ -454,7 +454,7 @@ LookupError ExitError(const ExportedCamera& table,
 // ---- The pair --------------------------------------------------------------
 
 // Positions have kinks at the octahedron's edges, some of which lie on the
-// axes. An odd number of texels puts a row of texels there.
+// axes. With an odd number of texels, a row of texels lies there, too.
 constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
 // The largest table is slow to compute; it is used only if it helps.
 constexpr int kUsualExitSide = 2049;

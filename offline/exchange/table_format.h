@@ -61,13 +61,13 @@ struct RayTable {
   std::vector<Eigen::Vector3d> origins;
 };
 
-/// A camera, for formats that sample it themselves.
+/// A camera, for formats whose export samples it.
 struct ExportedCamera {
   std::string path;
   std::string model;                    ///< one of the format's models
   const CameraModel* camera = nullptr;  ///< central camera
   const ValidityMask* valid_region =
-      nullptr;                         ///< valid region; null: everything
+      nullptr;                         ///< valid region; null: all pixels
   std::optional<double> max_error_px;  ///< maximum accepted error
   int num_threads = 0;
 };

@@ -18,7 +18,7 @@ class UnitGrid : public CameraModel {
     int min_x = 0, min_y = 0, max_x = 0, max_y = 0;
   };
 
-  /// Row by row; without points, the camera is central.
+  /// Row-major; without points, the camera is central.
   UnitGrid(const ImageSize& image_size, const Bounds& bounds, int columns,
            int rows, std::vector<Eigen::Vector3d> directions,
            std::vector<Eigen::Vector3d> points);

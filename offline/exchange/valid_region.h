@@ -12,8 +12,9 @@ namespace raygrid {
 /// first) around the valid region. Empty if there is no valid pixel.
 using ValidRegion = std::vector<Eigen::Vector2d>;
 
-/// Outlines the largest connected part of the valid cells, along their edges.
-/// Cells that touch only at a corner are not connected. Holes are ignored.
+/// Outlines the largest connected component of the valid cells, along their
+/// edges. Cells that touch only at a corner are not connected. Holes are
+/// ignored.
 ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 
 /// Mask of the cells whose centre (clipped to the image) is in the region.
