@@ -29,13 +29,13 @@ struct UnpenalizedDirections {
 /// unpenalized directions, less for those with a remaining precision.
 struct PriorGroup {
   static constexpr double kRelaxedScale =
-      1e-3;  ///< remaining in these directions
+      1e-3;  ///< remaining scale in these directions
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;       ///< rank of K minus unpenalized directions
   double weight = 0;  ///< lambda; set by SetPrecision()
-  /// A lower limit of the weight, relative to the residual variance, whatever
-  /// the evidence.
+  /// Lower limit of the weight, relative to the residual variance, regardless
+  /// of the evidence.
   double precision_floor = 0;
   /// D, scaled so that (I - R D^T) b has the covariance K - R R^T if the random
   /// vector b has K; may have no columns.

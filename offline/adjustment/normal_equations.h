@@ -15,6 +15,7 @@ namespace raygrid {
 struct AdjustmentStep {
   std::vector<Eigen::VectorXd> cameras;  ///< empty if they are fixed
   std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< without the first
+                                                          ///< camera's
   std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< empty if fixed
   Eigen::VectorXd points;  ///< three coordinates per point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
@@ -137,7 +138,7 @@ class EquationsBuilder {
   const std::vector<View>& views_;
   double huber_px_;
   int num_threads_;
-  std::shared_ptr<void> memory_;  // of LargeEquations
+  std::shared_ptr<void> memory_;  // reused state of LargeEquations
 };
 
 }  // namespace raygrid
