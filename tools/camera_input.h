@@ -75,9 +75,9 @@ void RequireSeparateFolders(const std::vector<std::string>& images,
 /// Writes text to a file, or to standard output if path is empty.
 void PrintOrWrite(const std::string& path, const std::string& text);
 
-/// Maximum number of points or pixels per call: the pixels of a Full HD image,
-/// fewer for JSON. The output is kept in memory, because outputs are written
-/// completely or not at all.
+/// Returns the maximum number of points or pixels per call: the pixels of a
+/// Full HD image, fewer for JSON. The output is kept in memory, because outputs
+/// are written completely or not at all.
 inline size_t MaxRows(bool is_json) { return is_json ? 500000 : 2100000; }
 
 /// Converts a CSV table of numbers to an array of objects: empty fields become

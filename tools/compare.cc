@@ -62,8 +62,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   return prediction;
 }
 
-// The difference over pixels in the valid regions of both cameras. Elsewhere,
-// one of them is extrapolated, and the difference is arbitrary.
+// Returns the difference over pixels in the valid regions of both cameras.
+// Elsewhere, one of them is extrapolated, and the difference is arbitrary.
 std::optional<ErrorMetrics> WhereValid(const ModelDifference& difference,
                                        const CameraInput& first,
                                        const CameraInput& second) {

@@ -162,7 +162,7 @@ void OccupyStandardStreams() {
       open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-// The Levenshtein distance.
+// Returns the Levenshtein distance.
 size_t CountEdits(const std::string& from, const std::string& to) {
   std::vector<size_t> row(to.size() + 1);
   std::iota(row.begin(), row.end(), 0);

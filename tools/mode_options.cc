@@ -60,7 +60,7 @@ std::vector<double> Numbers(const std::string& mode, const Words& words,
                       count, example);
 }
 
-// The calibrated pixels that the mode's frames contain.
+// Returns the calibrated pixels that the mode's frames contain.
 Area ShownArea(const std::string& mode, const Words& words,
                const ImageSize& calibrated) {
   const auto crop = words.find("crop");

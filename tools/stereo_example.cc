@@ -37,7 +37,7 @@ SharedByFrame ShareFeatures(const Dataset& left, const Dataset& right) {
   return shared;
 }
 
-// The distance from a camera to the nearest board in a frame.
+// Returns the distance from a camera to the nearest board in a frame.
 std::optional<double> BoardDistanceM(const CalibrationResult& camera,
                                      const std::string& frame) {
   std::optional<double> nearest;
@@ -91,8 +91,8 @@ struct ShownImage {
   Image image, shown;
 };
 
-// A camera's image of the frame, rectified; nothing if the file no longer
-// exists.
+// Returns a camera's image of the frame, rectified; nullopt if the file no
+// longer exists.
 std::optional<ShownImage> RectifiedImage(const Measurements& measured,
                                          const CameraFile& camera,
                                          const VirtualView& view,

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// The offset of the byte to lock in an empty file: locks may extend beyond its
-// end. Serials with the same byte merely wait for each other.
+// Returns the offset of the byte to lock in an empty file: locks may extend
+// beyond its end. Serials with the same byte merely wait for each other.
 off_t GetLockByte(const std::string& serial) {
   ContentHash hash;
   hash.Add(serial);

@@ -51,8 +51,8 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
   return false;
 }
 
-// The canonical path of a camera device or file; other sources are returned
-// unchanged.
+// Returns the canonical path of a camera device or file; other sources are
+// returned unchanged.
 std::string PlaceOf(const std::string& source) {
   CameraArguments camera;
   const std::string name =

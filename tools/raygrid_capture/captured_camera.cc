@@ -29,7 +29,7 @@ std::optional<double> FiniteOrNull(double value) {
   return value > 0 ? std::optional(value) : std::nullopt;
 }
 
-// The capture settings of a frame.
+// Returns the capture settings of a frame.
 SessionFrame StateOf(const FrameInfo& info) {
   SessionFrame record;
   record.lens_position = info.lens_position;

@@ -32,9 +32,10 @@ class LiveFrames {
   virtual bool is_finished() const = 0;
   /// Whether frames arrive at a fixed rate, so that slow processing drops some.
   virtual bool is_live() const = 0;
-  /// Fraction of all frames that were returned, 0 to 1; nullopt if unknown.
+  /// Returns the fraction of all frames that were returned, 0 to 1; nullopt if
+  /// unknown.
   virtual std::optional<double> done() const { return std::nullopt; }
-  /// The camera; NULL for files.
+  /// Returns the camera; NULL for files.
   virtual FrameSource* source() { return nullptr; }
 };
 
