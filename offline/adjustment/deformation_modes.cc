@@ -34,7 +34,8 @@ Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
   return plane;
 }
 
-// Coordinates of the points in the plane, from -1 to 1 over the board.
+// Returns the coordinates of the points in the plane, from -1 to 1 over the
+// board.
 Eigen::Matrix2Xd PlaneCoordinates(const Plane& plane,
                                   const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix2Xd coordinates(2, points.size());

@@ -48,7 +48,7 @@ struct PriorGroup {
   /// more, relative to the group, as its weight grows.
   void SetPrecision(double new_weight, double residual_variance);
 
-  /// (c - c0)^T (K - R R^T) (c - c0), without lambda.
+  /// Returns (c - c0)^T (K - R R^T) (c - c0), without lambda.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
     const double distance = difference.dot(precision * difference);
     if (freed.cols() == 0) return distance;

@@ -78,7 +78,7 @@ void ApplyToPlace(const Similarity& body, const Similarity& board,
   pose.translation = moved - pose.rotation * board.translation();
 }
 
-// Least-squares scale that is common to all similarities.
+// Returns the least-squares scale that is common to all similarities.
 double ComputeCommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
   for (const Similarity& similarity : similarities) {

@@ -21,8 +21,8 @@
 namespace raygrid {
 namespace {
 
-// In-plane RMS distance in metres between a board's estimated points and its
-// pattern, after alignment with a similarity transform.
+// Returns the in-plane RMS distance in metres between a board's estimated
+// points and its pattern, after alignment with a similarity transform.
 double ComputeShiftM(const Board& given, const Board& found) {
   const auto count = static_cast<Eigen::Index>(given.points.size());
   if (count < 3 || found.points.size() != given.points.size()) return 0;

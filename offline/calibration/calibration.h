@@ -48,7 +48,8 @@ struct CalibrationInput {
   std::optional<ImageTimes> times = {};
 };
 
-/// Names of the supported models, in descending order of their parameters.
+/// Returns the names of the supported models, in descending order of their
+/// parameters.
 std::vector<std::string> ListCalibratedModels();
 
 struct CalibrationOptions {

@@ -43,7 +43,8 @@ class EquivalentCentralCamera : public CameraWrapper {
                  LinearizedProjection* projection) const override;
 
  private:
-  // Factor by which the direction reaches the surface; nullopt if never.
+  // Returns the factor by which the direction reaches the surface; nullopt if
+  // never.
   std::optional<double> Reach(const Eigen::Vector3d& direction) const;
 
   SceneSurface scene_;

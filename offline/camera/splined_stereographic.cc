@@ -142,9 +142,9 @@ Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
   return parameters;
 }
 
-// Error criterion for the selection of a grid: RMS error of valid samples, or
-// the median of all samples if it is larger, because errors of invalid samples
-// may be arbitrary.
+// Returns the error criterion for the selection of a grid: RMS error of valid
+// samples, or the median of all samples if it is larger, because errors of
+// invalid samples may be arbitrary.
 double ChoiceErrorPx(const SplinedStereographic& model,
                      const std::vector<PlaneSample>& samples) {
   const Eigen::Vector4d others = model.Parameters().tail<4>();

@@ -17,8 +17,8 @@ float At(const GreyLevels& image, int x, int y) {
   return image.levels[static_cast<size_t>(y) * image.size.width + x];
 }
 
-// Local mean around a pixel with equal weights of the phases; exact for linear
-// gradients.
+// Returns the local mean around a pixel with equal weights of the phases; exact
+// for linear gradients.
 float MeanAround(const GreyLevels& image, int x, int y) {
   const auto row = [&](int r) {
     return At(image, x - 1, r) + 2 * At(image, x, r) + At(image, x + 1, r);

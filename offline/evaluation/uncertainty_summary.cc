@@ -49,7 +49,8 @@ double SumLanes(const std::vector<CountedCell>& cells) {
   return sum;
 }
 
-// Third of the image, across or down, that contains a pixel: 0 to 2.
+// Returns the third of the image, across or down, that contains a pixel: 0 to
+// 2.
 int GetThird(double position, int extent) {
   return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
 }

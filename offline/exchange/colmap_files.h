@@ -54,7 +54,7 @@ int NumColmapParameters(const std::string& model);
 bool IsColmapText(const std::string& text);
 bool IsColmapBinary(const std::string& bytes);
 
-/// Parse cameras.txt, rigs.txt and images.txt; path is used in errors. Throw
+/// Parses cameras.txt, rigs.txt or images.txt; path is used in errors. Throws
 /// InputError.
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text);
@@ -67,7 +67,7 @@ std::string FormatColmapRig(const ColmapRig& rig);
 /// Throws InputError for names with a space, which COLMAP truncates there.
 std::string FormatColmapImages(const std::vector<ColmapImage>& images);
 std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames);
-/// An empty points3D.txt, without which COLMAP does not read a model.
+/// Returns an empty points3D.txt, without which COLMAP does not read a model.
 std::string FormatNoColmapPoints();
 
 /// Binary counterparts of these functions.

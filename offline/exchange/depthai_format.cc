@@ -308,7 +308,8 @@ Json DevLens(const ConvertedCamera& lens) {
           {"width", lens.size.width}};
 }
 
-// Rectifying rotations of a stereo pair, which devices use unchanged.
+// Returns the rectifying rotations of a stereo pair, which devices use
+// unchanged.
 Json DevRectification(const WriteRequest& request,
                       const std::vector<int>& sockets) {
   const std::vector<WrittenLens>& cameras = request.cameras;

@@ -23,8 +23,8 @@ Eigen::Vector3d SwapAxes(const Eigen::Vector3d& direction) {
   return {direction.x(), -direction.y(), -direction.z()};
 }
 
-// Normalized image coordinates: (0, 0) is the top-left image corner, (1, 1) the
-// bottom-right.
+// Returns the normalized image coordinates: (0, 0) is the top-left image
+// corner, (1, 1) the bottom-right.
 Eigen::Vector2d ToUnitImage(const ImageSize& size,
                             const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kImageCorner, size, pixel)
@@ -105,7 +105,7 @@ constexpr size_t kEnterChannels = 3, kExitChannels = 2;
 // Marks invalid pixels: the renderer ignores rays that point backward.
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
-// Directions of all pixels in the renderer's axes.
+// Returns the directions of all pixels in the renderer's axes.
 std::vector<float> EnterTable(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
   std::vector<float> numbers(kEnterChannels * size.width * size.height);
@@ -133,8 +133,9 @@ Eigen::Vector3d EnteringRay(const ImageSize& size,
 
 bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 
-// Interpolation error of the table: distance between the projected mean ray of
-// four neighbouring pixels and their centre, where all four are valid.
+// Returns the interpolation error of the table: distance between the projected
+// mean ray of four neighbouring pixels and their centre, where all four are
+// valid.
 LookupError EnterError(const ExportedCamera& table,
                        const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
@@ -193,7 +194,8 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
   return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
 }
 
-// Maximum angle between the rays of neighbouring pixels, in radians.
+// Returns the maximum angle between the rays of neighbouring pixels, in
+// radians.
 double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
   double largest = 0;
   for (int y = 0; y < size.height; ++y)
@@ -241,8 +243,8 @@ class ExitProjection {
   }
 
  private:
-  // Number of mask cells per side: cells are twice as wide as the largest step
-  // between pixels, within limits.
+  // Returns the number of mask cells per side: cells are twice as wide as the
+  // largest step between pixels, within limits.
   static int MaskSide(double step_rad) {
     constexpr double kLeast = 17, kMost = 1025;
     return static_cast<int>(std::clamp(1 / step_rad, kLeast, kMost));

@@ -137,7 +137,8 @@ struct TableFormat {
   bool IsImported() const {
     return read_rays || read_view || read_poses || read_features;
   }
-  /// Error text for a file of this format that is passed instead of a camera.
+  /// Returns the error text for a file of this format that is passed instead of
+  /// a camera.
   std::string ExplainMissingCamera() const;
   /// Throws Error(kUsage) for a path with another extension.
   void RequireEnding(const std::string& path) const;

@@ -41,7 +41,7 @@ class UnitGrid : public CameraModel {
                  LinearizedProjection*) const override {
     return false;
   }
-  /// Directions, followed by points; three numbers each.
+  /// Returns the directions, followed by points; three numbers each.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 

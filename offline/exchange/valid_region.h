@@ -17,7 +17,8 @@ using ValidRegion = std::vector<Eigen::Vector2d>;
 /// ignored.
 ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 
-/// Mask of the cells whose centre (clipped to the image) is in the region.
+/// Returns the mask of the cells whose centre (clipped to the image) is in the
+/// region.
 ValidityMask MakeValidityMask(const ValidRegion& region, const ImageSize& size);
 
 /// Number of valid cells outside a region, and of invalid cells inside.

@@ -49,7 +49,8 @@ std::vector<FineModel> FineModels() {
   return models;
 }
 
-// A lens with a horizontal field of view of 62 degrees and barrel distortion.
+// Returns a lens with a horizontal field of view of 62 degrees and barrel
+// distortion.
 BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
   constexpr double kBeyondPx = 50;
   const Area area = {-1, -1, double(size.width), double(size.height)};
@@ -84,8 +85,8 @@ bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
          is_at_an_end(pixel.y(), size.height);
 }
 
-// The features of a board in a random pose, in which any of its points may
-// project to any pixel.
+// Returns the features of a board in a random pose, in which any of its points
+// may project to any pixel.
 std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                                   uint64_t seed) {
   Random random(seed);
@@ -137,7 +138,7 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
   return split;
 }
 
-// The minimum number of residuals in a cell of the bias's grid.
+// Returns the minimum number of residuals in a cell of the bias's grid.
 int ComputeMinCellCount(const std::vector<FeatureResidual>& residuals,
                         const Area& area) {
   std::vector<int> counts(kBiasCells * kBiasCells);
@@ -198,7 +199,7 @@ FineMetrics AddFineRow(const FineModel& model, const CameraModel& truth,
   return metrics;
 }
 
-// A label short enough for a picture's caption.
+// Returns a label short enough for a picture's caption.
 std::string FormatCaption(const FineModel& model, const FineMetrics& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");

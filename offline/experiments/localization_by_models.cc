@@ -21,8 +21,8 @@ constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-// Points in the frame of the true camera, whose pose is the identity, at pixels
-// in the valid regions of all cameras.
+// Returns points in the frame of the true camera, whose pose is the identity,
+// at pixels in the valid regions of all cameras.
 std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
                                        const Area& area, Random* random) {
   constexpr int kMaxTries = 10000;
@@ -79,7 +79,8 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
   return lengths.empty() ? NAN : Quantile(lengths, 0.5);
 }
 
-// The median over scenes, per axis, of the error after averaging all frames.
+// Returns the median over scenes, per axis, of the error after averaging all
+// frames.
 Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {

@@ -20,8 +20,8 @@ std::vector<ModelChoice> ValidatedModels() {
   return choices;
 }
 
-// The median error of the rays after the best-fit rotation; empty without
-// ground truth.
+// Returns the median error of the rays after the best-fit rotation; empty
+// without ground truth.
 Cell RayError(const ExperimentFeatures& features,
               const CalibrationResult& result) {
   constexpr double kStepPx = 8;

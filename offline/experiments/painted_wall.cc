@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kUsualDistanceM = 2;
 
-// A deterministic hash of a position, in [0, 1).
+// Returns a deterministic hash of a position, in [0, 1).
 double Hash(int64_t x, int64_t y) {
   uint64_t h = static_cast<uint64_t>(x) * 0x9e3779b97f4a7c15u ^
                static_cast<uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;

@@ -35,7 +35,7 @@ struct StereoCloud {
   std::vector<std::optional<StereoPoint>> points;
 };
 
-/// Matches two images of grey levels, 32-bit floats.
+/// Matches two 32-bit floating-point grey images.
 StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);

@@ -16,7 +16,8 @@ namespace {
 
 // ---- The linear model ------------------------------------------------------
 
-// Indicator variables: one column per level, with 1 in the rows of that level.
+// Returns the indicator variables: one column per level, with 1 in the rows of
+// that level.
 Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   std::map<std::string, Eigen::Index> columns;
   for (const std::string& level : levels) columns.emplace(level, 0);
@@ -29,13 +30,13 @@ Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   return indicators;
 }
 
-// An orthonormal basis of the column space.
+// Returns an orthonormal basis of the column space.
 Eigen::MatrixXd ComputeBasis(const Eigen::MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   return Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }
 
-// The residual sum of squares after projection of columns onto a basis.
+// Returns the residual sum of squares after projection of columns onto a basis.
 double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
   return (columns - basis * (basis.transpose() * columns)).squaredNorm();
 }

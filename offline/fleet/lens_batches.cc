@@ -85,8 +85,8 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
   return compared;
 }
 
-// Pillai's trace of the lenses' coefficients along the principal directions,
-// and its F approximation.
+// Returns the Pillai's trace of the lenses' coefficients along the principal
+// directions, and its F approximation.
 BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
                             const UnitsOfBatch& units) {
   BatchedMetric compared;

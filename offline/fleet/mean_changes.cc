@@ -63,8 +63,8 @@ void FindJumps(const std::vector<StandardSeries>& series,
   FindJumps(series, {best.unit, part.end}, limit, jumps);
 }
 
-// The sum of squares explained by piecewise constant means, in addition to a
-// single mean.
+// Returns the sum of squares explained by piecewise constant means, in addition
+// to a single mean.
 double ExplainedByParts(const StandardSeries& series,
                         const std::vector<int>& cuts) {
   const int count = static_cast<int>(series.values.size());

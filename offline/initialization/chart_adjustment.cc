@@ -87,7 +87,7 @@ void AddObservation(const ChartObservation& observation,
   problem->AddResidualBlock(cost, new ceres::HuberLoss(1), blocks);
 }
 
-// Typical size of a pixel in chart coordinates.
+// Returns the typical size of a pixel in chart coordinates.
 double ChartPerPixel(const BSplineSurface& surface) {
   Eigen::Matrix2d derivative;
   surface.Evaluate(surface.area().center(), &derivative);

@@ -18,7 +18,8 @@ struct ThreeViews {
   std::array<Pose, 3> first_from_board;
   Eigen::Vector3d center;  ///< camera centre; z < 0
 
-  /// camera_from_board, with camera axes parallel to the first board's.
+  /// Returns the camera_from_board, with camera axes parallel to the first
+  /// board's.
   Pose CameraFromBoard(int view) const {
     return {first_from_board[view].rotation,
             first_from_board[view].translation - center};

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kFitCell = SourceMap::kCellSize;
 
-// The sums over a cell with a source at every pixel. They are sums of integers,
-// and therefore exact.
+// Returns the sums over a cell with a source at every pixel. They are sums of
+// integers, and therefore exact.
 CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
@@ -118,7 +118,7 @@ class BlockBasis {
     return {curve(first) + (x - first) * step, step};
   }
 
-  // The coefficients for the cell at pixel (x, y) of a block.
+  // Returns the coefficients for the cell at pixel (x, y) of a block.
   EvaluateBasis MakeFactors(int x, int y) const {
     const double unit = 1.0 / blocks_.size();
     const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};

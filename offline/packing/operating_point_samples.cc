@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// The maximum error in pixels of interpolating between two cameras, compared to
-// a third one, over a grid of its area.
+// Returns the maximum error in pixels of interpolating between two cameras,
+// compared to a third one, over a grid of its area.
 double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
                   double weight, const CentralGeneric& truth) {
   constexpr int kSteps = 24;

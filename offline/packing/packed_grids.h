@@ -67,7 +67,7 @@ class InverseSections {
   InverseSections(const InverseSections&) = delete;
   InverseSections& operator=(const InverseSections&) = delete;
 
-  /// Maximum error over all; nullopt without inverse grids.
+  /// Returns the maximum error over all; nullopt without inverse grids.
   std::optional<ProjectionError> error() const;
 
   /// NULL without inverse grids.

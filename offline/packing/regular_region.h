@@ -74,7 +74,8 @@ class RegularRegion {
     return is_good[k] && is_good[k + 1] && is_good[k + columns_] &&
            is_good[k + columns_ + 1];
   }
-  // Index of a pixel's cell, which is the index of its upper left node.
+  // Returns the index of a pixel's cell, which is the index of its upper left
+  // node.
   int CellIndex(const Eigen::Vector2d& pixel) const;
   bool IsRegularCell(int i, int j) const {
     const int k = j * columns_ + i;

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kVertexUnits = 4096;  // per pixel
 
-// The affine map fitted to the vertices of used blocks: origin, column step,
-// row step.
+// Returns the affine map fitted to the vertices of used blocks: origin, column
+// step, row step.
 Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
                                       const NodePositions& nodes) {
   Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
@@ -29,14 +29,15 @@ Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
   return normal.ldlt().solve(right);
 }
 
-// The smallest shift with which all values fit into a range.
+// Returns the smallest shift with which all values fit into a range.
 int FittingShift(double largest, double limit) {
   int shift = 0;
   while (largest / (1 << shift) > limit) ++shift;
   return shift;
 }
 
-// A residual in units of 2^shift, by which the vertex stays within the limit.
+// Returns a residual in units of 2^shift, by which the vertex stays within the
+// limit.
 int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   constexpr int64_t kLimit = RG_VERTEX_LIMIT_Q12;
   int64_t rounded = std::clamp<int64_t>(

@@ -40,7 +40,7 @@ class RemapSections {
   // Adds tables of each camera.
   PackedRemap Add(std::vector<RemapTable> tables,
                   const std::optional<SensorMode>& mode = std::nullopt);
-  // The mode's place in the section of modes, counted from 1.
+  // Returns the mode's place in the section of modes, counted from 1.
   uint8_t NumberOfMode(const SensorMode& mode);
 
   std::vector<std::vector<RemapTable>> tables_;  // of a request, of each camera

@@ -33,7 +33,8 @@ struct PyCalibration {
   RigResult result;
   int num_threads = 0;
 
-  /// Index of a camera by name; "" without a rig. Throws Python's KeyError.
+  /// Returns the index of a camera by name; "" without a rig. Throws Python's
+  /// KeyError.
   size_t IndexOf(const std::string& name) const;
 };
 

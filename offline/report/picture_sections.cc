@@ -96,7 +96,7 @@ std::string MakeBiasPicture(const CalibrationResult& result) {
       "area");
 }
 
-// A histogram of residuals by dx and dy.
+// Returns a histogram of residuals by dx and dy.
 std::string MakeHistogramFigure(const std::vector<FeatureResidual>& residuals,
                                 const std::string& name, double extent_px) {
   constexpr int kBins = 61;

@@ -58,7 +58,7 @@ SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
   return curves;
 }
 
-// The length of drawn axes: a third of the board's longest side.
+// Returns the length of drawn axes: a third of the board's longest side.
 double AxisLength(const Board& board) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : board.points) box.extend(point);

@@ -140,7 +140,7 @@ std::string ReadBlob(const std::string& folder) {
   return fs::exists(path) ? ReadFile(path) : "";
 }
 
-// The cameras with files in the folder, as listed in result.json.
+// Returns the cameras with files in the folder, as listed in result.json.
 std::vector<RigFileCamera> CamerasIn(const std::string& folder,
                                      const RigResult& result) {
   const std::string path = In(folder, "rig.yaml");

@@ -25,7 +25,7 @@ constexpr int kMaxRulerMm = 200;
 
 Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
 
-// Width and height available inside margins and rulers.
+// Returns the width and height available inside margins and rulers.
 double FreeWidth(const Page& page) {
   return page.width_mm - 2 * kMarginMm - kBesideBoardMm;
 }

@@ -21,7 +21,7 @@ class SymmetryPatch {
   SymmetryPatch(const GreyImage& image, Refinement refinement,
                 const Eigen::Vector2i& center, int reach_px);
 
-  /// Number of rows, and of values per row.
+  /// Returns the number of rows, and of values per row.
   int side() const { return side_; }
   /// Converts pixel (x, y) to a position in the channels.
   Eigen::Vector2d FromPixel(const Eigen::Vector2d& pixel) const {

@@ -128,8 +128,8 @@ class CornerProblem {
     turn_v_ = inverse_ * turned(start.linear.col(1));
   }
 
-  // Initial values: grey levels by linear least squares, other parameters near
-  // their prior means.
+  // Returns the initial values: grey levels by linear least squares, other
+  // parameters near their prior means.
   CornerParameters Start() const {
     CornerParameters p = CornerParameters::Zero();
     p[kLogSigma] = std::log(1.5 * kBlurPx);
