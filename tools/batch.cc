@@ -420,8 +420,8 @@ std::optional<size_t> ParseUnitNumber(const std::string& text) {
   return std::stoul(text);
 }
 
-// Returns the jobs selected by words such as "3" or "3-7"; all jobs without
-// words.
+// Returns the jobs selected by a range such as "3" or "3-7"; all jobs if it is
+// empty.
 std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
                                        const std::string& words) {
   const size_t dash = words.find('-');
@@ -456,8 +456,8 @@ std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   return folders;
 }
 
-// A result folder inside an image folder would become an input of the
-// calibration that writes it.
+// Rejects result folders inside image folders: the calibration would read its
+// own output as input.
 void RequireSeparateResultFolders(const std::vector<UnitJob>& jobs) {
   std::error_code ignored;
   for (const UnitJob& job : jobs) {

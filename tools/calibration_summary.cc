@@ -155,8 +155,8 @@ void PrintBoards(const Pattern& pattern) {
                num_reported - kMostLines);
 }
 
-// One line as in the report: the limiting error source and the recommended
-// action.
+// Prints the limiting error source and the recommended action in one line, as
+// in the report.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
   const BudgetAssessment assessment = AssessBudget(*result.budget);

@@ -36,7 +36,7 @@ struct Comparison {
   ImageSize size;
   Area area;  // of the second camera
   double angle_rad = 0;
-  // Over the pixels in the valid regions of both cameras; nothing if neither
+  // Over the pixels in the valid regions of both cameras; nullopt if neither
   // stores a valid region.
   std::optional<ErrorMetrics> valid_region;
   std::optional<PredictionComparison> prediction;  // of given features

@@ -137,8 +137,8 @@ void TakeView(const ViewWords& words, Exported* camera) {
   camera->valid_region.reset();
 }
 
-// Advice to export the pinhole camera of undistorted images instead, which is
-// exact, with its field of view.
+// Returns the advice to export the pinhole camera of undistorted images
+// instead, which is exact, with its field of view.
 std::string ViewAdvice(const CameraModel& camera) {
   try {
     const VirtualView view = MakeViewOfArea(camera);

@@ -35,8 +35,8 @@ bool IsCommon(const CLI::Option* option) {
   return false;
 }
 
-// Returns the value's placeholder: the words of CLI::IsMember, "TEXT:{a,b}", as
-// "a|b"; N for integers, X for other numbers, otherwise VALUE.
+// Returns the value's placeholder: the choices of CLI::IsMember, "TEXT:{a,b}",
+// as "a|b"; N for integers, X for other numbers, otherwise VALUE.
 std::string ValueName(const CLI::Option* option) {
   if (!option->get_option_text().empty()) return option->get_option_text();
   const std::string type = option->get_type_name();

@@ -130,7 +130,7 @@ void RequireUsed(const ImportArguments& arguments,
            "features.csv does not store it; pass it to calibrate");
 }
 
-// Returns the contents of a file that contains only corners; nothing for other
+// Returns the contents of a file that contains only corners; nullopt for other
 // formats.
 std::optional<ExchangeContents> ReadCorners(
     const ImportArguments& arguments, const std::vector<std::string>& texts) {

@@ -135,7 +135,7 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   return views;
 }
 
-// Throws for words that do not apply to this camera.
+// Throws for keys that do not apply to this camera.
 void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
     throw Error(
@@ -163,8 +163,8 @@ RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
   }
 }
 
-// For each view, a table for frames as calibrated, followed by one for each
-// mode.
+// Returns, for each view, a table for frames as calibrated, followed by one for
+// each mode.
 std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
                                      const std::vector<RemapWords>& views,
                                      const std::vector<SensorMode>& modes) {

@@ -148,9 +148,9 @@ ImageSize PictureSize(const ImageSize& size) {
           std::max(1, size.height * kMaxPictureWidthPx / size.width)};
 }
 
-// Slightly more than the disparities of the boards: a repetitive pattern would
-// otherwise cause wrong matches at smaller distances. At most the image's
-// length.
+// Returns slightly more than the disparities of the boards, but at most the
+// image's length: a larger range would cause wrong matches of repetitive
+// patterns at smaller distances.
 int NumDisparities(double largest_px, int length_px) {
   constexpr int kUnit = 16, kRoomPx = 8;
   const int wanted = static_cast<int>(std::ceil(

@@ -24,7 +24,7 @@ struct ViewState {
 /// Summary of a camera of a rig.
 struct CameraState {
   std::string name;
-  std::string word = "absent";  ///< word on its newest image
+  std::string word = "absent";  ///< status of its newest image
   double deviation_px = 0;      ///< 95th percentile; 0: unknown
 };
 

@@ -15,7 +15,7 @@ namespace raygrid {
 /// A grey image with its metadata.
 struct LiveFrame {
   Image image;                   ///< 8 or 16 bits
-  GreyImage grey;                ///< the same, for detectors
+  GreyImage grey;                ///< image converted for detectors
   std::string name;              ///< file name of a photograph; else empty
   std::string path;              ///< path of a photograph; else empty
   std::optional<double> time_s;  ///< since the first; nullopt: photograph
