@@ -90,7 +90,7 @@ class GridSearch {
     }
   }
 
-  // For each relevant node, whether the fit error is within the limit.
+  // Returns whether the fit error is within the limit at each relevant node.
   std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
     std::vector<bool> is_followed(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {

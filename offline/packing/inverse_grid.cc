@@ -95,7 +95,8 @@ Area ComputeChartArea(const std::vector<SurfaceSample>& samples) {
   return {low.x(), low.y(), high.x(), high.y()};
 }
 
-// Returns the c |c| of the widest sample, with a margin.
+// Returns c |c| for the cosine c of the sample farthest off axis, with a
+// margin.
 double ComputeCosineLimit(const std::vector<SurfaceSample>& samples) {
   double cosine = 1;
   for (const SurfaceSample& sample : samples) {
@@ -133,7 +134,7 @@ class InverseFitting {
                       kSmoothness);
   }
 
-  // Nothing if 16 bits cannot represent the grid.
+  // Returns nullopt if 16 bits cannot represent the grid.
   std::optional<InverseGrid> QuantizeInverseGrid(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {

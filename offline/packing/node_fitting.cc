@@ -354,7 +354,7 @@ NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
   const std::vector<bool> needed = FindRequiredNodes(blocks);
-  // The correction that an output pixel requires; nothing without a source.
+  // The correction that an output pixel requires; nullopt without a source.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
       return Eigen::RowVector2d(0, 0);

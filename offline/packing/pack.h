@@ -88,7 +88,7 @@ struct PackedRemap {
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma pixels
   int block_size = 0;
-  int part_size = 0;  ///< tile size of bent blocks, else block_size
+  int part_size = 0;  ///< tile size of blocks with bends, otherwise block_size
 };
 
 /// A blob and the errors due to packing.

@@ -55,8 +55,8 @@ Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
   return axes;
 }
 
-// Returns the fraction of the first camera's pixels that the second camera also
-// sees, at infinity.
+// Returns the fraction of the first camera's pixels that the second camera
+// observes, too, for points at infinity.
 double FarOverlap(const StereoCamera& first, const StereoCamera& second,
                   const Eigen::Quaterniond& second_from_first) {
   constexpr int kSteps = 48;

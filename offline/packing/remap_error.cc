@@ -82,7 +82,7 @@ class TableErrors {
     return exact;
   }
 
-  // For each tile, row by row, whether an error exceeds the limit.
+  // Returns whether the error of each tile exceeds the limit, row by row.
   std::vector<bool> Beyond(double limit_px) const {
     const int num_columns = (map_.width + part_ - 1) / part_;
     std::vector<uint8_t> is_beyond(

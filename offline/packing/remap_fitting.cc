@@ -76,7 +76,7 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
 }
 
 // Returns the pixels of a camera's frames that tables show: the requested ones
-// within the image circle. Nothing: all pixels.
+// within the image circle. Empty: all pixels.
 PixelFilter SelectCameraPixels(const CameraModel& camera,
                                const PixelFilter& asked) {
   if (!camera.image_circle()) return asked;

@@ -48,7 +48,7 @@ int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   return static_cast<int16_t>(rounded);
 }
 
-// The position of a vertex according to the section's affine map.
+// Returns the position of a vertex according to the section's affine map.
 int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
   return axis == 0 ? s.origin_x_q12 + int64_t{column} * s.column_step_x_q12 +
                          int64_t{row} * s.row_step_x_q12
@@ -56,7 +56,7 @@ int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
                          int64_t{row} * s.row_step_y_q12;
 }
 
-// The affine map of the first table's vertices, for all tables.
+// Fits the affine map of all tables to the vertices of the first one.
 void QuantizePlane(const Blocks& blocks,
                    const std::vector<NodePositions>& vertices,
                    std::vector<RemapTable>* tables) {
@@ -75,8 +75,8 @@ void QuantizePlane(const Blocks& blocks,
   }
 }
 
-// The residuals of vertices from the section's affine map; unused ones are
-// clamped. *largest is raised to the maximum of the used ones.
+// Returns the residuals of vertices from the section's affine map; unused ones
+// are clamped. *largest is raised to the maximum of the used ones.
 std::vector<double> ResidualsQ12(const Blocks& blocks,
                                  const NodePositions& vertices,
                                  const rg_remap_section& s, double* largest) {

@@ -154,7 +154,8 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
   return view;
 }
 
-// The same, with the camera's resolution if no focal length is requested.
+// Like ViewAround(), but with the camera's resolution if no focal length is
+// requested.
 VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
                         const ViewRequest& request, const ImageSize& size) {
   VirtualView view = ViewAround(plane, request, size);

@@ -18,7 +18,7 @@ constexpr int kStripRows = 64;
 // Truncation radius of the lens blur, in standard deviations.
 constexpr double kGaussianReach = 4.5;
 // Board coordinates are interpolated if the depth within 2 x 2 pixels varies by
-// less than this ratio; for boards seen nearly edge-on, directions are
+// less than this ratio; for boards viewed nearly edge-on, directions are
 // interpolated instead.
 constexpr double kMaxDepthRatio = 1.05;
 
