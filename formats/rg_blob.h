@@ -144,7 +144,7 @@ typedef struct rg_quality_section {
   uint32_t held_out_count;
   uint32_t packing_error_npx;  /* maximum unprojection error added by packing,
                                   nanopixels */
-  uint32_t packing_error_prad; /* the same in picoradians */
+  uint32_t packing_error_prad; /* likewise, in picoradians */
 } rg_quality_section;
 
 /* Inverse grid, from the chart to the image: a narrow grid over a rectangle of
