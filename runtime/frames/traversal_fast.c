@@ -324,7 +324,7 @@ static edge_handling next_span(fast_traversal* traversal) {
   return find_segment(traversal);
 }
 
-/* ---- Consecutive safe tiles ---------------------------------------------- */
+/* ---- Consecutive interior tiles ------------------------------------------ */
 
 /* The kernel that interpolates several adjacent tiles; NULL if there is none
  * for the current tiles. */
@@ -339,8 +339,8 @@ static RG_INLINE rg_blend_tile_row* find_tile_kernel(
 }
 
 /* Interpolates the tiles to the right of the current one, several at once, as
- * long as they are whole and safe. Returns whether the tile reached is to be
- * processed with edge handling. */
+ * long as they are complete and interior. Returns whether the tile reached is
+ * to be processed with edge handling. */
 static int blend_interior_tiles(fast_traversal* traversal,
                                 rg_blend_tile_row* blend_tile_row) {
   rg_position corners[4 * RG_TILES_AT_ONCE];
@@ -366,8 +366,8 @@ static int blend_interior_tiles(fast_traversal* traversal,
   }
 }
 
-/* Processes the tiles to the right of the current one while they are whole and
- * safe. Returns whether the tile reached requires edge handling. */
+/* Processes the tiles to the right of the current one while they are complete
+ * and interior. Returns whether the tile reached requires edge handling. */
 static RG_INLINE int process_interior_tiles(fast_traversal* traversal,
                                             rg_sampling sampling) {
   const int is_copy = sampling == RG_SAMPLING_NEAREST;

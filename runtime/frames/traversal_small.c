@@ -271,8 +271,8 @@ typedef struct image_traversal {
   const rg_target* target;
 } image_traversal;
 
-/* Whether all rows that a safe tile requires are contiguous: its corners are
- * then relative to the first one in memory. */
+/* Returns whether all rows that an interior tile requires are contiguous: its
+ * corners are then relative to the first one in memory. */
 static RG_NOINLINE int move_to_ring(small_traversal* traversal) {
   rg_position* const corners = traversal->span.block.corners;
   uint32_t first;

@@ -144,7 +144,9 @@ typedef struct lanes {
 INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   lanes cut;
   uint16x8_t low_bits = vdupq_n_u16(0x7fff);
-  __asm__("" : "+w"(low_bits)); /* otherwise a copy and a shorter instruction */
+  /* Prevents GCC from replacing the AND by BIC with an immediate, which needs a
+   * copy. */
+  __asm__("" : "+w"(low_bits));
   uint16x8_t wy = vandq_u16(y_q15, low_bits);
   __asm__("" : "+w"(wy));
   cut.wy = vreinterpretq_s16_u16(wy);

@@ -148,7 +148,7 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
   return num_seen;
 }
 
-/* ---- Points seen along observation lines -------------------------------- */
+/* ---- Points observed along observation lines ----------------------------- */
 
 /* Pixels closer than this have the same line. */
 #define SAME_LINE_Q16 0x80u /* 1/512 px */
@@ -177,8 +177,8 @@ typedef union rg_line_words {
   rg_pixel pixel;
 } rg_line_words;
 
-/* The direction of a point as seen from the line's point closest to the
- * camera's centre, o - (o . d) d. */
+/* Replaces the direction of the line by that of the point from the line's point
+ * closest to the camera's centre, o - (o . d) d. */
 static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
                                 uint32_t shift) {
   int32_t* word = line->words;

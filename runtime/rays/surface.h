@@ -58,7 +58,7 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
       !rg_find_on_axis(grid + 4, rg_load_u32(grid + RG_GRID_SCALE_Y),
                        rg_load_u16(grid + RG_GRID_ROWS) - 4u, y, &down))
     return 0;
-  /* In this order, pairs of registers are stored at once. */
+  /* In this order, compilers can store two registers at once (STRD). */
   grid_position->cells = down.cell << 16 | across.cell;
   grid_position->t_q30[0] = across.t_q30;
   grid_position->first = down.cell * columns + across.cell;
