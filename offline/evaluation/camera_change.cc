@@ -68,9 +68,9 @@ ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const ProjectedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    // Evaluated at the projection, not at the observed pixel: there, the
-    // Jacobian would depend on the noise, which would correlate with changes
-    // that the pose nearly compensates.
+    // Evaluated at the projection instead of the observed pixel: at the latter,
+    // the Jacobian would depend on the noise, which would correlate with
+    // changes that the pose nearly compensates.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     J_pose.middleRows<2>(row) = feature.J_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
@@ -409,8 +409,8 @@ void FindLargestLocal(const ReferenceCamera& camera,
   }
 }
 
-// Errors of the views, and the information on changes for the noise that the
-// test uses.
+// Errors of the views, and the information on changes, for the noise used by
+// the test.
 struct Judged {
   std::vector<ReducedView> reduced;
   Information information;
@@ -495,7 +495,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   const GroupTest& of_local = tests[3];
   const Movement local = MakeMovement("local", {}, of_local);
   change.local_sigmas = local.sigmas;
-  // Smooth changes explain part of a local change.
+  // Smooth changes partly explain a local change.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
@@ -541,8 +541,8 @@ MovementErrors ComputeExcessErrors(
     return ChiSquaredSigmas(chi_squared[g], degrees_of_freedom[g]) >
            kChanceSigmas;
   };
-  // A local change partly resembles the smooth ones, which may not become
-  // significant with their few degrees of freedom: they get a limit that is
+  // A local change partly resembles the smooth changes, which have few degrees
+  // of freedom and must not become significant because of it: their limit is
   // exceeded in one of six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);

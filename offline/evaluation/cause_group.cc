@@ -114,8 +114,8 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
     share.alone = Gain(named.fit, {errors, errors});
   }
   MeasureChance(errors, budget);
-  // Each half continues with the residuals of its own coefficients, so that the
-  // halves remain independent.
+  // Each half is corrected with its own coefficients, so that the halves remain
+  // independent.
   Halves left = {errors, errors};
   std::vector<bool> is_taken(fits_.size(), false);
   while (const auto next = FindNextCause(left, is_taken, budget)) {

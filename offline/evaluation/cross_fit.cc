@@ -56,7 +56,7 @@ Eigen::MatrixXd CrossFit::Shrink(int half, double squares, double count,
   const Eigen::ArrayXXd d = values_[half].array();
   const Eigen::ArrayXXd products_squared = products.array().square();
   const double largest = d.size() > 0 ? d.maxCoeff() : 0;
-  double best_likelihood = 0, best_ratio = 0;  // without this cause
+  double best_likelihood = 0, best_ratio = 0;  // values for zero coefficients
   for (int i = 0; largest > 0 && i < kDoublings; ++i) {
     const double ratio = std::ldexp(kLeast, i) / largest;  // squared
     const Eigen::ArrayXXd more = 1 + ratio * d;

@@ -21,8 +21,8 @@ namespace {
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
 constexpr int kMostImages = 200;
-// With at least kManyImages images, the camera is evaluated after every kAtOnce
-// images only, unless the next view depends on it.
+// From kManyImages images on, the camera is evaluated only after every kAtOnce
+// images, unless the next view depends on it.
 constexpr int kManyImages = 80, kAtOnce = 10;
 constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
 
@@ -170,8 +170,8 @@ struct Operator {
     }
   }
 
-  // Of several random views, the one that fills the bars most; once they are
-  // full, any view that ROS accepts as new.
+  // Returns the one of several random views that fills the bars most; once they
+  // are full, any view that ROS accepts as new.
   std::vector<Feature> SelectViewByCoverage() {
     constexpr int kTries = 30;
     constexpr double kNew = 0.2;
@@ -233,8 +233,8 @@ double TrueError95(const CameraModel& truth, const CameraModel& camera) {
   return norms.empty() ? INFINITY : Quantile(norms, 0.95);
 }
 
-// The number of images until the camera reached its target uncertainty, if
-// ever, and the uncertainty predicted then.
+// The number of images until the camera reached its target uncertainty (if it
+// did), and the uncertainty predicted then.
 struct CaptureRun {
   int num_images = 0;
   bool is_done = false;

@@ -1,6 +1,6 @@
 /// Experiments as in the paper, with simulated ground truth or, where possible,
-/// a user's data: each has a name, and produces a table and a chart, some also
-/// pictures. To add one, write a function and add it to Experiments().
+/// a user's data. Each has a name, and produces a table and a chart, and some
+/// also pictures. To add one, write a function and add it to Experiments().
 #ifndef RAYGRID_EXPERIMENTS_EXPERIMENT_H
 #define RAYGRID_EXPERIMENTS_EXPERIMENT_H
 
@@ -115,10 +115,10 @@ ExperimentResult ValidateModels(const ExperimentOptions& options);
 /// their differences (paper, "Comparison of Models").
 ExperimentResult CompareModelsByFit(const ExperimentOptions& options);
 
-/// Measures the error (not in the paper) of rays if refinement by symmetry
-/// assumes a homography within the window of a wide-angle lens. Residuals do
-/// not show it. For a user's images, the displacement of features due to
-/// curvature.
+/// Measures the error of rays (not in the paper) if refinement by symmetry
+/// assumes a homography within the window of a wide-angle lens; residuals do
+/// not reveal this error. For a user's images, measures the displacement of
+/// features due to curvature.
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options);
 
 /// Measures the non-centrality of a camera, and the resulting error of a
@@ -148,7 +148,8 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
 ExperimentResult SplitResiduals(const ExperimentOptions& options);
 
 /// Counts the images that a simulated operator captures until a camera is
-/// determined, with capture's next view, ROS's progress bars or no guidance.
+/// determined, guided by capture's next view, by ROS's progress bars, or
+/// without guidance.
 ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options);
 
 }  // namespace raygrid

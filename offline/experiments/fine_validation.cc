@@ -97,8 +97,9 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                   board.square_m, 1, {}, seed)
           .front();
   std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
-  // Fewer boards extend into corners: therefore, all features there are used,
-  // and others with the probability that yields the required number.
+  // Fewer boards extend into the corners: therefore, all features there are
+  // used, and other features with the probability that yields the required
+  // number.
   const auto others = std::stable_partition(
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
         return IsInACorner(feature.pixel, camera.image_size());
@@ -115,7 +116,7 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
   return taken;
 }
 
-// Calibration images and held-out images.
+// Images for calibration, and held-out images.
 struct FineImages {
   Dataset training, test;
 };

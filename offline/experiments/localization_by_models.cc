@@ -42,8 +42,8 @@ std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
   return scene;
 }
 
-// By number of averaged frames: the error of the estimated camera position in
-// the true camera's frame; nothing if pose estimation fails.
+// For each number of averaged frames, the error of the estimated camera
+// position in the true camera's frame; nullopt if pose estimation fails.
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
@@ -95,7 +95,7 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PlaceErrors {
   std::vector<double> by_frames_m;
-  double shared_m = 0;  // the offset common to all scenes
+  double shared_m = 0;  // offset common to all scenes
   double rest_m = 0;    // the remainder after averaging all frames
 };
 

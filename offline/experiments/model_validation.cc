@@ -30,7 +30,7 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
-// The bias is unknown unless some cell has enough features.
+// The bias is unknown if no cell has enough features.
 Cell NumberOrDash(const std::optional<double>& number) {
   if (number) return *number;
   return std::string("-");

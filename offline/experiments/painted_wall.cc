@@ -33,7 +33,7 @@ double SmoothNoise(double x, double y) {
 
 }  // namespace
 
-// Grey levels from 30 to 230.
+// Returns grey levels from 30 to 230.
 double PaintedWall::Paint(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d place = kUsualDistanceM / distance_m_ * point;
   double level = 0;

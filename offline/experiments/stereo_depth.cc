@@ -37,9 +37,9 @@ cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth errors of a single image's map; of the mean over several images,
-// which still contains the matching errors of single windows; and of medians
-// over blocks of that mean.
+// Depth errors: (1) of a single image's map, (2) of the mean over several
+// images, which still contains the matching errors of individual windows, and
+// (3) of medians over blocks of that mean.
 struct DepthErrors {
   double one_median_mm = 0, mean_median_mm = 0, blocks_rms_mm = 0, scale = 1;
   int columns = 0;

@@ -41,8 +41,8 @@ Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
           (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
 }
 
-// Rectifies an image; that of a non-central camera is exact for points at
-// depth_m.
+// Rectifies an image; with a non-central camera, rectification is exact for
+// points at depth_m.
 cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
                   const Eigen::Matrix3d& camera_from_rectified, double depth_m,
                   const Matching& matching, int num_threads) {

@@ -44,7 +44,8 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// Makes a surface from a cloud of the same images, where it is smooth.
+/// Makes a surface from a cloud of the same images; undefined where the cloud
+/// is not smooth.
 Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
                     const Matching& matching);
 

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Layout, in units of the picture.
+// Layout, in SVG user units.
 constexpr double kLeft = 76, kRight = 884, kTop = 16, kBottom = 204;
 constexpr int kWidth = 980, kHeight = 240;
 

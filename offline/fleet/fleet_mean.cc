@@ -59,7 +59,7 @@ std::optional<Eigen::Vector2d> ComputeMajorityMedian(
   return Eigen::Vector2d(Median(x), Median(y));
 }
 
-// Fits a grid to the medians; nothing if there are none.
+// Fits a grid to the medians; nullopt if there are no medians.
 std::optional<BSplineSurface> MedianSurface(
     const BSplineSurface& grid, const std::vector<Eigen::Vector2d>& pixels,
     const std::vector<PixelField>& units) {

@@ -158,7 +158,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
                              charts.directions.variances.transpose().array())
                                 .sum());
     }
-    // Extreme outliers would inflate the limit that detects them.
+    // Extreme outliers would inflate the control limit and mask themselves.
     constexpr double kFarOff = 20;
     const double far_off = kFarOff * Median(charts.shape);
     for (size_t i = 0; i < count; ++i)

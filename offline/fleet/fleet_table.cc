@@ -91,7 +91,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
   if (worst > 0) row->metrics["max_uncertainty_px"] = worst;
 }
 
-// Returns the first metric beyond its limits; empty if all are within.
+// Returns the first metric outside its limits; empty if all are within.
 std::string ExplainOutOfRange(const UnitRow& row, const MetricLimits& limits) {
   for (const auto& [name, range] : limits) {
     const auto metric = row.metrics.find(name);

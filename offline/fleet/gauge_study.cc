@@ -44,13 +44,14 @@ double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
 struct GaugeTerm {
   std::string name;
   Eigen::MatrixXd without;        // basis of the model without this term
-  double degrees_of_freedom = 0;  // of this term
-  double size = 0;                // factor of its expected squares
+  double degrees_of_freedom = 0;  // degrees of freedom of this term
+  double size = 0;                // factor of this term's variance in the
+                                  // expected sum of squares
 };
 
 struct GaugeModel {
   Eigen::MatrixXd basis;
-  double degrees_of_freedom = 0;  // of the residuals
+  double degrees_of_freedom = 0;  // degrees of freedom of the residuals
   std::vector<GaugeTerm> terms;
 };
 

@@ -40,7 +40,7 @@ std::vector<StandardSeries> Standardize(
 }
 
 // Splits a segment at the largest change of the means, if the sum of squared
-// changes exceeds the limit, and recurses into both parts.
+// changes exceeds the limit, and recurses into both segments.
 void FindJumps(const std::vector<StandardSeries>& series,
                const SeriesPart& part, double limit,
                std::vector<MeanJump>* jumps) {

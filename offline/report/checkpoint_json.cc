@@ -28,7 +28,7 @@ constexpr char kBegin[] = "{\"raygrid_resume\":";
 constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 
 // Returns the text of a checkpoint's cameras, after verifying its inputs and
-// checksum: only files written by this program are parsed.
+// checksum, so that only files written by this program are parsed.
 std::string FormatCameras(const std::string& text, const std::string& inputs) {
   constexpr size_t kLongestHead = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0

@@ -221,7 +221,8 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
           {"rays", rays}};
 }
 
-// Adds each board once per frame, by the first camera that saw it.
+// Adds each board once per frame, in the pose from the first camera that
+// observed it.
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {

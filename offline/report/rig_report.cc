@@ -93,7 +93,7 @@ std::string MakeBaselineTable(const RigResult& result) {
 }
 
 // Returns the per-view deformation over the views of all cameras. A target that
-// several cameras see in one frame has a single deformation.
+// several cameras observe in one frame has a single deformation.
 std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardDeformation all;
