@@ -59,7 +59,7 @@ class CameraModel {
   virtual const BSplineSurface* DirectionGrid() const { return nullptr; }
   /// Returns this model if it is parametric, otherwise null.
   virtual const ParametricModel* Parametric() const { return nullptr; }
-  /// Returns the operating-point model that this camera is a sample of, or
+  /// Returns the operating-point model of which this camera is a sample, or
   /// null.
   virtual const OperatingPointModel* Stack() const { return nullptr; }
 
@@ -73,8 +73,8 @@ class CameraModel {
   const ImageSize& image_size() const { return image_size_; }
   const Area& area() const { return area_; }
 
-  /// Image circle, if known and smaller than the image. The model is defined
-  /// beyond it, but these pixels receive no light.
+  /// Image circle, if known and smaller than the image. The model is also
+  /// defined outside it, but these pixels receive no light.
   const std::optional<ImageCircle>& image_circle() const {
     return image_circle_;
   }

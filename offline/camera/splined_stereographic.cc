@@ -103,8 +103,8 @@ Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
   return widest;
 }
 
-// Returns the field of view in degrees of a grid that ends at an edge or
-// slightly beyond.
+// Returns the field of view, in whole degrees, of a grid that extends to an
+// edge or slightly further.
 int FovDegOfEdge(double edge) {
   constexpr int kMaxDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;

@@ -38,7 +38,7 @@ std::vector<double> AngleErrors(const std::vector<PointRayMatch>& matches,
 }
 
 // Homography from homogeneous board points to rays. Points are normalized to
-// the visible part of the board.
+// the observed region of the board.
 struct BoardHomography {
   Eigen::Vector2d centroid;
   double unit_m = 1;

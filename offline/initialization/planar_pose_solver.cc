@@ -25,8 +25,8 @@
 //
 // d and -d give the same W and mirrored poses: with z pointing away from the
 // camera, d is positive. The sign of H is chosen so that observed points are in
-// front of the camera; det H > 0 then means that the camera also sees the other
-// board from its front.
+// front of the camera; det H > 0 then means that the other board faces the
+// camera, too.
 #include "initialization/planar_pose_solver.h"
 
 #include <ceres/ceres.h>
@@ -124,7 +124,7 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
 
 // Returns the homography with the sign that puts the observed points in front
 // of the camera; nullopt if many points cannot be in front of it, or if the
-// board would be seen from behind.
+// camera would observe the back of the board.
 std::optional<Eigen::Matrix3d> EstimateFacingHomography(
     const std::vector<PlaneMatch>& matches) {
   Eigen::Matrix3d homography = FitHomographyRobustly(matches);

@@ -272,7 +272,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
   return true;
 }
 
-// Selects the sign of each view with the smaller error.
+// Selects the sign with the smaller error for each view.
 bool ChooseSigns(const std::vector<CylindricalView>& views,
                  RadialSolution* solution) {
   bool changed = false;
@@ -293,7 +293,7 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
 }
 
 // Number of coefficients of G for the first view and for all views. More
-// coefficients than the lens requires are harmful.
+// coefficients than the lens requires cause overfitting.
 struct Degrees {
   int first, all;
 };

@@ -1,4 +1,4 @@
-/// Types and helpers shared by the parts of the module.
+/// Types and helpers shared by the source files of the module.
 #ifndef RAYGRID_PYTHON_BINDINGS_H
 #define RAYGRID_PYTHON_BINDINGS_H
 

@@ -14,8 +14,8 @@ namespace {
 // The number of points per task; smaller tasks do not justify a thread.
 constexpr size_t kCallsPerPart = 4096;
 
-// Calls body(first, end) for parts of [0, count) in parallel, without holding
-// the GIL.
+// Calls body(first, end) for subranges of [0, count) in parallel, without the
+// GIL.
 template <typename Body>
 void ParallelForRanges(size_t count, int num_threads, const Body& body) {
   const py::gil_scoped_release released;
@@ -35,8 +35,8 @@ void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
 // ---- Points ----------------------------------------------------------------
 
 // Scales a point, without changing its image, such that its squared norm
-// neither overflows nor underflows: for a central camera, the distance is
-// irrelevant; for others, it is beyond 2^100 m.
+// neither overflows nor underflows. For a central camera, the distance is
+// irrelevant; for others, a point is scaled only at distances above 2^100 m.
 Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
                          int* shift) {
   constexpr int kFarAway = 100, kHuge = 300;
