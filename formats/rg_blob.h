@@ -71,7 +71,7 @@ extern "C" {
 typedef struct rg_camera_section {
   uint16_t width, height; /* pixels, 1 to RG_MAX_IMAGE_SIZE */
   const char* name;   /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
-  const char* serial; /* likewise; both point into the blob */
+  const char* serial; /* likewise, a serial number; both point into the blob */
 } rg_camera_section;
 
 /* Central model: control points of a uniform cubic B-spline over the calibrated

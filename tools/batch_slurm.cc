@@ -17,14 +17,14 @@ namespace {
 // Slurm's default limit of tasks per job array.
 constexpr size_t kMostTasks = 1000;
 
-// Quotes a word for the shell.
+// Quotes an argument for the shell.
 std::string ShellWord(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
   return word + "'";
 }
 
-// Escapes a path so that sbatch expands nothing in it.
+// Escapes a path so that sbatch expands no pattern in it.
 std::string SlurmPath(const std::string& path) {
   std::string text;
   for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);

@@ -177,7 +177,7 @@ size_t CountEdits(const std::string& from, const std::string& to) {
   return row.back();
 }
 
-// Throws if the first word is not a command.
+// Throws if the first argument is not a command.
 void RequireCommand(const CLI::App& app, const std::string& word) {
   std::string nearest;
   size_t fewest = 3;  // a similar command has fewer edits

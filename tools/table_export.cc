@@ -79,8 +79,8 @@ std::string ModelOf(const TableFormat& format, const std::string& model) {
               fmt::format("--model {}: {} has {}", model, format.name, names));
 }
 
-// Returns the central part of a camera, which is exact for distant scenes.
-// Errors name its file.
+// Returns the central camera with the directions of a camera, which is exact
+// for distant scenes. Errors name its file.
 std::unique_ptr<CameraModel> Central(const std::string& path,
                                      const CameraModel& camera) {
   try {

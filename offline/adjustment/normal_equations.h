@@ -31,8 +31,8 @@ struct FixedParameters {
 };
 
 /// Indices of parameters in a vector: cameras, camera_from_rig,
-/// target_from_board, static deformation, points; then, beyond its size,
-/// rig_from_pattern, each with the per-view deformation of its board.
+/// target_from_board, static deformation, points; after the first `size`
+/// elements, rig_from_pattern, each with the per-view deformation of its board.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
@@ -60,7 +60,7 @@ struct ParameterLayout {
   int Pose(int pose) const { return size + per_pose * pose; }
   int num_all() const { return Pose(num_poses); }
 
-  /// Assembles a step from its parts.
+  /// Assembles a step from the vectors of common parameters and of poses.
   AdjustmentStep Step(const Eigen::VectorXd& parameters,
                       const Eigen::VectorXd& poses) const;
 };

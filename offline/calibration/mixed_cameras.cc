@@ -318,9 +318,9 @@ std::optional<Names> FindBestSplit(
   return best_split;
 }
 
-// Returns the mean squared residual of two cameras that are fully adjusted to
-// their parts of the images. Infinite if an adjustment fails, or if residuals
-// are still correlated and this is not allowed.
+// Returns the mean squared residual of two cameras, each fully adjusted to its
+// subset of the images. Infinite if an adjustment fails, or if residuals are
+// still correlated and this is not allowed.
 double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
                          const CameraModel& joint,
                          const AdjustmentOptions& options, bool may_err_alike) {
@@ -335,8 +335,8 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
   return MeanSquareOfBoth(residuals[0], residuals[1]);
 }
 
-// Returns the smallest mean squared residual over control splits into parts of
-// the same sizes, with images at equal intervals in name order. If the model
+// Returns the smallest mean squared residual over control splits into subsets
+// of the same sizes, with images at equal intervals in name order. If the model
 // does not fit the lens, any split reduces the residuals.
 double MeanSquareByChance(const Dataset& dataset, size_t num_first,
                           const Pattern& pattern, const CameraModel& joint,
@@ -363,8 +363,8 @@ std::optional<MixedCameras> DetectMixedCameras(
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
-  // Points that are estimated separately for each part would absorb more than
-  // the camera models.
+  // Points that are estimated separately for each subset would absorb larger
+  // errors than the camera models.
   AdjustmentOptions fixed = options;
   fixed.fix_points = true;
   const auto first = FindBestSplit(training, pattern, joint, residuals, fixed);

@@ -50,8 +50,8 @@ double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted);
 
-/// Returns whether the estimated points differ from the nominal points beyond
-/// alignment; false if the prior kept them.
+/// Returns whether the estimated points differ from the nominal points by more
+/// than an alignment; false if the prior suppressed any change.
 bool HavePointsMoved(const AdjustmentResult& adjusted);
 
 /// Returns the pattern with its estimated points.

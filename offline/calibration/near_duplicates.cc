@@ -69,7 +69,8 @@ std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
   return frame_sets;
 }
 
-// Whether the features of a part add no information to those of another one.
+// Whether the features of a board in one image add no information to those of
+// another image.
 bool IsDetermined(const SeenPart& part, const SeenPart& other,
                   double duplicate_px) {
   constexpr double kCommonPart = 0.5, kMovedPart = 0.1;

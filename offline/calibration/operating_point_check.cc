@@ -41,8 +41,8 @@ double NormalScore(double student, double freedom) {
          std::sqrt(freedom * std::log1p(student * student / freedom));
 }
 
-// Whether a score exceeds the maximum that `count` random scores would reach by
-// chance.
+// Whether a score significantly exceeds the maximum of `count` random scores
+// (Bonferroni correction).
 bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <

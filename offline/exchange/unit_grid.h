@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// The generic models as implemented by the paper's authors: control points are
 /// unit vectors, and interpolated vectors are normalized. Points of observation
-/// lines, if any, are interpolated likewise.
+/// lines, if any, are interpolated by the same spline.
 class UnitGrid : public CameraModel {
  public:
   /// First and last calibrated pixel in x and y.

@@ -24,8 +24,8 @@ struct RemapTable {
   double max_chroma_error_px = 0;
   /// Number of border blocks with a vertex outside the format's range.
   int num_out_of_reach = 0;
-  /// Number of blocks that are border because even the smallest blocks do not
-  /// reach the error limit.
+  /// Number of blocks that are border because even the smallest blocks exceed
+  /// the error limit.
   int num_rough = 0;
 };
 

@@ -63,7 +63,7 @@ PartEstimate EstimateOf(const std::vector<FramePull>& frames,
 }
 
 // Returns the information-weighted mean; infinite standard deviation if there
-// are no parts.
+// are no estimates.
 PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
   double information = 0, sum = 0;
   for (const PartEstimate& part : parts) {
@@ -364,8 +364,8 @@ double LineDelayOptimization::BiasByQuickMotion() const {
 }
 
 // Returns the variance of the time stamps in s^2: the deviation from smooth
-// motion beyond the noise of poses. Includes motion that is too fast for the
-// frame rate.
+// motion in excess of the noise of poses. Includes motion that is too fast for
+// the frame rate.
 double LineDelayOptimization::TimeVariance() const {
   double uneven = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -427,8 +427,8 @@ std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
   return tracks;
 }
 
-// Groups consecutive frames into parts with similar information. The line delay
-// of each part follows from its gradient, with the biases of all frames.
+// Divides the frames into consecutive groups with similar information. The line
+// delay of each group follows from its gradient, with the biases of all frames.
 std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
   constexpr int kParts = 6;
   std::multimap<double, FramePull> by_time;

@@ -13,8 +13,8 @@
 
 namespace raygrid {
 
-/// An endless HTTP answer whose parts replace each other. New clients start
-/// with the newest part, and slow clients skip parts.
+/// An endless HTTP response of parts, each of which replaces the previous one.
+/// New clients start with the newest part, and slow clients skip parts.
 class NewestStream {
  public:
   /// type      content type; must outlive this object

@@ -18,7 +18,7 @@ struct PositionState {
 /// the image.
 struct ViewState {
   std::vector<Eigen::Vector2d> outline;  ///< closed outline of the board
-  std::vector<Eigen::Vector2d> top;      ///< its edge beyond the first row
+  std::vector<Eigen::Vector2d> top;      ///< its edge adjacent to the first row
 };
 
 /// Summary of a camera of a rig.

@@ -31,8 +31,8 @@ struct MarkerPlace {
   int border_cells = 0;  ///< width of the black border; 0: family's default
 };
 
-/// Requested boards. columns and rows of `board` count what TargetKind::counted
-/// says.
+/// Requested boards. `board.columns` and `board.rows` are numbers of the
+/// objects that TargetKind::counted names.
 struct BoardRequest {
   Board board;
   double length_mm = 0, marker_mm = 0;

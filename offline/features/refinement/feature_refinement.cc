@@ -26,7 +26,8 @@ constexpr double kMinWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // for large squares
 constexpr double kMaxAsymmetry = 0.6;     // fraction of the contrast
-constexpr double kMaxUnlikeness = 0.35;   // likewise, for tag corners
+constexpr double kMaxUnlikeness = 0.35;   // fraction of the contrast, for tag
+                                          // corners
 constexpr double kMinTagCornerInsidePx = 2;
 constexpr double kMinRefinedContrast = 0.5;  // grey levels
 // Maximum standard deviation along the less certain direction: an error of 0.5

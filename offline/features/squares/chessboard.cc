@@ -17,7 +17,7 @@
 namespace raygrid {
 
 /// Detects the inner corners of a chessboard approximately, in images of the
-/// complete board or a part of it.
+/// complete board or a region of it.
 ///
 /// The first corner is determined by the colours: the square to its lower right
 /// is dark. This is unique if one side of the board is even and the other odd;
@@ -297,11 +297,13 @@ const Numbering& MostUpright(const std::vector<Numbering>& numberings,
                            });
 }
 
-// Returns the possible positions of a board on the lattice that contain a part
-// of it; edges of the part that are edges of the board (`ends`) must coincide.
+// Edges of a lattice rectangle that are known to be edges of the board.
 struct Ends {
   bool left = false, top = false, right = false, bottom = false;
 };
+
+// Returns the possible positions of a board on the lattice that contain the
+// rectangle `part` of it; edges marked in `ends` must coincide.
 std::vector<Rectangle> PossiblePlaces(const Rectangle& part, const Ends& ends,
                                       int columns, int rows) {
   std::vector<Rectangle> places;
@@ -349,8 +351,8 @@ std::vector<Numbering> ChessboardLocator::Data::Numberings(
   return numberings;
 }
 
-// Numbers a part of the lattice if there is a single possibility; otherwise
-// sets the warning.
+// Numbers the corners of a region of the lattice if there is a single
+// possibility; otherwise sets the warning.
 std::optional<Numbering> ChessboardLocator::Data::Number(
     const GreyImage& image, const FeatureLattice& lattice,
     const Rectangle& part, std::string* warning) const {

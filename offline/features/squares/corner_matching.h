@@ -45,7 +45,8 @@ std::optional<double> MeanLevel(const GreyImage& image,
 /// Criterion for accepting a match of drawing and image.
 struct PatchCriterion {
   double min_correlation = 0.7;
-  /// Minimum fraction of the patch in the image; only this part is compared.
+  /// Minimum fraction of the patch that is inside the image; only this region
+  /// is compared.
   double min_visible = 0.55;
 };
 
