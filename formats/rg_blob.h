@@ -189,14 +189,14 @@ typedef struct rg_capture_section {
   uint32_t crop_width, crop_height;
   uint32_t zoom_q16;       /* zoom factor relative to the widest setting */
   uint8_t orientation;     /* 1 to 8, as in EXIF */
-  int32_t temperature_q16; /* of the sensor, degrees Celsius */
+  int32_t temperature_q16; /* sensor temperature, degrees Celsius */
   uint32_t exposure_us;
   uint32_t analogue_gain_q16; /* factor */
 } rg_capture_section;
 
 typedef enum rg_operating_parameter {
   RG_OPERATING_PARAMETER_LENS_POSITION = 1, /* dioptres */
-  RG_OPERATING_PARAMETER_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
+  RG_OPERATING_PARAMETER_TEMPERATURE = 2    /* sensor, degrees Celsius */
 } rg_operating_parameter;
 
 /* The operating-point stack. A sample contains a variant of each grid and table

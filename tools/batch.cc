@@ -37,7 +37,8 @@ namespace fs = std::filesystem;
 using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
-constexpr int kUnitSchemaVersion = 3;      // of unit.json and of failures
+constexpr int kUnitSchemaVersion = 3;      // version of unit.json and of
+                                           // failures
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
 constexpr char kFleetCamera[] = "fleet_camera.yaml";

@@ -34,12 +34,13 @@ constexpr double kPlaces = 160;
 struct Comparison {
   ModelDifference difference;
   ImageSize size;
-  Area area;  // of the second camera
+  Area area;  // area of the second camera
   double angle_rad = 0;
   // Over the pixels in the valid regions of both cameras; nullopt if neither
   // stores a valid region.
   std::optional<ErrorMetrics> valid_region;
-  std::optional<PredictionComparison> prediction;  // of given features
+  std::optional<PredictionComparison> prediction;  // comparison on given
+                                                   // features
 };
 
 // Compares the residuals after pose estimation with each camera.

@@ -41,7 +41,7 @@ constexpr const char* kLocalizationFiles[] = {kEstimatedPattern, "poses.csv",
 // The detections in the images of a camera.
 struct CameraImages {
   Dataset dataset;
-  std::vector<std::string> paths;  // of the images; may be empty
+  std::vector<std::string> paths;  // image paths; may be empty
   std::vector<RejectedImage> skipped;
 };
 

@@ -54,7 +54,7 @@ struct ExamplePair {
   size_t left = 0, right = 0;
   SharedByFrame shared;
   std::string frame;
-  std::optional<double> distance_m;  // of the scene, for non-central cameras
+  std::optional<double> distance_m;  // scene distance, for non-central cameras
 };
 
 std::optional<ExamplePair> ChoosePair(const RigResult& result,

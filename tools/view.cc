@@ -37,7 +37,8 @@ struct ViewedCamera {
   CameraInput input;
   std::string image;                 // the photograph's path; may be empty
   std::optional<ValidityMask> mask;  // the valid region, if stored
-  double square = 0;                 // of the scene if no photograph is given
+  double square = 0;                 // size of the scene's squares if no
+                                     // photograph is given
   Image before;
 
   const CameraModel& camera() const { return *input.file.camera; }
@@ -47,7 +48,7 @@ struct ViewedCamera {
 struct ViewTables {
   std::optional<BlobCamera> blob;
   std::vector<VirtualView> views;
-  std::vector<uint32_t> indices;  // of the views' tables
+  std::vector<uint32_t> indices;  // table indices of the views
   std::string why_none;
 };
 

@@ -355,7 +355,7 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
                                            GaussianPrior* prior,
                                            AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
-  constexpr double kStableChange = 0.05;  // of a log precision
+  constexpr double kStableChange = 0.05;  // change of log precision
   constexpr double kStableCost = 1e-4;
   constexpr double kMinInitialDecrease = 0.1;  // relative decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;

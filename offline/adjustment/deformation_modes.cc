@@ -19,7 +19,7 @@ struct Plane {
 };
 
 Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kFlatPart = 0.02;  // of the board's width
+  constexpr double kFlatPart = 0.02;  // fraction of the board's width
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i)
     centered.col(static_cast<Eigen::Index>(i)) = points[i];

@@ -113,7 +113,7 @@ void MultiplyPairs(const double* J_node, int size, const double* others,
 // minute.
 struct NodeContribution {
   const ViewJacobian& jacobian;
-  int column, first;  // of the residual; first camera parameter
+  int column, first;  // residual's column; first camera parameter
   const OtherColumns& others;
   const ByBlock& by_block;
   const Eigen::Vector2d& error;

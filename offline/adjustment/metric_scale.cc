@@ -12,7 +12,7 @@ struct Similarity {
   double scale = 1;
   Eigen::Quaterniond rotation;
   Eigen::Vector3d point_center, nominal_center;
-  double squared_extent = 0;  // of the points
+  double squared_extent = 0;  // squared extent of the points
 
   Eigen::Vector3d translation() const {
     return nominal_center - scale * (rotation * point_center);

@@ -45,7 +45,7 @@ double ComputeShiftM(const Board& given, const Board& found) {
 // estimates close to the nominal geometry.
 void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
                              Assessment* assessment) {
-  constexpr double kMaxFraction = 0.01;  // of the square size
+  constexpr double kMaxFraction = 0.01;  // relative to the square size
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
     const double moved_m = ComputeShiftM(board, found.boards[b]);

@@ -72,7 +72,7 @@ std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
 // Returns the normal of a flat board; nullopt for a point set that is not
 // planar.
 std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
-  constexpr double kFlatPart = 0.02;  // of the board's extent
+  constexpr double kFlatPart = 0.02;  // fraction of the board's extent
   if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
   Eigen::Matrix3Xd points(3, board.points.size());
   for (size_t i = 0; i < board.points.size(); ++i)

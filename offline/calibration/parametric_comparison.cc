@@ -25,7 +25,7 @@ struct Candidate {
 // concurrently.
 struct Measurement {
   Candidate candidate;
-  ModelMetrics metrics;  // of all training images
+  ModelMetrics metrics;  // metrics over all training images
   HeldOutResiduals held_out;
   // Whether the training and the held-out metrics were computed; models without
   // a wide field of view may fail on a fisheye.

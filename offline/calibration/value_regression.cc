@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kDeviationPerMedian = 1.4826;  // of a normal distribution
+constexpr double kDeviationPerMedian = 1.4826;  // for a normal distribution
 
 // Fits a line to a power of t over the given values; returns mean and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {

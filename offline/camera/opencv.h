@@ -53,7 +53,7 @@ class OpenCvModel : public ParametricModel {
 
  private:
   ParameterArray parameters_;
-  double max_radius_ = 0;  // of (x, y)
+  double max_radius_ = 0;  // maximum norm of (x, y)
 };
 
 }  // namespace raygrid

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kNumPhases = 4;  // of a 2 x 2 mosaic: 2 (y % 2) + x % 2
+constexpr int kNumPhases = 4;  // phases of a 2 x 2 mosaic: 2 (y % 2) + x % 2
 
 int GetPhase(int x, int y) { return 2 * (y % 2) + x % 2; }
 

@@ -26,7 +26,7 @@ struct BlobTable {
   ImageSize image_size;
   std::string bytes;
   uint32_t crc32 = 0;    ///< CRC of zlib over all bytes
-  uint32_t address = 0;  ///< of the first byte, if the format has one
+  uint32_t address = 0;  ///< address of the first byte, if the format has one
 
   /// Alignment in bytes of a blob, required by the runtime.
   static constexpr uint32_t kAlignment = 4;

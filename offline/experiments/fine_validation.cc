@@ -77,7 +77,7 @@ Pattern FineBoard() {
 }
 
 bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
-  constexpr double kPart = 0.1;  // of each side
+  constexpr double kPart = 0.1;  // fraction of each side
   const auto is_at_an_end = [](double position, double extent) {
     return std::min(position, extent - position) < kPart * extent;
   };

@@ -18,7 +18,7 @@ namespace {
 // A trajectory along a winding corridor.
 constexpr int kTrajectoryFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
-constexpr double kNoisePx = 0.3;  // of features of natural scenes
+constexpr double kNoisePx = 0.3;  // typical for features of natural scenes
 constexpr int kFirstFrames = 12;  // for alignment of the paths
 
 // The errors of the initial trajectory, as accumulated by odometry: rotation

@@ -11,7 +11,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 30;
-constexpr double kSmoothnessPx = 2;  // of second differences of control points
+constexpr double kSmoothnessPx = 2;  // standard deviation of second differences
+                                     // of control points
 constexpr int kNumNodes = 16;
 
 // First-order reprojection error: (ds/dx)^-1 (s(x) - chart(p)). Uses the

@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxRadialViews = 20;
-constexpr int kNumCoefficients = 4;  // of the polynomial G
+constexpr int kNumCoefficients = 4;  // coefficients of the polynomial G
 
 double ComputeQuantile(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -134,10 +134,10 @@ Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
 // A view in cylindrical coordinates. Image lengths are in units of half the
 // image diagonal.
 struct CylindricalView {
-  std::vector<double> r;     // of pixels
-  std::vector<double> rho;   // of points
+  std::vector<double> r;     // radii of pixels
+  std::vector<double> rho;   // radii of points
   std::vector<double> tilt;  // r31 X + r32 Y, for s = 1
-  double sine = 0;           // of the tilt angle
+  double sine = 0;           // sine of the tilt angle
 };
 
 CylindricalView ToCylindrical(const PlanarView& view,
@@ -327,7 +327,7 @@ double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
 
 // Returns d theta / d r of a pixel.
 double AnglePerRadius(const Coefficients& g, double r) {
-  double slope = 0;  // of G, over r
+  double slope = 0;  // slope of G divided by r
   for (int k = kNumCoefficients; k-- > 1;) slope = slope * r * r + 2 * k * g[k];
   const double along = Polynomial(g, r);
   return (along - r * r * slope) / (r * r + along * along);

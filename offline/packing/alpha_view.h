@@ -29,7 +29,8 @@ double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray);
 
 /// A camera's area projected to a plane.
 struct AreaOnPlane {
-  Eigen::AlignedBox2d box;  ///< of the image circle, within the stretch limit
+  Eigen::AlignedBox2d box;  ///< bounds of the image circle, within the stretch
+                            ///< limit
   double max_stretch_rad = 0;
 };
 /// Samples the edges of the area and of the image circle, each edge of the area

@@ -101,7 +101,7 @@ class RegularRegion {
   Area camera_area_, area_;
   int columns_ = 0, rows_ = 0;
   double part_ = 0;
-  double least_scale_ = 0;  // of Jacobians, in pixels per radian
+  double least_scale_ = 0;  // minimum Jacobian scale, pixels per radian
   std::vector<Node> nodes_;
 };
 

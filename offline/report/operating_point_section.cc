@@ -25,7 +25,7 @@ std::string WordsOf(OperatingParameter condition) {
 // A line of a chart, with one value per operating point.
 struct FormatOperatingPointLine {
   std::string name;
-  const char* color;  // of the Okabe-Ito palette
+  const char* color;  // from the Okabe-Ito palette
   std::vector<double> values;
 };
 

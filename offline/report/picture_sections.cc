@@ -24,7 +24,7 @@ PictureAxes ImageAxes(double width, double height) {
 
 // The dataset in the pixel coordinates of a picture.
 struct PictureSpace {
-  double scale = 1;  // of the picture relative to the image
+  double scale = 1;  // picture pixels per image pixel
   ImageSize size;
   Area area;
   std::vector<FeatureResidual> residuals;

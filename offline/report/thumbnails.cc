@@ -16,7 +16,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxBytes = 3e6;  // of all thumbnails
+constexpr double kMaxBytes = 3e6;  // total size of all thumbnails
 constexpr int kMaxWidthPx = 640, kMinWidthPx = 16;
 
 std::string EncodeThumbnail(const Image& image) {

@@ -43,7 +43,7 @@ typedef struct fast_traversal {
   uint8_t tile_rows;   /* of the tiles; 0 before the first ones */
   uint8_t tile_pixels; /* of such a row, if the current tile is processed in
                           segments of rows; otherwise 0 */
-  uint8_t rows_left;   /* of the tile; 0: the span is the last one */
+  uint8_t rows_left;   /* rows left in the tile; 0: the span is the last one */
   uint8_t is_clamped;  /* use the nearest source if there is none */
   uint16_t num_whole_tiles; /* number in a row of tiles, from the left */
   rg_span span __attribute__((aligned(16)));

@@ -21,7 +21,7 @@
 typedef struct small_traversal {
   rg_tile_row tiles;
   rg_source source;
-  uint16_t width;        /* of the output, in component pixels */
+  uint16_t width;        /* output width in component pixels */
   uint16_t row, end_row; /* of the output: after the current row of tiles, and
                             after the last one to process */
   rg_span span;

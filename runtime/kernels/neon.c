@@ -159,7 +159,7 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
 
 /* The constants of a span's segments, and of a row's. */
 typedef struct segment_constants {
-  const uint8_t *row0, *row1, *row2; /* of the first window */
+  const uint8_t *row0, *row1, *row2; /* rows of the first window */
   uint8x16_t offsets;
   uint16x8_t lanes_x, lanes_y; /* of the row, relative to the first lane */
 } segment_constants;

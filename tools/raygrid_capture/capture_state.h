@@ -65,7 +65,8 @@ struct CaptureState {
   int num_expected = -1;          ///< remaining frames; -1: unknown
 
   double sharpness_px = 0;  ///< width of the features' edges; 0: unknown
-  double brightness = 0;    ///< of the board's white, 0 to 1; 0: unknown
+  double brightness = 0;    ///< brightness of the board's white, 0 to 1; 0:
+                            ///< unknown
   double frames_per_second = 0;
   std::vector<std::string> warnings;  ///< such as controls that are not locked
 };

@@ -13,7 +13,7 @@ namespace raygrid {
 struct KeptFrame {
   size_t camera = 0;
   ImageSize size;
-  SessionFrame record;  ///< its image is the name of the frame set
+  SessionFrame record;  ///< `image` contains the name of the frame set
   std::string bytes;    ///< contents of the image file
 };
 

@@ -116,7 +116,7 @@ class TargetKind {
   std::string summary, example;  ///< example: of the options
   const char* counted = "inner corners";
   const char* length_help = "side length of a square";
-  int max_count = 0;  ///< of columns and rows; 0: default
+  int max_count = 0;  ///< maximum number of columns or rows; 0: default
   /// Columns of the table of specifications in `raygrid pattern --help`: an
   /// example, and the lines of its explanation.
   const char* specification = "";

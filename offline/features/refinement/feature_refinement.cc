@@ -160,7 +160,7 @@ struct Round {
   double max_move_px, max_move_squares;  // the larger one applies
   double noise;                          // standard deviation, grey levels
   bool is_last;
-  double tone = 0;  // of the image, for tag corners
+  double tone = 0;  // see TagCornerOptions
 };
 
 struct FeatureRefiner::Data {

@@ -137,7 +137,7 @@ struct System {
   ParameterMatrix<N> hessian = ParameterMatrix<N>::Zero();
   ParameterVector<N> gradient = ParameterVector<N>::Zero();
   double cost = 0;
-  double sum = 0, sum_squares = 0;  // of the sampled values
+  double sum = 0, sum_squares = 0;  // sums over sampled values
   int count = 0;
 };
 

@@ -86,7 +86,7 @@ struct CornerSystem {
   CornerParameters gradient = CornerParameters::Zero();
   double cost = 0;                  // including priors
   double squares = 0;               // without priors
-  double sum = 0, sum_squares = 0;  // of the grey levels
+  double sum = 0, sum_squares = 0;  // sums over grey levels
 };
 
 // Standard deviations of the priors.

@@ -11,7 +11,7 @@ namespace raygrid {
 /// A point towards which many edges are directed.
 struct StarCandidate {
   Eigen::Vector2d pixel;
-  double scatter = 1;  ///< of the surrounding edges; 0: all intersect here
+  double scatter = 1;  ///< scatter of surrounding edges; 0: all intersect here
 };
 
 /// Returns possible star centres for any size and pose, in ascending order of

@@ -439,7 +439,7 @@ bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
 // much shorter than the step before: an extrapolated polynomial may fold.
 bool StarGrowth::TurnsBack(int column, int row,
                            const Eigen::Vector2d& pixel) const {
-  constexpr double kMinPart = 0.3;  // of the previous step
+  constexpr double kMinPart = 0.3;  // fraction of the previous step
   for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
     if (!lattice_.Has(column + u, row + v) ||
         !lattice_.Has(column + 2 * u, row + 2 * v))
