@@ -36,20 +36,20 @@ typedef struct fast_traversal {
   rg_corner_lines lines;
   const rg_component* component;
   rg_source source;
-  uint16_t num_rows;   /* of the source that follow each other in memory, from
-                          the span's first_source_row on */
+  uint16_t num_rows;   /* number of source rows that are contiguous in memory,
+                          from the span's first_source_row on */
   uint16_t row;        /* first output row of the row of tiles */
   uint16_t end_row;    /* after the last one to process */
-  uint8_t tile_rows;   /* of the tiles; 0 before the first ones */
-  uint8_t tile_pixels; /* of such a row, if the current tile is processed in
+  uint8_t tile_rows;   /* rows of the current tiles; 0 before the first tiles */
+  uint8_t tile_pixels; /* pixels per row, if the current tile is processed in
                           segments of rows; otherwise 0 */
   uint8_t rows_left;   /* rows left in the tile; 0: the span is the last one */
   uint8_t is_clamped;  /* use the nearest source if there is none */
   uint16_t num_whole_tiles; /* number in a row of tiles, from the left */
   rg_span span __attribute__((aligned(16)));
   const rg_kernels* kernels;
-  rg_range ranges[2];   /* of positions with a source: x, y */
-  rg_position position; /* of the pixel of a EDGE_PER_PIXEL span */
+  rg_range ranges[2];   /* ranges of positions with a source: x, y */
+  rg_position position; /* position of the pixel of an EDGE_PER_PIXEL span */
   interior_box interior;
   rg_component_lanes move;
 } fast_traversal;

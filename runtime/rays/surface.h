@@ -36,7 +36,7 @@ static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
 
 /* A position in a grid, central or inverse, and the value of its spline. */
 typedef struct rg_grid_position {
-  rg_chart_point value; /* of an inverse grid: pixels in q15 */
+  rg_chart_point value; /* for an inverse grid: pixels in q15 */
   uint32_t cells;       /* column in the lower half, row in the upper */
   int32_t t_q30[2];     /* position in the cell, across and down */
   uint32_t first;       /* index of the first of 16 control points */
