@@ -1,14 +1,14 @@
-/* The bytes of the blob: types of sections, an offset for every field, by the
- * name that SPEC.md gives it, and the sizes of what is counted in bytes.
+/* The byte layout of a blob: section types, the offset of every field under its
+ * name in SPEC.md, and the sizes of structures in bytes.
  *
- * A comment at an offset says the field's type and the format of its number;
- * SPEC.md has its meaning. Offsets are from the first byte of the header,
- * entry, section, plane, vertex or point that the name begins with. RESERVED is
- * the first of several reserved fields. A field of y stands directly behind
- * that of x: by 4, 2 or 1 bytes, as many as the field has. Code that goes over
- * both axes adds them to the offset of x. Inverse grids have their fields in
- * the same places as central ones: code that serves both uses the names of
- * these. */
+ * The comment at an offset states the field's type and number format; SPEC.md
+ * defines its meaning. Offsets are relative to the first byte of the structure
+ * that begins the name: header, entry, section, plane, vertex or point.
+ * RESERVED is the first of consecutive reserved fields. A y field immediately
+ * follows its x field, at a distance of 4, 2 or 1 bytes, the size of the field;
+ * loops over both axes add this distance to the offset of x. Fields of inverse
+ * grids have the same offsets as those of central grids: code for both uses the
+ * names of central grids. */
 #ifndef RAYGRID_BLOB_LAYOUT_H
 #define RAYGRID_BLOB_LAYOUT_H
 
@@ -31,14 +31,15 @@ enum rg_section_type {
   RG_SECTION_CAPTURE = 11,
   RG_SECTION_STACK = 12,
   RG_SECTION_ROW_TIME = 13,
-  RG_NUM_SECTION_TYPES = 11 /* those that boards open */
+  RG_NUM_SECTION_TYPES = 11 /* 1 + last type that devices read */
 };
 
 /* Bit k is of type k. */
 #define RG_CRITICAL_TYPES 0x26u
 #define RG_SINGLE_TYPES 0x3df6u
 
-/* By type: bytes of the fields, 0 of those that boards skip; the minor version that it is of. */
+/* By type: size of the fields in bytes (0 if devices skip the type), and the
+ * minor version that introduced it. */
 #define RG_SECTION_SIZES 0, RG_CAMERA_SIZE, RG_GRID_FIELDS_SIZE, \
   RG_REMAP_FIELDS_SIZE, RG_QUALITY_SIZE, RG_LINE_POINTS_FIELDS_SIZE, \
   RG_MASK_FIELDS_SIZE, RG_UNCERTAINTY_FIELDS_SIZE, RG_MODE_SIZE, 0, \
@@ -284,32 +285,33 @@ enum rg_remap_direction {
   RG_DISTORT    /* frames of the view become those that the camera would see */
 };
 #define RG_HAS_VIEW 0x80u
-#define RG_BEND_SHIFT_MASK 0xfu /* of that byte, the shift itself */
+#define RG_BEND_SHIFT_MASK 0xfu /* the bits that contain the shift */
 
-/* From the rectangle's lower end on an axis to its upper one. */
+/* Distance in bytes from the minimum to the maximum of the source rectangle on
+ * an axis. */
 #define RG_REMAP_MIN_TO_MAX (RG_REMAP_MAX_X - RG_REMAP_MIN_X)
 
-/* The shift of a remap section's bends. */
+/* Returns the shift of a remap section's bends. */
 static inline uint32_t rg_bend_shift(const uint8_t* section) {
   return section[RG_REMAP_BEND_SHIFT] & RG_BEND_SHIFT_MASK;
 }
 
-/* Whether a remap section says that it has the fields of a view. */
+/* Returns whether a remap section has the fields of a view. */
 static inline int rg_has_view(const uint8_t* section) {
   return (section[RG_REMAP_BEND_SHIFT] & RG_HAS_VIEW) != 0;
 }
 
-/* Whether a remap section is of a table that distorts. */
+/* Returns whether a remap section is an inverse table, which distorts. */
 static inline int rg_distorts(const uint8_t* section) {
   return rg_has_view(section) && section[RG_VIEW_DIRECTION] == RG_DISTORT;
 }
 
-/* The vertices of a remap section. */
+/* Returns the vertices of a remap section. */
 static inline const uint8_t* rg_find_vertices(const uint8_t* section) {
   return section + rg_load_u32(section + RG_REMAP_DATA_OFFSET);
 }
 
-/* The bytes of a vertex of a remap section. */
+/* Returns the size of a vertex of a remap section in bytes. */
 static inline uint32_t rg_vertex_size(const uint8_t* section) {
   return section[RG_REMAP_PART_LOG2] != 0 ? RG_BENT_VERTEX_SIZE
                                           : RG_VERTEX_SIZE;

@@ -2,8 +2,8 @@
 """A slow, independent reader and writer of raygrid blobs, version 1.
 
 Written from SPEC.md alone, for comparison with the implementation in C. Section names in the
-docstrings ("Header", "Central grid", ...) are those of SPEC.md. Everything is plain integers,
-except "Meaning": un-projection in double precision, which ray arithmetic rounds.
+docstrings ("Header", "Central grid", ...) are those of SPEC.md. All arithmetic is in integers,
+except "Meaning": unprojection in double precision, to which ray arithmetic is an approximation.
 """
 
 import argparse
@@ -199,7 +199,7 @@ class CentralGrid:
 
     @functools.cached_property
     def residuals(self) -> tuple[Pair, ...]:
-        """Central grid: what narrow control points have beyond their plane, as stored."""
+        """Central grid: residuals of narrow control points relative to their plane, as stored."""
         shift = FRACTION_BITS - self.fraction_bits
         return tuple((a - plane_a >> shift, b - plane_b >> shift)
                      for (a, b), (plane_a, plane_b)
@@ -328,7 +328,7 @@ class Uncertainty:
 
 @dataclass(frozen=True)
 class Capture:
-    """Capture (type 11), field by field; None or () of what is not known. Dioptres are q16."""
+    """Capture (type 11), field by field; None or () if unknown. Dioptres are q16."""
 
     lens_position: int | None = None
     lens_tolerance: int | None = None
@@ -360,11 +360,11 @@ class Stack:
 
 @dataclass(frozen=True)
 class BlendedGrid(CentralGrid):
-    """Operating points, "Rays at an operating point": a grid of the lower sample, whose values are
-    blended with those of the upper sample's."""
+    """Operating points, "Rays at an operating point": a grid of the lower sample, to be
+    blended with that of the upper sample."""
 
     upper: CentralGrid | None = None
-    weight: int = 0  # of the upper one, q14
+    weight: int = 0  # weight of the upper sample, q14
 
 
 @dataclass(frozen=True)
@@ -401,7 +401,7 @@ class Blob:
 
 
 def ceil_divide(a: int, b: int) -> int:
-    """The smallest integer not below a / b."""
+    """Return a / b, rounded up."""
     return -(-a // b)
 
 
@@ -417,7 +417,7 @@ def mask_size(blocks: int) -> int:
 
 
 def block_count(remap: Remap) -> int:
-    """Remap: bits of the empty-block mask that have a block."""
+    """Remap: number of bits of the empty-block mask that correspond to a block."""
     return (remap.columns - 1) * (remap.rows - 1)
 
 
@@ -522,7 +522,7 @@ def check_flags(table: list[Entry]) -> None:
 
 
 def check_occurrence(types: list[int]) -> None:
-    """Header: how often each type may stand."""
+    """Header: types that occur at most once, and required types."""
     for single in SINGLE_TYPES:
         require(types.count(single) <= 1, "RG_ERR_SECTION_DUPLICATE",
                 f"there are {types.count(single)} sections of type {single}")
@@ -535,7 +535,7 @@ def check_occurrence(types: list[int]) -> None:
 
 
 def parse(data: bytes) -> Blob:
-    """Requirements, "A reader": check everything in the order given there."""
+    """Requirements, "A reader": perform all checks in the specified order."""
     table = read_table(data, read_header(data))
     camera = read_camera(first_section(data, table, TYPE_CAMERA))
     grid = read_grid(first_section(data, table, TYPE_CENTRAL_GRID), camera)
@@ -572,7 +572,7 @@ def first_section(data: bytes, table: list[Entry], wanted: int) -> bytes:
 
 
 def unpack_fields(layout: struct.Struct, section: bytes, what: str) -> tuple:
-    """Sections: the fields at the start of a section, which may be longer than they are."""
+    """Sections: the fields at the start of a section, which may be followed by other data."""
     require(len(section) >= layout.size, "RG_ERR_SECTION_SIZE",
             f"the {what} section has {len(section)} bytes, fewer than {layout.size}")
     return layout.unpack_from(section)
@@ -602,7 +602,7 @@ def read_camera(section: bytes) -> Camera:
 
 
 def read_text(field: bytes, what: str) -> str:
-    """Camera: text up to the first zero; not refused where it is not UTF-8."""
+    """Camera: text up to the first zero; invalid UTF-8 is accepted."""
     require(field[-1] == 0, "RG_ERR_TEXT", f"{what} does not end with a zero")
     text = field.partition(b"\0")[0]
     return text.decode("utf-8", errors="replace")
@@ -651,7 +651,7 @@ def plane_points(grid: CentralGrid, plane: tuple[int, ...]) -> Iterator[Pair]:
 
 
 def check_plane(grid: CentralGrid, plane: tuple[int, ...], fraction_bits: int) -> None:
-    """Central grid: no residual leads beyond the limit at the corners."""
+    """Central grid: at the corners, the plane plus any residual is within the limit."""
     limit = CONTROL_POINT_LIMIT - (1 << 44 - fraction_bits)
     for point in plane_points(grid, plane):
         require(max(map(abs, point)) <= limit, "RG_ERR_CONTROL_POINT",
@@ -672,7 +672,7 @@ def check_grid_size(grid: CentralGrid) -> None:
 
 
 def check_grid_scale(grid: CentralGrid, scale_x: int, scale_y: int) -> None:
-    """Central grid: scale_x and scale_y as stored are what area and size give."""
+    """Central grid: the stored scale_x and scale_y follow from area and size."""
     require((scale_x, scale_y) == (grid.scale_x, grid.scale_y), "RG_ERR_GRID_SCALE",
             f"the scales are {scale_x}, {scale_y}, not {grid.scale_x}, {grid.scale_y}")
 
@@ -687,7 +687,7 @@ def read_control_points(array: bytes) -> tuple[Pair, ...]:
 
 
 def mode_sizes(section: bytes) -> list[Size]:
-    """Sensor modes: the sizes that tables are compared with, wherever that section stands."""
+    """Sensor modes: sizes for the checks of tables, regardless of the order of sections."""
     whole = section[:len(section) // MODE.size * MODE.size]
     return [Size(*fields[:2]) for fields in MODE.iter_unpack(whole)]
 
@@ -748,8 +748,8 @@ def read_view(fields: tuple[int, ...]) -> View | None:
 
 
 def check_view(remap: Remap, camera: Camera, modes: list[Size]) -> None:
-    """Views: projection, rotation and direction; real frames have the size of the mode that is
-    named, or of the camera's images."""
+    """Views: projection, rotation and direction; real frames have the size of the
+    specified mode, or of the camera's images."""
     view = remap.view
     rotation = view.rotation
     require(view.direction in (UNDISTORT, DISTORT), "RG_ERR_RESERVED",
@@ -766,7 +766,7 @@ def check_view(remap: Remap, camera: Camera, modes: list[Size]) -> None:
 
 
 def is_rotation(rows: list[tuple[int, ...]]) -> bool:
-    """Views: rows of length 1 at right angles, within the tolerance, that are no mirror image."""
+    """Views: the rotation matrix is orthonormal within the tolerance, with determinant 1."""
     def product(a: Iterable[int], b: Iterable[int]) -> int:
         total = sum(x * y for x, y in zip(a, b))
         return abs(total) // ONE_Q30 * (1 if total > 0 else -1)
@@ -795,8 +795,8 @@ def check_source(remap: Remap, source: Camera | Size) -> None:
 
 
 def check_remap_blocks(remap: Remap, columns: int, rows: int) -> None:
-    """Remap: block_log2, part_log2, and columns and rows as stored are what the output's size
-    gives."""
+    """Remap: block_log2, part_log2, and columns and rows, which follow from the size of the
+    output."""
     if remap.part_log2 == 0:
         require(remap.bend_shift == 0, "RG_ERR_RESERVED", "bend_shift without bends")
         allowed = remap.block_log2 in BLOCK_LOG2S
@@ -936,7 +936,7 @@ def read_capture(section: bytes, camera: Camera) -> Capture:
 
 
 def knot_parts(data: bytes, table: list[Entry]) -> list[tuple[int, bytes]]:
-    """Operating points: type and bytes of the blob's own sections that a knot has a part for."""
+    """Operating points: type and bytes of the blob's own sections that also occur in samples."""
     entries = [entry for entry in table if entry.type in (TYPE_CENTRAL_GRID, TYPE_INVERSE, TYPE_REMAP)]
     require(entries[0].type == TYPE_CENTRAL_GRID and table[-1].type == TYPE_STACK
             and entries == table[-1 - len(entries):-1],
@@ -992,7 +992,7 @@ def read_knot_part(kind: int, part: bytes, like: bytes, camera: Camera,
 
 
 def knot_fields(kind: int, section: bytes, data_offset: int) -> bytes:
-    """Operating points: the bytes in front of the arrays, but for the tables' max_error_upx."""
+    """Operating points: the bytes before the arrays, without the tables' max_error_upx."""
     fields = section[:data_offset]
     return fields[:72] + fields[76:] if kind == TYPE_REMAP else fields
 
@@ -1006,7 +1006,7 @@ def read_row_time(section: bytes) -> RowTime:
 
 
 def is_crop(crop: list[int], camera: Camera) -> bool:
-    """Capture: a part of the sensor that images can show."""
+    """Capture: whether the crop is within the limits."""
     return all(abs(start) <= CROP_LIMIT and 1 <= span <= CROP_LIMIT
                and span <= MAX_CROP_SCALE * side and side <= MAX_CROP_SCALE * span
                for start, span, side in zip(crop[:2], crop[2:], (camera.width, camera.height)))
@@ -1288,7 +1288,7 @@ def bits_of(vector: Vector) -> int:
 
 
 def chart_of_direction(direction_q: Vector, cos_limit: int) -> Pair | None:
-    """Ray arithmetic, "Chart coordinates": q27; None for directions that are not seen."""
+    """Ray arithmetic, "Chart coordinates": q27; None if the angle from the z axis is too large."""
     if not any(direction_q):
         return None
     shift = leading_zeros(bits_of(direction_q) | 1) - 1
@@ -1315,8 +1315,8 @@ def square_root(square_q28: int) -> int:
 
 
 def slopes_at(grid: CentralGrid, place: Place) -> tuple[Pair, Pair]:
-    """Ray arithmetic, "Projection": how x and y of an inverse grid change along a, then
-    along b, in q5 px."""
+    """Ray arithmetic, "Projection": derivatives of x and y of an inverse grid with respect
+    to a, then to b, in q5 px."""
     x, y = place.t >> 23, place.s >> 23
     shift = grid.fraction_bits - NARROW_FRACTION_BITS.start
 
@@ -1344,14 +1344,14 @@ def slopes_at(grid: CentralGrid, place: Place) -> tuple[Pair, Pair]:
 
 
 def move_inside(grid: CentralGrid, pixel: Pair, tolerance: int) -> Pair | None:
-    """Ray arithmetic, "Projection": into the area; None from farther outside."""
+    """Ray arithmetic, "Projection": the pixel clamped to the area; None if farther outside."""
     x, y = pixel
     inside = min(max(x, grid.x0), grid.x1), min(max(y, grid.y0), grid.y1)
     return inside if max(abs(x - inside[0]), abs(y - inside[1])) <= tolerance else None
 
 
 def project_q16(blob: Blob, direction_q: Vector) -> Pair | None:
-    """Ray arithmetic, "Projection": the pixel, in q16, that looks along a direction; None if
+    """Ray arithmetic, "Projection": the pixel, in q16, that observes a direction; None if
     there is none."""
     if blob.inverse is None:
         raise BlobError("RG_ERR_NO_INVERSE", "the blob has no inverse grid")
@@ -1380,7 +1380,7 @@ def solve(grid: CentralGrid, target: Pair, start: Pair, slopes: tuple[Pair, Pair
 
 
 def project_point_q16(blob: Blob, point: Vector, fraction_bits: int) -> Pair | None:
-    """Ray arithmetic, "Points": the pixel, in q16, that sees a point; None if there is none."""
+    """Ray arithmetic, "Points": the pixel, in q16, that observes a point; None if there is none."""
     require(0 <= fraction_bits <= POINT_MAX_BITS, "RG_ERR_ARGUMENT",
             f"a point has {fraction_bits} fraction bits")
     if blob.line_points is None:
@@ -1407,7 +1407,7 @@ def are_near(pixel: Pair, last: Pair | None) -> bool:
 
 
 def look_from(line: tuple[Vector, Vector], point: Vector, shift: int) -> Vector:
-    """Ray arithmetic, "Points": the direction of a point from where a line is nearest to the
+    """Ray arithmetic, "Points": the direction of a point from the line's point closest to the
     camera's centre."""
     origin, ray = line
     along = wrap32(4 * sum(high(o, d) for o, d in zip(origin, ray)))
@@ -1415,7 +1415,7 @@ def look_from(line: tuple[Vector, Vector], point: Vector, shift: int) -> Vector:
                  for p, o, d in zip(point, origin, ray))
 
 
-# Trust
+# Validity and uncertainty
 
 
 def is_valid_q16(blob: Blob, x: int, y: int) -> bool:
@@ -1432,8 +1432,7 @@ def is_valid_q16(blob: Blob, x: int, y: int) -> bool:
 
 
 def uncertainty_q12(blob: Blob, x: int, y: int) -> int | None:
-    """Uncertainty: at a pixel in q16, in q12 px; None where it is not known, and outside the
-    area."""
+    """Uncertainty: the value at a pixel in q16, in q12 px; None if unknown or outside the area."""
     grid, found = blob.grid, blob.uncertainty
     if found is None or not (grid.x0 <= x <= grid.x1 and grid.y0 <= y <= grid.y1):
         return None
@@ -1452,7 +1451,7 @@ def uncertainty_q12(blob: Blob, x: int, y: int) -> int | None:
 
 
 def fit(value: int, bits: int) -> int:
-    """Remap arithmetic: the value, asserted to fit a two's complement integer of so many bits."""
+    """Remap arithmetic: the value, asserted to fit a two's complement integer of `bits` bits."""
     assert -(1 << bits - 1) <= value < 1 << bits - 1, f"{value} does not fit {bits} bits"
     return value
 
@@ -1493,7 +1492,7 @@ def remap_grey(blob: Blob, source: bytes, border: int) -> bytes:
 
 
 class Lattice(NamedTuple):
-    """Components: pixel (i, j) stands at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
+    """Components: pixel (i, j) is at (2^lx i + hx / 2, 2^ly j + hy / 2)."""
 
     lx: int
     ly: int
@@ -1553,7 +1552,7 @@ def lattice_positions(remap: Remap, lattice: Lattice, positions: list[Pair],
 
 
 def part_log2s(remap: Remap, lattice: Lattice) -> Pair:
-    """Components: log2 of the output pixels that a part is wide and high."""
+    """Components: log2 of a tile's width and height in output pixels."""
     if remap.part_log2 == 0:
         return remap.block_log2, remap.block_log2
     width, height = (max(remap.part_log2, CHROMA_PART_LOG2) if half == 1 else remap.part_log2
@@ -1562,7 +1561,7 @@ def part_log2s(remap: Remap, lattice: Lattice) -> Pair:
 
 
 def part_corner(remap: Remap, corners: list[Pair], block: Pair, logs: Pair, place: Pair) -> Pair:
-    """Bends: where corner (i, j) of the parts of block (row, column) comes from."""
+    """Bends: the source position of tile corner (i, j) of block (row, column)."""
     across, down = (remap.block_log2 - log2 for log2 in logs)
     i, j = place
     if remap.part_log2 == 0:
@@ -1627,7 +1626,7 @@ def lattice_rectangle(remap: Remap, lattice: Lattice) -> tuple[Pair, Pair]:
 
 def sample_at(remap: Remap, lattice: Lattice, source: Samples, position: Pair, bits: int,
               border: int | str | None, nearest: bool) -> int | None:
-    """Components: the value of one lattice pixel; None where it is left as it is."""
+    """Components: the value of one lattice pixel; None if the pixel is not written."""
     moved = []
     for value, (low, high), count in zip(position, lattice_rectangle(remap, lattice),
                                          (len(source[0]), len(source))):
@@ -1666,7 +1665,7 @@ def row_end(top: int, bottom: int, r: int, log2: int) -> int:
 
 
 def in_source(remap: Remap, position: Pair) -> bool:
-    """Remap arithmetic: whether the position lies in the source rectangle."""
+    """Remap arithmetic: whether the position is in the source rectangle."""
     x, y = position
     return remap.min_x <= x <= remap.max_x and remap.min_y <= y <= remap.max_y
 
@@ -1690,7 +1689,7 @@ def blend_row(row: list[int], c: int, wx: int) -> int:
 
 
 def sample_16(image: Samples, x: int, y: int) -> int:
-    """Remap arithmetic: the same above 8 bits."""
+    """Remap arithmetic: the value of samples of more than 8 bits."""
     x, y = (x + 8) >> 4, (y + 8) >> 4
     (c, wx), (r, wy) = divmod(x, 256), divmod(y, 256)
     rows = (image[r], image[r + 1] if wy else image[r])
@@ -1706,7 +1705,7 @@ def sample_16(image: Samples, x: int, y: int) -> int:
 def serialize(blob: Blob) -> bytes:
     """Requirements, "A writer": a blob, opened with the reader before it is returned.
 
-    The sequences in the blob must be tuples, as `parse` makes them.
+    The sequences in the blob must be tuples, as returned by `parse`.
     """
     try:
         data = assemble(list(packed_sections(blob)))
@@ -1717,8 +1716,8 @@ def serialize(blob: Blob) -> bytes:
 
 
 def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Type and bytes of each section. A stack stands last, directly behind what its knots have
-    their like of."""
+    """Type and bytes of each section. The operating points are last, directly after the sections
+    that also occur in their samples."""
     yield TYPE_CAMERA, pack_camera(blob.camera)
     if blob.modes:
         yield TYPE_MODES, b"".join(map(pack_mode, blob.modes))
@@ -1731,7 +1730,7 @@ def packed_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 
 def packed_parts(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Operating points: the sections that knots have their like of."""
+    """Operating points: the sections that also occur in samples."""
     yield TYPE_CENTRAL_GRID, pack_grid(blob.grid)
     for remap in blob.remaps:
         yield TYPE_REMAP, pack_remap(remap)
@@ -1740,7 +1739,7 @@ def packed_parts(blob: Blob) -> Iterator[tuple[int, bytes]]:
 
 
 def packed_lone_sections(blob: Blob) -> Iterator[tuple[int, bytes]]:
-    """Sections behind the camera and the modes that knots have no like of."""
+    """Sections, other than camera and modes, that do not occur in samples."""
     if blob.quality is not None:
         yield TYPE_QUALITY, QUALITY.pack(*dataclasses.astuple(blob.quality))
     if blob.line_points is not None:
@@ -1768,7 +1767,7 @@ def minor_version(packed: list[tuple[int, bytes]]) -> int:
 
 
 def assemble(packed: list[tuple[int, bytes]]) -> bytes:
-    """Header: the header, the section table and the sections that tile the rest."""
+    """Header: the header, the section table and the contiguous sections."""
     table = b""
     position = table_end(len(packed))
     for kind, section in packed:
@@ -1911,7 +1910,7 @@ def pack_mask(empty_blocks: tuple[bool, ...]) -> bytes:
 
 
 def field_lines(title: str, record: object) -> Iterator[str]:
-    """A dataclass as text, one field a line; arrays are only counted."""
+    """A dataclass as text, one field per line; of arrays, only the length."""
     yield f"{title}:"
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)

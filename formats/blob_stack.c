@@ -10,12 +10,12 @@
 /* Traverses those sections of the blob that have a counterpart in each sample,
  * in the order of the section table. */
 typedef struct section_traversal {
-  const uint8_t* bytes; /* of the blob */
+  const uint8_t* bytes; /* bytes of the blob */
   const uint8_t* grid;  /* the central grid's section, the first one */
-  uint32_t index;       /* of the next entry of the section table */
-  uint32_t type;        /* of the current section */
+  uint32_t index;       /* index of the next entry of the section table */
+  uint32_t type;        /* type of the current section */
   const uint8_t* own;   /* the current section */
-  uint32_t size;        /* of the section and of its counterpart */
+  uint32_t size;        /* size of the section and of its counterpart */
 } section_traversal;
 
 static int go_to_next_section(section_traversal* traversal) {

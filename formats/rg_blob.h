@@ -71,7 +71,7 @@ extern "C" {
 typedef struct rg_camera_section {
   uint16_t width, height; /* pixels, 1 to RG_MAX_IMAGE_SIZE */
   const char* name;   /* RG_TEXT_SIZE bytes: UTF-8, then at least one zero */
-  const char* serial; /* likewise; both point into the blob */
+  const char* serial; /* likewise, a serial number; both point into the blob */
 } rg_camera_section;
 
 /* Central model: control points of a uniform cubic B-spline over the calibrated
@@ -144,7 +144,7 @@ typedef struct rg_quality_section {
   uint32_t held_out_count;
   uint32_t packing_error_npx;  /* maximum unprojection error added by packing,
                                   nanopixels */
-  uint32_t packing_error_prad; /* the same in picoradians */
+  uint32_t packing_error_prad; /* likewise, in picoradians */
 } rg_quality_section;
 
 /* Inverse grid, from the chart to the image: a narrow grid over a rectangle of
@@ -189,14 +189,14 @@ typedef struct rg_capture_section {
   uint32_t crop_width, crop_height;
   uint32_t zoom_q16;       /* zoom factor relative to the widest setting */
   uint8_t orientation;     /* 1 to 8, as in EXIF */
-  int32_t temperature_q16; /* of the sensor, degrees Celsius */
+  int32_t temperature_q16; /* sensor temperature, degrees Celsius */
   uint32_t exposure_us;
   uint32_t analogue_gain_q16; /* factor */
 } rg_capture_section;
 
 typedef enum rg_operating_parameter {
   RG_OPERATING_PARAMETER_LENS_POSITION = 1, /* dioptres */
-  RG_OPERATING_PARAMETER_TEMPERATURE = 2    /* of the sensor, degrees Celsius */
+  RG_OPERATING_PARAMETER_TEMPERATURE = 2    /* sensor, degrees Celsius */
 } rg_operating_parameter;
 
 /* The operating-point stack. A sample contains a variant of each grid and table

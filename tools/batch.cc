@@ -37,7 +37,8 @@ namespace fs = std::filesystem;
 using BatchJson = nlohmann::ordered_json;
 
 constexpr char kUnitFile[] = "unit.json";  // the last file of a finished unit
-constexpr int kUnitSchemaVersion = 3;      // of unit.json and of failures
+constexpr int kUnitSchemaVersion = 3;      // version of unit.json and of
+                                           // failures
 constexpr char kFleetFile[] = "fleet.csv";
 constexpr char kFleetPage[] = "fleet.html";
 constexpr char kFleetCamera[] = "fleet_camera.yaml";
@@ -99,8 +100,9 @@ void HashFolder(const std::string& folder, ContentHash* hash) {
   }
 }
 
-// A hash of a unit's inputs, its options and the program version: a result with
-// the same hash is up to date. Throws InputError if an input cannot be read.
+// Returns a hash of a unit's inputs, its options and the program version: a
+// result with the same hash is up to date. Throws InputError if an input cannot
+// be read.
 std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   ContentHash hash;
   hash.Add(RAYGRID_VERSION);
@@ -119,7 +121,7 @@ std::string Fingerprint(const BatchUnit& unit, uint64_t seed) {
   return hash.Text();
 }
 
-// The record in a unit's last file; nothing if the file does not exist.
+// Returns the record in a unit's last file; nullopt if the file does not exist.
 std::optional<BatchJson> ReadRecord(const std::string& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return std::nullopt;
@@ -132,8 +134,8 @@ uint32_t ComputeCrc32(const std::string& bytes) {
                   static_cast<uint32_t>(bytes.size()));
 }
 
-// The result files of a unit, including those of a rig's cameras: names, sizes
-// and CRCs.
+// Returns the result files of a unit, including those of a rig's cameras:
+// names, sizes and CRCs.
 BatchJson FilesOfResult(const std::string& folder) {
   std::vector<std::string> names;
   for (const auto& file : fs::recursive_directory_iterator(folder))
@@ -178,8 +180,8 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
   }
 }
 
-// The table row of a finished unit. Throws InputError if its result is no
-// longer complete.
+// Returns the table row of a finished unit. Throws InputError if its result is
+// no longer complete.
 UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const MetricLimits& limits) {
   RequireWhole(job.folder, record);
@@ -189,7 +191,8 @@ UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
   return row;
 }
 
-// The hash of inputs in a record; "inputs" in files before schema_version 2.
+// Returns the hash of inputs in a record; "inputs" in files before
+// schema_version 2.
 std::string ReadFingerprint(const BatchJson& record) {
   return record.value(record.contains("inputs_hash") ? "inputs_hash" : "inputs",
                       "");
@@ -318,8 +321,8 @@ struct PendingUnit {
   std::string fingerprint;
 };
 
-// The unfinished units. Units with unreadable inputs are recorded as failed;
-// their earlier results are kept.
+// Returns the unfinished units. Units with unreadable inputs are recorded as
+// failed; their earlier results are kept.
 std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
                                      uint64_t seed) {
   std::vector<PendingUnit> pending;
@@ -399,8 +402,8 @@ std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
   return rows;
 }
 
-// 6 if any unit fails; otherwise the exit code of the first unit without a
-// result.
+// Returns 6 if any unit fails; otherwise the exit code of the first unit
+// without a result.
 int ComputeExitCode(const std::vector<UnitRow>& rows) {
   int code = 0;
   for (const UnitRow& row : rows) {
@@ -418,7 +421,8 @@ std::optional<size_t> ParseUnitNumber(const std::string& text) {
   return std::stoul(text);
 }
 
-// The jobs selected by words such as "3" or "3-7"; all jobs without words.
+// Returns the jobs selected by a range such as "3" or "3-7"; all jobs if it is
+// empty.
 std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
                                        const std::string& words) {
   const size_t dash = words.find('-');
@@ -444,7 +448,7 @@ std::vector<const UnitJob*> ChooseJobs(const std::vector<UnitJob>& jobs,
   return chosen;
 }
 
-// The folders that contain a unit's images.
+// Returns the folders that contain a unit's images.
 std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   std::vector<std::string> folders;
   if (!unit.images.empty()) folders.push_back(unit.images);
@@ -453,8 +457,8 @@ std::vector<std::string> ImageFolders(const BatchUnit& unit) {
   return folders;
 }
 
-// A result folder inside an image folder would become an input of the
-// calibration that writes it.
+// Rejects result folders inside image folders: the calibration would read its
+// own output as input.
 void RequireSeparateResultFolders(const std::vector<UnitJob>& jobs) {
   std::error_code ignored;
   for (const UnitJob& job : jobs) {

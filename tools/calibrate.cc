@@ -57,7 +57,7 @@ void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
       camera->SetOperatingPoint(conditions.values.at(image)[k]);
 }
 
-// A comparison before/after undistortion: of the first held-out image,
+// Returns a comparison before/after undistortion: of the first held-out image,
 // otherwise of the first training image, downscaled.
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
@@ -114,9 +114,9 @@ int64_t PeakMemoryBytes() {
   return static_cast<int64_t>(usage.ru_maxrss) * 1024;
 }
 
-// The blobs of the cameras and the pictures of their images. Interrupted
-// calibrations, and those distorted by an uncompensated rolling shutter, are
-// not packed.
+// Returns the blobs of the cameras and the pictures of their images.
+// Interrupted calibrations, and those distorted by an uncompensated rolling
+// shutter, are not packed.
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
@@ -230,7 +230,7 @@ void CompleteResult(const std::vector<Measurements>& cameras,
   }
 }
 
-// The checkpoints of all cameras; empty if one is missing.
+// Returns the checkpoints of all cameras; empty if one is missing.
 std::vector<Checkpoint> GetCheckpoints(const RigResult& result) {
   std::vector<Checkpoint> checkpoints;
   for (const CalibrationResult& camera : result.cameras)

@@ -81,8 +81,8 @@ std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   return list;
 }
 
-// The callback that refines features with the current model; empty if only
-// features are given, or if refinement is disabled.
+// Returns the callback that refines features with the current model; empty if
+// only features are given, or if refinement is disabled.
 RefineFeaturesCallback MakeRefinement(const Measurements& measurements,
                                       const CalibrateArguments& arguments,
                                       int num_threads) {
@@ -136,8 +136,8 @@ ImageCircle ParseImageCircle(const std::string& text) {
   return circle;
 }
 
-// The given image circle, or otherwise the one detected from the dark corners
-// of the calibrated images.
+// Returns the given image circle, or otherwise the one detected from the dark
+// corners of the calibrated images.
 std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
                                          const std::string& word,
                                          int num_threads) {

@@ -71,7 +71,8 @@ struct Measurements {
   std::map<std::string, OperatingPoint> condition_values;
   std::optional<ImageCircle> image_circle;
   std::vector<RejectedImage> skipped;   ///< images without usable features
-  std::vector<RejectedImage> left_out;  ///< no photographs, copies
+  std::vector<RejectedImage> left_out;  ///< files that are not photographs, and
+                                        ///< copies
   std::vector<ImagePair> copies;        ///< an image and its copy
 };
 
@@ -96,7 +97,7 @@ Measurements DetectAll(const std::vector<std::string>& images,
                        const CommonOptions& common,
                        const std::function<void(double)>& progress);
 
-/// DetectAll() without copies, as ExcludeCopies().
+/// Calls DetectAll() and ExcludeCopies().
 Measurements Measure(const std::vector<std::string>& images,
                      const Pattern& pattern, const std::string& pattern_name,
                      const CommonOptions& common,
@@ -121,6 +122,7 @@ void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
 
 /// Returns the inputs of a calibration, with the checkpoints of an interrupted
 /// one, if any. They refer to `cameras` and `checkpoints`, which must outlive
+/// them.
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
     const CaptureConditions& circumstances, const CalibrateArguments& arguments,

@@ -27,7 +27,7 @@ void PrintMetrics(const char* name, const ErrorMetrics& metrics) {
       name, metrics.median_px, metrics.rms_px, metrics.max_px, metrics.count);
 }
 
-// The first line of a camera, after its model's name.
+// Prints the first line of a camera, after its model's name.
 void PrintSize(const CalibrationResult& result) {
   fmt::print("{} parameters, {} images", result.num_parameters,
              result.features.images.size());
@@ -36,7 +36,7 @@ void PrintSize(const CalibrationResult& result) {
   fmt::print("\n");
 }
 
-// Rejected images, by reason.
+// Prints the rejected images, by reason.
 void PrintUnusedImages(const CalibrationResult& result) {
   constexpr size_t kMaxNames = 20;
   std::map<std::string, std::vector<std::string>> names;
@@ -54,7 +54,8 @@ void PrintUnusedImages(const CalibrationResult& result) {
   }
 }
 
-// Training errors, the number of features without one, and held-out errors.
+// Prints the training errors, the number of features without one, and held-out
+// errors.
 void PrintErrors(const CalibrationResult& result) {
   PrintMetrics("training", *result.camera.training);
   if (const size_t count = CountMissingErrors(result))
@@ -89,7 +90,7 @@ void PrintKnownOverRanges(const CameraFile& file) {
         100 * ComputeValidShare(*file.camera, known->mask));
 }
 
-// How the intrinsics change over each of the ranges.
+// Prints how the intrinsics change over each of the ranges.
 void PrintOperatingPointModel(const OperatingPointModel& stack) {
   for (size_t r = 0; r < stack.ranges().size(); ++r) {
     const std::vector<OperatingPointChange> ends =
@@ -104,7 +105,7 @@ void PrintOperatingPointModel(const OperatingPointModel& stack) {
   }
 }
 
-// The candidates of --model auto.
+// Prints the candidates of --model auto.
 void PrintModelChoice(const CalibrationResult& result) {
   if (result.model_candidates.empty()) return;
   std::vector<std::string> medians;
@@ -131,9 +132,9 @@ void PrintLineDelay(const CalibrationResult& result) {
                                result.camera.camera->image_size().height));
 }
 
-// The deviation of each estimated board from the nominal geometry and from a
-// plane; boards without deviation are omitted here. The report shows all of
-// them.
+// Prints the deviation of each estimated board from the nominal geometry and
+// from a plane; boards without deviation are omitted here. The report shows all
+// of them.
 void PrintBoards(const Pattern& pattern) {
   constexpr double kTellableM = 5e-7;
   constexpr int kMostLines = 3;
@@ -154,8 +155,8 @@ void PrintBoards(const Pattern& pattern) {
                num_reported - kMostLines);
 }
 
-// One line as in the report: the limiting error source and the recommended
-// action.
+// Prints the limiting error source and the recommended action in one line, as
+// in the report.
 void PrintLimit(const CalibrationResult& result) {
   if (!result.budget) return;
   const BudgetAssessment assessment = AssessBudget(*result.budget);

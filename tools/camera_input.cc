@@ -51,7 +51,8 @@ enum class Reading {
   kOneOfTwo,  // one camera of a pair; ignores values for the other one
 };
 
-// The values for a camera with these ranges, checked against each range.
+// Returns the values for a camera with these ranges, checked against each
+// range.
 FixedOperatingPoint ValuesFor(const std::string& path,
                               const RequestedOperatingPoint& at,
                               Reading reading,

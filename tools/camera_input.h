@@ -37,13 +37,15 @@ void AddCameraArgument(CLI::App* command, std::string* path);
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at = {});
 
-/// ReadCamera() that keeps the dependence on variables not specified by at.
+/// Like ReadCamera(), but keeps the dependence on variables that `at` does not
+/// specify.
 CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at);
 
-/// Reads two cameras; at is for the operating-point models among them. Values
-/// of variables on which one camera does not depend are used for the other one,
-/// with a note on standard error. Throws Error(kUsage) if neither does.
+/// Reads two cameras. at: operating point of those with an operating-point
+/// model. Values of variables on which one camera does not depend are used for
+/// the other one, with a note on standard error. Throws Error(kUsage) if
+/// neither depends on them.
 std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
                                           const RequestedOperatingPoint& at);
@@ -67,17 +69,17 @@ std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
 /// not show.
 void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
 
-/// Throws Error(kOutput) if pictures would be written among the images that
-/// they are generated from, and would be read as images the next time.
+/// Throws Error(kOutput) if images would be written to the folder of the images
+/// that they are generated from, and would be read as input the next time.
 void RequireSeparateFolders(const std::vector<std::string>& images,
                             const std::string& folder);
 
 /// Writes text to a file, or to standard output if path is empty.
 void PrintOrWrite(const std::string& path, const std::string& text);
 
-/// Maximum number of points or pixels per call: the pixels of a Full HD image,
-/// fewer for JSON. The output is kept in memory, because outputs are written
-/// completely or not at all.
+/// Returns the maximum number of points or pixels per call: the pixels of a
+/// Full HD image, fewer for JSON. The output is kept in memory, because outputs
+/// are written completely or not at all.
 inline size_t MaxRows(bool is_json) { return is_json ? 500000 : 2100000; }
 
 /// Converts a CSV table of numbers to an array of objects: empty fields become

@@ -12,7 +12,8 @@
 namespace raygrid {
 namespace {
 
-// The timestamps of each camera's images, if the line delay is to be estimated.
+// Returns the timestamps of each camera's images, if the line delay is to be
+// estimated.
 std::vector<std::optional<ImageTimes>> CollectTimes(
     const CalibrateArguments& arguments,
     const std::vector<Measurements>& cameras) {

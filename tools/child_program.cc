@@ -67,7 +67,7 @@ constexpr int kNotFound = 127;  // as in shells
   _exit(kNotFound);
 }
 
-// The output written to a pipe; if longer than 64 kB, its end.
+// Returns the output written to a pipe; if longer than 64 kB, its end.
 std::string ReadPipe(int pipe) {
   constexpr size_t kKept = 1 << 16;
   std::string text;

@@ -34,12 +34,13 @@ constexpr double kPlaces = 160;
 struct Comparison {
   ModelDifference difference;
   ImageSize size;
-  Area area;  // of the second camera
+  Area area;  // area of the second camera
   double angle_rad = 0;
-  // Over the pixels in the valid regions of both cameras; nothing if neither
+  // Over the pixels in the valid regions of both cameras; nullopt if neither
   // stores a valid region.
   std::optional<ErrorMetrics> valid_region;
-  std::optional<PredictionComparison> prediction;  // of given features
+  std::optional<PredictionComparison> prediction;  // comparison on given
+                                                   // features
 };
 
 // Compares the residuals after pose estimation with each camera.
@@ -62,8 +63,8 @@ PredictionComparison Predict(const CompareArguments& arguments,
   return prediction;
 }
 
-// The difference over pixels in the valid regions of both cameras. Elsewhere,
-// one of them is extrapolated, and the difference is arbitrary.
+// Returns the difference over pixels in the valid regions of both cameras.
+// Elsewhere, one of them is extrapolated, and the difference is arbitrary.
 std::optional<ErrorMetrics> WhereValid(const ModelDifference& difference,
                                        const CameraInput& first,
                                        const CameraInput& second) {

@@ -21,7 +21,7 @@ struct EvaluateArguments {
   bool independent_boards = false;
 };
 
-// The pattern, without its rigid targets if boards are independent.
+// Returns the pattern, without its rigid targets if boards are independent.
 Pattern PatternOf(const EvaluateArguments& arguments) {
   Pattern pattern = LoadPattern(arguments.pattern);
   if (arguments.independent_boards) pattern.rigid_targets.clear();
@@ -53,7 +53,7 @@ void Print(const Evaluation& evaluation, const Residuals& flexed) {
   PrintRejectedImages(evaluation.rejected_images);
 }
 
-// The errors of a camera for rigid multi-board targets.
+// Returns the errors of a camera for rigid multi-board targets.
 Evaluation EvaluateRigidTargets(const RigModel& camera, const Dataset& dataset,
                                 const Pattern& pattern, int num_threads) {
   RigModel with_bodies = camera;

@@ -92,7 +92,7 @@ void RequireUse(const Experiment& experiment,
                 "--features requires --pattern and --image-size WxH");
 }
 
-// The path of a file, or of that file in a result folder of calibrate.
+// Returns the path of a file, or of that file in a result folder of calibrate.
 std::string ResolveFile(const std::string& path, const char* file) {
   return std::filesystem::is_directory(path)
              ? (std::filesystem::path(path) / file).string()
@@ -175,7 +175,7 @@ ExperimentData ReadData(const ExperimentArguments& arguments) {
   return data;
 }
 
-// The common path of an experiment's result files, without extension.
+// Returns the common path of an experiment's result files, without extension.
 std::string BaseName(const Experiment& experiment, const std::string& folder) {
   return (std::filesystem::path(folder) / experiment.name).string();
 }

@@ -59,7 +59,7 @@ Exported MakeExported(const std::string& path, CameraInput input) {
   return camera;
 }
 
-// The views of a rectified pair, as a rig in the left view's frame.
+// Returns the views of a rectified pair, as a rig in the left view's frame.
 std::vector<Exported> ReadPairOfViews(const std::string& path,
                                       const std::string& text) {
   const RectifiedFile pair = ParseRectifiedFile(path, text);
@@ -99,7 +99,7 @@ void RequireNoCsv(const std::string& path, const std::string& bytes) {
                     path));
 }
 
-// The cameras of a rig, or a single camera.
+// Returns the cameras of a rig, or a single camera.
 std::vector<Exported> ReadExported(const std::string& path,
                                    const RequestedOperatingPoint& at,
                                    bool* is_rig) {
@@ -137,8 +137,8 @@ void TakeView(const ViewWords& words, Exported* camera) {
   camera->valid_region.reset();
 }
 
-// Advice to export the pinhole camera of undistorted images instead, which is
-// exact, with its field of view.
+// Returns the advice to export the pinhole camera of undistorted images
+// instead, which is exact, with its field of view.
 std::string ViewAdvice(const CameraModel& camera) {
   try {
     const VirtualView view = MakeViewOfArea(camera);
@@ -279,8 +279,8 @@ void SortByName(std::vector<WrittenLens>* lenses) {
                    });
 }
 
-// The output files as names and contents. A rig becomes a folder if the format
-// stores one camera per file.
+// Returns the output files as names and contents. A rig becomes a folder if the
+// format stores one camera per file.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<WrittenLens>& lenses, bool is_rig) {
@@ -328,7 +328,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   }
 }
 
-// The options given by the user that not every format supports.
+// Returns the options given by the user that not every format supports.
 std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
   std::vector<std::string> given;
   for (const auto& [name, is_given] :

@@ -157,7 +157,7 @@ std::string FormatJson(const Fit& fit) {
   return FormatCommandJson(json);
 }
 
-// The model's name, with the grid size of spline models.
+// Returns the model's name, with the grid size of spline models.
 std::string FullName(const CameraModel& camera) {
   const auto* spline = dynamic_cast<const SplinedStereographic*>(&camera);
   if (!spline) return camera.Name();

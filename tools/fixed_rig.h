@@ -25,8 +25,8 @@ FixedRig ReadFixedRig(const std::string& path,
                       const RequestedOperatingPoint& at);
 
 /// Reads features.csv by camera; empty datasets for cameras without features.
-/// Pixels of blobs as by UseRuntimeRays(). Throws InputError if the file has
-/// another camera, or as RequireConsistent().
+/// Applies UseRuntimeRays() to the features of blobs. Throws InputError if the
+/// file has another camera, or as RequireConsistent().
 std::vector<Dataset> ReadFeaturesOf(const FixedRig& rig,
                                     const std::string& path,
                                     const Pattern& pattern);

@@ -10,15 +10,15 @@ namespace {
 
 constexpr size_t kLineWidth = 80, kOptionColumn = 26, kCommandColumn = 14;
 
-// The number of Unicode code points of a UTF-8 text.
+// Returns the number of Unicode code points of a UTF-8 text.
 size_t DisplayWidth(const std::string& text) {
   return static_cast<size_t>(
       std::count_if(text.begin(), text.end(),
                     [](char byte) { return (byte & 0xc0) != 0x80; }));
 }
 
-// A name and its description, which starts at a column, or in the next line if
-// the name is too long.
+// Returns a name and its description, which starts at a column, or in the next
+// line if the name is too long.
 std::string Entry(const std::string& name, const std::string& description,
                   size_t column) {
   std::string entry = "  " + name;
@@ -35,8 +35,8 @@ bool IsCommon(const CLI::Option* option) {
   return false;
 }
 
-// The value's placeholder: the words of CLI::IsMember, "TEXT:{a,b}", as "a|b";
-// N for integers, X for other numbers, otherwise VALUE.
+// Returns the value's placeholder: the choices of CLI::IsMember, "TEXT:{a,b}",
+// as "a|b"; N for integers, X for other numbers, otherwise VALUE.
 std::string ValueName(const CLI::Option* option) {
   if (!option->get_option_text().empty()) return option->get_option_text();
   const std::string type = option->get_type_name();
@@ -118,7 +118,7 @@ std::string OptionGroups(const CLI::App* app) {
   return text;
 }
 
-// The commands by group, both in the order in which they were added.
+// Returns the commands by group, both in the order in which they were added.
 std::string Commands(const CLI::App* app) {
   std::vector<std::string> groups;
   for (const CLI::App* command : app->get_subcommands({}))

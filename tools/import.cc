@@ -130,7 +130,8 @@ void RequireUsed(const ImportArguments& arguments,
            "features.csv does not store it; pass it to calibrate");
 }
 
-// The contents of a file that contains only corners; nothing for other formats.
+// Returns the contents of a file that contains only corners; nullopt for other
+// formats.
 std::optional<ExchangeContents> ReadCorners(
     const ImportArguments& arguments, const std::vector<std::string>& texts) {
   const Format* format = arguments.from.empty()
@@ -229,7 +230,7 @@ std::string NameOfFile(std::string name) {
   return name;
 }
 
-// Distinct file names for the cameras.
+// Returns the distinct file names for the cameras.
 std::vector<std::string> FolderNames(const ImportArguments& arguments,
                                      const ExchangeContents& contents) {
   std::vector<std::string> names;
@@ -246,8 +247,8 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
   return names;
 }
 
-// The features or the poses of all cameras in CSV, depending on the name of the
-// output file.
+// Returns the features or the poses of all cameras in CSV, depending on the
+// name of the output file.
 std::string CsvOf(const ImportArguments& arguments,
                   const ExchangeContents& contents) {
   const std::string stem =
@@ -280,7 +281,7 @@ std::string CsvOf(const ImportArguments& arguments,
   return wants_features ? FormatFeatures(features) : FormatPoses(poses);
 }
 
-// A message with the number of features or poses written.
+// Returns a message with the number of features or poses written.
 std::string CsvText(const std::string& output,
                     const ExchangeContents& contents) {
   size_t features = 0, images = 0, poses = 0;
@@ -295,8 +296,8 @@ std::string CsvText(const std::string& output,
                      CountText(images, "image"));
 }
 
-// The files of several cameras: those of a rig next to rig.yaml, as calibrate
-// writes them; others in the specified folder.
+// Returns the files of several cameras: those of a rig next to rig.yaml, as
+// calibrate writes them; others in the specified folder.
 std::vector<std::pair<std::string, std::string>> FilesOf(
     const ImportArguments& arguments, const ExchangeContents& contents) {
   const auto text_of = [](const ReadLens& camera) {
@@ -323,7 +324,7 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
   return files;
 }
 
-// The camera files of puzzlepaint in a folder, sorted by number.
+// Returns the camera files of puzzlepaint in a folder, sorted by number.
 std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
   std::vector<std::string> files;
   const auto next = [&] {
@@ -333,8 +334,8 @@ std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
   return files;
 }
 
-// The camera files in a folder: of COLMAP, preferring its binary format, or of
-// puzzlepaint.
+// Returns the camera files in a folder: of COLMAP, preferring its binary
+// format, or of puzzlepaint.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   for (const char* name : {"cameras.bin", "cameras.txt"})
     if (std::filesystem::exists(folder / name))

@@ -16,7 +16,7 @@ struct ImportArguments {
   bool is_reverse = false;
 };
 
-/// Whether a name ends with a word: outputs are distinguished by their endings.
+/// Whether a name has a suffix: outputs are distinguished by their suffixes.
 inline bool EndsWith(const std::string& text, const std::string& word) {
   return text.size() >= word.size() &&
          text.compare(text.size() - word.size(), word.size(), word) == 0;

@@ -117,7 +117,7 @@ Json MakeUncertaintyFacts(const rg_blob& blob) {
   return json;
 }
 
-// The maximum stored uncertainty in the valid region.
+// Returns the maximum stored uncertainty in the valid region.
 std::optional<double> ComputeMaxValidUncertainty(const rg_blob& blob,
                                                  const rg_mask_section& mask) {
   if (!blob.uncertainty) return std::nullopt;
@@ -256,7 +256,8 @@ Json Figures(const ErrorMetrics& metrics) {
           {"features", metrics.count}};
 }
 
-// The named parameters of a parametric model; of OpenCV's model, in its order.
+// Returns the named parameters of a parametric model; of OpenCV's model, in its
+// order.
 Json MakeLensFacts(const ParametricModel& lens) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
@@ -340,7 +341,7 @@ Json MakePatternFacts(const Pattern& pattern) {
   return json;
 }
 
-// The camera centre x, y, z in the rig's frame, without negative zeros.
+// Returns the camera centre x, y, z in the rig's frame, without negative zeros.
 Json CenterInRig(const Pose& camera_from_rig) {
   const Eigen::Vector3d center =
       camera_from_rig.Inverse().translation + Eigen::Vector3d::Zero();
@@ -366,7 +367,7 @@ Json MakeFeaturesFacts(const std::map<std::string, Dataset>& cameras) {
   return json;
 }
 
-// Facts of a file in another program's format.
+// Returns the facts of a file in another program's format.
 Json MakeForeignFacts(const Format& format, const std::string& path,
                       const std::string& text) {
   RequireCameraFormat(format, path);

@@ -41,7 +41,7 @@ constexpr const char* kLocalizationFiles[] = {kEstimatedPattern, "poses.csv",
 // The detections in the images of a camera.
 struct CameraImages {
   Dataset dataset;
-  std::vector<std::string> paths;  // of the images; may be empty
+  std::vector<std::string> paths;  // image paths; may be empty
   std::vector<RejectedImage> skipped;
 };
 
@@ -138,7 +138,7 @@ std::vector<CameraImages> GatherFeatures(const FixedRig& rig,
   return cameras;
 }
 
-// The rig in the first camera's frame, with the targets of the pattern.
+// Returns the rig in the first camera's frame, with the targets of the pattern.
 RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern) {
   RigModel model = rig.model;
   const Pose rig_from_first = model.camera_from_rig.front().Inverse();
@@ -149,8 +149,8 @@ RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern) {
 
 // ---- Output ----------------------------------------------------------------
 
-// The residuals as held-out residuals, since the camera was not calibrated from
-// these images.
+// Formats the residuals as held-out residuals, since the camera was not
+// calibrated from these images.
 std::string FormatHeldOutResiduals(const FixedRig& rig,
                                    const TargetLocalization& localization) {
   RigResult result;
@@ -162,8 +162,8 @@ std::string FormatHeldOutResiduals(const FixedRig& rig,
   return FormatResiduals(result);
 }
 
-// An image with the poses of its boards, from the targets localized in its
-// frame.
+// Returns an image with the poses of its boards, from the targets localized in
+// its frame.
 LocalizedImage MakeLocalizedImage(const FixedRig& rig, const RigModel& model,
                                   size_t camera, const CameraImages& images,
                                   size_t index, const Pattern& pattern,
@@ -190,8 +190,8 @@ LocalizedImage MakeLocalizedImage(const FixedRig& rig, const RigModel& model,
   return image;
 }
 
-// A few evenly spaced images of each camera with projected axes; empty without
-// images.
+// Returns a few evenly spaced images of each camera with projected axes; empty
+// without images.
 std::string EncodePoseSheet(const FixedRig& rig, const RigModel& model,
                             const std::vector<CameraImages>& cameras,
                             const Pattern& pattern,
@@ -218,7 +218,8 @@ double MedianOf(const std::vector<TargetPose>& poses,
   return Quantile(std::move(values), 0.5);
 }
 
-// The RMS distance of the points from those of another pattern, in metres.
+// Returns the RMS distance of the points from those of another pattern, in
+// metres.
 double RmsDifference(const Pattern& pattern, const Pattern& other) {
   double sum = 0;
   size_t count = 0;

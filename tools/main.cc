@@ -162,7 +162,7 @@ void OccupyStandardStreams() {
       open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-// The Levenshtein distance.
+// Returns the Levenshtein distance.
 size_t CountEdits(const std::string& from, const std::string& to) {
   std::vector<size_t> row(to.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -177,7 +177,7 @@ size_t CountEdits(const std::string& from, const std::string& to) {
   return row.back();
 }
 
-// Throws if the first word is not a command.
+// Throws if the first argument is not a command.
 void RequireCommand(const CLI::App& app, const std::string& word) {
   std::string nearest;
   size_t fewest = 3;  // a similar command has fewer edits

@@ -37,7 +37,7 @@ using Words = std::map<std::string, std::string>;
   throw Error(ExitCode::kUsage, fmt::format("--mode {}: {}", mode, fault));
 }
 
-// Parses the words after the colon.
+// Parses the key=value pairs after the colon.
 Words ParseWords(const std::string& mode, const std::string& text) {
   static const std::set<std::string> kKnown = {"crop", "bin",  "scale",
                                                "size", "flip", "rotate"};
@@ -60,7 +60,7 @@ std::vector<double> Numbers(const std::string& mode, const Words& words,
                       count, example);
 }
 
-// The calibrated pixels that the mode's frames contain.
+// Returns the calibrated pixels that the mode's frames contain.
 Area ShownArea(const std::string& mode, const Words& words,
                const ImageSize& calibrated) {
   const auto crop = words.find("crop");

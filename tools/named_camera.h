@@ -24,8 +24,8 @@ std::vector<NamedValue> ParseNamedCameras(
     const std::string& option, const std::string& value_name,
     const std::vector<std::string>& texts);
 
-/// Throws Error(kUsage) if two cameras have the same folder, whatever its path:
-/// images cannot be from both.
+/// Throws Error(kUsage) if two cameras have the same folder, even if the paths
+/// differ: images cannot belong to both.
 void RequireDifferentFolders(const std::string& option,
                              const std::vector<NamedValue>& folders);
 

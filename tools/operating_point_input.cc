@@ -57,7 +57,7 @@ std::vector<FolderAt> ParseFolders(const std::vector<std::string>& texts) {
   return folders;
 }
 
-// The conditions in the order used by operating-point models.
+// Returns the conditions in the order used by operating-point models.
 std::vector<OperatingParameter> GetOperatingParameters(
     const CalibrateArguments& arguments) {
   std::set<OperatingParameter> conditions;
@@ -66,7 +66,7 @@ std::vector<OperatingParameter> GetOperatingParameters(
   return {conditions.begin(), conditions.end()};
 }
 
-// "lens_position", "lens_position,temperature".
+// Returns "lens_position", "lens_position,temperature".
 std::string NamesOf(const std::vector<OperatingParameter>& conditions) {
   std::vector<std::string> names;
   for (const OperatingParameter condition : conditions)
@@ -74,8 +74,8 @@ std::string NamesOf(const std::vector<OperatingParameter>& conditions) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-// The columns of the --operating-points file; for a single condition, "value"
-// is an alternative to its name.
+// Returns the columns of the --operating-points file; for a single condition,
+// "value" is an alternative to its name.
 std::vector<std::string> ParseColumns(
     const std::string& path, const std::string& text,
     const std::vector<OperatingParameter>& conditions) {
@@ -107,7 +107,7 @@ void ReadValues(const std::string& path,
   }
 }
 
-// The options that can provide the values.
+// Returns the options that can provide the values.
 std::string DescribeValueSources(
     const std::vector<OperatingParameter>& conditions) {
   if (conditions.size() == 1)
@@ -132,8 +132,8 @@ OperatingPoint ExifValues(const std::string& path, const std::string& bytes,
   return values;
 }
 
-// The values from the images' EXIF data, by path. Files that are not images are
-// skipped; feature detection reports them.
+// Returns the values from the images' EXIF data, by path. Files that are not
+// images are skipped; feature detection reports them.
 std::map<std::string, OperatingPoint> ReadExifValues(
     const std::vector<std::string>& paths,
     const std::vector<OperatingParameter>& conditions) {

@@ -31,9 +31,9 @@ struct PackArguments {
   bool wide_grid = false;
 };
 
-// The file of a table's view: front.camera.yaml next to front.raygrid; with
-// several tables, front.0.camera.yaml and so on. Empty if the output is not a
-// regular file.
+// Returns the file of a table's view: front.camera.yaml next to front.raygrid;
+// with several tables, front.0.camera.yaml and so on. Empty if the output is
+// not a regular file.
 std::string ViewPath(const std::string& blob, size_t table, size_t num_tables) {
   const std::filesystem::path path(blob);
   if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path))
@@ -125,7 +125,8 @@ std::string RotationWarning(const Eigen::Quaterniond& q) {
       q.x(), q.y(), q.z());
 }
 
-// The requested views; with sensor modes, at least the camera's default view.
+// Returns the requested views; with sensor modes, at least the camera's default
+// view.
 std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   std::vector<RemapWords> views;
   for (const std::string& remap : arguments.remaps)
@@ -134,7 +135,7 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
   return views;
 }
 
-// Throws for words that do not apply to this camera.
+// Throws for keys that do not apply to this camera.
 void RequirePossible(const CameraModel& camera, const RemapWords& words) {
   if (words.scene && camera.IsCentral())
     throw Error(
@@ -162,8 +163,8 @@ RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
   }
 }
 
-// For each view, a table for frames as calibrated, followed by one for each
-// mode.
+// Returns, for each view, a table for frames as calibrated, followed by one for
+// each mode.
 std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
                                      const std::vector<RemapWords>& views,
                                      const std::vector<SensorMode>& modes) {

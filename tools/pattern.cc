@@ -29,7 +29,7 @@ struct OutputOptions {
   double measured_x_mm = 0, measured_y_mm = 0;
 };
 
-// "pattern.svg", or "pattern_1.svg" if there are several boards.
+// Returns "pattern.svg", or "pattern_1.svg" if there are several boards.
 std::string FileName(const std::vector<Board>& boards, const Board& board,
                      const std::string& extension) {
   return boards.size() == 1 ? "pattern." + extension
@@ -286,7 +286,7 @@ void AddKind(CLI::App* pattern, const TargetKind& kind, CommonOptions* common) {
   });
 }
 
-// The target specifications of all kinds, in two columns.
+// Returns the target specifications of all kinds, in two columns.
 std::string SpecificationsHelp() {
   std::string lines;
   for (const auto& kind : TargetKinds()) {

@@ -22,13 +22,13 @@ std::string SquaresOf(double square_m) {
                      square_m < 1 ? "mm" : "m");
 }
 
-// The length of a square as given by the option, or in words.
+// Returns the length of a square as given by the option, or in words.
 std::string Given(double square_m, const std::string& mm_option) {
   return mm_option.empty() ? SquaresOf(square_m)
                            : fmt::format("{} {:g}", mm_option, 1000 * square_m);
 }
 
-// The unit that was probably meant, if it makes the square plausible.
+// Returns the unit that was probably meant, if it makes the square plausible.
 std::string Suggestion(double square_m, const std::string& mm_option) {
   for (const double factor : {1e-3, 1e3})
     if (IsLikelySquare(factor * square_m))
@@ -47,7 +47,7 @@ double WidestM(const Board& board) {
   return (high - low).maxCoeff();
 }
 
-// A question about an implausible size; empty if the size is plausible.
+// Returns a question about an implausible size; empty if the size is plausible.
 std::string Question(const Board& board, const std::string& mm_option) {
   const bool has_squares = !board.IsPointSet();
   if (has_squares && !IsLikelySquare(board.square_m))

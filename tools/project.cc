@@ -19,8 +19,8 @@ struct ProjectArguments {
 };
 
 // Scales a point, without changing its image, such that its squared norm does
-// not overflow: for a central camera, the distance is irrelevant; for others,
-// it is beyond 2^100 m.
+// not overflow. For a central camera, the distance is irrelevant; for others, a
+// point is scaled only at distances above 2^100 m.
 Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
   constexpr int kFarAway = 100;
   int exponent = 0;

@@ -160,8 +160,8 @@ nlohmann::ordered_json MakeMatrixJson(const Matrix& matrix) {
   return rows;
 }
 
-// The rotation of a camera into the rectified frame, from the frame of the
-// camera's file.
+// Returns the rotation of a camera into the rectified frame, from the frame of
+// the camera's file.
 Eigen::Matrix3d RotationOfPair(const Rectification& rectified,
                                const std::array<PairCamera, 2>& pair, int c) {
   return rectified.R(c) * pair[c].blob_from_camera.toRotationMatrix();

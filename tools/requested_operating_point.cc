@@ -15,7 +15,7 @@ double ParseValueAt(const std::string& text) {
       .front();
 }
 
-// An example of --at for a camera with these ranges.
+// Returns an example of --at for a camera with these ranges.
 std::string ExampleAt(const std::vector<OperatingRange>& ranges) {
   RequestedOperatingPoint example;
   for (const OperatingRange& range : ranges)

@@ -37,7 +37,8 @@ FixedOperatingPoint FixRequestedPoint(const RequestedOperatingPoint& at,
 RequestedOperatingPoint FilterByRanges(
     const RequestedOperatingPoint& at,
     const std::vector<OperatingRange>& ranges);
-/// FixRequestedPoint() that throws Error(kUsage) for values outside the ranges.
+/// Like FixRequestedPoint(), but also throws Error(kUsage) for values outside
+/// the ranges.
 FixedOperatingPoint FixRequestedPointInRange(
     const RequestedOperatingPoint& at,
     const std::vector<OperatingRange>& ranges, const std::string& name);

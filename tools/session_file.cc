@@ -92,7 +92,7 @@ Session ParseCamera(const Json& json) {
   return session;
 }
 
-// The value common to all frames, within a tolerance.
+// Returns the value common to all frames, within a tolerance.
 std::optional<double> ValueOfAll(const Session& session,
                                  std::optional<double> SessionFrame::*value,
                                  double tolerance) {

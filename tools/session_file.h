@@ -17,7 +17,8 @@ namespace raygrid {
 /// provide are nullopt.
 struct SessionFrame {
   std::string image;              ///< file name
-  std::optional<double> seconds;  ///< since the first one, or the first resumed
+  std::optional<double> seconds;  ///< since the first frame, or the first after
+                                  ///< resuming
   std::optional<double> lens_position;  ///< dioptres
   std::optional<double> exposure_us, analogue_gain, zoom;
   std::optional<double> sensor_temperature_c;

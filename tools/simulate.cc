@@ -39,7 +39,7 @@ constexpr double kTruthCells = 80;
 // The gap between adjacent boards.
 constexpr double kGapSquares = 2;
 
-// The conditions that affect a simulated lens; empty for most lenses.
+// Returns the conditions that affect a simulated lens; empty for most lenses.
 std::vector<OperatingRange> RangesOfLens(const std::string& name) {
   const OperatingRange position = {OperatingParameter::kLensPosition, 0, 10};
   const OperatingRange temperature = {OperatingParameter::kTemperature, 20, 70};
@@ -104,7 +104,7 @@ Pattern MakePattern(const SimulateArguments& arguments) {
                                    : LoadPattern(arguments.pattern);
 }
 
-// A dense grid over the image that represents the lens.
+// Returns a dense grid over the image that represents the lens.
 std::shared_ptr<const CameraModel> MakeInitialGrid(const CameraModel& lens) {
   const Area image = WholeImage(lens.image_size());
   const double knot_spacing_px = image.width() / kTruthCells;
@@ -119,7 +119,7 @@ std::shared_ptr<const CameraModel> MakeInitialGrid(const CameraModel& lens) {
   return grid;
 }
 
-// The true camera as camera.yaml.
+// Returns the true camera as camera.yaml.
 std::string FormatTruth(const CameraModel& camera, bool is_from_file) {
   CameraFile truth;
   truth.camera = is_from_file ? camera.Clone() : MakeInitialGrid(camera);
@@ -237,7 +237,7 @@ class Photographer {
   SimulatedObservations truth_;
 };
 
-// The observations of several cameras.
+// Returns the observations of several cameras.
 SimulatedObservations ObserveRig(const SimulateArguments& arguments,
                                  const CommonOptions& common) {
   const std::shared_ptr<const CameraModel> camera =
@@ -294,7 +294,7 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   return all;
 }
 
-// The observations of consecutive frames of a moving board; also writes
+// Returns the observations of consecutive frames of a moving board; also writes
 // times.csv.
 SimulatedObservations ObserveMoving(const SimulateArguments& arguments,
                                     const CameraModel& camera,

@@ -37,7 +37,7 @@ SharedByFrame ShareFeatures(const Dataset& left, const Dataset& right) {
   return shared;
 }
 
-// The distance from a camera to the nearest board in a frame.
+// Returns the distance from a camera to the nearest board in a frame.
 std::optional<double> BoardDistanceM(const CalibrationResult& camera,
                                      const std::string& frame) {
   std::optional<double> nearest;
@@ -54,7 +54,7 @@ struct ExamplePair {
   size_t left = 0, right = 0;
   SharedByFrame shared;
   std::string frame;
-  std::optional<double> distance_m;  // of the scene, for non-central cameras
+  std::optional<double> distance_m;  // scene distance, for non-central cameras
 };
 
 std::optional<ExamplePair> ChoosePair(const RigResult& result,
@@ -91,8 +91,8 @@ struct ShownImage {
   Image image, shown;
 };
 
-// A camera's image of the frame, rectified; nothing if the file no longer
-// exists.
+// Returns a camera's image of the frame, rectified; nullopt if the file no
+// longer exists.
 std::optional<ShownImage> RectifiedImage(const Measurements& measured,
                                          const CameraFile& camera,
                                          const VirtualView& view,
@@ -148,9 +148,9 @@ ImageSize PictureSize(const ImageSize& size) {
           std::max(1, size.height * kMaxPictureWidthPx / size.width)};
 }
 
-// Slightly more than the disparities of the boards: a repetitive pattern would
-// otherwise cause wrong matches at smaller distances. At most the image's
-// length.
+// Returns slightly more than the disparities of the boards, but at most the
+// image's length: a larger range would cause wrong matches of repetitive
+// patterns at smaller distances.
 int NumDisparities(double largest_px, int length_px) {
   constexpr int kUnit = 16, kRoomPx = 8;
   const int wanted = static_cast<int>(std::ceil(

@@ -79,8 +79,8 @@ std::string ModelOf(const TableFormat& format, const std::string& model) {
               fmt::format("--model {}: {} has {}", model, format.name, names));
 }
 
-// The central part of a camera, which is exact for distant scenes. Errors name
-// its file.
+// Returns the central camera with the directions of a camera, which is exact
+// for distant scenes. Errors name its file.
 std::unique_ptr<CameraModel> Central(const std::string& path,
                                      const CameraModel& camera) {
   try {
@@ -121,7 +121,7 @@ ViewTable TableOfView(const TableFormat& format,
   return table;
 }
 
-// Every n-th pixel along an axis, and the last one.
+// Returns every n-th pixel along an axis, and the last one.
 std::vector<double> SampleAlong(int count, int every) {
   std::vector<double> places;
   for (int k = 0; k + 1 < count; k += every) places.push_back(k);
@@ -170,8 +170,8 @@ RayTable TableOfRays(const TableArguments& arguments,
   return table;
 }
 
-// The maximum distance of a non-central camera's observation lines from the
-// origin, in metres.
+// Returns the maximum distance of a non-central camera's observation lines from
+// the origin, in metres.
 double ComputeMaxOffsetM(const CameraModel& camera) {
   constexpr int kPixelsAcross = 80;
   const Area& area = camera.area();
@@ -222,8 +222,8 @@ TableOutput MakeCameraTable(const TableFormat& format,
   return output;
 }
 
-// The source positions of required vertices; NaN for the others, and where the
-// camera does not project.
+// Returns the source positions of required vertices; NaN for the others, and
+// where the camera does not project.
 std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
                                               const MeshTable& mesh,
                                               int num_threads) {
@@ -363,8 +363,8 @@ PoseTable TableOfPoses(const TableFormat& format,
   return {path, arguments.output, poses};
 }
 
-// The image size given for a camera; WxH applies to all cameras without their
-// own NAME=WxH.
+// Returns the image size given for a camera; WxH applies to all cameras without
+// their own NAME=WxH.
 ImageSize SizeOfFeatures(const TableArguments& arguments,
                          const std::string& camera) {
   std::string size;

@@ -29,8 +29,8 @@ void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
                               arguments.files[0], what));
 }
 
-// The features of all cameras, or the boards, depending on the name of the
-// output file.
+// Returns the features of all cameras, or the boards, depending on the name of
+// the output file.
 std::string TextOfFeatures(const FeatureTable& features,
                            const ImportArguments& arguments) {
   const std::filesystem::path output = arguments.output;

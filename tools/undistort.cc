@@ -143,8 +143,8 @@ void RequireCentral(const UndistortArguments& arguments,
                             arguments.camera));
 }
 
-// The requested sensor mode: one of the blob's modes, or the one specified by
-// the option.
+// Returns the requested sensor mode: one of the blob's modes, or the one
+// specified by the option.
 std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
                                    const CameraInput& input) {
   if (arguments.mode.empty()) return std::nullopt;
@@ -164,7 +164,7 @@ std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
                                                       fmt::join(names, ", "))));
 }
 
-// The remap table of the blob selected by index or sensor mode.
+// Returns the remap table of the blob selected by index or sensor mode.
 uint32_t FindTable(const BlobCamera& blob,
                    const UndistortArguments& arguments) {
   return arguments.mode.empty()
@@ -320,8 +320,8 @@ std::vector<Targets> MakeTargets(const UndistortArguments& arguments,
   return targets;
 }
 
-// The image as the frame of a grey camera, row by row: 8 bits, or 16 bits in
-// little-endian order.
+// Returns the image as the frame of a grey camera, row by row: 8 bits, or 16
+// bits in little-endian order.
 std::string RawFrame(const std::string& path) {
   const Image grey = ReadGreyAsStored(path);
   std::string frame(grey.pixels.begin(), grey.pixels.end());

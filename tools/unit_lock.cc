@@ -11,8 +11,9 @@
 namespace raygrid {
 namespace {
 
-// The offset of the byte to lock in an empty file: locks may extend beyond its
-// end. Serials with the same byte merely wait for each other.
+// Returns the offset of the byte to lock in an empty file: bytes after the end
+// of a file may be locked, too. Serials with the same byte merely wait for each
+// other.
 off_t GetLockByte(const std::string& serial) {
   ContentHash hash;
   hash.Add(serial);

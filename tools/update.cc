@@ -30,7 +30,7 @@ struct UpdateArguments {
   bool is_new = false;
 };
 
-// The bytes of a complete blob, without trailing data.
+// Returns the bytes of a complete blob, without trailing data.
 std::string ReadWholeBlob(const std::string& path) {
   std::string bytes = ReadFile(path);
   bytes.resize(BlobCamera(path, bytes).blob().size);
@@ -117,7 +117,7 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
                     arguments.blob, SlotSizeFor(blob), slot_size));
 }
 
-// The size of the existing slots.
+// Returns the size of the existing slots.
 uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
   const uint64_t size = store.Size();
   if (store.is_device() && !arguments.slot_size)

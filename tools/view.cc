@@ -37,7 +37,8 @@ struct ViewedCamera {
   CameraInput input;
   std::string image;                 // the photograph's path; may be empty
   std::optional<ValidityMask> mask;  // the valid region, if stored
-  double square = 0;                 // of the scene if no photograph is given
+  double square = 0;                 // size of the scene's squares if no
+                                     // photograph is given
   Image before;
 
   const CameraModel& camera() const { return *input.file.camera; }
@@ -47,12 +48,12 @@ struct ViewedCamera {
 struct ViewTables {
   std::optional<BlobCamera> blob;
   std::vector<VirtualView> views;
-  std::vector<uint32_t> indices;  // of the views' tables
+  std::vector<uint32_t> indices;  // table indices of the views
   std::string why_none;
 };
 
-// The path as typed; of absolute paths, only the file name, so that a published
-// sheet does not reveal folders.
+// Returns the path as typed; of absolute paths, only the file name, so that a
+// published sheet does not reveal folders.
 std::string ShownName(const std::string& path) {
   const std::filesystem::path typed(path);
   return Printable(typed.is_absolute() ? typed.filename().string() : path);
@@ -72,7 +73,7 @@ Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   return image;
 }
 
-// The requested tables, those of the blob, or the camera's default.
+// Returns the requested tables, those of the blob, or the camera's default.
 ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
                     const CommonOptions& common) {
   ViewTables tables;
@@ -137,9 +138,9 @@ double ValidFraction(const ValidityMask& mask, const CameraModel& camera) {
   return uncertainty.ValidFraction(camera.image_size(), camera.area());
 }
 
-// The outlines of the calibrated area and of the valid region in the camera's
-// image. If the area is the whole image and a valid region is stored, only the
-// latter is outlined.
+// Returns the outlines of the calibrated area and of the valid region in the
+// camera's image. If the area is the whole image and a valid region is stored,
+// only the latter is outlined.
 std::vector<SheetCurves> KnownCurves(const ViewedCamera& viewed) {
   const CameraModel& camera = viewed.camera();
   std::vector<SheetCurves> known;
@@ -190,7 +191,7 @@ SheetTile TileBefore(const ViewedCamera& viewed,
   return tile;
 }
 
-// The straight lines of the scene, or of a room around the view.
+// Returns the straight lines of the scene, or of a room around the view.
 SheetCurves StraightCurves(const ViewedCamera& viewed,
                            const VirtualView& view) {
   SheetCurves drawn;
@@ -295,7 +296,7 @@ ViewedRow RowOfFile(const std::string& path, const std::string& image,
 
 // ---- The command -----------------------------------------------------------
 
-// The marks that occur in a sheet, and their meanings.
+// Returns the marks that occur in a sheet, and their meanings.
 std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
       {kValidColor, false, "valid region"},

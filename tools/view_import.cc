@@ -17,7 +17,7 @@ namespace {
   throw Error(ExitCode::kUsage, fmt::format("{}: {}", option, what));
 }
 
-// The view of a table, as specified by the option.
+// Returns the view of a table, as specified by the option.
 VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
                         const ViewRequest& request, const ImageSize& size) {
   try {
@@ -32,7 +32,7 @@ VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
   }
 }
 
-// The size of the view, if specified.
+// Returns the size of the view, if specified.
 std::optional<ImageSize> GetRequestedSize(const ViewRequest& request) {
   if (request.size.width != 0) return request.size;
   if (request.like) return request.like->size;

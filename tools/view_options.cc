@@ -176,8 +176,8 @@ SceneSurface ParseScene(const std::string& place, const std::string& name,
   return scene;
 }
 
-// Parses a word that applies to remap tables only; returns false if it belongs
-// to views.
+// Parses a key that applies to remap tables only; returns false if it is a key
+// of views.
 bool AddTableWord(const std::string& option, const std::string& text,
                   const std::string& part, RemapWords* words) {
   const size_t equals = part.find('=');

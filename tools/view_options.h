@@ -35,7 +35,7 @@ struct RemapWords {
 /// Keys for tables only, for messages.
 extern const char kTableWordsHelp[];
 
-/// ParseView() that also accepts the keys direction, at and plane.
+/// Like ParseView(), but also accepts the keys direction, at and plane.
 RemapWords ParseRemap(const std::string& option, const std::string& text);
 
 /// Adds --size and an option for each key of a view.

@@ -8,11 +8,11 @@
 namespace raygrid {
 
 /// Splits a text at the commas before keys: "640x480", "center=320,240",
-/// "hfov=90". A later part without '=' belongs to the preceding key.
+/// "hfov=90". A later item without '=' belongs to the preceding key.
 std::vector<std::string> SplitAtWords(const std::string& text);
 
 /// Parses `count` numbers separated by commas. Throws Error(kUsage), with an
-/// example; place: beginning of the message.
+/// example; the message begins with `place`.
 std::vector<double> ParseNumbers(const std::string& place,
                                  const std::string& text, size_t count,
                                  const char* example);

@@ -17,8 +17,8 @@ struct Observation {
   Eigen::Vector2d pixel;
 };
 
-/// One camera's view of a board: of one with a pose of its own, or of a board
-/// of a rigid multi-board target.
+/// One camera's view of a board, which has a separate pose or belongs to a
+/// rigid multi-board target.
 struct View {
   std::vector<Observation> observations;
   int camera = 0, pose = 0;
@@ -90,7 +90,7 @@ struct AdjustmentState {
   }
   /// Moves the static deformation into the points, and removes the modes.
   void ApplyStaticDeformation();
-  /// Moves the points' deviation from nominal into static modes.
+  /// Converts the deviation of the points from nominal to static deformation.
   void FitStaticDeformation(DeformationModes deformation_modes,
                             const std::vector<Eigen::Vector3d>& nominal);
   /// Enables deformation modes, with zero coefficients.

@@ -62,9 +62,10 @@ struct StepEffect {
   double moved_deviations = 0;  // see ComputeStepInDeviations()
 };
 
-// RMS displacement of the projections by a step, per parameter and relative to
-// the standard deviation of the noise (D. Bates, D. Watts, "A Relative Offset
-// Orthogonality Convergence Criterion for Nonlinear Least Squares", 1981).
+// Returns the RMS displacement of the projections by a step, per parameter and
+// relative to the standard deviation of the noise (D. Bates, D. Watts, "A
+// Relative Offset Orthogonality Convergence Criterion for Nonlinear Least
+// Squares", 1981).
 double ComputeStepInDeviations(const std::vector<Residual>& before,
                                const std::vector<Residual>& after,
                                double huber_px, double num_parameters) {
@@ -206,8 +207,8 @@ void MoveMeanDeformation(const std::vector<View>& views, GaussianPrior* prior,
   }
 }
 
-// Mean squared displacement of a point in metres per squared pixel of its
-// projection.
+// Returns the mean squared displacement of a point in metres per squared pixel
+// of its projection.
 double SquaredMetresPerPixel(const AdjustmentState& state,
                              const std::vector<View>& views,
                              const AdjustmentOptions& options) {
@@ -240,7 +241,7 @@ void InitializePrecisions(const std::vector<CameraGroup>& groups,
     if (weight == 0) weight = 1 / square_metres_per_pixel;
 }
 
-// Total effective number of parameters over all groups.
+// Returns the total effective number of parameters over all groups.
 double ComputeEffectiveParameters(const PriorEvidence& evidence,
                                   const ParameterLayout& layout) {
   double count = layout.first_shape + 6.0 * layout.num_poses;
@@ -354,7 +355,7 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
                                            GaussianPrior* prior,
                                            AdjustmentState* state) {
   constexpr int kMaxRounds = 30;
-  constexpr double kStableChange = 0.05;  // of a log precision
+  constexpr double kStableChange = 0.05;  // change of log precision
   constexpr double kStableCost = 1e-4;
   constexpr double kMinInitialDecrease = 0.1;  // relative decrease of the cost
   constexpr double kRoughChange = 0.1, kRoughDecrease = 0.05;

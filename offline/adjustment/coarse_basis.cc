@@ -8,7 +8,8 @@
 namespace raygrid {
 namespace {
 
-// Board index of each point: points observed with a common pose share a board.
+// Returns the board index of each point: points observed with a common pose
+// share a board.
 std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
                                int num_points) {
   std::vector<int> parent(num_points);

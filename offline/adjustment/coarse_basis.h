@@ -11,15 +11,15 @@
 
 namespace raygrid {
 
-constexpr int kCoarsestCells = 12;  ///< at most, along a grid's longer side
+constexpr int kCoarsestCells = 12;  ///< maximum along a grid's longer side
 
 /// Basis of a coarse space of all parameters: the coarsest grids of the
 /// cameras, camera parameters without a grid, camera poses, and deformation
 /// modes of second order.
 using CoarseBasis = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// shapes: grid shapes by camera. Points that are seen in the same poses are
-/// assumed to belong to one board.
+/// shapes: grid shapes by camera. Points observed in the same poses are assumed
+/// to belong to one board.
 CoarseBasis MakeCoarseBasis(const ParameterLayout& layout,
                             const std::vector<GridShape>& shapes,
                             const std::vector<ViewJacobian>& jacobians,

@@ -77,9 +77,9 @@ void CountObservations(const std::vector<View>& views, int camera,
   }
 }
 
-// Jacobian D after removing the rotation, which is fitted by least squares with
-// weights by the number of observations. With equal weights, the most uncertain
-// pixels, at the edge, would rotate all others.
+// Returns the Jacobian D after removing the rotation, which is fitted by least
+// squares with weights by the number of observations. With equal weights, the
+// most uncertain pixels, at the edge, would rotate all others.
 Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
                                 const std::vector<PixelUncertainty>& pixels) {
   const Eigen::MatrixX3d& rotation = derivatives.J_rotation;
@@ -117,7 +117,7 @@ class Lattice {
   const Eigen::MatrixXd& derivatives() const { return derivatives_; }
   int first() const { return first_; }
 
-  // Pixel displacements for the parameter changes in each column.
+  // Returns the pixel displacements for the parameter changes in each column.
   Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
     return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
   }
@@ -179,7 +179,7 @@ bool AddSampledCovariances(const LinearResponse& response,
   return true;
 }
 
-// Standard deviations per pixel: the RMS over both axes.
+// Returns the standard deviations per pixel: the RMS over both axes.
 Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
   Eigen::VectorXd deviations(joint_px2.rows());
   for (Eigen::Index i = 0; i < joint_px2.rows(); i += 2)

@@ -12,12 +12,12 @@ namespace raygrid {
 /// NaN where the camera is undefined.
 struct PixelUncertainty {
   Eigen::Vector2d pixel;
-  /// Noise part: the covariance over repeated draws of the feature noise.
+  /// Covariance due to feature noise.
   Eigen::Matrix2d noise_px2;
   /// Estimated bias caused by the prior.
   Eigen::Vector2d smoothing_px;
-  /// Sum of the noise part and the prior part, which covers directions that the
-  /// observations do not determine.
+  /// Sum of the covariances due to noise and due to the prior; the latter
+  /// covers directions that the observations do not determine.
   Eigen::Matrix2d total_px2;
   /// Factor by which the jackknife scaled the standard deviations.
   double jackknife_scale = 1;
@@ -36,12 +36,12 @@ struct UncertaintyOptions {
 
 /// Computes the uncertainty of an estimated camera, marginalized over poses and
 /// target points. With H = J^T J + P of the normal equations, P the Hessian of
-/// the prior and s^2 the noise variance, white noise gives the parameters the
-/// covariance s^2 H^-1 J^T J H^-1, and the prior s^2 H^-1 P H^-1. The bias is
-/// H^-1 P (c - c0), estimated by inserting the estimated parameters; c0 is the
-/// prior mean. The gauge, the camera's orientation, is fixed by least squares
-/// on the rays of the observations. Per-view deformation counts as noise, as it
-/// is drawn anew in each view.
+/// the prior and s^2 the noise variance, white noise causes the covariance s^2
+/// H^-1 J^T J H^-1 of the parameters, and the prior s^2 H^-1 P H^-1. The bias
+/// is H^-1 P (c - c0), evaluated at the estimated parameters; c0 is the prior
+/// mean. The gauge, the camera's orientation, is fixed by least squares on the
+/// rays of the observations. Per-view deformation is treated as noise, since it
+/// is independent in each view.
 ///
 /// Residuals of real images are correlated. The covariance is therefore scaled,
 /// in bands of eigenmodes, to the parameter changes observed when groups of

@@ -19,7 +19,7 @@ struct Plane {
 };
 
 Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kFlatPart = 0.02;  // of the board's width
+  constexpr double kFlatPart = 0.02;  // fraction of the board's width
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i)
     centered.col(static_cast<Eigen::Index>(i)) = points[i];
@@ -34,7 +34,8 @@ Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
   return plane;
 }
 
-// Coordinates of the points in the plane, from -1 to 1 over the board.
+// Returns the coordinates of the points in the plane, from -1 to 1 over the
+// board.
 Eigen::Matrix2Xd PlaneCoordinates(const Plane& plane,
                                   const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix2Xd coordinates(2, points.size());

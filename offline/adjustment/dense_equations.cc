@@ -56,7 +56,7 @@ void DivideByTransposed(const PoseMatrix& lower,
   }
 }
 
-// Indices of the nonzero rows.
+// Returns the indices of the nonzero rows.
 std::vector<int> NonzeroRows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   std::vector<int> rows;
   for (int row = 0; row < matrix.rows(); ++row)
@@ -64,8 +64,8 @@ std::vector<int> NonzeroRows(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   return rows;
 }
 
-// Cost of the product of a sparse factor with its transpose. Each entry of the
-// result is read and written once for all columns of the factor.
+// Returns the cost of the product of a sparse factor with its transpose. Each
+// entry of the result is read and written once for all columns of the factor.
 double ProductCost(size_t num_rows, int num_columns) {
   constexpr double kColumnsPerAccess = 12;
   return std::pow(static_cast<double>(num_rows), 2) *
@@ -113,7 +113,7 @@ void MultiplyPairs(const double* J_node, int size, const double* others,
 // minute.
 struct NodeContribution {
   const ViewJacobian& jacobian;
-  int column, first;  // of the residual; first camera parameter
+  int column, first;  // residual's column; first camera parameter
   const OtherColumns& others;
   const ByBlock& by_block;
   const Eigen::Vector2d& error;

@@ -47,7 +47,7 @@ class DenseEquations : public NormalEquations {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
-  // Adds nothing to static deformation unless the points are fixed.
+  // Does not add derivatives by static deformation unless the points are fixed.
   void AddJacobian(const ViewJacobian& jacobian, const DeformationModes& modes);
   // Adds static deformation by the chain rule from the points
   // (StaticDeformation).

@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// Prior of independent parameters, each scaled by the displacement in pixels
-// that a unit of it causes; 0 for parameters outside the group.
+// Returns the prior of independent parameters, each scaled by the displacement
+// in pixels that a unit of it causes; 0 for parameters outside the group.
 PriorGroup MakeCoefficientGroup(const Eigen::VectorXd& pixels) {
   PriorGroup group;
   group.precision.resize(pixels.size(), pixels.size());
@@ -32,7 +32,8 @@ PriorGroup MakeDecentringGroup(const ParametricModel& lens, const Area& area,
   return group;
 }
 
-// Matern prior over the angle of incidence, for the displacement in pixels.
+// Returns the Matern prior over the angle of incidence, for the displacement in
+// pixels.
 PriorGroup MakeRadialGroup(const CentralRadial& lens) {
   const int count = static_cast<int>(lens.spline().size());
   const double kappa = MaternKappa(lens.max_angle_rad(), lens.cell_rad());

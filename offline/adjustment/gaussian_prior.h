@@ -29,13 +29,13 @@ struct UnpenalizedDirections {
 /// unpenalized directions, less for those with a remaining precision.
 struct PriorGroup {
   static constexpr double kRelaxedScale =
-      1e-3;  ///< remaining in these directions
+      1e-3;  ///< remaining scale in these directions
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;       ///< rank of K minus unpenalized directions
   double weight = 0;  ///< lambda; set by SetPrecision()
-  /// A lower limit of the weight, relative to the residual variance, whatever
-  /// the evidence.
+  /// Lower limit of the weight, relative to the residual variance, regardless
+  /// of the evidence.
   double precision_floor = 0;
   /// D, scaled so that (I - R D^T) b has the covariance K - R R^T if the random
   /// vector b has K; may have no columns.
@@ -48,7 +48,7 @@ struct PriorGroup {
   /// more, relative to the group, as its weight grows.
   void SetPrecision(double new_weight, double residual_variance);
 
-  /// (c - c0)^T (K - R R^T) (c - c0), without lambda.
+  /// Returns (c - c0)^T (K - R R^T) (c - c0), without lambda.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
     const double distance = difference.dot(precision * difference);
     if (freed.cols() == 0) return distance;

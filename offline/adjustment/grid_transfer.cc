@@ -7,8 +7,8 @@ namespace {
 
 int HalvedCount(int count) { return (count - 3 + 1) / 2 + 3; }
 
-// Spline weights along one axis. Fine control point i is i - 1 cells from the
-// edge of the area.
+// Returns the spline weights along one axis. Fine control point i is i - 1
+// cells from the edge of the area.
 std::vector<GridTransfer::Support> Supports(int fine, int coarse) {
   const double extent = fine - 3;
   const BSplineSurface spline({0, 0, extent, 1}, coarse, 4);

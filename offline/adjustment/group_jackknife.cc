@@ -87,7 +87,7 @@ LogRatio ComputeLogRatio(double observed, double predicted,
   return {std::log(observed / predicted) + 1 / independent, 2 / independent};
 }
 
-// Posterior mean and variance of an estimate with a normal prior.
+// Returns the posterior mean and variance of an estimate with a normal prior.
 LogRatio ShrinkImage(const LogRatio& estimate, const LogRatio& prior) {
   const double weight = prior.variance / (prior.variance + estimate.variance);
   return {prior.mean + weight * (estimate.mean - prior.mean),
@@ -97,7 +97,7 @@ LogRatio ShrinkImage(const LogRatio& estimate, const LogRatio& prior) {
 struct Band {
   double observed = 0, predicted = 0, squared_sum = 0, sum_of_squares = 0;
 
-  // Effective number of independent components in the band.
+  // Returns the effective number of independent components in the band.
   double NumIndependent() const {
     return std::max(1.0, squared_sum / sum_of_squares);
   }

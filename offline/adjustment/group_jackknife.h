@@ -12,7 +12,7 @@ namespace raygrid {
 /// Variance Estimation", 1989) of an estimated state: compares the change of
 /// the parameters when a group of frames is left out, to first order, with the
 /// change predicted for white noise and the prior. Residuals that are
-/// correlated within a frame increase the former, whatever the form of their
+/// correlated within a frame increase the former, regardless of the form of the
 /// correlation; only frames are assumed to be independent.
 class GroupJackknife {
  public:
@@ -35,13 +35,15 @@ class GroupJackknife {
   bool IsValid() const { return !changes_.empty(); }
 
  private:
-  std::vector<Eigen::MatrixXd> changes_;  // by group: observed, then simulated
+  std::vector<Eigen::MatrixXd> changes_;  // one matrix per group, the observed
+                                          // one first, then the simulated ones
 };
 
 /// Scale factors that match predicted variances to observed squared changes.
-/// Functions in bands (1, 2, 4, ... of them, by decreasing variance) have one
-/// factor each, shrunk to the common factor, and that one to 1, the more the
-/// fewer independent changes determine it.
+/// Functions in bands (of 1, 2, 4, ... functions, in descending order of
+/// variance) have a common factor, which is shrunk towards the factor of all
+/// functions, and this one towards 1; the fewer independent changes determine a
+/// factor, the more it is shrunk.
 struct VarianceFactors {
   explicit VarianceFactors(const GroupJackknife::SquaredChanges& changes);
 

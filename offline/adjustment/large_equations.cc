@@ -52,8 +52,8 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
   }
 }
 
-// Number of chunks. It does not depend on the number of threads, and the
-// results of chunks are added in order, for deterministic results.
+// Returns the number of chunks. It does not depend on the number of threads,
+// and the results of chunks are added in order, for deterministic results.
 int LargeEquations::NumChunks() const {
   return std::min<int>(16, static_cast<int>(poses_.size()));
 }
@@ -97,9 +97,9 @@ void LargeEquations::AccumulatePoses() {
       });
 }
 
-// Entries of A that the preconditioner uses: couplings between control points,
-// the diagonal blocks of the points, and the diagonal for all remaining
-// parameters.
+// Returns the entries of A that the preconditioner uses: couplings between
+// control points, the diagonal blocks of the points, and the diagonal for all
+// remaining parameters.
 Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
   std::vector<Eigen::Triplet<double>> triplets;
   constexpr int kBandRows = 8;  // exceeds the support of a residual, 4

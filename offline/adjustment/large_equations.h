@@ -32,9 +32,9 @@ class LargeEquations : public NormalEquations {
  public:
   class Memory;
 
-  /// Iterates to a relative error of about tolerance. Reuses what *memory holds
-  /// of earlier equations of this layout while it converges well, and the
-  /// diagonal of H for the damping.
+  /// Iterates to a relative error of about `tolerance`. Reuses the
+  /// preconditioner in *memory, which earlier equations of this layout
+  /// computed, while convergence is fast, and the diagonal of H for damping.
   LargeEquations(const ParameterLayout& layout,
                  std::vector<ViewJacobian> jacobians,
                  const PriorEquations& prior, const AdjustmentState& state,
@@ -95,7 +95,8 @@ class LargeEquations : public NormalEquations {
                                const Preconditioner& preconditioner) const;
   bool MakePreconditioner(const System& system,
                           Preconditioner* preconditioner) const;
-  // Preconditioner levels of a camera; a: in local axes (NodeFrames).
+  // Returns the preconditioner levels of a camera; a: in local axes
+  // (NodeFrames).
   CameraLevels MakeLevels(int camera,
                           const Eigen::SparseMatrix<double>& a) const;
   template <int kNum>
@@ -111,10 +112,10 @@ class LargeEquations : public NormalEquations {
   void AddPoseProduct(int pose, const PoseVector& y,
                       Eigen::VectorXd* sum) const;
   PoseVector ComputePoseProduct(int pose, const Eigen::VectorXd& x) const;
-  // W V^-1 y, over the layout.
+  // Returns W V^-1 y, over the layout.
   Eigen::VectorXd EliminatePoses(const System& system,
                                  const Eigen::VectorXd& poses) const;
-  // V^-1 (poses - W^T x)
+  // Returns V^-1 (poses - W^T x)
   Eigen::VectorXd BackSubstitutePoses(const System& system,
                                       const Eigen::VectorXd& x,
                                       Eigen::VectorXd poses) const;
@@ -146,7 +147,7 @@ class LargeEquations : public NormalEquations {
 /// State that later equations of the same layout can reuse.
 class LargeEquations::Memory {
  public:
-  /// Conjugate-gradient iterations of the last solution from zero.
+  /// Returns the conjugate-gradient iterations of the last solution from zero.
   int last_iterations() const { return last_iterations_; }
 
  private:

@@ -39,9 +39,9 @@ class LinearResponse {
 
   /// Draws white errors of variance 1.
   ViewErrors SampleNoise(std::mt19937* random_bits) const;
-  /// Draws a gradient with covariance P, without the part of the deformation.
+  /// Draws a gradient with covariance P, without the part due to deformation.
   Eigen::VectorXd SamplePrior(std::mt19937* random_bits) const;
-  /// Draws a gradient with the covariance of the deformation's part of P.
+  /// Draws a gradient whose covariance is the part of P due to deformation.
   Eigen::VectorXd SampleDeformationPrior(std::mt19937* random_bits) const;
   /// Returns the gradient of the prior.
   Eigen::VectorXd PriorGradient() const;

@@ -12,7 +12,7 @@ struct Similarity {
   double scale = 1;
   Eigen::Quaterniond rotation;
   Eigen::Vector3d point_center, nominal_center;
-  double squared_extent = 0;  // of the points
+  double squared_extent = 0;  // squared extent of the points
 
   Eigen::Vector3d translation() const {
     return nominal_center - scale * (rotation * point_center);
@@ -78,7 +78,7 @@ void ApplyToPlace(const Similarity& body, const Similarity& board,
   pose.translation = moved - pose.rotation * board.translation();
 }
 
-// Least-squares scale that is common to all similarities.
+// Returns the least-squares scale that is common to all similarities.
 double ComputeCommonScale(const std::vector<Similarity>& similarities) {
   double sum = 0, weight = 0;
   for (const Similarity& similarity : similarities) {

@@ -58,8 +58,8 @@ void AddCameraPrior(const CameraPrior& prior, int first,
       std::sqrt(prior.orientation_precision) * g;
 }
 
-// Operation count of the last conjugate-gradient solution, in equivalent
-// operations of dense matrix products, which are faster.
+// Returns the operation count of the last conjugate-gradient solution, in
+// equivalent operations of dense matrix products, which are faster.
 double NumOperations(const std::vector<ViewJacobian>& jacobians,
                      const LargeEquations::Memory& memory) {
   constexpr double kPerObservation = 2000;

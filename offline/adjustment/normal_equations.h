@@ -15,6 +15,7 @@ namespace raygrid {
 struct AdjustmentStep {
   std::vector<Eigen::VectorXd> cameras;  ///< empty if they are fixed
   std::vector<Eigen::Matrix<double, 6, 1>> camera_poses;  ///< without the first
+                                                          ///< camera's
   std::vector<Eigen::Matrix<double, 6, 1>> places;        ///< empty if fixed
   Eigen::VectorXd points;  ///< three coordinates per point
   std::vector<Eigen::Matrix<double, 6, 1>> poses;
@@ -30,8 +31,8 @@ struct FixedParameters {
 };
 
 /// Indices of parameters in a vector: cameras, camera_from_rig,
-/// target_from_board, static deformation, points; then, beyond its size,
-/// rig_from_pattern, each with the per-view deformation of its board.
+/// target_from_board, static deformation, points; after the first `size`
+/// elements, rig_from_pattern, each with the per-view deformation of its board.
 struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
@@ -59,7 +60,7 @@ struct ParameterLayout {
   int Pose(int pose) const { return size + per_pose * pose; }
   int num_all() const { return Pose(num_poses); }
 
-  /// Assembles a step from its parts.
+  /// Assembles a step from the vectors of common parameters and of poses.
   AdjustmentStep Step(const Eigen::VectorXd& parameters,
                       const Eigen::VectorXd& poses) const;
 };
@@ -137,7 +138,7 @@ class EquationsBuilder {
   const std::vector<View>& views_;
   double huber_px_;
   int num_threads_;
-  std::shared_ptr<void> memory_;  // of LargeEquations
+  std::shared_ptr<void> memory_;  // reused state of LargeEquations
 };
 
 }  // namespace raygrid

@@ -60,11 +60,11 @@ double NumOfOrder(const std::vector<DeformationCoefficient>& rows,
       }));
 }
 
-// Effective number of parameters: the number of a group's parameters minus the
-// trace of the product of its prior precision and H^-1. The trace is estimated
-// as the mean of b^T H^-1 b (Hutchinson, 1989) with b = sqrt(weight) B z for
-// random signs z, for all groups at once, since they are independent. Returns
-// nullopt if the system is singular.
+// Returns the effective number of parameters: the number of a group's
+// parameters minus the trace of the product of its prior precision and H^-1.
+// The trace is estimated as the mean of b^T H^-1 b (Hutchinson, 1989) with b =
+// sqrt(weight) B z for random signs z, for all groups at once, since they are
+// independent. Returns nullopt if the system is singular.
 std::optional<Determined> NumDetermined(
     const NormalEquations& equations, const ParameterLayout& layout,
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
@@ -136,10 +136,10 @@ std::optional<Determined> NumDetermined(
   return result;
 }
 
-// Sum of the squared deformation coefficients of one order. Outlying views are
-// clipped, since they show a different board or camera rather than a
-// deformation. Static deformation is not clipped, since a single board may be
-// deformed.
+// Returns the sum of the squared deformation coefficients of one order.
+// Outlying views are clipped, since they show a different board or camera
+// rather than a deformation. Static deformation is not clipped, since a single
+// board may be deformed.
 double SumSquaredDeformation(const AdjustmentState& state,
                              DeformationOrder order) {
   constexpr double kTimesMedian = 9;

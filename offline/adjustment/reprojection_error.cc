@@ -7,7 +7,8 @@
 namespace raygrid {
 namespace {
 
-// Index of each view's first observation, and the total number of observations.
+// Returns the index of each view's first observation, and the total number of
+// observations.
 std::vector<int> FirstObservations(const std::vector<View>& views) {
   std::vector<int> first = {0};
   for (const View& view : views)
@@ -15,8 +16,8 @@ std::vector<int> FirstObservations(const std::vector<View>& views) {
   return first;
 }
 
-// Jacobian with respect to the pose update: d(exp(w) R p + t + v) = -[R p]x w +
-// v.
+// Returns the Jacobian with respect to the pose update: d(exp(w) R p + t + v) =
+// -[R p]x w + v.
 Eigen::Matrix<double, 3, 6> UpdateDerivative(const Eigen::Vector3d& rotated) {
   Eigen::Matrix<double, 3, 6> derivative;
   derivative << 0, rotated.z(), -rotated.y(), 1, 0, 0,  //

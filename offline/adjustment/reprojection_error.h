@@ -25,7 +25,8 @@ struct LinearizedResidual {
   Residual residual;
   int camera = 0, pose = 0, place = -1, point = 0;
   /// J_pose with respect to the updates of UpdatedPose() of camera_from_rig,
-  /// rig_from_pattern and target_from_board, the last if the view has a place.
+  /// rig_from_pattern and target_from_board (the last for boards of rigid
+  /// targets).
   Eigen::Matrix<double, 2, 6> J_camera_pose, J_pose, J_place;
   Eigen::Matrix<double, 2, 3> J_point;
   /// Jacobian with respect to the per-view deformation. For static deformation,

@@ -46,7 +46,7 @@ class DifferenceRows {
     }
   }
 
-  // Precision matrix D^T D.
+  // Returns the precision matrix D^T D.
   Eigen::SparseMatrix<double> Precision() const {
     Eigen::SparseMatrix<double> rows(num_rows_,
                                      field_.per_point * scale_.size());
@@ -97,7 +97,8 @@ PriorGroup SmoothGroup(const BSplineSurface& surface,
   return group;
 }
 
-// Jacobian of the surface at a control point, clamped to the calibrated area.
+// Returns the Jacobian of the surface at a control point, clamped to the
+// calibrated area.
 Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
                                 const Eigen::Vector2d& pixel) {
   const Area& area = surface.area();
@@ -108,13 +109,14 @@ Eigen::Matrix2d ChartDerivative(const BSplineSurface& surface,
   return derivative;
 }
 
-// Scale of the chart at a pixel, in pixels per chart unit.
+// Returns the scale of the chart at a pixel, in pixels per chart unit.
 double PixelsPerChartUnitAt(const BSplineSurface& surface,
                             const Eigen::Vector2d& pixel) {
   return 1 / std::sqrt(std::abs(ChartDerivative(surface, pixel).determinant()));
 }
 
-// Scale of the chart at each control point, in pixels per chart unit.
+// Returns the scale of the chart at each control point, in pixels per chart
+// unit.
 std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   std::vector<double> scales;
   for (int i = 0; i < surface.num_points(); ++i)
@@ -122,9 +124,10 @@ std::vector<double> PixelsPerChartUnit(const BSplineSurface& surface) {
   return scales;
 }
 
-// Unpenalized displacements (px) of a camera without a parametric model: scale
-// in x and y, shifts in both directions, then radial terms of third, fifth and
-// seventh order, normalized to one pixel in the corners of the area.
+// Returns the unpenalized displacements (px) of a camera without a parametric
+// model: scale in x and y, shifts in both directions, then radial terms of
+// third, fifth and seventh order, normalized to one pixel in the corners of the
+// area.
 Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
                                          const Eigen::Vector2d& pixel) {
   constexpr int kNumRadial = 3;
@@ -140,10 +143,10 @@ Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
   return displacements;
 }
 
-// Prior precision of the radial terms, which are penalized a hundredth as much
-// as a pixel of the field. This does not affect observable directions; but if
-// the features cover a small part of the image, high orders would otherwise
-// displace the remainder by arbitrary amounts.
+// Returns the prior precision of the radial terms, which are penalized a
+// hundredth as much as a pixel of the field. This does not affect observable
+// directions; but if the features cover a small part of the image, high orders
+// would otherwise displace the remainder by arbitrary amounts.
 Eigen::VectorXd PolynomialHolds() {
   constexpr double kRadialHold = 1e-4;
   Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);
@@ -198,7 +201,8 @@ Eigen::MatrixXd ControlValues(
   return result;
 }
 
-// Jacobian of the control points with respect to the model's parameters.
+// Returns the Jacobian of the control points with respect to the model's
+// parameters.
 UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
                                      const FieldParameters& field,
                                      const BaseModel& lens) {
@@ -214,8 +218,8 @@ UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
   return freed;
 }
 
-// Jacobian of the control points with respect to the unpenalized polynomials,
-// for cameras without a parametric model.
+// Returns the Jacobian of the control points with respect to the unpenalized
+// polynomials, for cameras without a parametric model.
 UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
                                       const FieldParameters& field) {
   UnpenalizedDirections freed;
@@ -232,8 +236,8 @@ UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
   return freed;
 }
 
-// Mean rotation of the directions of pixels, in pixels, as a linear function of
-// the control points.
+// Returns the mean rotation of the directions of pixels, in pixels, as a linear
+// function of the control points.
 Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
                              const FieldParameters& field,
                              const std::vector<Eigen::Vector2d>& pixels,
@@ -302,8 +306,8 @@ Eigen::MatrixXd RemoveRotations(const Eigen::MatrixXd& directions,
          turns * by_turn.inverse() * (orientation.transpose() * directions);
 }
 
-// Prior of the directions, or of their change with an operating point, without
-// a mean: for two parameters of each control point.
+// Returns the prior of the directions, or of their change with an operating
+// point, without a mean: for two parameters of each control point.
 CameraPrior MakeDirectionsPrior(
     const BSplineSurface& base, const FieldParameters& field,
     const std::vector<Eigen::Vector2d>& observed_px, const BaseModel& lens = {},

@@ -1,5 +1,5 @@
-/// The appearance of a board, i.e. its printed areas. The printed page, the
-/// rendered image and the template for matching are all made from it.
+/// The appearance of a board, i.e. its printed areas, from which the printed
+/// page, the rendered image and the template for matching are made.
 #ifndef RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 #define RAYGRID_APPEARANCE_BOARD_APPEARANCE_H
 

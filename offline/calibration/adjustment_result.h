@@ -13,12 +13,13 @@ struct AdjustmentResult {
   CalibrationProblem problem;
   AdjustmentState state;
   AdjustmentSummary summary;
-  GaussianPrior prior;  ///< learned
-  /// Base models of the grids, by camera; empty unless they were fitted to the
-  /// features.
+  GaussianPrior prior;  ///< with the estimated precisions
+  /// Base models of the grids, one per camera; empty unless they were fitted to
+  /// the features.
   std::vector<BaseModel> base_lenses;
   std::vector<RejectedImage> rejected_images;
-  std::vector<std::vector<FeatureResidual>> rejected_features;  ///< by camera
+  std::vector<std::vector<FeatureResidual>> rejected_features;  ///< one list
+                                                                ///< per camera
 };
 
 }  // namespace raygrid

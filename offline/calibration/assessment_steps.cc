@@ -21,8 +21,8 @@
 namespace raygrid {
 namespace {
 
-// In-plane RMS distance in metres between a board's estimated points and its
-// pattern, after alignment with a similarity transform.
+// Returns the in-plane RMS distance in metres between a board's estimated
+// points and its pattern, after alignment with a similarity transform.
 double ComputeShiftM(const Board& given, const Board& found) {
   const auto count = static_cast<Eigen::Index>(given.points.size());
   if (count < 3 || found.points.size() != given.points.size()) return 0;
@@ -45,7 +45,7 @@ double ComputeShiftM(const Board& given, const Board& found) {
 // estimates close to the nominal geometry.
 void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
                              Assessment* assessment) {
-  constexpr double kMaxFraction = 0.01;  // of the square size
+  constexpr double kMaxFraction = 0.01;  // relative to the square size
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
     const double moved_m = ComputeShiftM(board, found.boards[b]);

@@ -50,10 +50,10 @@ FittedLenses FitLenses(const std::string& model,
   return fitted;
 }
 
-// Expected log-likelihood of new features for coarse grids around the base
-// models, up to a constant, by generalized cross-validation (Golub, Heath,
-// Wahba, 1979). The better the base models fit, the fewer effective parameters
-// a grid needs to reach the same residuals.
+// Returns the expected log-likelihood of new features for coarse grids around
+// the base models, up to a constant, by generalized cross-validation (Golub,
+// Heath, Wahba, 1979). The better the base models fit, the fewer effective
+// parameters a grid needs to reach the same residuals.
 double PredictionScore(const CalibrationProblem& problem,
                        const FittedLenses& fitted,
                        const AdjustmentOptions& options) {

@@ -56,7 +56,8 @@ void AddView(const AdjustmentResult& adjusted, const View& view,
   }
 }
 
-// Displacements of a board in each image, accumulated over all cameras.
+// Returns the displacements of a board in each image, accumulated over all
+// cameras.
 std::vector<Displacements> ComputeDisplacements(
     const std::vector<AdjustmentResult>& cameras, int board_index,
     const Board& board) {
@@ -146,8 +147,8 @@ class RotationSearch {
     return false;
   }
 
-  // Significance of an image's rotation relative to no rotation, in standard
-  // deviations.
+  // Returns the significance of an image's rotation relative to no rotation, in
+  // standard deviations.
   double RotationSignificance(size_t image) const {
     return Advantage(
         image, 0,
@@ -231,7 +232,8 @@ class RotationSearch {
     }
   }
 
-  // Weighted sum of squares that is explained by the mean displacement.
+  // Returns the weighted sum of squares that is explained by the mean
+  // displacement.
   double Agreement(const Turns& turns) const {
     const Displacements mean = MeanOf(SumLanes(turns));
     double sum = 0;

@@ -18,7 +18,7 @@ namespace raygrid {
 /// Called with the updated checkpoint whenever a further step is complete.
 using CheckpointCallback = std::function<void(const Checkpoint&)>;
 
-/// Called with the current stage and the fraction of the whole that is done, 0
+/// Called with the current stage and the progress of the entire calibration, 0
 /// to 1.
 using ProgressCallback =
     std::function<void(const std::string& stage, double done)>;
@@ -48,7 +48,8 @@ struct CalibrationInput {
   std::optional<ImageTimes> times = {};
 };
 
-/// Names of the supported models, in descending order of their parameters.
+/// Returns the names of the supported models, in descending order of their
+/// parameters.
 std::vector<std::string> ListCalibratedModels();
 
 struct CalibrationOptions {
@@ -66,7 +67,7 @@ struct CalibrationOptions {
   std::shared_ptr<const CameraModel> like = {};
   /// Variation over the fleet, if `like` is its population mean.
   std::shared_ptr<const LensSpread> prior_spread = {};
-  /// Keeps the pattern's points as given, in each image.
+  /// Fixes the target geometry: nominal points without deformation.
   bool fix_target_geometry = false;
   bool rigid_board = false;  ///< board deformation is static
   /// Boards are not joined even if their relative poses seem constant.

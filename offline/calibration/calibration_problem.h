@@ -14,7 +14,8 @@
 
 namespace raygrid {
 
-/// The observations in the form of bundle adjustment, and their origin.
+/// Observations for bundle adjustment, and the images and boards that they
+/// belong to.
 struct CalibrationProblem {
   std::vector<ImageSize> image_sizes;  ///< sizes by camera
   AreaChoice area = AreaChoice::kWholeImage;
@@ -35,7 +36,7 @@ struct CalibrationProblem {
   std::vector<int> frames, places;
   std::vector<Eigen::Vector3d> nominal;
 
-  /// Returns the feature that an observation of a view was made from.
+  /// Returns the feature that corresponds to an observation of a view.
   Feature GetFeature(const Pattern& pattern, int view,
                      const Observation& observation) const;
 };

@@ -20,35 +20,35 @@ class Calibration {
   Calibration(const std::vector<CalibrationInput>& inputs,
               const Pattern& pattern, const CalibrationOptions& options);
 
-  /// A parametric model for each camera, from its own images.
+  /// Initializes a parametric model for each camera from its own images.
   void Start();
 
-  /// Features refined with that model, and a new initialization from them.
+  /// Refines the features with that model and initializes again from them.
   void RefineFeatures();
 
-  /// Consistent rotations of rotationally symmetric boards.
+  /// Determines consistent rotations of rotationally symmetric boards.
   void RotateBoards();
 
   void CompensateRollingShutter();
   void CompensateRollingShutter(CameraInProgress* camera) const;
 
-  /// The knot spacing of each camera's grid.
+  /// Selects the knot spacing of each camera's grid.
   void SelectKnotSpacings();
 
-  /// Joint adjustment of all cameras, their poses and the boards.
+  /// Optimizes all cameras, their poses and the boards jointly.
   void OptimizeCameras();
 
-  /// Held-out errors. A camera that is worse than the cameras of the folds is
-  /// adjusted again, initialized from these.
+  /// Computes the held-out errors. A camera that is worse than the cameras of
+  /// the folds is then adjusted again, initialized from these.
   void EvaluateHeldOutImages();
   void RestartFromFolds();
 
   void EstimateLineDelays();
 
-  /// Comparison with other models.
+  /// Compares the cameras with those of other models.
   void CompareWithOthers();
 
-  /// Assessment; the result is handed over.
+  /// Assesses the result and moves it to the caller.
   RigResult Assess();
 
  private:
@@ -84,7 +84,7 @@ class Calibration {
   // In a rig, boards deform if they do so for most cameras.
   bool DoBoardsDeform() const;
   bool AreLineDelaysRequested() const;
-  // Boards of rigid targets are not deformed: they have no own pose.
+  // Boards of rigid targets do not deform: they have no separate pose.
   bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsDeform(); }
   AdjustmentResult AdjustTogether(
       const std::vector<int>& cameras,
@@ -120,10 +120,12 @@ class Calibration {
   CalibrationOptions options_;
   bool selects_model_;
   std::vector<CameraInProgress> cameras_;
-  std::vector<ModelTrials> model_trials_;  // of each camera
+  std::vector<ModelTrials> model_trials_;  // one per camera
   RigidTargets bodies_;
-  AdjustmentResult adjusted_;                         // all cameras together
-  std::vector<std::vector<RejectedImage>> rejected_;  // by the rig's start
+  AdjustmentResult adjusted_;                         // joint result of all
+                                                      // cameras
+  std::vector<std::vector<RejectedImage>> rejected_;  // rejected when the rig
+                                                      // was initialized
   RigResult result_;
 };
 

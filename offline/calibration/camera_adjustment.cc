@@ -74,8 +74,9 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Number of control points of a radial spline that the features can determine.
-// The prior smooths superfluous control points (offline/calibration/DESIGN.md).
+// Returns the number of control points of a radial spline that the features can
+// determine. The prior smooths superfluous control points
+// (offline/calibration/DESIGN.md).
 int CountSamples(int num_features) {
   constexpr int kLeast = 24, kMost = 96, kFeaturesPerSample = 20;
   return std::clamp(num_features / kFeaturesPerSample, kLeast, kMost);

@@ -13,8 +13,8 @@
 namespace raygrid {
 namespace {
 
-// Focal length at the centre of the calibrated area: pixels per radian of
-// rotation.
+// Returns the focal length at the centre of the calibrated area: pixels per
+// radian of rotation.
 double FocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 2;
   const Eigen::Vector2d center = camera.area().center();

@@ -23,11 +23,11 @@ struct CameraCheck {
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 
-/// Estimates the errors that a camera's images show in excess of the
-/// uncertainty stated in its file (evaluation/camera_change.h,
-/// ComputeExcessErrors), from held-out residuals: each image is predicted by a
-/// camera calibrated with the fraction training_share of the images. Zeros if
-/// the file states no uncertainty or for fewer than eight images.
+/// Estimates how far the errors in a camera's images exceed the uncertainty in
+/// its file (evaluation/camera_change.h, ComputeExcessErrors), from held-out
+/// residuals: each image is predicted by a camera calibrated with the fraction
+/// training_share of the images. Returns zeros if the file has no uncertainty,
+/// or for fewer than eight images.
 MovementErrors EstimateExcessErrors(
     const CameraFile& file, const std::vector<FeatureResidual>& held_out,
     double training_share, const Pattern& pattern, int num_threads);

@@ -69,9 +69,10 @@ std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
   return bends;
 }
 
-// The normal of a flat board; nullopt for a point set that is not planar.
+// Returns the normal of a flat board; nullopt for a point set that is not
+// planar.
 std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
-  constexpr double kFlatPart = 0.02;  // of the board's extent
+  constexpr double kFlatPart = 0.02;  // fraction of the board's extent
   if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
   Eigen::Matrix3Xd points(3, board.points.size());
   for (size_t i = 0; i < board.points.size(); ++i)
@@ -84,7 +85,7 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   return solver.eigenvectors().col(0);
 }
 
-// Normals of all observed boards in camera coordinates.
+// Returns the normals of all observed boards in camera coordinates.
 std::vector<Eigen::Vector3d> CollectBoardNormals(
     const CalibrationResult& result) {
   std::map<int, std::optional<Eigen::Vector3d>> normals;
@@ -97,7 +98,7 @@ std::vector<Eigen::Vector3d> CollectBoardNormals(
   return seen;
 }
 
-// The largest angle between the planes of two observed boards.
+// Returns the largest angle between the planes of two observed boards.
 double ComputeTilt(const std::vector<Eigen::Vector3d>& normals) {
   double least_cosine = 1;
   for (const Eigen::Vector3d& a : normals)
@@ -202,9 +203,10 @@ std::vector<FeatureResidual> WithoutImages(
   return residuals;
 }
 
-// Correlation of neighbouring errors, excluding the contribution of the
-// camera's uncertainty. A camera that is calibrated from few images has smooth
-// errors; they appear in its predictions, but not in its training residuals.
+// Returns the correlation of neighbouring errors, excluding the contribution of
+// the camera's uncertainty. A camera that is calibrated from few images has
+// smooth errors; they appear in its predictions, but not in its training
+// residuals.
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
   const auto held_out = ComputeNeighborCorrelation(
@@ -309,8 +311,8 @@ void AddTriedAlternatives(const CalibrationResult& result,
   }
 }
 
-// Ratio of the angular width of a pixel to its height at the centre of the
-// calibrated area.
+// Returns the ratio of the angular width of a pixel to its height at the centre
+// of the calibrated area.
 std::optional<double> PixelAspect(const CameraModel& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto line = camera.Line(pixel);

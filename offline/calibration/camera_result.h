@@ -44,8 +44,8 @@ void ListUnusedImages(const Dataset& measured,
 void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
                        CalibrationResult* result);
 
-/// Fills in the metrics of held-out residuals, if any, their part outside the
-/// camera's uncertainty modes, and the assessment.
+/// Fills in the metrics of held-out residuals, if any, their errors in excess
+/// of the camera's uncertainty modes, and the assessment.
 void AssessResult(int num_threads, CalibrationResult* result);
 
 /// Returns whether the errors exceed noise enough for a warning.

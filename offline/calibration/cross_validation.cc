@@ -35,8 +35,8 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
   return nullptr;
 }
 
-// Unique names of the cameras' training images: in image order for one camera,
-// sorted for a rig.
+// Returns the unique names of the cameras' training images: in image order for
+// one camera, sorted for a rig.
 std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
   std::vector<std::string> frames;
   for (const Split& camera : cameras)
@@ -133,8 +133,8 @@ Folds SplitIntoFolds(const std::vector<std::vector<std::string>>& views,
   return folds;
 }
 
-// Adjustment options for one of several concurrent adjustments, which share the
-// threads.
+// Returns the adjustment options for one of several concurrent adjustments,
+// which share the threads.
 AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
                                        const ValidationOptions& options) {
   AdjustmentOptions adjustment;

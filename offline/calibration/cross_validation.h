@@ -66,7 +66,7 @@ struct ValidationOptions {
   std::shared_ptr<const CameraModel> like = {};
   std::shared_ptr<const LensSpread> prior_spread = {};
   bool fix_target_geometry = false;
-  bool rigid_boards = true;  ///< in calibration
+  bool rigid_boards = true;  ///< during calibration
   /// Keeps the results with rigid boards, for trials of the same model with
   /// board deformation.
   bool keep_rigid = false;

@@ -16,8 +16,8 @@ struct PoseDeformationEquations {
   int num_features = 0;
 };
 
-// Reduction of the sum of squared residuals by a Gauss-Newton step in the first
-// `count` parameters.
+// Returns the reduction of the sum of squared residuals by a Gauss-Newton step
+// in the first `count` parameters.
 double Decrease(const PoseDeformationEquations& equations, Eigen::Index count) {
   const Eigen::VectorXd gradient = equations.gradient.head(count);
   return gradient.dot(

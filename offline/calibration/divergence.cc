@@ -26,7 +26,7 @@ double ErrorCapPx(const ImageSize& size) {
 double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
                           const AdjustmentResult& start) {
   const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
-  double less = 0;  // reduction relative to all features at the cap
+  double less = 0;  // sum of cap_px - error
   for (const Residual& residual :
        ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
     if (residual.valid)

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// Limit of errors in comparisons of adjustments: 1/128 of the longer side of
-/// the image.
+/// Returns the limit of errors in comparisons of adjustments: 1/128 of the
+/// longer side of the image.
 double ErrorCapPx(const ImageSize& size);
 
 /// Returns the mean over all features of `start` of the reprojection error, at

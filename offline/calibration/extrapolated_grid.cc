@@ -44,14 +44,15 @@ class Continuation {
   static constexpr double kStep = 0.02, kLargest = kMaxAngleRad + kStep;
   static constexpr double kMaxSlope = 2;  // relative to the mean slope
 
-  // Direction at an angle from the optical axis, towards an image offset from
-  // the centre.
+  // Returns the direction at an angle from the optical axis, towards an image
+  // offset from the centre.
   static Eigen::Vector3d At(double angle_rad, const Eigen::Vector2d& side) {
     const Eigen::Vector2d across = std::sin(angle_rad) * side.normalized();
     return {across.x(), across.y(), std::cos(angle_rad)};
   }
 
-  // Distance in pixels of that direction's projection from the centre.
+  // Returns the distance in pixels of that direction's projection from the
+  // centre.
   std::optional<double> RadiusPx(double angle_rad,
                                  const Eigen::Vector2d& side) const {
     constexpr double kAnywherePx = 1e9;

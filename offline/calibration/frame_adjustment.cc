@@ -40,7 +40,7 @@ CameraPrior MakeRotatedPrior(const CameraPrior& prior,
 }
 
 // Rotates a camera and its prior. The rotated surfaces are refitted, which
-// leaves parts without observations arbitrary, such as corners behind a fold;
+// leaves regions without observations arbitrary, such as corners behind a fold;
 // the orientation constraint is therefore defined relative to the refitted
 // state.
 void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,

@@ -181,7 +181,7 @@ void Calibration::RefineFeatures() {
 // initialization.
 void Calibration::RotateBoards(const BoardRotations& turns,
                                CameraInProgress* camera) const {
-  BoardRotations own;  // of images of this camera
+  BoardRotations own;  // rotations in images of this camera
   for (const ImageFeatures& image : camera->input->dataset.images)
     for (const Board& board : pattern_.boards)
       if (const auto found = turns.find({image.image, board.id});

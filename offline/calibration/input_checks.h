@@ -16,8 +16,8 @@ void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options);
 
-/// Checks the distances of boards: if most are far away, lengths are probably
-/// in the wrong unit, which images cannot determine. Throws Error(kUsage).
+/// Checks the distances of boards: if most are far away, lengths probably have
+/// the wrong unit, which images cannot reveal. Throws Error(kUsage).
 void RequirePlausibleDistances(const AdjustmentResult& adjusted);
 
 }  // namespace raygrid

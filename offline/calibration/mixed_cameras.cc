@@ -112,7 +112,8 @@ std::vector<Names> SplitsByResiduals(
   return splits;
 }
 
-// The first half of the sorted images, for files of two cameras in one folder.
+// Returns the first half of the sorted images, for files of two cameras in one
+// folder.
 Names FirstHalf(const Dataset& dataset) {
   Names all;
   for (const ImageFeatures& image : dataset.images) all.insert(image.image);
@@ -165,14 +166,15 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
   return names;
 }
 
-// Knot spacing of an initial camera that is a grid; 0 for other models.
+// Returns the knot spacing of an initial camera that is a grid; 0 for other
+// models.
 double GetKnotSpacingPx(const CameraModel& lens) {
   const BSplineSurface* grid = lens.DirectionGrid();
   return grid ? std::max(grid->cell_width(), grid->cell_height()) : 0;
 }
 
-// Residuals of a separate camera with board deformation, initialized from the
-// joint camera; empty if the adjustment fails.
+// Returns the residuals of a separate camera with board deformation,
+// initialized from the joint camera; empty if the adjustment fails.
 std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
                                            const Pattern& pattern,
                                            const CameraModel& joint,
@@ -228,7 +230,8 @@ class TwoFits {
     return MeanSquareOfBoth(residuals_[0], residuals_[1]);
   }
 
-  // The images that the first camera predicts better than the second one.
+  // Returns the images that the first camera predicts better than the second
+  // one.
   Names PreferringFirst(const Dataset& dataset) const {
     std::map<std::string, double> better;
     for (int k = 0; k < 2; ++k) {
@@ -315,9 +318,9 @@ std::optional<Names> FindBestSplit(
   return best_split;
 }
 
-// Mean squared residual of two cameras that are fully adjusted to their parts
-// of the images. Infinite if an adjustment fails, or if residuals are still
-// correlated and this is not allowed.
+// Returns the mean squared residual of two cameras, each fully adjusted to its
+// subset of the images. Infinite if an adjustment fails, or if residuals are
+// still correlated and this is not allowed.
 double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
                          const CameraModel& joint,
                          const AdjustmentOptions& options, bool may_err_alike) {
@@ -332,9 +335,9 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
   return MeanSquareOfBoth(residuals[0], residuals[1]);
 }
 
-// The smallest mean squared residual over control splits into parts of the same
-// sizes, with images at equal intervals in name order. If the model does not
-// fit the lens, any split reduces the residuals.
+// Returns the smallest mean squared residual over control splits into subsets
+// of the same sizes, with images at equal intervals in name order. If the model
+// does not fit the lens, any split reduces the residuals.
 double MeanSquareByChance(const Dataset& dataset, size_t num_first,
                           const Pattern& pattern, const CameraModel& joint,
                           const AdjustmentOptions& options) {
@@ -360,8 +363,8 @@ std::optional<MixedCameras> DetectMixedCameras(
   const std::vector<FeatureResidual> residuals =
       ResidualsOf(pattern, joint, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
-  // Points that are estimated separately for each part would absorb more than
-  // the camera models.
+  // Points that are estimated separately for each subset would absorb larger
+  // errors than the camera models.
   AdjustmentOptions fixed = options;
   fixed.fix_points = true;
   const auto first = FindBestSplit(training, pattern, joint, residuals, fixed);

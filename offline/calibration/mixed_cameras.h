@@ -8,13 +8,14 @@
 
 namespace raygrid {
 
-/// Detects images of two cameras that were given as one: residuals of
-/// neighbouring features are correlated with a single parametric camera, but
-/// not with two, each fitted to a part of the images. The parts follow from two
-/// kinds of names (left01.jpg, right01.jpg), or else from the residuals. A lens
-/// that a parametric camera cannot model also has correlated residuals, which
-/// any split reduces, so the gain must be much larger than for random parts.
-/// Returns nullopt if it is one camera.
+/// Detects images of two cameras that were passed as images of one camera:
+/// residuals of neighbouring features are correlated with a single parametric
+/// camera, but not with two cameras, each fitted to a subset of the images. The
+/// subsets follow from two kinds of names (left01.jpg, right01.jpg), or else
+/// from the residuals. A lens that a parametric camera cannot model also has
+/// correlated residuals, which any split reduces, so the gain must be much
+/// larger than for random subsets. Returns nullopt if all images are from one
+/// camera.
 std::optional<MixedCameras> DetectMixedCameras(
     const Dataset& training, const Pattern& pattern,
     const AdjustmentResult& joint, const AdjustmentOptions& options);

@@ -10,10 +10,10 @@ namespace raygrid {
 
 /// Optimizes the requested model with rigid boards: optimization, outlier
 /// removal, optimization. Grids are initialized from their base models. If this
-/// diverges, other initial cameras are tried; if all fail, the camera is as
-/// good as its initial model, and not converged. Takes one knot spacing per
-/// camera. Central grids are initialized from `other_spacing`, grids of another
-/// knot spacing, if given.
+/// diverges, other initial cameras are tried; if all diverge, the result is the
+/// initial model, marked as not converged. knot_spacings_px: one per camera.
+/// Central grids are initialized from `other_spacing`, grids with another knot
+/// spacing, if given.
 void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              const std::vector<double>& knot_spacings_px,
                              const AdjustmentOptions& options,
@@ -34,9 +34,10 @@ void OptimizeModel(const Pattern& pattern, const std::string& model,
                    const AdjustmentOptions& options,
                    AdjustmentResult* adjusted);
 
-/// Fixes what no feature determines: the area of parametric cameras, control
-/// points without observations (to what a blob can represent), and the origin
-/// of non-central cameras (the point nearest to all observation lines).
+/// Determines what no feature constrains: the area of parametric cameras,
+/// control points without observations (limited to what a blob can represent),
+/// and the origin of non-central cameras (the point nearest to all observation
+/// lines).
 void FinalizeCameras(AdjustmentResult* adjusted);
 
 /// Aligns boards with estimated points to their nominal geometry.
@@ -49,8 +50,8 @@ double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted);
 
-/// Returns whether the estimated points differ from the nominal points beyond
-/// alignment; false if the prior kept them.
+/// Returns whether the estimated points differ from the nominal points by more
+/// than an alignment; false if the prior suppressed any change.
 bool HavePointsMoved(const AdjustmentResult& adjusted);
 
 /// Returns the pattern with its estimated points.

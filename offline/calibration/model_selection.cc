@@ -46,8 +46,8 @@ class ModelComparison {
   // Trials of the camera's folds by model.
   const ModelTrials& trials() const { return trials_; }
 
-  // Gain over the central grid in standard errors; minus infinity if the model
-  // fails.
+  // Returns the gain over the central grid in standard errors; minus infinity
+  // if the model fails.
   double ComputeGain(const std::string& model, double knot_spacing_px) {
     const HeldOutResiduals held_out = CrossValidated(model, knot_spacing_px);
     if (!HasResiduals(held_out))

@@ -17,7 +17,7 @@ using ModelTrials = std::map<std::string, std::vector<Trial>>;
 
 struct ModelSelection {
   std::string model;
-  std::vector<ModelTrials> trials;  ///< of each camera's folds, if any
+  std::vector<ModelTrials> trials;  ///< trials of each camera's folds, if any
 };
 
 /// Selects by cross-validation between the central grid with its selected knot

@@ -21,7 +21,8 @@ struct FrameSet {
   std::string name;
   bool is_held_out = false;
   size_t num_features = 0;
-  std::vector<SeenPart> parts;  // by camera and board, without small parts
+  std::vector<SeenPart> parts;  // one per camera and board; those with few
+                                // features are omitted
 };
 
 void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
@@ -68,7 +69,8 @@ std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
   return frame_sets;
 }
 
-// Whether a part adds no information to another one.
+// Whether the features of a board in one image add no information to those of
+// another image.
 bool IsDetermined(const SeenPart& part, const SeenPart& other,
                   double duplicate_px) {
   constexpr double kCommonPart = 0.5, kMovedPart = 0.1;

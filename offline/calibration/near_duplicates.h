@@ -10,12 +10,12 @@
 
 namespace raygrid {
 
-/// Default limit of feature motion between duplicates: 0.1 % of the longer side
-/// of the image, but at least one pixel.
+/// Returns the default limit of feature motion between duplicates: 0.1 % of the
+/// longer side of the image, but at least one pixel.
 double DefaultDuplicatePx(const ImageSize& size);
 
-/// Limit of feature motion between images that are nearly duplicates: 0.5 % of
-/// the longer side, but at least two pixels.
+/// Returns the limit of feature motion between images that are nearly
+/// duplicates: 0.5 % of the longer side, but at least two pixels.
 double NearDuplicatePx(const ImageSize& size);
 
 /// Groups images, or frames of a rig, that show the same view: an image is a

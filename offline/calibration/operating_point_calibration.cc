@@ -28,8 +28,8 @@
 namespace raygrid {
 namespace {
 
-// Fraction of the variance of one parameter that is uncorrelated with the other
-// one.
+// Returns the fraction of the variance of one parameter that is uncorrelated
+// with the other one.
 double ComputeUncorrelatedFraction(const Eigen::MatrixX2d& values) {
   const Eigen::MatrixX2d centered = values.rowwise() - values.colwise().mean();
   const Eigen::Vector2d squares = centered.colwise().squaredNorm();
@@ -254,7 +254,8 @@ std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
   return deviations;
 }
 
-// RMS of the residual of t^(order + 1) after fitting polynomials of this order.
+// Returns the RMS of the residual of t^(order + 1) after fitting polynomials of
+// this order.
 double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
   Eigen::MatrixXd powers(t.size(), order + 1);
   for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);

@@ -41,8 +41,8 @@ double NormalScore(double student, double freedom) {
          std::sqrt(freedom * std::log1p(student * student / freedom));
 }
 
-// Whether a score exceeds the maximum that `count` random scores would reach by
-// chance.
+// Whether a score significantly exceeds the maximum of `count` random scores
+// (Bonferroni correction).
 bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
@@ -62,7 +62,8 @@ class StepOutlierTest {
       scatters_.push_back(ComputeScatter(r, equations));
   }
 
-  // Smallest detectable error of a value with the given standard deviation.
+  // Returns the smallest detectable error of a value with the given standard
+  // deviation.
   double ComputeMinDetectableError(double deviation, int range) const {
     constexpr double kStep = 1.05;
     double error = kMinFraction * GetWidth(ranges_[range]);
@@ -76,8 +77,8 @@ class StepOutlierTest {
   }
 
  private:
-  // Ratio of the actual scatter of the steps of a range to their standard
-  // deviations: other model errors shift values as well.
+  // Returns the ratio of the actual scatter of the steps of a range to their
+  // standard deviations: other model errors shift values as well.
   static double ComputeScatter(int range, const ValueEquations& equations) {
     std::vector<double> scores;
     for (Eigen::Index i = range; i < equations.count();

@@ -5,7 +5,7 @@
 namespace raygrid {
 namespace {
 
-// The outlier threshold of each camera.
+// Returns the outlier threshold of each camera.
 std::vector<double> OutlierThresholds(const std::vector<Residual>& residuals,
                                       const CalibrationProblem& problem) {
   std::vector<std::vector<double>> norms(problem.image_sizes.size());

@@ -21,14 +21,14 @@ struct Candidate {
   double knot_spacing_px = 0;  // for grids
 };
 
-// Evaluation of a model, whose training and held-out parts are computed
+// Evaluation of a model. Its training and held-out metrics are computed
 // concurrently.
 struct Measurement {
   Candidate candidate;
-  ModelMetrics metrics;  // of all training images
+  ModelMetrics metrics;  // metrics over all training images
   HeldOutResiduals held_out;
-  // Whether each part was completed; models without a wide field of view may
-  // fail on a fisheye.
+  // Whether the training and the held-out metrics were computed; models without
+  // a wide field of view may fail on a fisheye.
   std::array<bool, 2> is_done = {};
 };
 

@@ -21,16 +21,19 @@ std::vector<ModelMetrics> CompareParametricModels(
     const CalibrationOptions& options, const ModelTrials& done,
     const std::function<void(int num_threads)>& beside);
 
-/// Likewise compares noncentral-generic with a central grid, or central-generic
-/// with a parametric model, with the same knot spacing, or a larger one if
-/// there are too few features. Returns nullopt if the optimization fails.
+/// Compares noncentral-generic with a central grid, or central-generic with a
+/// parametric model, in the same way, with the same knot spacing, or a larger
+/// one if there are too few features. Returns nullopt if the optimization
+/// fails.
 std::optional<ModelMetrics> CompareAlternativeGrid(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options, const ModelTrials& done);
 
-/// Estimates the model error: the part of the median held-out error that a
+/// Estimates the model error: the fraction of the median held-out error that a
 /// richer model (a grid instead of a parametric model, or a non-central instead
 /// of a central one) removes, as the root of the difference of squares.
+/// Predicted uncertainties do not include it, since it is common to all images.
+/// Returns nullopt if no model is better by two standard errors.
 /// Predicted uncertainties do not include it, since it is common to all images.
 /// Returns nullopt if no model is better by two standard errors.
 std::optional<double> EstimateModelErrorPx(const CalibrationResult& result);

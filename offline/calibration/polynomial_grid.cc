@@ -13,8 +13,8 @@ constexpr int kDegree = 5;
 constexpr int kNumPolynomials = (kDegree + 1) * (kDegree + 2) / 2;
 using Polynomials = Eigen::Matrix<double, kNumPolynomials, 1>;
 
-// Products of Chebyshev polynomials in pixel coordinates that are normalized to
-// [-1, 1]^2.
+// Returns the products of Chebyshev polynomials in pixel coordinates that are
+// normalized to [-1, 1]^2.
 Polynomials EvaluatePolynomials(const Eigen::Vector2d& pixel,
                                 const Area& area) {
   const double at[2] = {(pixel.x() - area.center().x()) / (area.width() / 2),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kDimensions = RelativeBoardPose::kDimensions;
 
-// Index of each board's pose, by image and board.
+// Returns the index of each board's pose, by image and board.
 std::map<std::string, std::map<int, int>> PosesByImage(
     const CalibrationProblem& problem) {
   std::map<std::string, std::map<int, int>> poses;

@@ -53,11 +53,11 @@ MeanRelativePose ComputeRobustMean(
     const std::vector<RelativeBoardPose>& relations);
 
 /// Removes relative poses with a poorly determined rotation: a single row of
-/// features leaves the rotation about the row open.
+/// features does not determine the rotation about the row.
 void RemoveUndetermined(std::vector<RelativeBoardPose>* relations);
 
 /// Computes the relative poses of two boards in an adjustment, without
-/// covariances; an even selection of max_count at most.
+/// covariances; at most max_count, evenly selected.
 /// @param middle centre of the second board, in its frame
 std::vector<RelativeBoardPose> ComputeRelativePoses(
     const AdjustmentResult& adjusted, int first, int second,

@@ -25,7 +25,7 @@ std::vector<Evaluation> EvaluateRig(const RigModel& rig,
                                     const Pattern& pattern, int num_threads);
 
 /// Returns camera_from_board of the boards in each camera's images, localized
-/// likewise.
+/// as in EvaluateRig().
 std::vector<std::vector<BoardPose>> LocalizeBoards(
     const RigModel& rig, const std::vector<Dataset>& datasets,
     const Pattern& pattern, int num_threads);

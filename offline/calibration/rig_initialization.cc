@@ -82,7 +82,8 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
   return views;
 }
 
-// Pairs of views in which two cameras observe a target in the same frame.
+// Returns the pairs of views in which two cameras observe a target in the same
+// frame.
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
@@ -95,7 +96,7 @@ std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
   return shared;
 }
 
-// Median reprojection error of a view.
+// Returns the median reprojection error of a view.
 double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
                    const View& view,
                    const std::vector<Eigen::Vector3d>& points) {
@@ -149,8 +150,8 @@ RotatedViewError FindBestRotation(const Joined& joined,
   return best;
 }
 
-// Relative poses estimated from single shared views, for each board rotation
-// that is to be resolved.
+// Returns the relative poses estimated from single shared views, for each board
+// rotation that is to be resolved.
 std::vector<RelativePose> RelativePoses(
     const Joined& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads,

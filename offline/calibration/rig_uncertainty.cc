@@ -18,8 +18,8 @@ std::vector<Pose> WithUpdate(std::vector<Pose> camera_from_rig, int parameter,
   return camera_from_rig;
 }
 
-// Jacobian of the distance and rotation between two cameras (four rows) with
-// respect to the pose parameters.
+// Returns the Jacobian of the distance and rotation between two cameras (four
+// rows) with respect to the pose parameters.
 Eigen::MatrixXd ComputeJacobianOfBaseline(
     const std::vector<Pose>& camera_from_rig, const Baseline& baseline,
     int num_parameters) {
@@ -43,8 +43,8 @@ Eigen::MatrixXd ComputeJacobianOfBaseline(
   return derivative / (2 * kStep);
 }
 
-// Jacobian of the baselines, four rows each, with respect to the poses of all
-// cameras but the first.
+// Returns the Jacobian of the baselines, four rows each, with respect to the
+// poses of all cameras but the first.
 Eigen::MatrixXd ComputeJacobianOfBaselines(
     const std::vector<Pose>& camera_from_rig,
     const std::vector<Baseline>& baselines) {

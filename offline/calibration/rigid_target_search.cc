@@ -18,8 +18,8 @@ constexpr size_t kMinFrames = 3;
 // boards are tolerated.
 constexpr double kMaxInconsistentFraction = 0.1;
 
-// 99.9 % quantile of the chi-square distribution (E. Wilson, M. Hilferty, "The
-// Distribution of Chi-Square", 1931).
+// Returns the 99.9 % quantile of the chi-square distribution (E. Wilson, M.
+// Hilferty, "The Distribution of Chi-Square", 1931).
 double ComputeChiSquareLimit(double degrees) {
   constexpr double kNormalQuantile = 3.090232;
   const double part = 2 / (9 * degrees);

@@ -9,17 +9,18 @@
 
 namespace raygrid {
 
-/// Returns whether any two boards are seen in the same frame, by any cameras,
+/// Returns whether two boards are observed in the same frame, by any cameras,
 /// often enough to test whether their relative pose is constant.
 bool CanDetectRigidTargets(const std::vector<AdjustmentResult>& cameras);
 
-/// Proposes rigid targets of all boards that one of the cameras sees together
-/// often enough; their relative poses are not estimated.
+/// Proposes rigid targets of all boards that one camera observes together often
+/// enough; their relative poses are not estimated.
 RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
                                  const Pattern& pattern);
 
-/// Compares the relative poses of boards seen in the same frame, in adjustments
-/// of independent boards: each of one camera, or of cameras with known poses.
+/// Compares the relative poses of boards observed in the same frame, in
+/// adjustments of independent boards: each of one camera, or of cameras with
+/// known poses.
 std::vector<BoardPair> CompareBoardPoses(
     const std::vector<AdjustmentResult>& adjusted, const Pattern& pattern,
     int num_threads, RigidTargets* rigid_targets);

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMaxParameters = 200;
 
-// Jacobian of a view's residuals, two rows each, with respect to the parameters
-// of its camera.
+// Returns the Jacobian of a view's residuals, two rows each, with respect to
+// the parameters of its camera.
 Eigen::MatrixXd GetCameraBlock(const ViewJacobian& jacobian,
                                int num_parameters) {
   Eigen::MatrixXd by_camera =

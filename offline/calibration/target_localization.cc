@@ -65,8 +65,8 @@ double PooledVariance(const std::vector<PoseInformation>& information) {
   return degrees > 0 ? sum / degrees : 0;
 }
 
-// Noise variance of one pose. Images differ in sharpness, but a few features
-// determine the variance poorly, so the pooled variance over all poses
+// Returns the noise variance of one pose. Images differ in sharpness, but a few
+// features determine the variance poorly, so the pooled variance over all poses
 // contributes with the weight of ten features.
 double VarianceOf(const PoseInformation& pose, double pooled) {
   constexpr double kPooledDegrees = 20;
@@ -89,7 +89,7 @@ std::optional<PoseCovariance> Invert(const PoseCovariance& information) {
                         vectors.transpose());
 }
 
-// Index of the board that defines the frame of a view's target.
+// Returns the index of the board that defines the frame of a view's target.
 int FrameBoard(const CalibrationProblem& problem, int view) {
   const int board = problem.boards[view];
   return problem.views[view].place < 0 ? board : problem.frames[board];
@@ -113,8 +113,8 @@ AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
   return adjusted;
 }
 
-// Sum of the distances of a rig's cameras from its origin; 1 if the sum is
-// zero.
+// Returns the sum of the distances of a rig's cameras from its origin; 1 if the
+// sum is zero.
 double ScaleOf(const std::vector<Pose>& camera_from_rig) {
   double sum = 0;
   for (const Pose& pose : camera_from_rig) sum += pose.translation.norm();

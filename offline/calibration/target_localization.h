@@ -18,8 +18,8 @@ struct TargetLocalization {
   double noise_px = 0;
 };
 
-/// Localizes as EvaluateRig(). Covariances follow from the reprojection errors,
-/// as white noise, with fixed cameras and target geometry.
+/// Localizes targets like EvaluateRig(). Covariances assume white reprojection
+/// errors, and fixed cameras and target geometry.
 TargetLocalization LocalizeTargets(const RigModel& rig,
                                    const std::vector<Dataset>& datasets,
                                    const Pattern& pattern, int num_threads);
@@ -29,8 +29,8 @@ constexpr int kMinTargetPoses = 3;
 
 /// Returns the pattern with estimated points, and estimated relative poses of
 /// the boards of rigid targets, for fixed cameras. The scale of the target is
-/// estimated by a rig or a non-central camera; a central camera keeps the
-/// nominal one. Throws Error(kTooFew).
+/// estimated with a rig or a non-central camera; with a central camera, the
+/// nominal scale is kept. Throws Error(kTooFew).
 Pattern EstimateTargetGeometry(const RigModel& rig,
                                const std::vector<Dataset>& datasets,
                                const Pattern& pattern, int num_threads);

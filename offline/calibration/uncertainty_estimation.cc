@@ -75,8 +75,9 @@ ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
   return near;
 }
 
-// Principal modes of the joint covariance of the lattice's pixels, on a coarser
-// lattice. Pixels at which the camera is undefined have no displacement.
+// Returns the principal modes of the joint covariance of the lattice's pixels,
+// on a coarser lattice. Pixels at which the camera is undefined have no
+// displacement.
 ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
                                const UncertaintyOptions& size) {
   constexpr int kMaxModes = 12;

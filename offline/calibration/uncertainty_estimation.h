@@ -13,8 +13,8 @@
 
 namespace raygrid {
 
-/// Default limit of the valid region: max(0.25 px, 3 sigma of the feature
-/// noise).
+/// Returns the default limit of the valid region: max(0.25 px, 3 sigma of the
+/// feature noise).
 double DefaultValidLimitPx(double noise_px);
 
 /// The predicted uncertainty and the extrapolated region of an adjusted camera.

@@ -28,8 +28,8 @@ class ValueDerivatives {
     }
   }
 
-  // One column (2 rows) per parameter; zero where a camera cannot project the
-  // point.
+  // Returns one column (2 rows) per parameter; zero where a camera cannot
+  // project the point.
   Eigen::Matrix2Xd At(const Eigen::Vector3d& point,
                       const Eigen::Vector2d& pixel) const {
     Eigen::Matrix2Xd derivatives(2, static_cast<Eigen::Index>(sides_.size()));
@@ -60,8 +60,8 @@ struct ViewEquations {
   Eigen::VectorXd error;
   Eigen::MatrixXd J_pose, by_values;
 
-  // Least-squares pose step for the given errors. EliminatePose() returns the
-  // errors that remain after this step.
+  // Returns the least-squares pose step for the given errors. EliminatePose()
+  // returns the errors that remain after this step.
   Eigen::MatrixXd PoseStep(const Eigen::MatrixXd& errors) const {
     const Eigen::MatrixXd normal = J_pose.transpose() * J_pose;
     return normal.ldlt().solve(J_pose.transpose() * errors);
@@ -101,8 +101,8 @@ ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
   return equations;
 }
 
-// Standard deviation of the residuals, corrected for the degrees of freedom of
-// poses and values.
+// Returns the standard deviation of the residuals, corrected for the degrees of
+// freedom of poses and values.
 double NoisePx(const std::vector<ViewEquations>& views) {
   double squares = 0;
   Eigen::Index freedom = 0;

@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kDeviationPerMedian = 1.4826;  // of a normal distribution
+constexpr double kDeviationPerMedian = 1.4826;  // for a normal distribution
 
 // Fits a line to a power of t over the given values; returns mean and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
@@ -132,14 +132,15 @@ TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
   return best;
 }
 
-// Robust standard deviation of residuals, from their median.
+// Returns the robust standard deviation of residuals, from their median.
 double ComputeScatter(const TrimmedFit& fit) {
   const Eigen::VectorXd sizes = fit.residuals.cwiseAbs();
   return kDeviationPerMedian *
          Quantile({sizes.data(), sizes.data() + sizes.size()}, 0.5);
 }
 
-// Sum of squared residuals, each truncated at three standard deviations.
+// Returns the sum of squared residuals, each truncated at three standard
+// deviations.
 double TruncatedSquares(const TrimmedFit& fit, double scatter) {
   const double most = 3 * scatter;
   return fit.residuals.cwiseAbs().cwiseMin(most).squaredNorm();

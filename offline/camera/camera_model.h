@@ -49,15 +49,18 @@ class CameraModel {
  public:
   virtual ~CameraModel() = default;
 
-  /// Name of the model as in camera.yaml: "central-generic", "opencv".
+  /// Returns the name of the model as in camera.yaml: "central-generic",
+  /// "opencv".
   virtual std::string Name() const = 0;
   virtual std::unique_ptr<CameraModel> Clone() const = 0;
 
-  /// The directions of a generic model's control points; null for other models.
+  /// Returns the directions of a generic model's control points; null for other
+  /// models.
   virtual const BSplineSurface* DirectionGrid() const { return nullptr; }
-  /// This model if it is parametric, else null.
+  /// Returns this model if it is parametric, otherwise null.
   virtual const ParametricModel* Parametric() const { return nullptr; }
-  /// The operating-point model that this camera is a sample of, or null.
+  /// Returns the operating-point model of which this camera is a sample, or
+  /// null.
   virtual const OperatingPointModel* Stack() const { return nullptr; }
 
   /// Returns the generic model with the same area and number of control points
@@ -70,8 +73,8 @@ class CameraModel {
   const ImageSize& image_size() const { return image_size_; }
   const Area& area() const { return area_; }
 
-  /// Image circle, if known and smaller than the image. The model is defined
-  /// beyond it, but these pixels receive no light.
+  /// Image circle, if known and smaller than the image. The model is also
+  /// defined outside it, but these pixels receive no light.
   const std::optional<ImageCircle>& image_circle() const {
     return image_circle_;
   }

@@ -50,9 +50,9 @@ struct ValidityMask {
                        const UncertaintyLattice& lattice, const Area& area);
 };
 
-/// Standard deviations of image changes of an unchanged camera beyond its
-/// modes: relative scale, shift, tilt of the sensor about its vertical and
-/// horizontal axes, and local displacement, per axis.
+/// Standard deviations of displacements of an unchanged camera in addition to
+/// its error modes: relative scale, shift, tilt of the sensor about its
+/// vertical and horizontal axes, and local displacement, per axis.
 struct MovementErrors {
   double scale = 0, shift_px = 0, tilt_rad = 0, local_px = 0;
 

@@ -35,7 +35,7 @@ class CentralGeneric : public CameraModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// Coordinates (a, b) of each control point, row by row.
+  /// Returns the coordinates (a, b) of each control point, row by row.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 

@@ -41,7 +41,7 @@ class CentralRadial : public ParametricModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// Spline control points, followed by the remaining parameters.
+  /// Returns the spline control points, followed by the remaining parameters.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
   /// Names of the parameters after the control points.
@@ -58,7 +58,7 @@ class CentralRadial : public ParametricModel {
   double max_angle_rad() const { return max_angle_rad_; }
   const std::vector<double>& spline() const { return spline_; }
   const OtherParameters& others() const { return others_; }
-  /// Angle between adjacent control points.
+  /// Returns the angle between adjacent control points.
   double cell_rad() const {
     return max_angle_rad_ / (static_cast<double>(spline_.size()) - 1);
   }

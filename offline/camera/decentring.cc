@@ -8,9 +8,9 @@ namespace raygrid {
 
 namespace {
 
-// Displacement in pixels of the farthest corner per unit of each parameter
-// whose order has this sign: positive for radial, negative for decentring
-// parameters.
+// Returns the displacement in pixels of the farthest corner per unit of each
+// parameter whose order has this sign: positive for radial, negative for
+// decentring parameters.
 Eigen::VectorXd CornerPixels(const ParametricModel& lens, const Area& area,
                              int sign) {
   const int first = FirstCommonParameter(lens);

@@ -15,13 +15,13 @@ namespace raygrid {
 /// tilted, with a tiny fit error, is fitted without bias.
 constexpr double kDecentringPart = 0.03;
 
-/// Displacement of the area's farthest corner per unit of each tilt or
-/// tangential parameter, in pixels; zero for all other parameters.
+/// Returns the displacement of the area's farthest corner per unit of each tilt
+/// or tangential parameter, in pixels; zero for all other parameters.
 Eigen::VectorXd DecentringPixels(const ParametricModel& lens, const Area& area);
 
-/// Displacement of the area's farthest corner per unit of each radial
-/// distortion parameter, in pixels; zero for all other parameters, including
-/// spline control points.
+/// Returns the displacement of the area's farthest corner per unit of each
+/// radial distortion parameter, in pixels; zero for all other parameters,
+/// including spline control points.
 Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area);
 
 /// Returns the farthest corner's distance from (cx, cy) in focal lengths.

@@ -43,7 +43,8 @@ class EquivalentCentralCamera : public CameraWrapper {
                  LinearizedProjection* projection) const override;
 
  private:
-  // Factor by which the direction reaches the surface; nullopt if never.
+  // Returns the factor that scales the direction to a point on the surface;
+  // nullopt if the ray does not intersect the surface.
   std::optional<double> Reach(const Eigen::Vector3d& direction) const;
 
   SceneSurface scene_;

@@ -6,9 +6,9 @@
 
 namespace raygrid {
 
-/// The part of an image that receives light. With a fisheye, the corners or the
-/// whole surroundings of the circle are dark. In frames of a sensor mode that
-/// scales rows and columns differently it is an ellipse.
+/// The region of an image that receives light. With a fisheye, the image
+/// corners, or everything outside a circle, are dark. In frames of a sensor
+/// mode that scales rows and columns differently, the region is an ellipse.
 struct ImageCircle {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   Eigen::Vector2d radii_px = Eigen::Vector2d::Zero();

@@ -37,7 +37,7 @@ struct LensModel {
 /// Returns all parametric models, including central-radial.
 const std::vector<LensModel>& GetLensModels();
 
-/// Names of the models with this use, followed by `others`.
+/// Returns the names of the models with this use, followed by `others`.
 std::vector<std::string> LensNames(ModelUse use,
                                    const std::vector<std::string>& others = {});
 /// Formats a list: "a, b or c".

@@ -175,8 +175,8 @@ double ComputeCost(const CameraModel& model, const Eigen::Quaterniond& rotation,
   return cost;
 }
 
-// Regularizes parameters that are not observable, such as spline coefficients
-// beyond the samples, towards smoothness.
+// Regularizes unobservable parameters, such as spline coefficients outside the
+// range of the samples, towards smoothness.
 void AddRidge(const ParametricModel& model, Equations* equations) {
   constexpr double kWeightPx = 1e-3;
   const Eigen::VectorXd parameters = model.Parameters();
@@ -420,8 +420,8 @@ bool IsWithout(const ParametricModel& lens,
   return true;
 }
 
-// Returns the initial values in which the held parameters are 0, or all initial
-// values with these parameters set to 0 if there are none.
+// Returns the initial values in which the fixed parameters are 0; if there are
+// none, all initial values, with these parameters set to 0.
 std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
     std::vector<std::unique_ptr<ParametricModel>> starts,
     const std::vector<std::string>& held) {

@@ -20,12 +20,12 @@ struct FittedModel {
   static constexpr double kCountedPart = 0.9;
 };
 
-/// Options of a fit.
+/// Options of FitParametricModel().
 struct FitOptions {
   /// Estimates the model's rotation, too, which no calibration can determine;
   /// the result then does not depend on the camera's frame.
   bool free_rotation = false;
-  std::vector<std::string> held = {};  ///< parameters fixed to 0
+  std::vector<std::string> held = {};  ///< parameters that are fixed to 0
   bool ties_focal_lengths = false;     ///< fx = fy
   int num_knots = 24;                  ///< control points of central-radial
   const ValidityMask* valid_region = nullptr;  ///< valid region; null: all

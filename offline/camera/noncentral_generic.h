@@ -45,7 +45,8 @@ class NonCentralGeneric : public CameraModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// Parameters of each control point, row by row: a, b, and the point.
+  /// Returns the parameters of each control point, row by row: a, b, and the
+  /// point.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 

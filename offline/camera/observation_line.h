@@ -8,7 +8,7 @@ namespace raygrid {
 /// Line of sight in metres: the points origin + t direction, t > 0.
 struct ObservationLine {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction;  ///< of unit length
+  Eigen::Vector3d direction;  ///< unit vector
 };
 
 }  // namespace raygrid

@@ -36,7 +36,7 @@ class OpenCvModel : public ParametricModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// The parameters in the order of the enumeration.
+  /// Returns the parameters in the order of the enumeration.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
@@ -53,7 +53,7 @@ class OpenCvModel : public ParametricModel {
 
  private:
   ParameterArray parameters_;
-  double max_radius_ = 0;  // of (x, y)
+  double max_radius_ = 0;  // maximum norm of (x, y)
 };
 
 }  // namespace raygrid

@@ -38,14 +38,15 @@ struct OperatingRange {
 
 /// A value of each operating-point variable, in the order of the ranges.
 using OperatingPoint = std::vector<double>;
-/// Values of the variables to hold fixed; nullopt: free.
+/// Fixed values of the operating-point variables; nullopt: free.
 using FixedOperatingPoint = std::vector<std::optional<double>>;
 
 /// Central grids over ranges of one or two operating-point variables. Each
 /// control point is a sum of polynomials of the variables' values v and w,
 ///   c(v, w) = c_0 + a_1 t + a_2 t^2 + ... + b_1 u + b_2 u^2 + ...,
-/// with t = (v - mid-range) / half range, and u likewise from w, so that t and
-/// u are -1 to 1 over the ranges. All grids have the same area.
+/// with t = (v - mid-range) / half range, and u computed from w in the same
+/// way, so that t and u are -1 to 1 over the ranges. All grids have the same
+/// area.
 class OperatingPointModel {
  public:
   static constexpr int kMaxConditions = 2, kMaxOrder = 3;
@@ -73,12 +74,12 @@ class OperatingPointModel {
   /// Returns the camera at `values`; polynomials are extrapolated.
   CentralGeneric At(const OperatingPoint& values) const;
 
-  /// Returns the model over the variables that are not held.
+  /// Returns the model over the variables that are not fixed.
   OperatingPointModel Hold(const FixedOperatingPoint& at) const;
   /// Returns the model over one range, with the other at its mid-range.
   OperatingPointModel SliceAlong(size_t range) const;
 
-  /// Returns the same model with another, zero term of a range.
+  /// Returns the model with an additional term of a range, which is zero.
   OperatingPointModel AddOrder(size_t range) const;
 
  private:

@@ -20,9 +20,8 @@ struct PixelSolution {
 };
 
 /// The unfolded side of a surface. A lens does not mirror, so the surface is
-/// folded where its handedness is reversed. Beyond a second fold it has the
-/// handedness of the first side again; short steps from the centre do not lead
-/// there.
+/// folded where its handedness is reversed. After a second fold, the handedness
+/// is the original one again; short steps from the centre do not lead there.
 struct UnfoldedSide {
   int handedness = 0;  ///< +1 or -1; 0 if there are no folds
   /// Maximum step of a search, short enough not to cross a fold.

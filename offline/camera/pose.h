@@ -34,8 +34,8 @@ inline Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
 }
 
-/// The pose after a local update (rotation vector, translation) on the left of
-/// the rotation: point -> exp(update[0..2]) R point + t + update[3..5].
+/// Returns the pose after a local update (rotation vector, translation) on the
+/// left of the rotation: point -> exp(update[0..2]) R point + t + update[3..5].
 inline Pose UpdatedPose(const Pose& pose,
                         const Eigen::Matrix<double, 6, 1>& update) {
   return {(RotationFromVector(update.head<3>()) * pose.rotation).normalized(),

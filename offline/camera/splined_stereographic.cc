@@ -103,8 +103,8 @@ Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
   return widest;
 }
 
-// Returns the field of view in degrees of a grid that ends at an edge or
-// slightly beyond.
+// Returns the field of view, in whole degrees, of a grid that extends to an
+// edge or slightly further.
 int FovDegOfEdge(double edge) {
   constexpr int kMaxDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
@@ -142,9 +142,9 @@ Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
   return parameters;
 }
 
-// Error criterion for the selection of a grid: RMS error of valid samples, or
-// the median of all samples if it is larger, because errors of invalid samples
-// may be arbitrary.
+// Returns the error criterion for the selection of a grid: RMS error of valid
+// samples, or the median of all samples if it is larger, because errors of
+// invalid samples may be arbitrary.
 double ChoiceErrorPx(const SplinedStereographic& model,
                      const std::vector<PlaneSample>& samples) {
   const Eigen::Vector4d others = model.Parameters().tail<4>();

@@ -69,11 +69,12 @@ class SplinedStereographic : public ParametricModel {
 Area ComputeDomain(const SplinedStereographic::Grid& grid);
 
 /// Fits the model to a central camera, in its frame: least squares on the
-/// pixels of its directions. Of the grids that cover them, uses the smallest
-/// one with an error of 0.005 px or, if there is none, the least error. Invalid
-/// pixels have a weight of 1/1000; without a mask all pixels are valid. A grid
-/// may be prescribed; fov_x_deg = 0 covers all. Null if the camera has no
-/// directions, only one, or is mirrored.
+/// pixels of its directions. Of the grids that cover all directions, uses the
+/// smallest one with an error of at most 0.005 px, otherwise the one with the
+/// least error. Invalid pixels have a weight of 1/1000; without a mask, all
+/// pixels are valid. A grid may be prescribed; fov_x_deg = 0: covers all
+/// directions. Returns null if the camera has no directions, only one
+/// direction, or is mirrored.
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
     const CameraModel& camera, const ValidityMask* valid_region,
     const std::optional<SplinedStereographic::Grid>& given_grid = std::nullopt);

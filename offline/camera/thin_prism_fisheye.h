@@ -39,7 +39,7 @@ class ThinPrismFisheye : public ParametricModel {
                  double margin_px,
                  LinearizedProjection* projection) const override;
 
-  /// The parameters in the order of the enumeration.
+  /// Returns the parameters in the order of the enumeration.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
   const std::vector<std::string>& ParameterNames() const override;
@@ -51,7 +51,7 @@ class ThinPrismFisheye : public ParametricModel {
     return std::make_unique<ThinPrismFisheye>(image_size(), area, parameters_);
   }
 
-  /// Maximum angle theta of the model.
+  /// Returns the maximum angle theta of the model.
   double max_theta() const { return max_theta_; }
 
  private:

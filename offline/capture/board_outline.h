@@ -15,8 +15,8 @@ constexpr int kOutlineSteps = 8;
 
 /// Projects the closed outline of the outermost features to the image, in
 /// pixels: kOutlineSteps points per side, first along the first row, then down
-/// the last column. Outside the image, the camera is extrapolated by the
-/// homography that best fits the visible part. Empty if fewer than four
+/// the last column. Outside the image, the projection is extrapolated by the
+/// homography that best fits the visible features. Empty if fewer than four
 /// features are visible.
 std::vector<Eigen::Vector2d> ProjectOutline(const CameraModel& camera,
                                             const Board& board,

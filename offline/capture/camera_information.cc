@@ -65,8 +65,8 @@ ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
   return view;
 }
 
-// Pseudo-inverse of J_pose: maps pixel displacements to the least-squares pose
-// step.
+// Returns the pseudo-inverse of J_pose: maps pixel displacements to the
+// least-squares pose step.
 Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
     const ViewDerivatives& view) {
   const MotionMatrix square = view.J_pose.transpose() * view.J_pose;

@@ -33,8 +33,8 @@ ViewsByFrame ViewsOf(const AdjustmentResult& adjusted) {
   return views;
 }
 
-// Information matrix of a small motion of the board, given by features with a
-// noise of 1 px.
+// Returns the information matrix of a small motion of the board, given by
+// features with a noise of 1 px.
 MotionMatrix MotionInformation(const CameraModel& camera,
                                const std::vector<PointPixelMatch>& features,
                                const Pose& camera_from_board) {

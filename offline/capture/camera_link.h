@@ -18,15 +18,15 @@ namespace raygrid {
 /// the same frame.
 ///
 /// Each camera determines a board's pose with the information H = J^T J / s^2
-/// of its features, s the noise. A board seen by both determines the relative
-/// pose with the covariance H_second^-1 + A H_first^-1 A^T, A the adjoint of
-/// that pose. The information of all boards is added. If the relative poses
-/// vary more than this predicts, as with uncertain intrinsics, the covariance
-/// is scaled accordingly.
+/// of its features, with noise s. A board observed by both cameras determines
+/// the relative pose with the covariance H_second^-1 + A H_first^-1 A^T, where
+/// A is the adjoint of that pose. The information of all boards is added. If
+/// the relative poses vary more than predicted, for example due to uncertain
+/// intrinsics, the covariance is scaled accordingly.
 class CameraLink {
  public:
-  /// Returns nullopt if a camera is not calibrated, or no frame shows a board
-  /// to both. Images of the same name belong to one frame.
+  /// Returns nullopt if a camera is not calibrated, or if no board was observed
+  /// by both cameras in one frame. Images of the same name belong to one frame.
   static std::optional<CameraLink> Of(const LiveCamera& first,
                                       const LiveCamera& second);
 
@@ -41,7 +41,7 @@ class CameraLink {
     std::vector<PointPixelMatch> in_first, in_second;
   };
   /// Computes the fraction by which a board would reduce the variance (RmsPx()
-  /// squared). 0 if one camera sees fewer than 8 features.
+  /// squared). 0 if one camera observes fewer than 8 features.
   double ComputeGain(const SharedBoard& shared) const;
   /// Predicts this fraction for a board at a pose, with simulated features.
   double PredictViewGain(const Board& board,

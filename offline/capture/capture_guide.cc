@@ -132,7 +132,7 @@ std::optional<NextView> CaptureGuide::FindBestNewView(
   return std::nullopt;
 }
 
-// Simulates the features of a board at a pose, as far as the camera sees them.
+// Simulates the features of a board that the camera would observe at a pose.
 ImageFeatures CaptureGuide::ImageOf(const Board& board,
                                     const Pose& camera_from_board) const {
   ImageFeatures image;

@@ -22,10 +22,10 @@ struct GuideOptions {
   /// An image is kept if its gain is at least this fraction of the next view's
   /// gain: near that view, and not a repetition of a recent one.
   double part_of_next = 0.5;
-  /// Views (camera_from_board) that were impossible to take.
+  /// Views (camera_from_board) that the operator could not take.
   std::vector<Pose> avoided = {};
-  /// If no board can be seen by two cameras at once: skips connecting views and
-  /// continues with views of single cameras.
+  /// If no board can be observed by two cameras at once: skips connecting views
+  /// and continues with views of single cameras.
   bool leaves_connecting = false;
 };
 
@@ -36,7 +36,8 @@ std::vector<PointPixelMatch> MakeMatches(const Board& board,
 /// Feature positions by board, row and column.
 using FeaturePositions = std::map<std::tuple<int, int, int>, Eigen::Vector2d>;
 FeaturePositions CollectFeaturePositions(const ImageFeatures& image);
-/// Returns the RMS distance of the common features; nullopt if there are none.
+/// Returns the RMS distance of the common features; nullopt without common
+/// features.
 std::optional<double> DistancePx(const FeaturePositions& a,
                                  const FeaturePositions& b);
 
@@ -78,7 +79,8 @@ class CaptureGuide {
   /// 1 % of the longer image side), which would only reduce the noise.
   double ComputeGain(const ImageFeatures& image) const;
   /// Returns whether to keep an image with this gain. An image of the
-  /// recommended view is kept with any gain: the operator cannot improve it.
+  /// recommended view is kept with any gain, since the operator cannot improve
+  /// it.
   bool IsWorthKeeping(double gain, bool is_next_view) const;
   /// Returns whether an image shows the recommended view within tolerance.
   bool IsNextView(const ImageFeatures& image) const;

@@ -228,7 +228,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
     blacks.push_back(edge.low);
     clipped += edge.high >= kFull;
   }
-  // Quantiles, because profiles near other edges reach neither level.
+  // Quantiles, because near other edges a profile does not attain both levels.
   constexpr double kMost = 0.75;
   quality.white = Quantile(whites, kMost);
   quality.black = Quantile(blacks, 1 - kMost);

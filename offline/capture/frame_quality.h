@@ -13,9 +13,9 @@ namespace raygrid {
 /// Image quality of a board: edge width and grey levels. Undetermined values
 /// are 0.
 struct FrameQuality {
-  /// Edge width as the standard deviation of a Gaussian, in pixels: in the
-  /// directions of least and most blur. Defocus blurs all directions alike,
-  /// motion blur only edges across it.
+  /// Edge width as the standard deviation of a Gaussian, in pixels, in the
+  /// directions of least and most blur. Defocus blurs all directions equally,
+  /// motion blurs only edges perpendicular to it.
   double least_spread_px = 0, most_spread_px = 0;
   double white = 0, black = 0;  ///< grey levels, 0 to 255
   double clipped = 0;  ///< fraction of white samples that are saturated
@@ -23,11 +23,11 @@ struct FrameQuality {
 
 /// Measures the edges around a board's features.
 ///
-/// Edges start radially at features, in directions that the drawing determines.
-/// Intensities are sampled across each edge; its width follows from the part of
-/// the step from black to white within 1 px of the edge. Squared widths along
-/// normals n are fitted by n^T S n; the result is the square roots of the
-/// eigenvalues of S.
+/// Edges start radially at features, in directions that follow from the board's
+/// appearance. Intensities are sampled across each edge; its width follows from
+/// the fraction of the black-to-white step within 1 px of the edge. Squared
+/// widths along normals n are fitted by n^T S n; the result is the square roots
+/// of the eigenvalues of S.
 class QualityMeter {
  public:
   /// Throws InputError for boards that cannot be drawn.

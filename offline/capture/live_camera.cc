@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kCells = 16;  // of the grid along the longer image side
+constexpr double kCells = 16;  // grid cells along the longer image side
 
 }  // namespace
 

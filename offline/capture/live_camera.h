@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// The camera estimated from the images so far: a coarse grid, which the prior
+/// The camera estimated from the images so far: a coarse grid, which its prior
 /// keeps close to a parametric model while there are few images. Boards have
 /// their nominal geometry.
 class LiveCamera {
@@ -24,7 +24,7 @@ class LiveCamera {
   void Add(const ImageFeatures& image);
   /// Adds several images, and estimates the camera from scratch.
   void Add(const std::vector<ImageFeatures>& images);
-  /// Removes the image with this name, and estimates the camera again.
+  /// Removes the image with this name, and estimates the camera without it.
   void Remove(const std::string& image);
 
   const Dataset& images() const { return images_; }

@@ -22,9 +22,9 @@ struct NextView {
 using ViewGain = std::function<double(const Pose&)>;
 
 /// Finds the best view of a board among candidates all over the image, at
-/// various distances, tilts and rotations, with local refinement. nullopt if no
-/// candidate shows half of the board. Views similar to `avoided` views
-/// (camera_from_board) are excluded.
+/// various distances, tilts and rotations, with local refinement. Returns
+/// nullopt if no candidate shows at least half of the board's features. Views
+/// similar to `avoided` views (camera_from_board) are excluded.
 std::optional<NextView> FindBestNextView(const CameraModel& camera,
                                          const Board& board,
                                          const ViewGain& gain,

@@ -92,7 +92,7 @@ void RigGuide::ChooseLinkViews() {
 
 std::optional<Pose> RigGuide::FromCamera(size_t to, size_t from) const {
   if (to == from) return Pose();
-  // Links form a tree, so each camera is reached only once.
+  // Links form a tree, so each camera is visited only once.
   std::vector<std::optional<Pose>> from_start(num_cameras());
   from_start[from] = Pose();
   for (size_t step = 0; step < links_.size(); ++step)

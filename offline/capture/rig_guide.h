@@ -16,7 +16,8 @@ namespace raygrid {
 struct GuidedCamera {
   const LiveCamera* live = nullptr;  ///< only for RigGuide's constructor
   std::shared_ptr<const CaptureGuide> guide;
-  std::vector<Pose> avoided;  ///< views (camera_from_board) that are impossible
+  std::vector<Pose> avoided;  ///< views (camera_from_board) that the operator
+                              ///< could not take
 };
 
 /// The recommended next view, and its camera.
@@ -47,8 +48,8 @@ class RigGuide {
     std::optional<GuidedView> next;  ///< first camera's view; nullopt: done
   };
   const std::vector<Link>& links() const { return links_; }
-  /// Returns two cameras that need to see a board at once, as they have no
-  /// common frame; nullopt while a camera is not calibrated.
+  /// Returns two cameras that need to observe a board at once, since they have
+  /// no common frame; nullopt while a camera is not calibrated.
   const std::optional<std::pair<size_t, size_t>>& to_connect() const {
     return to_connect_;
   }
@@ -57,7 +58,7 @@ class RigGuide {
   /// and links together. Views of uncalibrated cameras come first. nullopt
   /// while cameras are to be connected, and if no view has enough gain.
   const std::optional<RigView>& next() const { return next_; }
-  /// Returns whether all cameras and their relative poses reach the required
+  /// Returns whether all cameras and their relative poses have the required
   /// uncertainty.
   bool is_done() const { return is_done_; }
   /// Returns the expected number of further frames: maximum over the cameras.

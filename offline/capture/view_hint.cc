@@ -68,7 +68,8 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
   const Eigen::Vector2d tilt = ComputeTilt(then) - ComputeTilt(now);
   moves.push_back(Tilt(tilt.x(), "right", "left"));
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
-  // Rotations by 180 degrees are ignored: boards look the same then.
+  // Rotations by 180 degrees are ignored, since boards look the same after
+  // them.
   constexpr double kWorthTurn_rad = 0.5;
   const double turn =
       std::remainder(ComputeRotation(then) - ComputeRotation(now), M_PI);

@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// Describes the motion of a board from one pose (camera_from_board) to
-/// another, as seen in the image: "closer, tilt the top away". At most three
+/// another, in terms of the image: "closer, tilt the top away". At most three
 /// motions, largest first; "hold it there" if all are negligible.
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);

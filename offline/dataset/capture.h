@@ -23,7 +23,7 @@ struct Capture {
   std::optional<int> orientation;  ///< 1 to 8, as in EXIF and libcamera
   std::optional<double> sensor_temperature_c;  ///< degrees Celsius
   std::optional<double> exposure_us;           ///< microseconds
-  std::optional<double> analogue_gain;         ///< a factor
+  std::optional<double> analogue_gain;         ///< as a factor
 
   bool HasAny() const {
     return lens_position || crop || zoom || orientation ||

@@ -10,7 +10,7 @@ namespace raygrid {
 
 __extension__ using Uint128 = unsigned __int128;
 
-/// 128-bit FNV-1a hash of contents; not cryptographic. Parts are delimited:
+/// 128-bit FNV-1a hash of contents; not cryptographic. Inputs are delimited:
 /// "ab", "c" differs from "a", "bc".
 class ContentHash {
  public:

@@ -49,7 +49,7 @@ class RecordReader {
     return place_ >= text_.size();
   }
 
-  // The line where the most recent record starts.
+  // Returns the line where the most recent record starts.
   int record_line() const { return record_line_; }
 
  private:

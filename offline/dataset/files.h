@@ -14,10 +14,10 @@ std::string ReadFile(const std::string& path);
 /// themselves.
 enum class Links { kFollow, kReplace };
 
-/// Files that are written atomically as a group: temporary files beside the
-/// targets are renamed when all are complete. Otherwise throws Error(kOutput)
-/// and removes them. Creates missing folders. Pipes and devices are written
-/// directly, also through links, unless links are replaced.
+/// Files that are written atomically as a group: temporary files in the folders
+/// of the targets are renamed when all are complete. Otherwise throws
+/// Error(kOutput) and removes them. Creates missing folders. Pipes and devices
+/// are written directly, also through links, unless links are replaced.
 class OutputFiles {
  public:
   void Add(const std::string& path, std::string contents,

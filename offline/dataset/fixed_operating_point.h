@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// Restricts an operating-point model to the variables that are not held.
+/// Restricts an operating-point model to the variables that are not fixed.
 /// Standard deviations are interpolated linearly between known values.
 OperatingPointCalibration FixOperatingPoint(
     const OperatingPointCalibration& stack, const FixedOperatingPoint& at);

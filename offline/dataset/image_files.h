@@ -15,7 +15,7 @@ struct Image {
   int channels = 1;
   int sample_bytes = 1;  ///< bytes per channel; 2: 16 bits, native endian
   std::vector<uint8_t> pixels;
-  bool is_turned = false;  ///< its file requests rotation (EXIF)
+  bool is_turned = false;  ///< the file requests rotation (EXIF)
 
   size_t stride() const {
     return static_cast<size_t>(size.width) * channels * sample_bytes;

@@ -29,7 +29,7 @@ struct LineDelayEstimate {
   int num_images = 0;  ///< used images with neighbours in time
   /// Whether the features were compensated for the rolling shutter.
   bool is_compensated = false;
-  int num_left_out = 0;  ///< images without a motion estimate, if so
+  int num_left_out = 0;  ///< if compensated: images without a motion estimate
 
   bool IsDetermined() const { return unobservable_reason.empty(); }
 };

@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kNumPhases = 4;  // of a 2 x 2 mosaic: 2 (y % 2) + x % 2
+constexpr int kNumPhases = 4;  // phases of a 2 x 2 mosaic: 2 (y % 2) + x % 2
 
 int GetPhase(int x, int y) { return 2 * (y % 2) + x % 2; }
 
@@ -17,8 +17,8 @@ float At(const GreyLevels& image, int x, int y) {
   return image.levels[static_cast<size_t>(y) * image.size.width + x];
 }
 
-// Local mean around a pixel with equal weights of the phases; exact for linear
-// gradients.
+// Returns the local mean around a pixel with equal weights of the phases; exact
+// for linear gradients.
 float MeanAround(const GreyLevels& image, int x, int y) {
   const auto row = [&](int r) {
     return At(image, x - 1, r) + 2 * At(image, x, r) + At(image, x + 1, r);

@@ -7,9 +7,9 @@
 namespace raygrid {
 
 /// A folder whose files are replaced atomically. They are first written to a
-/// hidden folder beside it, and both are then exchanged in one step: after a
-/// crash, the folder has all old or all new files, never a mixture. Other files
-/// in the folder are kept.
+/// hidden folder next to it, and both are then exchanged in one step: after a
+/// crash, the folder contains all old or all new files, never a mixture. Other
+/// files in the folder are kept.
 ///
 /// Where folders cannot be exchanged (a mount point, the working directory, a
 /// folder with other subfolders, an unsupported file system), the old files are

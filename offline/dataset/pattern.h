@@ -29,7 +29,7 @@ struct Board {
   int columns = 0, rows = 0;
   double square_m = 0;  ///< feature distance; AprilGrid: a tag's black square
 
-  int segments = 0;            ///< star: number of black and white ones
+  int segments = 0;            ///< star: number of black and white segments
   std::vector<BoardTag> tags;  ///< star
   double marker_m = 0;         ///< ChArUco: side of a marker's black square
   std::string dictionary;      ///< ChArUco: OpenCV's name
@@ -59,14 +59,14 @@ struct Board {
   /// Returns the column and row to which a rotation moves a feature: turn is 0
   /// to NumRotations() - 1 steps from the x axis towards the y axis.
   std::pair<int, int> Rotated(int column, int row, int turn) const;
-  /// Returns whether the print around features is symmetric about them, apart
+  /// Returns whether the pattern around each feature is point-symmetric, apart
   /// from markers and the board's edge: false for tag corners on white paper.
   bool HasSymmetricFeatures() const { return has_corner_squares; }
   /// Returns whether boards are identified by tags or markers.
   bool HasMarkers() const {
     return !tags.empty() || !dictionary.empty() || !tag_family.empty();
   }
-  /// Returns whether it has no lattice, nominal geometry or front.
+  /// Returns whether the target has no lattice, nominal geometry or front side.
   bool IsPointSet() const;
   /// Returns whether features are the corners of tags, not evenly spaced.
   bool IsTagGrid() const;

@@ -10,8 +10,9 @@
 namespace raygrid {
 
 /// Returns, for each image, the index of the first previous image with the same
-/// features within 0.001 px, thus a copy, as noise differs between photographs.
-/// nullopt if there is none, and for images without features.
+/// features within 0.001 px. Such images are copies, since noise differs
+/// between photographs. nullopt if there is none, and for images without
+/// features.
 std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset);
 
 /// One image from each of two datasets.
@@ -20,10 +21,10 @@ struct ImagePair {
 };
 
 /// Finds two images with the same features within 0.001 px, as if a photograph
-/// was assigned to two cameras; otherwise the first two of equal name, if most
-/// features of all images of equal names differ by less than 0.05 px, as in
-/// re-encoded photographs: separate cameras would not see this. nullopt if
-/// there are none.
+/// was assigned to two cameras; otherwise the first two images of equal name,
+/// if most features of all images of equal names differ by less than 0.05 px,
+/// as in re-encoded photographs, which is impossible for separate cameras.
+/// nullopt if there are none.
 std::optional<ImagePair> FindSharedImage(const Dataset& first,
                                          const Dataset& second);
 

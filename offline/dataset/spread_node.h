@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// Reads spread from a camera file: columns, rows, displacements_px. nullopt if
-/// it is absent. Throws InputError without the file's name.
+/// Reads the `spread` of a camera file: columns, rows, displacements_px.
+/// Returns nullopt if it is missing. Throws InputError without the file's name.
 std::optional<LensSpread> ParseSpread(const YAML::Node& node);
 
 /// Writes this key to the current mapping.

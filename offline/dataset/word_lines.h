@@ -9,8 +9,8 @@
 
 namespace raygrid {
 
-/// Reads a text word by word and line by line, skipping lines that begin with
-/// '#'.
+/// Reads tokens separated by white space, line by line, skipping lines that
+/// begin with '#'.
 class WordLines {
  public:
   /// Errors name the path and the expected format, such as "a text model as
@@ -24,7 +24,7 @@ class WordLines {
   bool NextWithWords();
 
   size_t size() const { return words_.size(); }
-  /// Throws InputError if the line has too few words.
+  /// Throws InputError if the line has too few tokens.
   const std::string& Text(size_t index) const;
   /// Returns a finite number. Throws InputError.
   template <typename Number>

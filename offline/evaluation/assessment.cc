@@ -121,8 +121,8 @@ void AssessNumberOfImages(const CalibrationMetrics& metrics,
 }
 
 void AssessImageSize(const CalibrationMetrics& metrics, Findings* findings) {
-  // Pixel coordinates start at the top left corner, so features that were
-  // detected in smaller images cover only that part of a larger one.
+  // Pixel coordinates start at the top left corner, so features detected in
+  // smaller images cover only that region of a larger image.
   constexpr double kHalf = 0.55;
   const Area& area = metrics.features_area;
   const ImageSize& size = metrics.image_size;
@@ -150,8 +150,9 @@ void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
                     *metrics.tilt_rad * 180 / M_PI));
 }
 
-// If all views are from behind, the features have another order than the
-// pattern. Many such views among others bias the camera, which cannot fit both.
+// If all views show the back of the board, the order of the features is
+// mirrored relative to the pattern. Many such views among others bias the
+// camera, which cannot fit both.
 void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
   constexpr double kMany = 0.25;
   if (metrics.mirrored_images.empty()) return;
@@ -220,8 +221,8 @@ void AssessInfluentialImages(const CalibrationMetrics& metrics,
       metrics.unique_coverage_images.size() == 1 ? "it" : "them"));
 }
 
-// Images with more outliers than chance or a few corners at the edge of the
-// target explain; their remaining features fit.
+// Images with more outliers than expected by chance or from a few corners at
+// the edge of the target, although their remaining features fit.
 void AssessMisreadImages(const CalibrationMetrics& metrics,
                          Findings* findings) {
   if (metrics.num_misread_images == 0) return;

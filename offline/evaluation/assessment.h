@@ -22,7 +22,7 @@ struct BetterModel {
   double own_median_px = 0;  ///< error of the requested model
 };
 
-/// The images of two cameras that were assumed to be one.
+/// Images from two cameras that were assumed to be from one camera.
 struct MixedCameras {
   std::vector<std::string> first, second;
 };
@@ -43,7 +43,8 @@ struct CalibrationMetrics {
   int images_kept = 0, num_duplicate_images = 0;
   /// Held-out images that are near-duplicates of calibration images.
   std::vector<std::string> held_out_duplicates;
-  int images_with_too_few_features = 0;  ///< among the rejected images
+  int images_with_too_few_features = 0;  ///< images with too few features,
+                                         ///< among the rejected images
   ErrorMetrics training;
   /// The held-out errors; with per-view deformation if training has it.
   std::optional<ErrorMetrics> held_out;
@@ -51,14 +52,15 @@ struct CalibrationMetrics {
   /// Correlation of held-out errors, or of training errors if smaller (model
   /// errors due to few images are only in the former); without outlier images.
   std::optional<double> neighbor_correlation;
-  std::vector<std::string> outlier_images;  ///< with much larger errors
+  // Images with much larger errors than the others.
+  std::vector<std::string> outlier_images;
   /// Images with large errors only when held out, because they alone cover some
   /// regions of the image, and these regions.
   std::vector<std::string> unique_coverage_images, unique_coverage_regions;
   std::vector<std::string>
       ambiguous_rotation_images;  ///< see CalibrationResult
   int num_misread_images = 0;
-  MisreadImage most_misread;  ///< if any
+  MisreadImage most_misread;  ///< image with the most removed outliers, if any
   std::optional<MixedCameras> mixed_cameras;
   int boards_seen = 0, different_views = 0;
   /// One image for each rear view of a board.
@@ -83,9 +85,10 @@ struct CalibrationMetrics {
   std::optional<double> pixel_aspect;  ///< pixel width / height, image centre
 };
 
-/// "pass": a careful engineer would accept the camera for its images; "warn":
-/// not everywhere, or only after inspection; "fail": unusable. Reasons, with
-/// remedies, are sorted by severity; with "pass" they are informative.
+/// Status: "pass": the camera is acceptable for the purpose of its images;
+/// "warn": acceptable only in some regions or after inspection; "fail":
+/// unusable. Reasons, with remedies, are sorted by severity; with "pass" they
+/// are informative.
 struct Assessment {
   std::string word;
   std::vector<std::string> reasons;

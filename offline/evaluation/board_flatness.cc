@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Indices of the board's points that are detectable features.
+// Returns the indices of the board's points that are detectable features.
 std::vector<int> FeaturePoints(const Board& board) {
   std::vector<int> indices;
   for (int row = 0; row < board.rows; ++row)

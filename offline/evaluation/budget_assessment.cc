@@ -92,9 +92,10 @@ std::optional<ErrorCause> FindLargestCause(const ResidualBudget& budget) {
 
 int Percent(double part) { return static_cast<int>(std::lround(100 * part)); }
 
-// Lists the causes that explain the views as well as the largest one does: few
-// tilts or a narrow field of view cannot separate them. A cause that explains
-// no more than the control, column-wise motion, is not identified either.
+// Lists the causes that explain the views as well as the largest cause does:
+// with small tilts or a narrow field of view, they cannot be separated. A cause
+// that explains no more than the control, column-wise motion, is not identified
+// either.
 std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
   std::vector<std::string> names;
   for (int k = 0; k < kNumErrorCauses; ++k)
@@ -103,7 +104,7 @@ std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
   return names;
 }
 
-// Model errors and an incorrect target geometry cause similar errors, and can
+// Model errors and an incorrect target geometry cause similar errors. Both can
 // be tested without new images.
 std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);

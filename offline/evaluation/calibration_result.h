@@ -20,7 +20,7 @@
 
 namespace raygrid {
 
-/// A rejected image, and the reason.
+/// A rejected image, and the reason for its rejection.
 struct RejectedImage {
   std::string image, reason;
   bool has_too_few_features = false;
@@ -62,7 +62,8 @@ struct ModelCandidate {
       0;  ///< gain over the grid, in standard errors of the difference
 };
 
-/// Another model, with the same training and held-out features.
+/// Metrics of another model, fitted to the same training features and evaluated
+/// on the same held-out features.
 struct ModelMetrics {
   std::string model;
   int num_parameters = 0;
@@ -101,8 +102,8 @@ struct CalibrationResult {
   /// on the other half.
   std::optional<ErrorMetrics> held_out_deformed;
   bool cross_validated = false;
-  /// Images with large held-out errors because they alone cover some part of
-  /// the image: without them, the camera is extrapolated there.
+  /// Images with large held-out errors because no other image covers some
+  /// region: without them, the camera is extrapolated there.
   std::vector<std::string> unique_coverage_images;
   std::optional<BoardDeformation>
       bends;  ///< nullopt without per-view deformation
@@ -121,14 +122,16 @@ struct CalibrationResult {
   /// Parametric models for comparison; also noncentral-generic if the residuals
   /// of a central model are correlated.
   std::vector<ModelMetrics> parametric_models;
-  // Metrics that are single numbers.
+  // Metrics that consist of a single number.
 #define RAYGRID_METRIC(name, ...) std::optional<double> name;
 #include "evaluation/metrics.inc"
-  /// See CameraUncertainty; not stored in camera files.
+  /// Scale of the standard deviations, estimated by jackknife; see
+  /// CameraUncertainty. Not stored in camera files.
   double jackknife_scale = 1;
   /// Extrapolated region; nullopt without a predicted uncertainty.
   std::optional<ExtrapolatedRegion> extrapolated;
-  std::optional<LineSpread> line_spread;  ///< of a non-central camera
+  std::optional<LineSpread> line_spread;  ///< line spread of a non-central
+                                          ///< camera
   FoldOver fold_over;
   double flatness_error_m = 0;  ///< see CalibrationMetrics
   /// Distance from the prior fleet; nullopt without the fleet's variation.

@@ -20,8 +20,8 @@ constexpr int kLocalColumns = 6, kLocalRows = 4;
 constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;
 constexpr int kNumMovements = kNumSmooth + kNumLocal;
 
-// Weight of a local change: bilinear interpolation between the nodes of a
-// lattice.
+// Returns the weight of a local change: bilinear interpolation between the
+// nodes of a lattice.
 double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
   const double x = (pixel.x() - area.x0) / area.width() * (kLocalColumns - 1);
   const double y = (pixel.y() - area.y0) / area.height() * (kLocalRows - 1);
@@ -31,9 +31,9 @@ double LocalWeight(const Area& area, const Eigen::Vector2d& pixel, int node) {
 
 using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
 
-// Jacobian of a pixel with respect to a relative scale, a shift in pixels, a
-// tilt of the sensor about its vertical and horizontal axes in radians, and
-// local changes in pixels.
+// Returns the Jacobian of a pixel with respect to a relative scale, a shift in
+// pixels, a tilt of the sensor about its vertical and horizontal axes in
+// radians, and local changes in pixels.
 Displacements DisplacementsAt(const ReferenceCamera& camera,
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
@@ -68,9 +68,9 @@ ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
   for (size_t i = 0; i < view.size(); ++i) {
     const ProjectedFeature& feature = view[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    // Evaluated at the projection, not at the observed pixel: there, the
-    // Jacobian would depend on the noise, which would correlate with changes
-    // that the pose nearly compensates.
+    // Evaluated at the projection instead of the observed pixel: at the latter,
+    // the Jacobian would depend on the noise, which would correlate with
+    // changes that the pose nearly compensates.
     const Eigen::Vector2d pixel = feature.pixel - feature.error_px;
     J_pose.middleRows<2>(row) = feature.J_pose;
     for (Eigen::Index k = 0; k < num_modes; ++k)
@@ -183,7 +183,8 @@ Estimate EstimateParameters(const Information& information,
   return estimate;
 }
 
-// Inverse of ChiSquaredSigmas(); inaccurate below one degree of freedom.
+// Returns the inverse of ChiSquaredSigmas(); inaccurate below one degree of
+// freedom.
 double ChiSquaredAt(double sigmas, int degrees_of_freedom) {
   constexpr double kLeast = 0.02;  // times the degrees of freedom
   const double k = degrees_of_freedom;
@@ -191,8 +192,8 @@ double ChiSquaredAt(double sigmas, int degrees_of_freedom) {
   return k * std::max(kLeast, std::pow(root, 3));
 }
 
-// Displacement in standard deviations that is detected with a power of 99 %.
-// The cube root of a noncentral chi-squared variable is nearly normal
+// Returns the displacement in standard deviations that is detected with a power
+// of 99 %. The cube root of a noncentral chi-squared variable is nearly normal
 // (Abdel-Aty, 1954).
 double MovementFound(int degrees_of_freedom) {
   const double k = degrees_of_freedom,
@@ -292,7 +293,7 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
 
 // ---- Noise -----------------------------------------------------------------
 
-// Residuals after fitting all changes.
+// Returns the residuals after fitting all changes.
 std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
                                         const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
@@ -301,8 +302,9 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
   return remainders;
 }
 
-// Variance inflation of smooth sums due to correlated residuals, assuming an
-// AR(1) correlation r between neighbouring features in both directions.
+// Returns the variance inflation of smooth sums due to correlated residuals,
+// assuming an AR(1) correlation r between neighbouring features in both
+// directions.
 double ComputeInflation(const std::vector<ProjectedView>& views,
                         const std::vector<Eigen::VectorXd>& remainders) {
   std::vector<FeatureResidual> residuals;
@@ -407,8 +409,8 @@ void FindLargestLocal(const ReferenceCamera& camera,
   }
 }
 
-// Errors of the views, and the information on changes for the noise that the
-// test uses.
+// Errors of the views, and the information on changes, for the noise used by
+// the test.
 struct Judged {
   std::vector<ReducedView> reduced;
   Information information;
@@ -493,7 +495,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   const GroupTest& of_local = tests[3];
   const Movement local = MakeMovement("local", {}, of_local);
   change.local_sigmas = local.sigmas;
-  // Smooth changes explain part of a local change.
+  // Smooth changes partly explain a local change.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
   const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
@@ -539,8 +541,8 @@ MovementErrors ComputeExcessErrors(
     return ChiSquaredSigmas(chi_squared[g], degrees_of_freedom[g]) >
            kChanceSigmas;
   };
-  // A local change partly resembles the smooth ones, which may not become
-  // significant with their few degrees of freedom: they get a limit that is
+  // A local change partly resembles the smooth changes, which have few degrees
+  // of freedom and must not become significant because of it: their limit is
   // exceeded in one of six cases.
   constexpr int kLocal = 3;
   const bool is_local = is_more_than_chance(kLocal);

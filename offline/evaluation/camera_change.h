@@ -28,14 +28,14 @@ struct ReferenceCamera {
   ErrorModes modes;
 };
 
-/// A type of change, with parameters that cause pixel displacements, in
-/// separate units.
+/// A type of change. Its parameters cause pixel displacements and have
+/// different units.
 struct Movement {
   std::string name;  ///< "scale", "shift", "tilt", "local"
   std::vector<std::string> parameters;
   std::vector<double> values, deviations;  ///< values and standard deviations
   double sigmas = 0;                       ///< significance, without others
-  /// The magnitude detected with a probability of 99 %; not for "local".
+  /// Magnitude that is detected with a probability of 99 %; not for "local".
   double detection_limit = 0;
 };
 
@@ -44,8 +44,8 @@ struct CameraChange {
   double noise_px = 0;       ///< used in the test, per coordinate
   double smooth_sigmas = 0;  ///< largest significance of scale, shift and tilt
   double local_sigmas = 0;
-  /// RMS displacement by the change, after re-estimating the poses; the maximum
-  /// over the image, and its position.
+  /// RMS displacement caused by the change, after re-estimating the poses;
+  /// maximum over the image, and its position.
   double rms_px = 0;
   double largest_local_px = 0;
   Eigen::Vector2d largest_local_pixel = Eigen::Vector2d::Zero();
@@ -63,7 +63,7 @@ struct CameraChange {
 /// of the sensor, and local changes on a 6 x 4 lattice; each by generalized
 /// least squares. The camera is degraded if one of the four has p < 1/1000. A
 /// single test of all smooth changes would have five degrees of freedom where a
-/// shift needs two, and thus less power.
+/// shift has two, and thus less power.
 ///
 /// The noise is the larger one of calibration and current features, and is
 /// inflated for correlated residuals.

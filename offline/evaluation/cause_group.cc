@@ -16,7 +16,7 @@ CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
   return budget->causes[static_cast<size_t>(cause)];
 }
 
-// Minimum share of a cause to be significant.
+// Returns the minimum share of a cause to be significant.
 double MinSignificantGain(const CauseShare& share) {
   constexpr double kNegligible = 0.002;
   return std::max(share.chance_high, kNegligible);
@@ -95,8 +95,8 @@ std::optional<size_t> CauseGroup::FindNextCause(
   return best;
 }
 
-// Remaining error of each feature, with coefficients estimated from the other
-// half.
+// Returns the remaining error of each feature, with coefficients estimated from
+// the other half.
 Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
   Eigen::VectorXd joined = left[0];
   for (Eigen::Index at = 0; !fits_.empty() && at < joined.size(); at += 2) {
@@ -114,8 +114,8 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
     share.alone = Gain(named.fit, {errors, errors});
   }
   MeasureChance(errors, budget);
-  // Each half continues with the residuals of its own coefficients, so that the
-  // halves remain independent.
+  // Each half is corrected with its own coefficients, so that the halves remain
+  // independent.
   Halves left = {errors, errors};
   std::vector<bool> is_taken(fits_.size(), false);
   while (const auto next = FindNextCause(left, is_taken, budget)) {

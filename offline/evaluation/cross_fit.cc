@@ -27,7 +27,8 @@ CrossFit::CrossFit(LinearCause cause) : cause_(std::move(cause)) {
   }
 }
 
-// Products of the errors of a half with the columns, in the eigenvector basis.
+// Returns the products of the errors of a half with the columns, in the
+// eigenvector basis.
 Eigen::MatrixXd CrossFit::Products(int half,
                                    const Eigen::VectorXd& errors) const {
   const Eigen::Index k = cause_.columns.rows();
@@ -45,9 +46,9 @@ Eigen::MatrixXd CrossFit::Products(int half,
   return products;
 }
 
-// Coefficients in the eigenvector basis. The ratio of the prior variance to the
-// noise variance maximizes the marginal likelihood; the noise variance has its
-// maximum-likelihood value given this ratio.
+// Returns the coefficients in the eigenvector basis. The ratio of the prior
+// variance to the noise variance maximizes the marginal likelihood; the noise
+// variance has its maximum-likelihood value given this ratio.
 Eigen::MatrixXd CrossFit::Shrink(int half, double squares, double count,
                                  const Eigen::MatrixXd& products) const {
   constexpr int kDoublings = 24;
@@ -55,7 +56,7 @@ Eigen::MatrixXd CrossFit::Shrink(int half, double squares, double count,
   const Eigen::ArrayXXd d = values_[half].array();
   const Eigen::ArrayXXd products_squared = products.array().square();
   const double largest = d.size() > 0 ? d.maxCoeff() : 0;
-  double best_likelihood = 0, best_ratio = 0;  // without this cause
+  double best_likelihood = 0, best_ratio = 0;  // values for zero coefficients
   for (int i = 0; largest > 0 && i < kDoublings; ++i) {
     const double ratio = std::ldexp(kLeast, i) / largest;  // squared
     const Eigen::ArrayXXd more = 1 + ratio * d;

@@ -13,7 +13,7 @@ namespace raygrid {
 /// coordinates, one after the other.
 struct LinearCause {
   int num_units = 0;
-  std::vector<int> unit;    ///< unit of each feature; -1: none
+  std::vector<int> unit;    ///< index of each feature's unit; -1: none
   std::vector<int> half;    ///< 0 or 1, per feature
   Eigen::MatrixXd columns;  ///< X, transposed: k x 2 features
 };

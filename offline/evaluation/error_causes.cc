@@ -41,7 +41,7 @@ std::vector<int> SplitByLattice(const BudgetInput& input) {
   return half;
 }
 
-// Cell size for about 16 features per cell.
+// Returns the cell size for about 16 features per cell.
 double CellPx(const BudgetInput& input) {
   constexpr double kFeaturesInCell = 16, kMinCellPx = 16, kMinCells = 6;
   Area area = {1e9, 1e9, -1e9, -1e9};
@@ -89,8 +89,8 @@ std::vector<BoardPlane> FitBoardPlanes(const BudgetInput& input) {
   return planes;
 }
 
-// Jacobian of a point with respect to stretches along both axes of its board
-// and to a shear.
+// Returns the Jacobian of a point with respect to stretches along both axes of
+// its board and to a shear.
 Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
                             const Eigen::Vector3d& point) {
   const double x = plane.x.dot(point - plane.center);
@@ -100,9 +100,9 @@ Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
   return moves;
 }
 
-// Projected position of a feature relative to the image centre. A column of
-// observed positions contains the noise, and would fit it after the pose is
-// eliminated.
+// Returns the projected position of a feature relative to the image centre. A
+// column of observed positions contains the noise, and would fit it after the
+// pose is eliminated.
 Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
                                     const BudgetFeature& feature) {
   return feature.pixel + feature.error_px -
@@ -111,7 +111,8 @@ Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
              2;
 }
 
-// Jacobian of a feature with respect to the coefficients of a per-view cause.
+// Returns the Jacobian of a feature with respect to the coefficients of a
+// per-view cause.
 Eigen::Matrix2Xd ApplyJacobian(ErrorCause cause, const BudgetInput& input,
                                const std::vector<BoardPlane>& planes,
                                const BudgetFeature& feature) {

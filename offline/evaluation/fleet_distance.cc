@@ -11,8 +11,9 @@
 namespace raygrid {
 namespace {
 
-// Jacobian of the mean camera's projections with respect to a rotation about
-// each axis, two rows per pixel; zero where the camera is undefined.
+// Returns the Jacobian of the mean camera's projections with respect to a
+// rotation about each axis, two rows per pixel; zero where the camera is
+// undefined.
 Eigen::MatrixXd ComputeRotationJacobian(
     const CameraModel& mean, const std::vector<Eigen::Vector2d>& positions) {
   Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
@@ -38,15 +39,15 @@ Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
   return columns;
 }
 
-// Sum of squares of the columns after removing rotations.
+// Returns the sum of squares of the columns after removing rotations.
 double SumSquaresWithoutRotation(const Eigen::MatrixXd& by_turn,
                                  const Eigen::MatrixXd& columns) {
   return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
       .squaredNorm();
 }
 
-// Sum of squared distances between the rays of the camera and those of the
-// mean.
+// Returns the sum of squared distances between the rays of the camera and those
+// of the mean.
 double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& positions) {
   const PixelField field = ComputeDisplacements(mean, camera, positions);

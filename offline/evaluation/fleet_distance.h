@@ -26,9 +26,9 @@ struct FleetDistance {
 };
 
 /// Computes RMS distances over a sample of the camera's pixels, after the
-/// rotation that best aligns it to the mean. deviations, the camera's standard
-/// deviations per axis, are added to the spread of the units. Returns nullopt
-/// if no pixel is in the area of the mean camera.
+/// rotation that best aligns the camera with the mean. The variances of the
+/// camera (standard deviations per axis in `deviations`) are added to those of
+/// the units. Returns nullopt if no pixel is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
     const CameraModel& mean, const LensSpread& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,

@@ -11,7 +11,7 @@ namespace {
 constexpr double kCellPx = 8;
 constexpr double kMaxCells = 20000;
 
-// Centres of the area's cells in row-major order.
+// Returns the centres of the area's cells in row-major order.
 std::vector<Eigen::Vector2d> GetCellCenters(const Area& area) {
   const double knot_spacing_px =
       std::max(kCellPx, std::sqrt(area.width() * area.height() / kMaxCells));
@@ -27,8 +27,8 @@ std::vector<Eigen::Vector2d> GetCellCenters(const Area& area) {
   return centers;
 }
 
-// Sign of the determinant of a pixel's ray and its derivatives: +1 or -1, or 0
-// if the pixel has no ray.
+// Returns the sign of the determinant of a pixel's ray and its derivatives: +1
+// or -1, or 0 if the pixel has no ray.
 int ComputeHandedness(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   constexpr double kStepPx = 0.25;
   const auto here = camera.Unproject(pixel);

@@ -49,8 +49,8 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
   return pairs;
 }
 
-// Direction from the first line's origin to the point on the second line, in
-// units of its distance.
+// Returns the direction from the first line's origin to the point on the second
+// line, in units of its distance.
 Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
   return first_from_second.rotation * pair.second.direction +
          pair.inverse_distance *
@@ -76,7 +76,7 @@ Eigen::Quaterniond WeightedRotation(const std::vector<LinePair>& pairs,
                                             svd.matrixV().transpose()));
 }
 
-// Huber weights with a threshold of twice the median norm.
+// Returns the Huber weights with a threshold of twice the median norm.
 std::vector<double> Weights(const std::vector<LinePair>& pairs,
                             const Pose& first_from_second) {
   std::vector<double> norms;

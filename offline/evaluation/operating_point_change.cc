@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// Focal length in pixels per radian at the centre of the area: the geometric
-// mean along two axes perpendicular to the line of sight.
+// Returns the focal length in pixels per radian at the centre of the area: the
+// geometric mean along two axes perpendicular to the line of sight.
 double FocalPx(const CentralGeneric& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto direction = camera.Unproject(pixel);
@@ -40,8 +40,8 @@ Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   return center;
 }
 
-// Displacements of distant points' projections between two cameras, starting
-// from pixels of the first one; NaN where either camera is undefined.
+// Returns the displacements of distant points' projections between two cameras,
+// starting from pixels of the first one; NaN where either camera is undefined.
 std::vector<Eigen::Vector2d> ComputeMoves(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {

@@ -17,8 +17,8 @@ Key KeyOf(const FeatureResidual& residual) {
   return {residual.image, residual.board, residual.column, residual.row};
 }
 
-// Probability that, of the ranks 1 to n with random signs, the positive ones
-// have a sum of at most `sum` (exact Wilcoxon signed-rank test).
+// Returns the probability that, of the ranks 1 to n with random signs, the
+// positive ones have a sum of at most `sum` (exact Wilcoxon signed-rank test).
 double ExactProbability(size_t n, size_t sum) {
   std::vector<double> probability(n * (n + 1) / 2 + 1, 0);
   probability[0] = 1;

@@ -24,14 +24,14 @@ double SquaresOf(const BudgetInput& input) {
   return squares;
 }
 
-// Robust standard deviation per coordinate from the median norm.
+// Returns the robust standard deviation per coordinate from the median norm.
 double ComputeRobustStdDev(std::vector<double> norms) {
   return Quantile(std::move(norms), 0.5) / std::sqrt(2 * std::log(2.0));
 }
 
-// Error limits per view: five standard deviations of the view or of all views,
-// whichever is larger. Views differ, depending on the causes; a few large
-// errors would mask the rest.
+// Returns the error limits per view: five standard deviations of the view or of
+// all views, whichever is larger. Views differ, depending on the causes; a few
+// large errors would mask the rest.
 std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
   constexpr double kDeviations = 5;
   std::vector<std::vector<double>> norms(CountFeaturesByView(input).size());
@@ -47,7 +47,7 @@ std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
   return longest;
 }
 
-// Errors in sequence, each clipped to the limit of its view.
+// Returns the errors in sequence, each clipped to the limit of its view.
 Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
   const std::vector<double> longest = ComputeMaxErrorByView(input);
   Eigen::VectorXd errors(2 * input.features.size());
@@ -124,8 +124,8 @@ void ExplainByViews(const BudgetInput& input, double squares,
 
 // ---- Noise -----------------------------------------------------------------
 
-// Variance of the white noise of features from second differences along the
-// lattice, which remove constant and linear components.
+// Returns the variance of the white noise of features from second differences
+// along the lattice, which remove constant and linear components.
 Eigen::Vector2d NoiseVariance(const BudgetInput& input,
                               const Eigen::VectorXd& errors) {
   constexpr double kVarianceOfDifferences = 1 + 4 + 1;

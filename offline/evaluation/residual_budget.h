@@ -1,5 +1,6 @@
 /// Attributes the residuals of a calibration to causes by prediction: a cause
-/// fitted to one half of the features explains what it predicts of the other.
+/// is fitted to one half of the features, and its share is the reduction of the
+/// squared residuals of the other half.
 #ifndef RAYGRID_EVALUATION_RESIDUAL_BUDGET_H
 #define RAYGRID_EVALUATION_RESIDUAL_BUDGET_H
 
@@ -19,7 +20,8 @@ struct BudgetFeature {
   int point = 0;  ///< index over all boards
   int column = 0, row = 0;
   Eigen::Vector2d pixel, error_px;
-  Eigen::Matrix<double, 2, 3> J_point;  ///< by the point in the board's frame
+  Eigen::Matrix<double, 2, 3> J_point;  ///< Jacobian by the point in the
+                                        ///< board's frame
   /// Jacobian by a rotation and a translation in the camera frame.
   Eigen::Matrix<double, 2, 6> J_pose;
 };
@@ -36,7 +38,7 @@ struct BudgetFacts {
       false;  ///< per-view deformation was tried or estimated
   /// Models that were compared with this one.
   bool tried_generic = false, tried_noncentral = false;
-  std::string better_model;    ///< its name if its held-out error is lower
+  std::string better_model;    ///< name of a model with lower held-out error
   bool mixed_cameras = false;  ///< the images seem to be from two cameras
 
   bool IsGrid() const {
@@ -76,8 +78,8 @@ struct CauseShare {
   double alone = 0;    ///< before removing other causes; may be negative
   double in_turn = 0;  ///< after removing previous causes; these add up
   double chance_mean = 0, chance_high = 0;  ///< `alone` for random errors
-  /// For per-view causes: explains the views equally well as the largest one,
-  /// within the significance of the difference.
+  /// For per-view causes: whether this cause explains the views as well as the
+  /// largest cause, i.e. the difference is insignificant.
   bool is_indistinguishable = false;
   bool IsDetermined() const { return is_observable && in_turn > 0; }
 };
@@ -89,7 +91,7 @@ struct ResidualBudget {
   /// Standard deviation of the white noise in x and y.
   Eigen::Vector2d noise_px = Eigen::Vector2d::Zero();
   double noise = 0;  ///< fraction of the squared residuals
-  double large = 0;  ///< excess of single errors beyond five sigma
+  double large = 0;  ///< excess of individual errors beyond five sigma
   std::array<CauseShare, kNumErrorCauses> causes;
   /// Share explained by motion during a column-wise readout alone. No camera
   /// has it, so a per-view cause must explain more.

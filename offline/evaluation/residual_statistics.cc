@@ -23,8 +23,8 @@ int GetBinIndex(double value) {
   return std::clamp(static_cast<int>(std::floor(position)), 0, kBins - 1);
 }
 
-// Probabilities of the bins for a standard normal variable; the outermost bins
-// include the tails.
+// Returns the probabilities of the bins for a standard normal variable; the
+// outermost bins include the tails.
 std::array<double, kBins> NormalBins() {
   std::array<double, kBins> bins;
   const auto cumulative = [](double x) {

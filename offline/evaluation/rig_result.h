@@ -31,7 +31,7 @@ struct AmbiguousPair {
 };
 
 /// The calibration result of a rig or a single camera. Each camera's own
-/// held-out residuals are of images localized by it alone.
+/// held-out residuals are from images localized by this camera alone.
 struct RigResult {
   std::vector<CalibrationResult> cameras;
   std::vector<Pose> camera_from_rig;   ///< the first is the identity

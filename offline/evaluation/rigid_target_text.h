@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// The relative pose of two boards that were seen in the same frames.
+/// The relative pose of two boards that were observed in the same frames.
 struct BoardPair {
   int first = 0, second = 0;  ///< board ids
   int num_frames = 0;         ///< number of common frames

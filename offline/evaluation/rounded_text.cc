@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-// Number of decimals for the given number of significant digits.
+// Returns the number of decimals for the given number of significant digits.
 int Decimals(double value, int num_digits) {
   constexpr int kMost = 9;
   if (value == 0 || !std::isfinite(value)) return num_digits;

@@ -14,7 +14,8 @@ std::string FormatWithStdDev(double value, double deviation,
 /// "0.0383", "12.3", "1234".
 std::string FormatThreeDigits(double value);
 
-/// Formats a value with its unit in a JSON schema, where "1" is none.
+/// Formats a value with its unit as in a JSON schema, where "1" means
+/// dimensionless.
 std::string FormatMetric(double value, const std::string& unit);
 
 }  // namespace raygrid

@@ -49,12 +49,14 @@ double SumLanes(const std::vector<CountedCell>& cells) {
   return sum;
 }
 
-// Third of the image, across or down, that contains a pixel: 0 to 2.
+// Returns the third of the image, across or down, that contains a pixel: 0 to
+// 2.
 int GetThird(double position, int extent) {
   return std::clamp(static_cast<int>(3 * (position + 0.5) / extent), 0, 2);
 }
 
-// Joins words: "left", "left and right", "left, top and right".
+// Joins items with commas and "and": "left", "left and right", "left, top and
+// right".
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
   for (size_t k = 0; k < words.size(); ++k)

@@ -20,7 +20,7 @@ constexpr char kPoses[] = "T_imu_cam";
 constexpr char kLenses[] = "intrinsics";
 constexpr char kSizes[] = "resolution";
 constexpr char kType[] = "camera_type";
-constexpr char kRadius[] = "rpmax";  // of pinhole-radtan8; 0: unlimited
+constexpr char kRadius[] = "rpmax";  // key in pinhole-radtan8; 0: unlimited
 
 // Parameter names are Basalt's JSON keys.
 const std::vector<ExternalModel>& GetBasaltModels() {

@@ -1,5 +1,4 @@
-/// Reads numbers from binary files, which are not trusted: every read is
-/// checked.
+/// Reads numbers from untrusted binary files: every read is checked.
 #ifndef RAYGRID_EXCHANGE_BYTE_READER_H
 #define RAYGRID_EXCHANGE_BYTE_READER_H
 

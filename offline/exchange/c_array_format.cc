@@ -59,7 +59,7 @@ std::string Constants(const std::string& capitals, const BlobTable& blob) {
       blob.image_size.height);
 }
 
-// The declarator, up to and including the alignment attribute.
+// Returns the declarator, up to and including the alignment attribute.
 std::string Declarator(const std::string& name) {
   return fmt::format(
       "const uint8_t {}[{}_SIZE]\n    __attribute__((aligned({})))", name,

@@ -131,7 +131,7 @@ bool Agrees(const std::string& key, const YAML::Node& value,
            !(names("omni") && own != LensFamily::kOmni);
   }
   const auto family = ParseLensFamily(text);
-  // Unknown words at other keys are vendors' names.
+  // Unknown values of other keys are vendor names.
   if (!family)
     return key.find("distortion") == std::string::npos && key != "projection";
   return (*family == own && own != LensFamily::kOther) || text == "pinhole";
@@ -153,7 +153,8 @@ bool IsValueOf(const ExternalModel& external_model,
 
 }  // namespace
 
-// Matches whole words because of vendors' names such as OmniVision and oCam.
+// Compares whole words, because vendor names such as OmniVision and oCam
+// contain names of models.
 std::optional<LensFamily> ParseLensFamily(const std::string& word) {
   static const std::map<LensFamily, std::set<std::string>> families = {
       {LensFamily::kPinhole,

@@ -45,8 +45,8 @@ class CameraKeys {
   /// with the key 'data', as matrices are.
   bool IsMatrix(const std::string& path) const;
 
-  /// Returns whether the value is the text "", which Boost writes for an empty
-  /// list.
+  /// Returns whether the value is an empty string, which Boost writes for an
+  /// empty list.
   bool IsEmptyText(const std::string& path) const;
 
   /// Returns the text at a key, without marking it as read; "" if missing.
@@ -56,8 +56,8 @@ class CameraKeys {
   /// keys with this prefix.
   void Skip(const std::vector<std::string>& keys) const;
 
-  /// Keys that Finish() only lists: their names are parameters of camera models
-  /// in other formats, but not here.
+  /// Marks keys that Finish() only lists: their names are parameters of camera
+  /// models in other formats, but not in this one.
   void NameOnly(const std::vector<std::string>& keys) const;
 
   /// Finishes reading a camera with this model. Throws InputError for an unread

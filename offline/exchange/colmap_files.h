@@ -19,7 +19,7 @@ struct ColmapCamera {
   std::string model;  ///< "OPENCV"
   ImageSize size;
   std::vector<double> parameters;
-  std::string name, serial;  ///< raygrid's comments; "" in binary files
+  std::string name, serial;  ///< from raygrid's comments; "" in binary files
   std::string warning;       ///< written as a comment
 };
 
@@ -49,12 +49,12 @@ const std::vector<std::string>& ColmapModelNames();
 /// Returns the number of parameters of one of these models.
 int NumColmapParameters(const std::string& model);
 
-/// Returns whether a text or bytes may be cameras.txt or cameras.bin, even with
-/// an unknown model.
+/// Returns whether a text or binary file may be cameras.txt or cameras.bin,
+/// even with an unknown model.
 bool IsColmapText(const std::string& text);
 bool IsColmapBinary(const std::string& bytes);
 
-/// Parse cameras.txt, rigs.txt and images.txt; path is used in errors. Throw
+/// Parses cameras.txt, rigs.txt or images.txt; path is used in errors. Throws
 /// InputError.
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text);
@@ -67,7 +67,7 @@ std::string FormatColmapRig(const ColmapRig& rig);
 /// Throws InputError for names with a space, which COLMAP truncates there.
 std::string FormatColmapImages(const std::vector<ColmapImage>& images);
 std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames);
-/// An empty points3D.txt, without which COLMAP does not read a model.
+/// Returns an empty points3D.txt, without which COLMAP does not read a model.
 std::string FormatNoColmapPoints();
 
 /// Binary counterparts of these functions.

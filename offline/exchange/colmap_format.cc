@@ -307,7 +307,8 @@ std::vector<ColmapImage> MakeColmapImages(
   return images;
 }
 
-// Groups images of the same name into frames. images: of MakeColmapImages().
+// Groups images of the same name into frames. images: result of
+// MakeColmapImages().
 std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
                                   const std::vector<WrittenLens>& cameras) {
   const ColmapRig rig = RigOfCameras(cameras);

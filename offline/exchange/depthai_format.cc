@@ -146,8 +146,8 @@ DevCamera ReadDevCamera(const YAML::Node& entry,
   return camera;
 }
 
-// Chains the extrinsics: poses, relative to the first camera, of the cameras
-// that are connected to it.
+// Chains the extrinsics. Returns the poses, relative to the first camera, of
+// all cameras that are connected to it.
 std::map<int, Pose> PosesOfLinks(const std::vector<DevCamera>& cameras) {
   std::map<int, Pose> camera_from_rig = {{cameras.front().socket, Pose{}}};
   for (size_t round = 0; round < cameras.size(); ++round)
@@ -308,7 +308,8 @@ Json DevLens(const ConvertedCamera& lens) {
           {"width", lens.size.width}};
 }
 
-// Rectifying rotations of a stereo pair, which devices use unchanged.
+// Returns the rectifying rotations of a stereo pair, which devices use
+// unchanged.
 Json DevRectification(const WriteRequest& request,
                       const std::vector<int>& sockets) {
   const std::vector<WrittenLens>& cameras = request.cameras;

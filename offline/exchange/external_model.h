@@ -48,42 +48,46 @@ struct ExternalModel {
   std::vector<std::string> Missing() const;
 };
 
-/// Makes the most common kind of form: fx, fy, cx, cy and coefficients.
+/// Makes a model with the parameters fx, fy, cx, cy and coefficients.
 ExternalModel MakeExternalModel(const std::string& name,
                                 const std::string& model,
                                 const std::vector<std::string>& coefficients);
 
-/// A camera as parameters of a form, in the form's order, with the program's
-/// pixel convention.
+/// A camera in terms of an external model: parameter values in the model's
+/// order, in the program's pixel convention.
 struct ConvertedCamera {
   const ExternalModel* external_model = nullptr;
   ImageSize size;
   std::vector<double> values;
-  /// For a spline form: the spline model, without values; otherwise null.
+  /// For splined models: the grid of the spline, without values; otherwise
+  /// null.
   std::shared_ptr<const SplinedStereographic> spline = nullptr;
-  /// For a grid form: the grid camera, raygrid's if it was read, the program's
-  /// if it is to be written; otherwise null.
+  /// For grid models: the grid camera, raygrid's after import, the program's
+  /// before export; otherwise null.
   std::shared_ptr<const CameraModel> grid = nullptr;
 
-  /// Shift in x at y = 1 by the skew of the camera matrix, which no model of
-  /// raygrid has: such a camera is read as a grid (exchange/nearest_grid.h).
+  /// Skew of the camera matrix (change of x at y = 1), which no model of
+  /// raygrid supports: such a camera is imported as a grid
+  /// (exchange/nearest_grid.h).
   double skew_px = 0;
 
-  /// Throws std::out_of_range if the form has no such parameter.
+  /// Throws std::out_of_range if the model has no such parameter.
   double Value(const std::string& parameter) const;
-  /// Returns the values from index `first`, such as the coefficients of forms
-  /// made by MakeExternalModel().
+  /// Returns the values from index `first`, e.g. the distortion coefficients of
+  /// a model made by MakeExternalModel().
   std::vector<double> ValuesFrom(size_t first) const;
 };
 
-/// Makes the camera over the whole image, or its grid. Throws InputError for
-/// invalid parameters, such as non-finite numbers or zero focal lengths.
+/// Makes the camera model with the whole image as its area, or returns its
+/// grid. Throws InputError for invalid parameters, such as non-finite numbers
+/// or zero focal lengths.
 std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens);
 
-/// Returns the fraction of the area without rays, from 64 x 64 samples.
+/// Returns the fraction of 64 x 64 positions in the area that have no ray.
 double ComputeUndefinedFraction(const CameraModel& lens);
 
-/// Converts a camera to a form; nullopt if it is not exact, as for grid forms.
+/// Converts a camera to an external model; nullopt unless the conversion is
+/// exact, as for grids.
 std::optional<ConvertedCamera> ConvertToExternalModel(
     const ExternalModel& external_model, const CameraModel& lens);
 

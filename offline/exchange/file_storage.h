@@ -13,7 +13,8 @@ namespace raygrid {
 /// yaml-cpp; path is used in errors.
 YAML::Node ParseFileStorage(const std::string& path, const std::string& text);
 
-/// Returns whether a text contains a FileStorage matrix of two or more axes.
+/// Returns whether a text contains a FileStorage matrix of 2 or more
+/// dimensions.
 bool IsFileStorage(const std::string& text);
 
 /// A matrix of one or several channels, row by row.
@@ -27,8 +28,8 @@ struct StoredMatrix {
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels = 1);
 
-/// Parses 2D points, image by image (row): a matrix of two channels, or an
-/// array of more axes, such as nested lists from numpy. Throws InputError with
+/// Parses 2D points, one image per row: a matrix of two channels, or an array
+/// of more dimensions, such as nested lists from numpy. Throws InputError with
 /// the name.
 StoredMatrix ParseStoredPoints(const YAML::Node& node, const std::string& name);
 

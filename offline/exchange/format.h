@@ -58,8 +58,8 @@ struct ExchangeContents {
 /// A file to read, with the user's options.
 struct ReadRequest {
   std::string path, text;
-  /// --model and --image-size, for files without them; "" and nullopt if not
-  /// given. ReadExchangeFile() compares them with the file's.
+  /// Values of --model and --image-size, for files without them; "" and nullopt
+  /// if not specified. ReadExchangeFile() compares them with the file's values.
   std::string external_model;
   std::optional<ImageSize> size;
   /// Texts of the files listed by Format::beside(); "" for missing files.
@@ -88,7 +88,7 @@ struct WriteRequest {
   std::vector<std::string> beside = {};
 };
 
-/// A file that is written beside the main file.
+/// A file that is written to the folder of the main file.
 struct CompanionFile {
   std::string path, text;
   /// If true, a different file of this name is an error, not overwritten.

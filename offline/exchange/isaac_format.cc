@@ -23,8 +23,8 @@ Eigen::Vector3d SwapAxes(const Eigen::Vector3d& direction) {
   return {direction.x(), -direction.y(), -direction.z()};
 }
 
-// Normalized image coordinates: (0, 0) is the top-left image corner, (1, 1) the
-// bottom-right.
+// Returns the normalized image coordinates: (0, 0) is the top-left image
+// corner, (1, 1) the bottom-right.
 Eigen::Vector2d ToUnitImage(const ImageSize& size,
                             const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kImageCorner, size, pixel)
@@ -37,9 +37,9 @@ Eigen::Vector2d FromUnitImage(const ImageSize& size,
       position.cwiseProduct(Eigen::Vector2d(size.width, size.height)));
 }
 
-// Octahedral map of all directions to the square from (-1, -1) to (1, 1), seen
-// along z; the far half is folded outward. The centre of the square is the
-// direction ahead of the camera, or behind it.
+// Octahedral map of all directions to the square from (-1, -1) to (1, 1),
+// projected along z; the far half is folded outwards. The centre of the square
+// is the viewing direction or its opposite.
 class Octahedron {
  public:
   explicit Octahedron(bool is_ahead) : sign_(is_ahead ? -1 : 1) {}
@@ -105,7 +105,7 @@ constexpr size_t kEnterChannels = 3, kExitChannels = 2;
 // Marks invalid pixels: the renderer ignores rays that point backward.
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
-// Directions of all pixels in the renderer's axes.
+// Returns the directions of all pixels in the renderer's axes.
 std::vector<float> EnterTable(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
   std::vector<float> numbers(kEnterChannels * size.width * size.height);
@@ -133,8 +133,9 @@ Eigen::Vector3d EnteringRay(const ImageSize& size,
 
 bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 
-// Interpolation error of the table: distance between the projected mean ray of
-// four neighbouring pixels and their centre, where all four are valid.
+// Returns the interpolation error of the table: distance between the projected
+// mean ray of four neighbouring pixels and their centre, where all four are
+// valid.
 LookupError EnterError(const ExportedCamera& table,
                        const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
@@ -193,7 +194,8 @@ Eigen::Vector2d TexelCenter(int x, int y, int side) {
   return Eigen::Vector2d(2 * x + 1 - side, 2 * y + 1 - side) / side;
 }
 
-// Maximum angle between the rays of neighbouring pixels, in radians.
+// Returns the maximum angle between the rays of neighbouring pixels, in
+// radians.
 double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
   double largest = 0;
   for (int y = 0; y < size.height; ++y)
@@ -241,8 +243,8 @@ class ExitProjection {
   }
 
  private:
-  // Number of mask cells per side: cells are twice as wide as the largest step
-  // between pixels, within limits.
+  // Returns the number of mask cells per side: cells are twice as wide as the
+  // largest step between pixels, within limits.
   static int MaskSide(double step_rad) {
     constexpr double kLeast = 17, kMost = 1025;
     return static_cast<int>(std::clamp(1 / step_rad, kLeast, kMost));
@@ -270,9 +272,9 @@ class ExitProjection {
   std::vector<bool> is_near_;
 };
 
-// Returns an invalid position outside the image, beyond the corner nearest to a
-// direction: positions interpolated between it and one outside the image are
-// outside, as well.
+// Returns an invalid position outside the image, near the corner closest to a
+// direction. Positions interpolated between it and another one outside the
+// image are outside, too.
 Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
@@ -454,7 +456,7 @@ LookupError ExitError(const ExportedCamera& table,
 // ---- The pair --------------------------------------------------------------
 
 // Positions have kinks at the octahedron's edges, some of which lie on the
-// axes. An odd number of texels puts a row of texels there.
+// axes. With an odd number of texels, a row of texels lies there, too.
 constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
 // The largest table is slow to compute; it is used only if it helps.
 constexpr int kUsualExitSide = 2049;

@@ -184,7 +184,7 @@ void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
   }
 }
 
-// Looks up the image size by the suffix of the camera's word: "HD=1280x720
+// Looks up the image size by the suffix of the camera's token: "HD=1280x720
 // VGA=672x376".
 ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
   ImageSize size;
@@ -340,7 +340,7 @@ ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   return camera;
 }
 
-// Reads the cameras of one mapping: one for each camera word whose first value
+// Reads the cameras of one mapping: one for each token whose first value
 // exists, or a single one.
 void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
                   const std::string& name, const ReadRequest& request,

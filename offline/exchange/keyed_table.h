@@ -11,22 +11,22 @@
 namespace raygrid {
 
 /// A camera model and the keys of its parameters. Strings are lists separated
-/// by spaces. '@' in a key is replaced by the camera's word, '%' by the word's
-/// first letter; a key followed by '?' is optional.
+/// by spaces. '@' in a key is replaced by the camera's token (such as "left"),
+/// '%' by the token's first letter; a key followed by '?' is optional.
 struct KeyedModel {
   ExternalModel external_model;
-  /// "KEY=WORD|WORD": values that identify this model, at the first existing
-  /// key of "KEY|KEY"; the first word is written. "KEY": the key exists.
+  /// "KEY=VALUE|VALUE": values that identify this model, at the first existing
+  /// key of "KEY|KEY"; the first value is written. "KEY": the key exists.
   const char* says;
   /// "KEY=PARAMETER,PARAMETER": a number or list, at the first existing key of
   /// "KEY|KEY". "KEY=K" is the camera matrix, "KEY=P" a 3 x 4 projection matrix
   /// with the pose of a rectified camera, "KEY~=" a list that may be shorter,
-  /// or longer with trailing zeros. Besides the form's parameters there are
-  /// "width" and "height", "skew" of the camera matrix, "f_mm" and
+  /// or longer with trailing zeros. In addition to the model's parameters there
+  /// are "width" and "height", "skew" of the camera matrix, "f_mm" and
   /// "sensor_width_mm", and "0", which must be 0.
   const char* values;
-  /// Not used by exports: its principal point is fixed, or programs have
-  /// another model for it.
+  /// Not used by exports, because its principal point is fixed, or because
+  /// programs have another model for it.
   bool is_read_only = false;
 };
 
@@ -39,20 +39,20 @@ enum class PoseKind {
   /// "KEY KEY": rotation matrix and translation, camera_from_rig. The
   /// translation may have a key for each coordinate.
   kRAndT,
-  kInverseRAndT  ///< the same, rig_from_camera
+  kInverseRAndT  ///< as kRAndT, but rig_from_camera
 };
 
 /// Unit of lengths in the image.
 enum class LengthUnit {
   kPixel,
-  kLongerSide,  ///< of the image
-  kImageSides   ///< width for x, height for y
+  kLongerSide,  ///< longer side of the image
+  kImageSides   ///< image width for x, height for y
 };
 
 struct KeyedPose {
   const char* keys;
   PoseKind kind;
-  /// Word of the camera with this pose, relative to the first; "": any.
+  /// Token of the camera with this pose, relative to the first; "": any.
   const char* word = "";
 };
 
@@ -76,10 +76,11 @@ struct KeyedFormat {
   /// key, or "KEY/KEY", of a list or mapping of cameras. "KEY|*": at the key if
   /// it exists.
   const char* place;
-  std::vector<const char*> words;  ///< for '@': one per camera in a mapping
+  std::vector<const char*> words;  ///< tokens for '@': one per camera in a
+                                   ///< mapping
   std::vector<KeyedModel> models;
-  /// List "KEY", or "KEY KEY"; "": no size. "WORD=WxH WORD=WxH": the size of
-  /// cameras whose word ends so.
+  /// Key of a list, or keys of width and height; "": no size. "SUFFIX=WxH
+  /// SUFFIX=WxH": sizes by the suffix of the camera's token.
   const char* size;
   std::vector<KeyedPose> poses;
   const char* camera_name;  ///< key of the name
@@ -92,8 +93,8 @@ struct KeyedFormat {
   /// Additional keys and values of an export.
   std::vector<std::pair<const char*, const char*>> written = {};
   const char* fit_key = "";  ///< key of a text with the fit error
-  /// Keys of JSON whose values, such as photographs and points, may be millions
-  /// and are dropped before the file is parsed.
+  /// JSON keys with possibly millions of values, such as images and points,
+  /// which are dropped before the file is parsed.
   std::vector<std::string> bulk = {};
 
   /// Returns whether files have all cameras of a rig, with poses.
@@ -118,8 +119,8 @@ std::vector<std::string> SplitText(const std::string& text, char space = ' ');
 /// several, a text that is not a number.
 std::string FindNumberLine(const std::string& text);
 
-/// "KEY?=WORDS" split into "KEY" and "WORDS", and whether the mark was there;
-/// '@' in the key is replaced by the camera's word.
+/// An entry "KEY?=VALUES" split into "KEY" and "VALUES", and whether '?' is
+/// present; '@' in the key is replaced by the camera's token.
 struct KeyedWord {
   std::string key, words;
   bool has_mark = false;
@@ -127,7 +128,7 @@ struct KeyedWord {
 KeyedWord SplitAtMark(const std::string& text, char mark,
                       const std::string& word);
 
-/// Replaces '@' in a key by the camera's word, and '%' by its first letter.
+/// Replaces '@' in a key by the camera's token, and '%' by its first letter.
 std::string SubstituteWord(std::string key, const std::string& word);
 
 }  // namespace raygrid

@@ -242,7 +242,7 @@ std::string FormatScalar(const Json& value) {
   return QuotedYaml(text);
 }
 
-// YAML words that no parser misinterprets are written without quotes.
+// Strings that no YAML parser misinterprets are written without quotes.
 std::string YamlScalar(const Json& value) {
   if (!value.is_string()) return FormatScalar(value);
   const std::string text = value.get<std::string>();

@@ -15,8 +15,8 @@ namespace raygrid {
 struct LensFit {
   double rms_px = 0, p99_px = 0, max_px = 0;
   size_t num_pixels = 0;  ///< compared pixels
-  size_t num_beyond = 0;  ///< valid pixels that the form cannot represent
-  double widest_rad = 0;  ///< maximum angle from the axis, valid pixels
+  size_t num_beyond = 0;  ///< valid pixels that the model cannot represent
+  double widest_rad = 0;  ///< maximum angle of valid pixels from the axis
   bool has_valid_region = false;  ///< false: the camera has no valid region
   Eigen::Quaterniond lens_from_camera = Eigen::Quaterniond::Identity();
 
@@ -32,19 +32,20 @@ struct SelectedLens {
   std::optional<LensFit> fit;          ///< nullopt if the conversion is exact
 };
 
-/// Selects the form with the fewest parameters that represents the camera
-/// exactly. Otherwise fits the form with the fewest parameters, unless the
-/// error of others is at least 2 % smaller by a relevant amount; the first one
-/// if equal. Pixels outside the valid region have a negligible weight; without
-/// a mask all are valid. Non-central cameras require non-central forms and vice
-/// versa: otherwise throws Error(kUsage). Throws Error(kQuality) if no form can
-/// represent any valid pixel.
+/// Selects the external model with the fewest parameters that represents the
+/// camera exactly. If there is none, fits all models and selects the one with
+/// the fewest parameters, unless another one reduces the error by at least 2 %
+/// and a relevant amount; the first one if equal. Pixels outside the valid
+/// region have a negligible weight; without a mask, all pixels are valid.
+/// Non-central cameras require non-central models and vice versa: otherwise
+/// throws Error(kUsage). Throws Error(kQuality) if no model can represent any
+/// valid pixel.
 SelectedLens SelectLens(
     const std::vector<const ExternalModel*>& external_models,
     const CameraModel& camera, const ValidityMask* valid_region,
     int num_threads = 1);
 
-/// Measures the accuracy of a converted camera; for a non-central camera with
+/// Measures the accuracy of a converted camera; for non-central cameras, with
 /// points at a distance of 1 m.
 LensFit MeasureLensFit(const CameraModel& camera,
                        const ValidityMask* valid_region,

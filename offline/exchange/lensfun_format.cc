@@ -180,7 +180,7 @@ RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
   return radial;
 }
 
-// Projection and distortion model, e.g. "equisolid ptlens".
+// Returns the projection and distortion model, e.g. "equisolid ptlens".
 std::string NameOfLens(const XmlElement& lens, const XmlElement& distortion) {
   const std::string type = TextOfChild(lens, "type");
   const auto model = distortion.attributes.find("model");

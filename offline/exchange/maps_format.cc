@@ -21,8 +21,8 @@ struct OpenCvMaps {
   cv::Mat map1, map2, matrix, source_size;
 };
 
-// Source coordinates x and y; -1 for pixels whose source is outside the image,
-// where OpenCV fills in the border.
+// Returns the source coordinates x and y; -1 for pixels whose source is outside
+// the image, where OpenCV fills in the border.
 std::pair<cv::Mat, cv::Mat> FloatMaps(const ViewTable& view) {
   std::pair<cv::Mat, cv::Mat> maps(
       cv::Mat(view.size.height, view.size.width, CV_32FC1),

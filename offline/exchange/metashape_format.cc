@@ -34,7 +34,8 @@ const std::vector<ExternalModel>& GetMetashapeModels() {
   return external_models;
 }
 
-// Metashape's names of a model's coefficients, in the order of the model.
+// Returns the metashape's names of a model's coefficients, in the order of the
+// model.
 std::vector<std::string> KeysOf(const ExternalModel& external_model) {
   return external_model.Has("k4")
              ? std::vector<std::string>{"k1", "k2", "k3", "k4", "p1", "p2"}

@@ -126,9 +126,9 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
 
 // ---- The board -------------------------------------------------------------
 
-// Sum of the norms of second differences along rows of the given number of
-// columns, in pixels. Large values indicate a wrong number of columns, because
-// rows then wrap.
+// Returns the sum of the norms of second differences along rows of the given
+// number of columns, in pixels. Large values indicate a wrong number of
+// columns, because rows then wrap.
 double ComputeBend(const CornerRows& image, int columns) {
   double bend = 0;
   for (size_t k = 0; k + 2 < image.corners.size(); ++k) {

@@ -1,4 +1,4 @@
-/// Fits grids to cameras that raygrid has no model for.
+/// Fits grids to cameras for which raygrid has no parametric model.
 #ifndef RAYGRID_EXCHANGE_NEAREST_GRID_H
 #define RAYGRID_EXCHANGE_NEAREST_GRID_H
 
@@ -12,11 +12,11 @@
 
 namespace raygrid {
 
-/// Returns the direction, of any length, of a pixel.
+/// Returns the direction (not normalized) of a pixel.
 using DirectionAtPixel =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// The form of grids that approximate other models.
+/// External model of grids that approximate other models.
 const ExternalModel& GetNearestGridModel();
 
 /// Fits a grid to the directions of pixels. A warning states the fit error and

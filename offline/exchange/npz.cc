@@ -16,8 +16,8 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "numbers are written as they lie in memory");
 
-// The header of a .npy file: magic string, version 1.0, header length, and a
-// Python dictionary padded to a multiple of 64 bytes.
+// Returns the header of a .npy file: magic string, version 1.0, header length,
+// and a Python dictionary padded to a multiple of 64 bytes.
 std::string NpyHeader(const NpyArray& array) {
   constexpr size_t kMagicSize = 10, kAlignment = 64;
   std::string shape;

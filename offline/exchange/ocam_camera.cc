@@ -127,8 +127,8 @@ class OcamFit {
 
   double Scale() const { return std::max(size_.width, size_.height); }
 
-  // Initial values: a polynomial fitted to the directions around the centre of
-  // the nearest fisheye model.
+  // Returns the initial values: a polynomial fitted to the directions around
+  // the centre of the nearest fisheye model.
   Eigen::VectorXd Start(int degree) const {
     const Eigen::VectorXd lens = near_.model->Parameters();
     std::vector<double> radii, values;

@@ -89,8 +89,8 @@ std::string CountedReals(const std::vector<double>& numbers) {
   return text;
 }
 
-// Parsers expect a comment line before each block and nothing after the last
-// one.
+// Parsers expect a comment line before each block, and reject text after the
+// last block.
 std::string WriteOcamCalib(const WriteRequest& request) {
   const WrittenLens& written = request.cameras.front();
   const auto& camera = dynamic_cast<const OcamCamera&>(*written.lens.grid);

@@ -17,9 +17,9 @@ constexpr char kFisheye[] = "fisheye", kOmnidir[] = "omnidir";
 /// whose xi has a separate key.
 const std::vector<ExternalModel>& GetOpenCvModels();
 
-/// Determines the form from the file, otherwise from the user's option, or else
-/// from the number of coefficients. Removes trailing zeros that the form does
-/// not have. Throws InputError.
+/// Determines the external model from the file, otherwise from the user's
+/// option, or else from the number of coefficients. Removes trailing zeros that
+/// the model does not have. Throws InputError.
 const ExternalModel& DetermineModel(const CameraKeys& keys,
                                     const Affixes& affixes,
                                     const ReadRequest& request, double skew_px,

@@ -24,7 +24,7 @@ inline Eigen::Vector2d OriginPx(PixelOrigin origin, const ImageSize& size) {
   return {size.width / 2.0 - 0.5, size.height / 2.0 - 0.5};
 }
 
-/// Convert a pixel from a program's convention to raygrid's, and back. The
+/// Converts a pixel from a program's convention to raygrid's, and back. The
 /// pixels of every format pass through one of them.
 inline Eigen::Vector2d FromProgram(PixelOrigin origin, const ImageSize& size,
                                    const Eigen::Vector2d& pixel) {

@@ -102,7 +102,7 @@ std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
   return boards;
 }
 
-// Indices of the boards that a camera observed in an image.
+// Returns the indices of the boards that a camera observed in an image.
 std::set<int> BoardsSeen(const PuzzlepaintDataset& dataset, int imageset,
                          int camera) {
   std::set<int> boards;

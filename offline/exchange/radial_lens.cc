@@ -14,8 +14,8 @@
 namespace raygrid {
 namespace {
 
-// Returns the incidence angle for an ideal radius; nullopt beyond the limit of
-// the projection.
+// Returns the incidence angle for an ideal radius; nullopt if the radius
+// exceeds the limit of the projection.
 std::optional<double> ComputeAngle(RadialProjection projection, double radius) {
   const auto arc_sine = [](double sine, double factor) {
     return sine < 1 ? std::optional(factor * std::asin(sine)) : std::nullopt;

@@ -31,13 +31,13 @@ struct RadialLens {
   std::array<double, 4> coefficients = {};  ///< c1 to c4
 };
 
-/// The form of such a model in tables, approximated by a grid.
+/// External model of such a camera, which is approximated by a grid.
 ExternalModel MakeRadialLensModel(const std::string& name);
 
 /// Converts to raygrid's model if exact: rectilinear or equidistant, c1 = c3 =
 /// 0. Otherwise fits a grid, and adds a warning with the error. name: of the
-/// form, also used in the warning. Throws InputError for invalid parameters,
-/// and if the size is missing.
+/// external model, also used in the warning. Throws InputError for invalid
+/// parameters, and if the size is missing.
 ConvertedCamera MakeRadialLens(const std::string& name, const ImageSize& size,
                                const RadialLens& lens,
                                std::vector<std::string>* warnings);

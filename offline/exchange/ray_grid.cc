@@ -163,7 +163,8 @@ Area ComputeArea(const std::vector<RaySample>& samples) {
   return area;
 }
 
-// Number of control points along the longer axis for four samples per cell.
+// Returns the number of control points along the longer axis for four samples
+// per cell.
 int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
   const double sample_px = std::sqrt(area.width() * area.height() /
                                      static_cast<double>(samples.size()));
@@ -188,8 +189,8 @@ double ComputeCheckerboardRmsPx(const RayTable& rays,
   return half.rms_px;
 }
 
-// Number of control points along an axis of a grid with `along` points along
-// the longer axis.
+// Returns the number of control points along an axis of a grid with `along`
+// points along the longer axis.
 int PointsAlong(double extent, double longest, int along) {
   return 3 + std::max(1, static_cast<int>(
                              std::lround((along - 3) * extent / longest)));

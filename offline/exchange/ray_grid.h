@@ -17,16 +17,16 @@ struct RayGrid {
   /// metre.
   double rms_px = 0, max_px = 0;
   size_t num_pixels = 0;  ///< compared pixels
-  /// RMS error at every second pixel for a grid fitted to the other pixels: an
-  /// estimate of the error between the table's pixels.
+  /// RMS error at every second pixel of a grid fitted to the other pixels,
+  /// which estimates the error between the table's pixels.
   double left_out_rms_px = 0;
   double part_without_rays = 0;
 };
 
-/// Fits the grid with the fewest control points whose RMS error is less than
-/// 0.002 px, or hardly more than the error of any other. model is
-/// central-generic, noncentral-generic, or empty: non-central if the lines do
-/// not meet at the origin. Throws InputError, naming the table, if it is not a
+/// Fits the grid with the fewest control points whose RMS error is below 0.002
+/// px, or is only slightly larger than the error of any larger grid. model:
+/// central-generic, noncentral-generic, or empty (non-central if the lines do
+/// not meet at the origin). Throws InputError, naming the table, if it is not a
 /// camera in camera axes, and Error(kUsage) for other models.
 RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
                    int num_threads);

@@ -26,7 +26,7 @@ struct BlobTable {
   ImageSize image_size;
   std::string bytes;
   uint32_t crc32 = 0;    ///< CRC of zlib over all bytes
-  uint32_t address = 0;  ///< of the first byte, if the format has one
+  uint32_t address = 0;  ///< address of the first byte, if the format has one
 
   /// Alignment in bytes of a blob, required by the runtime.
   static constexpr uint32_t kAlignment = 4;
@@ -61,13 +61,13 @@ struct RayTable {
   std::vector<Eigen::Vector3d> origins;
 };
 
-/// A camera, for formats that sample it themselves.
+/// A camera, for formats whose export samples it.
 struct ExportedCamera {
   std::string path;
   std::string model;                    ///< one of the format's models
   const CameraModel* camera = nullptr;  ///< central camera
   const ValidityMask* valid_region =
-      nullptr;                         ///< valid region; null: everything
+      nullptr;                         ///< valid region; null: all pixels
   std::optional<double> max_error_px;  ///< maximum accepted error
   int num_threads = 0;
 };
@@ -137,7 +137,8 @@ struct TableFormat {
   bool IsImported() const {
     return read_rays || read_view || read_poses || read_features;
   }
-  /// Error text for a file of this format that is passed instead of a camera.
+  /// Returns the error text for a file of this format that is passed instead of
+  /// a camera.
   std::string ExplainMissingCamera() const;
   /// Throws Error(kUsage) for a path with another extension.
   void RequireEnding(const std::string& path) const;

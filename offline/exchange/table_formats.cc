@@ -20,7 +20,7 @@
 namespace raygrid {
 namespace {
 
-// Joins words: "a, b or c".
+// Joins items with commas and "or": "a, b or c".
 std::string Listed(const std::vector<std::string>& words) {
   std::string text = words.front();
   for (size_t k = 1; k < words.size(); ++k)

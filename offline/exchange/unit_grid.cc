@@ -13,7 +13,8 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-// Area of the lattice, which extends to the outer edges of the pixels.
+// Returns the area of the lattice, which extends to the outer edges of the
+// pixels.
 Area LatticeArea(const UnitGrid::Bounds& bounds) {
   constexpr PixelOrigin kOrigin = PixelOrigin::kImageCorner;
   const Eigen::Vector2d first =

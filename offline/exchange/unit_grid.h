@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// The generic models as implemented by the paper's authors: control points are
 /// unit vectors, and interpolated vectors are normalized. Points of observation
-/// lines, if any, are interpolated likewise.
+/// lines, if any, are interpolated by the same spline.
 class UnitGrid : public CameraModel {
  public:
   /// First and last calibrated pixel in x and y.
@@ -18,7 +18,7 @@ class UnitGrid : public CameraModel {
     int min_x = 0, min_y = 0, max_x = 0, max_y = 0;
   };
 
-  /// Row by row; without points, the camera is central.
+  /// Row-major; without points, the camera is central.
   UnitGrid(const ImageSize& image_size, const Bounds& bounds, int columns,
            int rows, std::vector<Eigen::Vector3d> directions,
            std::vector<Eigen::Vector3d> points);
@@ -41,7 +41,7 @@ class UnitGrid : public CameraModel {
                  LinearizedProjection*) const override {
     return false;
   }
-  /// Directions, followed by points; three numbers each.
+  /// Returns the directions, followed by points; three numbers each.
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 

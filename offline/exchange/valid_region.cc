@@ -52,8 +52,8 @@ int64_t CountValidCells(const ValidityMask& mask) {
   return std::count(mask.is_valid.begin(), mask.is_valid.end(), true);
 }
 
-// Returns the largest connected component, the first one if several are equally
-// large. Empty if nothing is valid.
+// Returns the largest connected component, or the first of several equally
+// large ones. Empty if no cell is valid.
 ValidityMask FindLargestComponent(ValidityMask rest) {
   ValidityMask largest = rest;
   largest.is_valid.assign(rest.is_valid.size(), false);

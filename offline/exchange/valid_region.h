@@ -12,11 +12,13 @@ namespace raygrid {
 /// first) around the valid region. Empty if there is no valid pixel.
 using ValidRegion = std::vector<Eigen::Vector2d>;
 
-/// Outlines the largest connected part of the valid cells, along their edges.
-/// Cells that touch only at a corner are not connected. Holes are ignored.
+/// Outlines the largest connected component of the valid cells, along their
+/// edges. Cells that touch only at a corner are not connected. Holes are
+/// ignored.
 ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 
-/// Mask of the cells whose centre (clipped to the image) is in the region.
+/// Returns the mask of the cells whose centre (clipped to the image) is in the
+/// region.
 ValidityMask MakeValidityMask(const ValidRegion& region, const ImageSize& size);
 
 /// Number of valid cells outside a region, and of invalid cells inside.

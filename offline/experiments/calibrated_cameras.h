@@ -39,7 +39,7 @@ struct ModelChoice {
 };
 
 /// Calibrates like `raygrid calibrate` with default options: target points are
-/// estimated, also for simulated boards.
+/// estimated, even for simulated boards.
 CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options);
@@ -68,8 +68,8 @@ struct ComparedCameras {
 ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
                                       const std::vector<std::string>& models);
 
-/// A parametric model fitted to another camera in its valid region, with any
-/// rotation.
+/// A parametric model fitted to another camera in its valid region, with the
+/// estimated rotation between both.
 struct FittedCamera {
   NamedCamera camera;
   Eigen::Quaterniond fitted_from_camera;

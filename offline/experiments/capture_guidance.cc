@@ -21,8 +21,8 @@ namespace {
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
 constexpr int kMostImages = 200;
-// With at least kManyImages images, the camera is evaluated after every kAtOnce
-// images only, unless the next view depends on it.
+// From kManyImages images on, the camera is evaluated only after every kAtOnce
+// images, unless the next view depends on it.
 constexpr int kManyImages = 80, kAtOnce = 10;
 constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
 
@@ -59,7 +59,8 @@ Pattern GuidanceBoard() {
   return pattern;
 }
 
-// A view anywhere in the image, at a random distance, tilt and rotation.
+// Returns a view anywhere in the image, at a random distance, tilt and
+// rotation.
 BoardView RandomView(const ImageSize& size, Random* random) {
   BoardView view;
   view.pixel = {random->Uniform(0, size.width),
@@ -76,8 +77,8 @@ BoardView RandomView(const ImageSize& size, Random* random) {
 constexpr int kNumBars = 4;
 using Bars = Eigen::Array<double, kNumBars, 1>;
 
-// Position, size and skew of a completely visible board, as in ROS's
-// camera_calibration.
+// Returns the position, size and skew of a completely visible board, as in
+// ROS's camera_calibration.
 Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
                  const ImageSize& size) {
   Eigen::Vector2d corner[4], mean = Eigen::Vector2d::Zero();
@@ -104,7 +105,7 @@ Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
   return bars;
 }
 
-// The sum of the fill levels of the bars.
+// Returns the sum of the fill levels of the bars.
 double Fullness(const std::vector<Bars>& frames) {
   const Bars ranges = {0.7, 0.7, 0.4, 0.5};
   Bars low = frames.front(), high = frames.front();
@@ -143,8 +144,8 @@ struct Operator {
     return held;
   }
 
-  // The features detected when the operator attempts a view; few if the attempt
-  // fails.
+  // Returns the features detected when the operator attempts a view; few if the
+  // attempt fails.
   std::vector<Feature> Try(const BoardView& view) {
     const auto pose = PoseOf(view, board(), truth);
     if (!pose) return {};
@@ -169,8 +170,8 @@ struct Operator {
     }
   }
 
-  // Of several random views, the one that fills the bars most; once they are
-  // full, any view that ROS accepts as new.
+  // Returns the one of several random views that fills the bars most; once they
+  // are full, any view that ROS accepts as new.
   std::vector<Feature> SelectViewByCoverage() {
     constexpr int kTries = 30;
     constexpr double kNew = 0.2;
@@ -232,8 +233,8 @@ double TrueError95(const CameraModel& truth, const CameraModel& camera) {
   return norms.empty() ? INFINITY : Quantile(norms, 0.95);
 }
 
-// The number of images until the camera reached its target uncertainty, if
-// ever, and the uncertainty predicted then.
+// The number of images until the camera reached its target uncertainty (if it
+// did), and the uncertainty predicted then.
 struct CaptureRun {
   int num_images = 0;
   bool is_done = false;
@@ -301,8 +302,8 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
           {"seed", std::to_string(options.seed)}};
 }
 
-// The total number of images of the guided operator relative to that of another
-// one.
+// Returns the total number of images of the guided operator relative to that of
+// another one.
 double PartOf(const std::vector<CaptureRun>& captures, int follower) {
   double guided = 0, other = 0;
   for (size_t i = 0; i < captures.size(); i += kNumOperators) {

@@ -100,7 +100,7 @@ class Axes {
 
   bool is_logarithmic_;
   double x0_ = INFINITY, x1_ = -INFINITY;
-  std::vector<double> ticks_;  // of the y axis, from bottom to top
+  std::vector<double> ticks_;  // y axis, from bottom to top
 };
 
 std::string Marker(int style, double x, double y) {

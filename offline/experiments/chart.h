@@ -13,7 +13,7 @@ struct ChartPoint {
 struct ChartSeries {
   std::string name;
   std::vector<ChartPoint> points;
-  bool has_line = true;  ///< whether its points are connected
+  bool has_line = true;  ///< whether consecutive points are connected
 };
 
 struct ChartTick {

@@ -42,7 +42,7 @@ Board MakeBoard() {
   return board;
 }
 
-// The homography whose second derivatives best approximate those of the
+// Returns the homography whose second derivatives best approximate those of the
 // mapping: A s (1 - h s) instead of A s + W (u^2, u v, v^2).
 LocalMapping WithoutCurvature(LocalMapping mapping) {
   const Eigen::Matrix<double, 2, 3> bend =
@@ -139,7 +139,7 @@ struct Outcome {
   double feature_error_px = 0, residual_px = 0, ray_error_px = 0;
 };
 
-// RMS distance of features from their true positions.
+// Returns the RMS distance of features from their true positions.
 double FeatureErrorPx(const std::vector<Measured>& images, size_t kind) {
   double sum = 0;
   int count = 0;
@@ -180,7 +180,8 @@ struct Photograph {
   std::map<int, Pose> poses;  // by board
 };
 
-// The images of the given features, with the poses of the boards in them.
+// Returns the images of the given features, with the poses of the boards in
+// them.
 std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   std::map<std::string, Photograph> by_name;

@@ -1,6 +1,6 @@
 /// Experiments as in the paper, with simulated ground truth or, where possible,
-/// a user's data: each has a name, and produces a table and a chart, some also
-/// pictures. To add one, write a function and add it to Experiments().
+/// a user's data. Each has a name, and produces a table and a chart, and some
+/// also pictures. To add one, write a function and add it to Experiments().
 #ifndef RAYGRID_EXPERIMENTS_EXPERIMENT_H
 #define RAYGRID_EXPERIMENTS_EXPERIMENT_H
 
@@ -98,12 +98,12 @@ struct Experiment {
 
 const std::vector<Experiment>& Experiments();
 
-/// Localization error by the number of star segments (paper, "Calibration
-/// Pattern Evaluation"; there by reprojection errors).
+/// Measures the localization error by the number of star segments (paper,
+/// "Calibration Pattern Evaluation"; there by reprojection errors).
 ExperimentResult ComparePatternSegments(const ExperimentOptions& options);
 
-/// Error of each refinement method (paper, "Feature Refinement Evaluation";
-/// there by reprojection errors).
+/// Measures the error of each refinement method (paper, "Feature Refinement
+/// Evaluation"; there by reprojection errors).
 ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options);
 
 /// All models at several resolutions, calibrated from the same features (paper,
@@ -111,43 +111,45 @@ ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options);
 /// bias of their residuals.
 ExperimentResult ValidateModels(const ExperimentOptions& options);
 
-/// Parametric models fitted to a generic camera: the distribution and size of
+/// Fits parametric models to a generic camera: the distribution and size of
 /// their differences (paper, "Comparison of Models").
 ExperimentResult CompareModelsByFit(const ExperimentOptions& options);
 
-/// Beyond the paper: the error of rays if refinement by symmetry assumes a
-/// homography within the window of a wide-angle lens. Residuals do not show it.
-/// For a user's images, the displacement of features due to curvature.
+/// Measures the error of rays (not in the paper) if refinement by symmetry
+/// assumes a homography within the window of a wide-angle lens; residuals do
+/// not reveal this error. For a user's images, measures the displacement of
+/// features due to curvature.
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options);
 
-/// Non-centrality of a camera, and the resulting error of a central model at
-/// distances other than those used for calibration.
+/// Measures the non-centrality of a camera, and the resulting error of a
+/// central model at distances other than those used for calibration.
 ExperimentResult MeasureNoncentrality(const ExperimentOptions& options);
 
-/// Error of a camera's position from 15 known points (paper, "Camera
-/// Localization"), for one image and for the mean of many.
+/// Measures the error of a camera's position from 15 known points (paper,
+/// "Camera Localization"), for one image and for the mean of many.
 ExperimentResult LocalizeByModels(const ExperimentOptions& options);
 
-/// Stereo depth with generic and parametric calibrations of the same two
-/// cameras (paper, "Stereo Depth Estimation"); for a user's pair of images,
+/// Measures stereo depth with generic and parametric calibrations of the same
+/// two cameras (paper, "Stereo Depth Estimation"); for a user's pair of images,
 /// relative to the last of the user's rigs.
 ExperimentResult MeasureStereoDepth(const ExperimentOptions& options);
 
-/// End-point drift of a trajectory optimized with each calibration (paper,
-/// "Camera Trajectory Estimation"); for a user's trajectory, relative to the
-/// end point with the last camera.
+/// Measures the end-point drift of a trajectory optimized with each calibration
+/// (paper, "Camera Trajectory Estimation"); for a user's trajectory, relative
+/// to the end point with the last camera.
 ExperimentResult MeasureTrajectoryDrift(const ExperimentOptions& options);
 
-/// Difference between cameras calibrated from each half of the images, compared
-/// with their predicted uncertainty.
+/// Compares the difference between cameras calibrated from each half of the
+/// images with their predicted uncertainty.
 ExperimentResult MeasureRepeatability(const ExperimentOptions& options);
 
 /// Attributes a calibration's residuals to causes: simulated faults with a
 /// known cause, or a user's calibration.
 ExperimentResult SplitResiduals(const ExperimentOptions& options);
 
-/// Number of images that a simulated operator captures until a camera is
-/// determined, with capture's next view, ROS's progress bars or no guidance.
+/// Counts the images that a simulated operator captures until a camera is
+/// determined, guided by capture's next view, by ROS's progress bars, or
+/// without guidance.
 ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options);
 
 }  // namespace raygrid

@@ -19,7 +19,7 @@ std::string FormatCell(const Cell& cell) {
 
 using Lines = std::vector<std::vector<std::string>>;
 
-// The header, followed by the rows.
+// Returns the header, followed by the rows.
 Lines TextTable(const ExperimentResult& result) {
   Lines lines = {result.columns};
   for (const auto& row : result.rows) {

@@ -49,7 +49,8 @@ std::vector<FineModel> FineModels() {
   return models;
 }
 
-// A lens with a horizontal field of view of 62 degrees and barrel distortion.
+// Returns a lens with a horizontal field of view of 62 degrees and barrel
+// distortion.
 BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
   constexpr double kBeyondPx = 50;
   const Area area = {-1, -1, double(size.width), double(size.height)};
@@ -76,7 +77,7 @@ Pattern FineBoard() {
 }
 
 bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
-  constexpr double kPart = 0.1;  // of each side
+  constexpr double kPart = 0.1;  // fraction of each side
   const auto is_at_an_end = [](double position, double extent) {
     return std::min(position, extent - position) < kPart * extent;
   };
@@ -84,8 +85,8 @@ bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
          is_at_an_end(pixel.y(), size.height);
 }
 
-// The features of a board in a random pose, in which any of its points may
-// project to any pixel.
+// Returns the features of a board in a random pose, in which any of its points
+// may project to any pixel.
 std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                                   uint64_t seed) {
   Random random(seed);
@@ -96,8 +97,9 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
                   board.square_m, 1, {}, seed)
           .front();
   std::vector<Feature> seen = VisibleFeatures(camera, board, pose);
-  // Fewer boards extend into corners: therefore, all features there are used,
-  // and others with the probability that yields the required number.
+  // Fewer boards extend into the corners: therefore, all features there are
+  // used, and other features with the probability that yields the required
+  // number.
   const auto others = std::stable_partition(
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
         return IsInACorner(feature.pixel, camera.image_size());
@@ -114,7 +116,7 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
   return taken;
 }
 
-// Calibration images and held-out images.
+// Images for calibration, and held-out images.
 struct FineImages {
   Dataset training, test;
 };
@@ -137,7 +139,7 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
   return split;
 }
 
-// The minimum number of residuals in a cell of the bias's grid.
+// Returns the minimum number of residuals in a cell of the bias's grid.
 int ComputeMinCellCount(const std::vector<FeatureResidual>& residuals,
                         const Area& area) {
   std::vector<int> counts(kBiasCells * kBiasCells);
@@ -198,7 +200,7 @@ FineMetrics AddFineRow(const FineModel& model, const CameraModel& truth,
   return metrics;
 }
 
-// A label short enough for a picture's caption.
+// Returns a label short enough for a picture's caption.
 std::string FormatCaption(const FineModel& model, const FineMetrics& metrics) {
   std::string label = model.Label();
   const size_t generic = label.find("-generic");

@@ -5,8 +5,8 @@
 
 namespace raygrid {
 
-/// The validation of models in the paper's regime: lenses with bumps 20 to 60
-/// px wide, hundreds of star boards, and knot spacings of 30, 20 and 10 px.
+/// Validates models in the paper's regime: lenses with bumps 20 to 60 px wide,
+/// hundreds of star boards, and knot spacings of 30, 20 and 10 px.
 ExperimentResult ValidateFineModels(const ExperimentOptions& options);
 
 }  // namespace raygrid

@@ -21,8 +21,8 @@ constexpr double kNearM = 1.5, kFarM = 2.5, kNoisePx = 0.05;
 constexpr int kNumFrames[] = {1, 4, 16, 64};
 constexpr int kMaxFrames = 64;
 
-// Points in the frame of the true camera, whose pose is the identity, at pixels
-// in the valid regions of all cameras.
+// Returns points in the frame of the true camera, whose pose is the identity,
+// at pixels in the valid regions of all cameras.
 std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
                                        const Area& area, Random* random) {
   constexpr int kMaxTries = 10000;
@@ -42,8 +42,8 @@ std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
   return scene;
 }
 
-// By number of averaged frames: the error of the estimated camera position in
-// the true camera's frame; nothing if pose estimation fails.
+// For each number of averaged frames, the error of the estimated camera
+// position in the true camera's frame; nullopt if pose estimation fails.
 using Errors = std::vector<std::optional<Eigen::Vector3d>>;
 
 Errors LocalizeScene(const CameraModel& camera,
@@ -79,7 +79,8 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
   return lengths.empty() ? NAN : Quantile(lengths, 0.5);
 }
 
-// The median over scenes, per axis, of the error after averaging all frames.
+// Returns the median over scenes, per axis, of the error after averaging all
+// frames.
 Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {
@@ -94,7 +95,7 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PlaceErrors {
   std::vector<double> by_frames_m;
-  double shared_m = 0;  // the offset common to all scenes
+  double shared_m = 0;  // offset common to all scenes
   double rest_m = 0;    // the remainder after averaging all frames
 };
 

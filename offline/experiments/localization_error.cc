@@ -71,8 +71,8 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
   return chosen;
 }
 
-// Detected minus true position, by PointIndex(); nothing if the feature was not
-// found.
+// Detected minus true positions, by PointIndex(); nullopt if the feature was
+// not found.
 using FeatureErrors = std::vector<std::optional<Eigen::Array2d>>;
 
 FeatureErrors ErrorsOf(const std::vector<Feature>& found,

@@ -26,7 +26,7 @@ struct LocalizationError {
   double largest_px = 0;     ///< maximum distance
 };
 
-/// The boards of all experiments: 12 x 9 features, squares of 12 mm.
+/// Returns the boards of all experiments: 12 x 9 features, squares of 12 mm.
 Board ExperimentStarBoard(int segments);
 Board ExperimentChessboard();
 
@@ -40,7 +40,7 @@ std::vector<LocalizationError> MeasureLocalization(
 
 /// Describes the conditions of MeasureLocalization().
 std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
-/// The conditions of MeasureLocalization() in one line.
+/// Returns the conditions of MeasureLocalization() in one line.
 std::string LocalizationNote(const ExperimentOptions& options);
 
 /// Appends the columns of an error to a table; its cells to a row.

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-// The user's camera, or a camera calibrated from features.
+// Returns the user's camera, or a camera calibrated from features.
 std::shared_ptr<const CameraModel> GenericCamera(
     const ExperimentOptions& options, std::vector<Condition>* conditions) {
   constexpr int kCells = 16;

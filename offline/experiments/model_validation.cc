@@ -20,8 +20,8 @@ std::vector<ModelChoice> ValidatedModels() {
   return choices;
 }
 
-// The median error of the rays after the best-fit rotation; empty without
-// ground truth.
+// Returns the median error of the rays after the best-fit rotation; empty
+// without ground truth.
 Cell RayError(const ExperimentFeatures& features,
               const CalibrationResult& result) {
   constexpr double kStepPx = 8;
@@ -30,7 +30,7 @@ Cell RayError(const ExperimentFeatures& features,
       .median_px;
 }
 
-// The bias is unknown unless some cell has enough features.
+// The bias is unknown if no cell has enough features.
 Cell NumberOrDash(const std::optional<double>& number) {
   if (number) return *number;
   return std::string("-");

@@ -52,8 +52,8 @@ struct Effect {
   double rms_px = 0, max_px = 0;
 };
 
-// The error at distance_m of a central camera that is located at the point
-// closest to all observation lines, and exact at right_at_m.
+// Returns the error at distance_m of a central camera that is located at the
+// point closest to all observation lines, and exact at right_at_m.
 Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
                 double right_at_m, double distance_m) {
   constexpr int kSteps = 40;

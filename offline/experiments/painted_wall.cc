@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kUsualDistanceM = 2;
 
-// A deterministic hash of a position, in [0, 1).
+// Returns a deterministic hash of a position, in [0, 1).
 double Hash(int64_t x, int64_t y) {
   uint64_t h = static_cast<uint64_t>(x) * 0x9e3779b97f4a7c15u ^
                static_cast<uint64_t>(y) * 0xc2b2ae3d27d4eb4fu;
@@ -33,7 +33,7 @@ double SmoothNoise(double x, double y) {
 
 }  // namespace
 
-// Grey levels from 30 to 230.
+// Returns grey levels from 30 to 230.
 double PaintedWall::Paint(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d place = kUsualDistanceM / distance_m_ * point;
   double level = 0;

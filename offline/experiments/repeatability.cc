@@ -193,8 +193,9 @@ double RootMean(const std::vector<double>& squares) {
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-// A robust RMS: for two independent normal axes, it approximates the RMS. It is
-// smaller if all pixels are displaced alike, and ignores a few outliers.
+// Returns a robust RMS: it approximates the RMS for two independent normal
+// axes, is smaller if all pixels are displaced equally, and ignores a few
+// outliers.
 double TypicalRoot(const std::vector<double>& squares) {
   constexpr double kMedianOfNormal = M_LN2;  // for half the sum of two squares
   return std::sqrt(Quantile(squares, 0.5) / kMedianOfNormal);
@@ -206,7 +207,7 @@ struct Repetition {
   std::map<int, Eigen::Vector2d> by_scatter;
 };
 
-// The 90 % interval of the RMS of this many independent standard normal
+// Returns the 90 % interval of the RMS of this many independent standard normal
 // numbers, from the quantiles of chi-squared (Wilson and Hilferty 1931).
 std::array<double, 2> ChanceRange(double numbers) {
   constexpr double kQuantile95 = 1.6449;
@@ -219,9 +220,9 @@ std::array<double, 2> ChanceRange(double numbers) {
   return {root(-1), root(1)};
 }
 
-// The effective number of independent differences, estimated from all pairs:
-// independent random fields with n degrees of freedom have a mean squared
-// cosine of 1 / n.
+// Returns the effective number of independent differences, estimated from all
+// pairs: independent random fields with n degrees of freedom have a mean
+// squared cosine of 1 / n.
 std::optional<double> ComputeIndependentParameters(
     const std::vector<std::optional<Repetition>>& repetitions) {
   std::map<int, size_t> times;

@@ -37,9 +37,9 @@ cv::Mat WithNoise(const cv::Mat& levels, double read_noise, uint64_t seed) {
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth errors of a single image's map; of the mean over several images,
-// which still contains the matching errors of single windows; and of medians
-// over blocks of that mean.
+// Depth errors: (1) of a single image's map, (2) of the mean over several
+// images, which still contains the matching errors of individual windows, and
+// (3) of medians over blocks of that mean.
 struct DepthErrors {
   double one_median_mm = 0, mean_median_mm = 0, blocks_rms_mm = 0, scale = 1;
   int columns = 0;
@@ -161,7 +161,7 @@ ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
   return compared;
 }
 
-// Pairs calibrated from the user's features, or the user's rigs.
+// Returns the pairs calibrated from the user's features, or the user's rigs.
 ComparedPairs UsersPairs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   ComparedPairs compared;
@@ -204,7 +204,7 @@ Image DrawDepthLegend(double limit_mm) {
 
 // ---- A user's pair ---------------------------------------------------------
 
-// The focal length with the resolution of the left image's centre.
+// Returns the focal length with the resolution of the left image's centre.
 double CenterFocalPx(const CameraModel& camera) {
   constexpr double kStepPx = 4;
   const Eigen::Vector2d center = camera.area().center(), step(kStepPx, 0);
@@ -227,7 +227,7 @@ cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
       .clone();
 }
 
-// The depths from a user's images, relative to those of the last pair.
+// Compares the depths from a user's images with those of the last pair.
 ExperimentResult CompareOnImages(const ComparedPairs& compared,
                                  const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
@@ -313,8 +313,8 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 
 // ---- A painted wall --------------------------------------------------------
 
-// The disparity range for a wall in front of a pair, with a margin for its
-// slope.
+// Returns the disparity range for a wall in front of a pair, with a margin for
+// its slope.
 Matching MatchingOnWall(const NamedStereo& pair) {
   constexpr double kFarPart = 0.48, kNearPart = 1.9;
   Matching matching;
@@ -327,7 +327,7 @@ Matching MatchingOnWall(const NamedStereo& pair) {
   return matching;
 }
 
-// The depths of a wall in images rendered with the last pair.
+// Measures the depths of a wall in images rendered with the last pair.
 ExperimentResult CompareOnWall(const ComparedPairs& compared,
                                const ExperimentOptions& options) {
   const NamedStereo& truth = compared.truth();

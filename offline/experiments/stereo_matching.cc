@@ -22,8 +22,8 @@ Eigen::Vector3d RightCenter(const NamedStereo& cameras) {
   return cameras.right_from_left.Inverse().translation;
 }
 
-// The rectified frame: x towards the right camera, z approximately along the
-// ray of the left image's centre.
+// Returns the rectified frame: x towards the right camera, z approximately
+// along the ray of the left image's centre.
 Eigen::Matrix3d RectifiedFromLeft(const NamedStereo& cameras) {
   const CameraModel& left = *cameras.left;
   const Eigen::Vector3d x = RightCenter(cameras).normalized();
@@ -41,8 +41,8 @@ Eigen::Vector3d RectifiedRay(const Matching& matching, const ImageSize& size,
           (v - (size.height - 1) / 2.0) / matching.focal_px, 1};
 }
 
-// Rectifies an image; that of a non-central camera is exact for points at
-// depth_m.
+// Rectifies an image; with a non-central camera, rectification is exact for
+// points at depth_m.
 cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
                   const Eigen::Matrix3d& camera_from_rectified, double depth_m,
                   const Matching& matching, int num_threads) {
@@ -63,7 +63,8 @@ cv::Mat Rectified(const cv::Mat& image, const CameraModel& camera,
 
 // ---- Matching --------------------------------------------------------------
 
-// Zero-mean normalized cross-correlation of two windows in a row.
+// Returns the zero-mean normalized cross-correlation of two windows on the same
+// image row.
 double Correlation(const cv::Mat& left, const cv::Mat& right, int u, int v,
                    int disparity) {
   double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
@@ -90,7 +91,7 @@ bool IsWhole(const cv::Mat& image, int u, int v) {
   return true;
 }
 
-// The best disparity, with parabolic interpolation.
+// Returns the best disparity, with parabolic interpolation.
 std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
                             const Matching& matching, int u, int v) {
   constexpr double kMinCorrelation = 0.8;
@@ -112,14 +113,14 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
 
 // ---- Depth -----------------------------------------------------------------
 
-// The depth that corresponds to the centre of the disparity range.
+// Returns the depth that corresponds to the centre of the disparity range.
 double CenterDepthM(const NamedStereo& cameras, const Matching& matching) {
   return RightCenter(cameras).norm() * matching.focal_px * 2 /
          (matching.min_disparity + matching.max_disparity);
 }
 
-// The midpoint of the shortest segment between the observation lines of two
-// pixels, in the left camera's frame; nothing if it is not in front of the
+// Returns the midpoint of the shortest segment between the observation lines of
+// two pixels, in the left camera's frame; nullopt if it is not in front of the
 // cameras.
 std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
                                              const Eigen::Vector2d& left,
@@ -234,9 +235,9 @@ Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
 
 namespace {
 
-// The similarity transform (Umeyama, 1991) from points of a cloud to the
-// surface, without outliers: points whose depth error relative to the squared
-// depth exceeds six times the median.
+// Returns the similarity transform (Umeyama, 1991) from points of a cloud to
+// the surface, without outliers: points whose depth error relative to the
+// squared depth exceeds six times the median.
 Eigen::Matrix4d EstimateRobustSimilarity(
     const StereoCloud& cloud, const std::vector<size_t>& matched,
     const std::vector<Eigen::Vector3d>& seen) {

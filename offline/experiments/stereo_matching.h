@@ -35,7 +35,7 @@ struct StereoCloud {
   std::vector<std::optional<StereoPoint>> points;
 };
 
-/// Matches two images of grey levels, 32-bit floats.
+/// Matches two 32-bit floating-point grey images.
 StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);
@@ -44,7 +44,8 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// Makes a surface from a cloud of the same images, where it is smooth.
+/// Makes a surface from a cloud of the same images; undefined where the cloud
+/// is not smooth.
 Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
                     const Matching& matching);
 

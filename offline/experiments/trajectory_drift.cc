@@ -18,7 +18,7 @@ namespace {
 // A trajectory along a winding corridor.
 constexpr int kTrajectoryFrames = 120, kPoints = 1500;
 constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
-constexpr double kNoisePx = 0.3;  // of features of natural scenes
+constexpr double kNoisePx = 0.3;  // typical for features of natural scenes
 constexpr int kFirstFrames = 12;  // for alignment of the paths
 
 // The errors of the initial trajectory, as accumulated by odometry: rotation
@@ -70,7 +70,7 @@ std::vector<Pose> MakePath() {
   return path;
 }
 
-// Points on the walls, floor and ceiling around the path.
+// Returns points on the walls, floor and ceiling around the path.
 std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
                                         Random* random) {
   std::vector<Eigen::Vector3d> points;
@@ -118,7 +118,8 @@ Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
   return trajectory;
 }
 
-// The user's trajectory, without observations outside the area of any camera.
+// Returns the user's trajectory, without observations outside the area of any
+// camera.
 Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
   Trajectory trajectory;
   trajectory.points = model.points;
@@ -163,8 +164,8 @@ Eigen::Vector3d RandomVector(Random* random) {
   return {x, y, random->Normal()};
 }
 
-// The trajectory with accumulated errors. Points are displaced with the first
-// image that observes them.
+// Returns the trajectory with accumulated errors. Points are displaced with the
+// first image that observes them.
 Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
   Random random(seed);
   const double turn_rad = kTurnDeg * M_PI / 180;
@@ -227,8 +228,8 @@ AdjustmentResult OptimizeTrajectory(const CameraModel& camera,
 
 // ---- End-point error -------------------------------------------------------
 
-// The distance between the end points of two trajectories, relative to their
-// length, after aligning corresponding points by a similarity transform
+// Returns the distance between the end points of two trajectories, relative to
+// their length, after aligning corresponding points by a similarity transform
 // (Umeyama, 1991).
 double EndErrorPercent(const Trajectory& trajectory,
                        const std::vector<Pose>& path,
@@ -247,8 +248,8 @@ double EndErrorPercent(const Trajectory& trajectory,
          trajectory.Length();
 }
 
-// The end-point error relative to the ground truth, after aligning the first
-// poses.
+// Returns the end-point error relative to the ground truth, after aligning the
+// first poses.
 double EndErrorPercent(const Reconstruction& found, const Trajectory& truth) {
   std::vector<Eigen::Vector3d> from = GetCenters(found.camera_from_world),
                                to = GetCenters(truth.camera_from_world);
@@ -258,9 +259,10 @@ double EndErrorPercent(const Reconstruction& found, const Trajectory& truth) {
                          truth.camera_from_world, from, to);
 }
 
-// The difference of the end point from that of another optimization of the same
-// noisy observations, after aligning the points in the first images, which
-// constrain the similarity better than camera positions that may be collinear.
+// Returns the difference of the end point from that of another optimization of
+// the same noisy observations, after aligning the points in the first images,
+// which constrain the similarity better than camera positions that may be
+// collinear.
 double EndDifferencePercent(const Reconstruction& found,
                             const Reconstruction& reference,
                             const Trajectory& trajectory) {
@@ -414,7 +416,7 @@ void RequireSize(const ColmapModel& model,
   }
 }
 
-// The user's cameras, or cameras calibrated from the user's features.
+// Returns the user's cameras, or cameras calibrated from the user's features.
 ComparedCameras SelectTrajectoryCameras(const ExperimentOptions& options) {
   if (options.data.features)
     return SelectComparedCameras(options, DriftModels());

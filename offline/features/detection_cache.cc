@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 constexpr int kDetectorVersion = 11;
 constexpr const char* kExtension = ".detection";
 
-// Checksum of an entry and its key, so that an entry stored under another key
-// is rejected.
+// Returns the checksum of an entry and its key, so that an entry stored under
+// another key is rejected.
 std::string Checksum(const std::string& key, const std::string& entry) {
   ContentHash hash;
   hash.Add(key);

@@ -103,8 +103,8 @@ cv::Mat Colored(const cv::Mat& zero_to_one) {
   return colored;
 }
 
-// Feature density: number of features in a square of side_px around each pixel
-// of an image scaled by scale.
+// Returns the feature density: number of features in a square of side_px around
+// each pixel of an image scaled by scale.
 cv::Mat Density(const Dataset& dataset, double scale, double side_px) {
   const double height = std::round(dataset.image_size.height * scale);
   const double width = std::round(dataset.image_size.width * scale);

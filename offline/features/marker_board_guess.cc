@@ -14,7 +14,7 @@ namespace raygrid {
 namespace {
 
 struct Dictionary {
-  int number;  // of OpenCV's enum
+  int number;  // value of OpenCV's enum
   const char* name;
   bool has_sizes;     // DICT_4X4_50, _100, ...
   bool is_april_tag;  // an AprilTag family
@@ -33,8 +33,8 @@ constexpr Dictionary kDictionaries[] = {
 constexpr int kMinMarkers = 4, kMaxMarkers = 1000;
 constexpr int kMaxAcross = 24;
 
-// Marker positions, in the order of IDs, of a board with n squares or tags
-// across. The unit of 1 m is a square, or a tag with its gap.
+// Marker positions, ordered by ID, of a board that is `across` squares or tags
+// wide. 1 m corresponds to a square, or to a tag and its gap.
 struct MarkerLayout {
   int across = 0;
   double pitch_m = 1;
@@ -49,7 +49,7 @@ PlacedMarker MarkerAt(double x, double y, double side_m) {
   return marker;
 }
 
-// parity: of column + row of the squares with markers.
+// parity: column + row modulo 2 of the squares with markers.
 MarkerLayout CharucoLayout(int across, int parity, double marker_part) {
   MarkerLayout layout = {across, M_SQRT2, {}};
   for (int row = 0; static_cast<int>(layout.markers.size()) < kMaxMarkers;

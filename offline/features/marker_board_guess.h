@@ -22,7 +22,7 @@ struct Guess {
   int columns = 0, rows = 0;
   int max_marker = 0;
   bool is_negative = false;  ///< white on black
-  /// AprilGrid: as in Board.
+  /// For AprilGrids, as in Board.
   bool has_corner_squares = true;
   int border_cells = 2;
   bool is_numbered_from_top = false;

@@ -31,12 +31,12 @@ struct FolderDetection {
   Dataset dataset;                     ///< without the skipped images
   std::vector<std::string> paths;      ///< paths of the dataset's images
   std::vector<ImageDetection> images;  ///< detections of the dataset's images
-  std::vector<SkippedImage> skipped;   ///< damaged, or of another size
+  std::vector<SkippedImage> skipped;   ///< unreadable, or of a different size
   std::vector<std::string> turned;     ///< names, for WarnAboutOrientation()
 };
 
 /// Summarizes warnings and the reasons for images without a board: each with
-/// its number of images and the name of the first.
+/// the number of images and the name of the first one.
 std::vector<std::string> SummarizeWarnings(const FolderDetection& folder);
 
 /// Detects the pattern in all images; progress is called with the fraction

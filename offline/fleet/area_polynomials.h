@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// The number of polynomials of EvaluatePolynomials() up to a degree.
+/// Returns the number of polynomials of EvaluatePolynomials() up to a degree.
 constexpr int NumPolynomials(int degree) {
   return (degree + 1) * (degree + 2) / 2;
 }

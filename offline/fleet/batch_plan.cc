@@ -59,7 +59,7 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"measure_once", "no_refine_features"},
     {"like", kPrior},
     {"times", kTimestamps}};
-// Former names of limits, likewise.
+// Former names of limits, also valid for one minor version.
 const std::map<std::string, std::string> kFormerFigures = {
     {"trusted_part", "valid_fraction"},
     {"valid_share", "valid_fraction"},
@@ -103,7 +103,7 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
   }
 }
 
-// A condition, or a comma-separated list of several, as the value of
+// Formats a condition, or a comma-separated list of several, as the value of
 // --vary-with.
 std::string FormatCondition(const YAML::Node& value) {
   const std::vector<YAML::Node> several =
@@ -122,7 +122,7 @@ std::string FormatCondition(const YAML::Node& value) {
   return fmt::format("{}", fmt::join(names, ","));
 }
 
-// A number, a word, or [width, height], as the value of an option.
+// Formats a number, a string, or [width, height], as the value of an option.
 std::string FormatOption(const YAML::Node& value, const std::string& key) {
   if (value.IsSequence() && key == "image_size") {
     RequireYamlList(value, "image_size", 2);
@@ -142,7 +142,7 @@ bool IsTrue(const YAML::Node& value, const std::string& key) {
   return is_true;
 }
 
-// The unit's value of a key, otherwise the plan's.
+// Returns the unit's value of a key, otherwise the plan's.
 YAML::Node Find(const YAML::Node& unit, const YAML::Node& plan,
                 const std::string& key) {
   return unit[key] ? unit[key] : plan[key];
@@ -241,7 +241,7 @@ void RequireSerial(const std::string& serial) {
         fmt::format("serial '{}': reserved for a file of the batch", serial));
 }
 
-// The scalar value of a key; empty if the key is missing.
+// Returns the scalar value of a key; empty if the key is missing.
 std::string ReadText(const YAML::Node& map, const std::string& key) {
   return map[key] ? FormatOption(map[key], key) : std::string();
 }
@@ -310,8 +310,8 @@ MetricLimits ReadLimits(const YAML::Node& node) {
   return limits;
 }
 
-// Checks that each repeat refers to a unit, and that the operator is stated for
-// all calibrations of golden units, or for none; likewise the station.
+// Checks that each repeat refers to a unit, and that the operator is specified
+// for all calibrations of golden units or for none, and so is the station.
 void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
   std::set<std::string> goldens, repeats;
   for (const BatchUnit& unit : units)

@@ -20,8 +20,8 @@ struct BatchUnit {
   std::vector<std::string> options;
   /// Files read by options of raygrid calibrate, by option name.
   std::map<std::string, std::string> option_files;
-  std::string lens_batch;  ///< batch of its lens, or ""
-  /// Serial of the golden unit that this calibration repeats, or "".
+  std::string lens_batch;  ///< production batch of the lens, or ""
+  /// Serial of the golden unit for which this is a repeated calibration, or "".
   std::string repeats;
   std::string person, station;  ///< operator and station, or ""
 };

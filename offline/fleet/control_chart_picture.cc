@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-// Layout, in units of the picture.
+// Layout, in SVG user units.
 constexpr double kLeft = 76, kRight = 884, kTop = 16, kBottom = 204;
 constexpr int kWidth = 980, kHeight = 240;
 
@@ -82,7 +82,7 @@ DrawnChart MakeDrawnChart(const ControlChart& chart) {
 
 // ---- Axes ------------------------------------------------------------------
 
-// Ordinates of ticks at round numbers.
+// Returns the ordinates of ticks at round numbers.
 std::vector<double> ComputeTicks(const VerticalAxis& axis) {
   const double low = axis.ToMetric(axis.low), high = axis.ToMetric(axis.high);
   if (!axis.is_logarithmic) return MakeTicks(low, high);
@@ -132,7 +132,7 @@ std::string MakeAxesSvg(const VerticalAxis& axis,
 
 // ---- Lines -----------------------------------------------------------------
 
-// The centre line plus an offset: piecewise linear between jumps.
+// Returns the centre line plus an offset: piecewise linear between jumps.
 std::string MakeLineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
                         double offset, const char* kind) {
   const size_t count = chart.values.size();
@@ -150,7 +150,7 @@ std::string MakeLineSvg(const DrawnChart& chart, const std::vector<int>& jumps,
   return fmt::format("<path class=\"{}\" d=\"{}\"/>", kind, path);
 }
 
-// Labels at the right ends of the lines, without overlap.
+// Draws labels at the right ends of the lines, without overlap.
 std::string MakeLineFiguresSvg(const DrawnChart& chart) {
   std::vector<double> offsets;
   if (std::isfinite(chart.upper)) offsets.push_back(chart.upper);
@@ -170,7 +170,7 @@ std::string MakeLineFiguresSvg(const DrawnChart& chart) {
 
 // ---- Units -----------------------------------------------------------------
 
-// A single path of bounded size, since coincident points are omitted.
+// Returns a single path of bounded size, since coincident points are omitted.
 std::string MakePointsSvg(const DrawnChart& chart,
                           const std::vector<bool>& is_beyond) {
   std::set<std::pair<int, int>> places;

@@ -7,8 +7,8 @@
 namespace raygrid {
 namespace {
 
-// A gauge study of the repeat calibrations of golden units, including the unit
-// itself if present.
+// Returns a gauge study of the repeat calibrations of golden units, including
+// the unit itself if present.
 GaugeStudy StudyRepeats(const std::vector<UnitRow>& rows,
                         const std::vector<std::string>& folders,
                         const FleetInput& fleet, const MetricLimits& limits) {

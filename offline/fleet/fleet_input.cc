@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// The directions of a grid of pixels.
+// Returns the directions of a grid of pixels.
 std::vector<Eigen::Vector3d> SampleDirections(const CameraModel& camera) {
   constexpr int kColumns = 9, kRows = 7;
   const ImageSize size = camera.image_size();
@@ -33,7 +33,8 @@ std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
   return pixels;
 }
 
-// A metric that is charted by itself; the others follow from the camera.
+// Returns a metric that is charted by itself; the others follow from the
+// camera.
 FleetMetric MakeIndependentMetric(const std::string& name, bool is_positive,
                                   const std::vector<UnitRow>& rows,
                                   const std::vector<size_t>& compared) {

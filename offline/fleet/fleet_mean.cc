@@ -18,7 +18,7 @@
 namespace raygrid {
 namespace {
 
-// The cameras of inlier units; empty if one of them is not central.
+// Returns the cameras of inlier units; empty if one of them is not central.
 std::vector<CameraFile> SelectInlierCameras(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
   std::vector<size_t> usual;
@@ -35,7 +35,7 @@ std::vector<CameraFile> SelectInlierCameras(
   return cameras;
 }
 
-// The union of the cameras' areas.
+// Returns the union of the cameras' areas.
 Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
   Area area = cameras[0].camera->area();
   for (const CameraFile& file : cameras) {
@@ -46,7 +46,7 @@ Area ComputeJoinedArea(const std::vector<CameraFile>& cameras) {
   return area;
 }
 
-// The coordinate-wise median, if most of the units have values.
+// Returns the coordinate-wise median, if most of the units have values.
 std::optional<Eigen::Vector2d> ComputeMajorityMedian(
     const std::vector<PixelField>& units, size_t pixel) {
   std::vector<double> x, y;
@@ -59,7 +59,7 @@ std::optional<Eigen::Vector2d> ComputeMajorityMedian(
   return Eigen::Vector2d(Median(x), Median(y));
 }
 
-// Fits a grid to the medians; nothing if there are none.
+// Fits a grid to the medians; nullopt if there are no medians.
 std::optional<BSplineSurface> MedianSurface(
     const BSplineSurface& grid, const std::vector<Eigen::Vector2d>& pixels,
     const std::vector<PixelField>& units) {
@@ -71,7 +71,7 @@ std::optional<BSplineSurface> MedianSurface(
   return FitSurface(grid.area(), grid.columns(), grid.rows(), samples);
 }
 
-// The directions of pixels in the chart.
+// Returns the directions of pixels in the chart.
 PixelField ComputeChart(const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& pixels) {
   PixelField values;

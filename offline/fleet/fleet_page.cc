@@ -231,7 +231,7 @@ std::string MakeBatchesSection(const BatchComparison& batches) {
              100 * kFleetChance, kMinBatchUnits);
 }
 
-// A standard deviation without line breaks.
+// Returns a standard deviation without line breaks.
 std::string DeviationCell(const GaugeMetric& metric, double deviation) {
   std::string text = FormatGaugeDeviation(metric, deviation);
   return text.replace(text.find(' '), 1, "&nbsp;");

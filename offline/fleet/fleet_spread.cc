@@ -56,8 +56,8 @@ class SmoothFactors {
     return Eigen::Map<const Eigen::VectorXd>(factors.data(), kNumFactors);
   }
 
-  // The coefficients' covariance according to the uncertainty stored in a
-  // unit's file.
+  // Returns the coefficients' covariance according to the uncertainty stored in
+  // a unit's file.
   Eigen::MatrixXd ErrorsOf(const CameraFile& unit) const {
     constexpr double kMinPx = 1e-4;
     // The effective number of independent residuals in an image.
@@ -83,7 +83,7 @@ class SmoothFactors {
   std::vector<Eigen::VectorXd> shapes_;
 };
 
-// The maximum-likelihood estimate of C for zero-mean differences with
+// Returns the maximum-likelihood estimate of C for zero-mean differences with
 // covariance C plus their individual error covariances (expectation
 // maximization).
 Eigen::MatrixXd EstimateMaxLikelihoodCovariance(
@@ -108,7 +108,8 @@ Eigen::MatrixXd EstimateMaxLikelihoodCovariance(
   return covariance;
 }
 
-// The principal directions with standard deviations that are not negligible.
+// Returns the principal directions with standard deviations that are not
+// negligible.
 std::vector<Eigen::VectorXd> Directions(const Eigen::MatrixXd& covariance) {
   constexpr double kMinPx = 0.002;
   constexpr int kMost = 24;

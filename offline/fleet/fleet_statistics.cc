@@ -15,23 +15,23 @@
 namespace raygrid {
 namespace {
 
-// The control limit in standard deviations for a probability, if the standard
-// deviation is estimated by EstimateNeighbourDeviation(), which has 0.31 times
-// as many degrees of freedom as values.
+// Returns the control limit in standard deviations for a probability, if the
+// standard deviation is estimated by EstimateNeighbourDeviation(), which has
+// 0.31 times as many degrees of freedom as values.
 double DeviationsAt(double chance, double count) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(0.31 * count), chance));
 }
 
-// The limit of T^2 for a new unit, from count inliers.
+// Returns the limit of T^2 for a new unit, from count inliers.
 double ComputeHotellingLimit(double chance, double count, double size) {
   const boost::math::fisher_f f(size, count - size);
   return size * (count * count - 1) / (count * (count - size)) *
          boost::math::quantile(boost::math::complement(f, chance));
 }
 
-// The limit of a sum of squares, from the mean and variance over the units (Box
-// 1954).
+// Returns the limit of a sum of squares, from the mean and variance over the
+// units (Box 1954).
 double SquaresLimit(double chance, const std::vector<double>& usual) {
   double mean = 0, variance = 0;
   for (const double value : usual) mean += value / usual.size();
@@ -45,8 +45,8 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
-// The limit of T^2 for a unit that contributed to the directions and variances
-// (Tracy, Young, Mason, "Multivariate control charts for individual
+// Returns the limit of T^2 for a unit that contributed to the directions and
+// variances (Tracy, Young, Mason, "Multivariate control charts for individual
 // observations", 1992): its T^2 cannot exceed (n - 1)^2 / n, unlike that of a
 // new unit.
 double ComputeOwnHotellingLimit(double chance, double count,
@@ -59,7 +59,8 @@ double ComputeOwnHotellingLimit(double chance, double count,
          boost::math::quantile(boost::math::complement(distribution, chance));
 }
 
-// Design matrix of the mean: one column for each segment, or a line.
+// Returns the design matrix of the mean: one column for each segment, or a
+// line.
 Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
   if (!changes.drifts.empty()) {
     Eigen::MatrixXd line(count, 2);
@@ -157,7 +158,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
                              charts.directions.variances.transpose().array())
                                 .sum());
     }
-    // Extreme outliers would inflate the limit that detects them.
+    // Extreme outliers would inflate the control limit and mask themselves.
     constexpr double kFarOff = 20;
     const double far_off = kFarOff * Median(charts.shape);
     for (size_t i = 0; i < count; ++i)
@@ -182,8 +183,8 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
   return charts;
 }
 
-// The principal directions of differences between neighbouring units, which are
-// robust to jumps.
+// Returns the principal directions of differences between neighbouring units,
+// which are robust to jumps.
 LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   const Eigen::Index count = pixels.rows() - 1;
   const Eigen::MatrixXd differences =

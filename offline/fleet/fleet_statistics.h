@@ -51,8 +51,8 @@ struct FleetStatistics {
 
 /// The minimum number of units for control limits.
 constexpr int kMinFleetUnits = 20;
-/// The probability of any false alarm in a fleet without outliers, and of any
-/// reported change of a constant mean.
+/// The probability of any false alarm in a fleet without outliers, and that of
+/// reporting any change of a constant mean.
 constexpr double kFleetChance = 0.05;
 
 /// Finds the outliers of a fleet. Changes of the mean are found first

@@ -59,7 +59,8 @@ void AddResult(const Json& result, UnitRow* row) {
   if (row->status == "warn") row->reason = distance.value("warning", "");
 }
 
-// Pixels per radian at the z axis, as the geometric mean over both image axes.
+// Returns the pixels per radian at the z axis, as the geometric mean over both
+// image axes.
 std::optional<double> FocalLength(const CameraModel& camera) {
   constexpr double kStep = 1e-3;
   double area = 0;
@@ -90,7 +91,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
   if (worst > 0) row->metrics["max_uncertainty_px"] = worst;
 }
 
-// The first metric beyond its limits; empty if all are within.
+// Returns the first metric outside its limits; empty if all are within.
 std::string ExplainOutOfRange(const UnitRow& row, const MetricLimits& limits) {
   for (const auto& [name, range] : limits) {
     const auto metric = row.metrics.find(name);

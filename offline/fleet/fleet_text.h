@@ -11,7 +11,8 @@ namespace raygrid {
 
 /// Returns the name of a metric in sentences: "the focal length".
 std::string GetMetricTitle(const std::string& name);
-/// Returns the unit of measurement, with a leading space; empty if it has none.
+/// Returns the unit of measurement, with a leading space; empty if
+/// dimensionless.
 std::string GetMetricUnit(const std::string& name);
 
 /// Returns a clause for each chart in which a compared unit is an outlier: "the

@@ -16,7 +16,8 @@ namespace {
 
 // ---- The linear model ------------------------------------------------------
 
-// Indicator variables: one column per level, with 1 in the rows of that level.
+// Returns the indicator variables: one column per level, with 1 in the rows of
+// that level.
 Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   std::map<std::string, Eigen::Index> columns;
   for (const std::string& level : levels) columns.emplace(level, 0);
@@ -29,13 +30,13 @@ Eigen::MatrixXd MakeIndicators(const std::vector<std::string>& levels) {
   return indicators;
 }
 
-// An orthonormal basis of the column space.
+// Returns an orthonormal basis of the column space.
 Eigen::MatrixXd ComputeBasis(const Eigen::MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   return Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
 }
 
-// The residual sum of squares after projection of columns onto a basis.
+// Returns the residual sum of squares after projection of columns onto a basis.
 double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
   return (columns - basis * (basis.transpose() * columns)).squaredNorm();
 }
@@ -43,13 +44,14 @@ double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
 struct GaugeTerm {
   std::string name;
   Eigen::MatrixXd without;        // basis of the model without this term
-  double degrees_of_freedom = 0;  // of this term
-  double size = 0;                // factor of its expected squares
+  double degrees_of_freedom = 0;  // degrees of freedom of this term
+  double size = 0;                // factor of this term's variance in the
+                                  // expected sum of squares
 };
 
 struct GaugeModel {
   Eigen::MatrixXd basis;
-  double degrees_of_freedom = 0;  // of the residuals
+  double degrees_of_freedom = 0;  // degrees of freedom of the residuals
   std::vector<GaugeTerm> terms;
 };
 

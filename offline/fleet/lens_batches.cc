@@ -74,7 +74,8 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
   }
   const double degrees_of_freedom = num_groups - 1,
                freedoms_within = static_cast<double>(all.size()) - num_groups;
-  constexpr double kRounding = 1e-24;  // of the sum of squares of equal values
+  constexpr double kRounding = 1e-24;  // rounding error, relative to the sum of
+                                       // squares of equal values
   if (degrees_of_freedom < 1 || freedoms_within < 1 ||
       between + within <= kRounding * squares)
     return compared;
@@ -85,8 +86,8 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
   return compared;
 }
 
-// Pillai's trace of the lenses' coefficients along the principal directions,
-// and its F approximation.
+// Returns Pillai's trace of the lenses' coefficients along the principal
+// directions, and its F approximation.
 BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
                             const UnitsOfBatch& units) {
   BatchedMetric compared;

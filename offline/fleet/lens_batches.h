@@ -13,9 +13,9 @@ struct BatchedMetric {
   std::string name;
   bool differs = false;  ///< significant at the level per comparison
   double chance = 1;     ///< p-value of equal batches
-  /// Mean of each batch, and the standard deviation within batches. Geometric
-  /// for metrics with normally distributed logarithms, with the deviation of
-  /// the logarithm; "lens" has none.
+  /// Mean of each batch, and the standard deviation within batches. For metrics
+  /// with normally distributed logarithms: geometric mean, and the deviation of
+  /// the logarithm. Empty for "lens".
   std::vector<double> means;
   double deviation_within = 0;
 };

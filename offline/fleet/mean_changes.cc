@@ -40,7 +40,7 @@ std::vector<StandardSeries> Standardize(
 }
 
 // Splits a segment at the largest change of the means, if the sum of squared
-// changes exceeds the limit, and recurses into both parts.
+// changes exceeds the limit, and recurses into both segments.
 void FindJumps(const std::vector<StandardSeries>& series,
                const SeriesPart& part, double limit,
                std::vector<MeanJump>* jumps) {
@@ -63,8 +63,8 @@ void FindJumps(const std::vector<StandardSeries>& series,
   FindJumps(series, {best.unit, part.end}, limit, jumps);
 }
 
-// The sum of squares explained by piecewise constant means, in addition to a
-// single mean.
+// Returns the sum of squares explained by piecewise constant means, in addition
+// to a single mean.
 double ExplainedByParts(const StandardSeries& series,
                         const std::vector<int>& cuts) {
   const int count = static_cast<int>(series.values.size());

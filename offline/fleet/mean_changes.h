@@ -23,8 +23,8 @@ struct MeanDrift {
   double sigmas = 0;           ///< slope over its standard deviation
 };
 
-/// Changes of a mean: jumps, a drift, or none. Names and values are set by the
-/// caller.
+/// Changes of a mean: jumps, or a drift, or none. The caller sets names and
+/// values.
 struct MeanChanges {
   std::vector<MeanJump> jumps;    ///< ordered by unit
   std::vector<MeanDrift> drifts;  ///< at most one

@@ -11,7 +11,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 30;
-constexpr double kSmoothnessPx = 2;  // of second differences of control points
+constexpr double kSmoothnessPx = 2;  // standard deviation of second differences
+                                     // of control points
 constexpr int kNumNodes = 16;
 
 // First-order reprojection error: (ds/dx)^-1 (s(x) - chart(p)). Uses the
@@ -87,7 +88,7 @@ void AddObservation(const ChartObservation& observation,
   problem->AddResidualBlock(cost, new ceres::HuberLoss(1), blocks);
 }
 
-// Typical size of a pixel in chart coordinates.
+// Returns the typical size of a pixel in chart coordinates.
 double ChartPerPixel(const BSplineSurface& surface) {
   Eigen::Matrix2d derivative;
   surface.Evaluate(surface.area().center(), &derivative);

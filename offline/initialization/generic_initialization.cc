@@ -64,7 +64,7 @@ ChartValues ComputeChart(const PixelwiseModel& model) {
   return chart;
 }
 
-// Least-squares fit of a linear combination of functions of the pixel.
+// Fits a linear combination of functions of the pixel.
 template <int N, typename Functions>
 Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
                                          const ChartValues& chart,
@@ -126,7 +126,7 @@ Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
   return monomials;
 }
 
-// Mean of the neighbouring values; nullopt if there are none.
+// Returns the mean of the neighbouring values; nullopt if there are none.
 std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
                                           const PixelLattice& lattice,
                                           int index) {
@@ -160,9 +160,9 @@ void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
   }
 }
 
-// Chart values at all pixels of an area. Unobserved pixels are extrapolated by
-// a cubic polynomial that is fitted to the observed pixels, plus the deviations
-// of neighbours from it.
+// Returns the chart values at all pixels of an area. Unobserved pixels are
+// extrapolated by a cubic polynomial that is fitted to the observed pixels,
+// plus the deviations of neighbours from it.
 std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
                                            const PixelLattice& lattice,
                                            const Area& area) {
@@ -186,8 +186,8 @@ std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
   return samples;
 }
 
-// Features of the views with poses, at most max_count per view; one pose per
-// view.
+// Returns the features of the views with poses, at most max_count per view; one
+// pose per view.
 std::vector<ChartObservation> ObservationsOf(
     const std::vector<InitialView>& views, const Dataset& dataset,
     const Pattern& pattern, size_t max_count) {

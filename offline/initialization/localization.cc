@@ -34,15 +34,16 @@ std::vector<Sight> ComputeObservationRays(
   return sights;
 }
 
-// Rotation of the mean ray to the z axis. In the rotated frame, even a board at
-// a right angle to the optical axis has a perspective image.
+// Returns the rotation of the mean ray to the z axis. In the rotated frame,
+// even a board at a right angle to the optical axis has a perspective image.
 Eigen::Quaterniond EstimateMeanRayRotation(const std::vector<Sight>& sights) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const Sight& sight : sights) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
-// Power of two close to the board's size in metres, for exact scaling.
+// Returns the power of two close to the board's size in metres, for exact
+// scaling.
 double ComputeUnit(const std::vector<Sight>& sights) {
   double extent = 0;
   for (const Sight& sight : sights)
@@ -152,7 +153,7 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
   return pose;
 }
 
-// First-order reprojection errors of a pose in pixels.
+// Returns the first-order reprojection errors of a pose in pixels.
 std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
                              const Pose& pose) {
   std::vector<double> errors;

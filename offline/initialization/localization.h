@@ -16,10 +16,10 @@ struct PointPixelMatch {
 };
 
 /// Estimates camera_from_pattern with fixed intrinsics (resection): SQPnP on
-/// rays (Terzakis and Lourakis, 2020), then minimum robust reprojection error
-/// (Huber, 1 px), linearized at each pixel; repeated without gross outliers.
-/// Ignores pixels outside the calibrated area. Returns nullopt if fewer than
-/// four remain or no pose is found.
+/// rays (Terzakis and Lourakis, 2020), followed by minimization of the robust
+/// reprojection error (Huber, 1 px), linearized at each pixel; repeated without
+/// gross outliers. Ignores pixels outside the calibrated area. Returns nullopt
+/// if fewer than four matches remain or no pose is found.
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointPixelMatch>& matches);
 

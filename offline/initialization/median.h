@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-/// Returns the median, the upper one of an even number; 0 if empty.
+/// Returns the median, or the upper one of both middle values; 0 if empty.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto median = values.begin() + values.size() / 2;

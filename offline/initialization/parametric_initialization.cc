@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kMaxParametricViews = 16;
 // Maximum RMS error of a successful fit.
-constexpr double kMaxRmsPart = 0.02;  // of the image width
+constexpr double kMaxRmsPart = 0.02;  // relative to the image width
 
 // Discards the last digits for reproducible results: LAPACK, which OpenCV
 // calls, rounds differently depending on the memory alignment of its data.

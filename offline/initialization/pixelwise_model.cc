@@ -38,7 +38,7 @@ std::vector<double> AngleErrors(const std::vector<PointRayMatch>& matches,
 }
 
 // Homography from homogeneous board points to rays. Points are normalized to
-// the visible part of the board.
+// the observed region of the board.
 struct BoardHomography {
   Eigen::Vector2d centroid;
   double unit_m = 1;
@@ -125,7 +125,7 @@ Pose PoseOf(const BoardHomography& homography) {
   return pose;
 }
 
-// Sum of the Cauchy losses of the angular errors.
+// Returns the sum of the Cauchy losses of the angular errors.
 double RobustCost(const std::vector<PointRayMatch>& matches, const Pose& pose,
                   double scale) {
   double cost = 0;
@@ -182,7 +182,7 @@ Pose RefinePose(const std::vector<PointRayMatch>& matches, const Pose& start) {
   return pose;
 }
 
-// Matches of a view at pixels with known directions.
+// Returns the matches of a view at pixels with known directions.
 std::vector<PointRayMatch> MatchesWithDirections(const DenseView& view,
                                                  const PixelwiseModel& model) {
   std::vector<PointRayMatch> matches;
@@ -200,7 +200,7 @@ std::vector<PointRayMatch> Subsample(const std::vector<PointRayMatch>& all) {
   return some;
 }
 
-// Typical angle between adjacent lattice pixels.
+// Returns the typical angle between adjacent lattice pixels.
 double TypicalRadiansPerPixel(const PixelLattice& lattice,
                               const PixelwiseModel& model) {
   std::vector<double> angles;

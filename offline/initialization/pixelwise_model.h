@@ -21,8 +21,9 @@ struct LocalizedBoard {
   double median_error_rad = 0;
 };
 
-/// Estimates the pose of a board seen from its front, for rays in any
-/// direction: board-to-ray homography, then least angles (Cauchy loss).
+/// Estimates the pose of a board that faces the camera, for rays in any
+/// direction: board-to-ray homography, then minimization of angles (Cauchy
+/// loss).
 std::optional<LocalizedBoard> LocalizeOnRays(
     const std::vector<PointRayMatch>& matches);
 

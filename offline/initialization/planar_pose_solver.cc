@@ -25,8 +25,8 @@
 //
 // d and -d give the same W and mirrored poses: with z pointing away from the
 // camera, d is positive. The sign of H is chosen so that observed points are in
-// front of the camera; det H > 0 then means that the camera also sees the other
-// board from its front.
+// front of the camera; det H > 0 then means that the other board faces the
+// camera, too.
 #include "initialization/planar_pose_solver.h"
 
 #include <ceres/ceres.h>
@@ -122,9 +122,9 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   return near.size() == matches.size() ? first : FitHomography(near);
 }
 
-// Homography with the sign that puts the observed points in front of the
-// camera; nullopt if many points cannot be in front of it, or if the board
-// would be seen from behind.
+// Returns the homography with the sign that puts the observed points in front
+// of the camera; nullopt if many points cannot be in front of it, or if the
+// camera would observe the back of the board.
 std::optional<Eigen::Matrix3d> EstimateFacingHomography(
     const std::vector<PlaneMatch>& matches) {
   Eigen::Matrix3d homography = FitHomographyRobustly(matches);
@@ -140,7 +140,7 @@ std::optional<Eigen::Matrix3d> EstimateFacingHomography(
   return homography / homography.leftCols<2>().norm();
 }
 
-// Coefficients of a' W b with respect to (w1, w2, w3, w4).
+// Returns the coefficients of a' W b with respect to (w1, w2, w3, w4).
 Eigen::RowVector4d ConicRow(const Eigen::Vector3d& a,
                             const Eigen::Vector3d& b) {
   return {a.x() * b.x() + a.y() * b.y(), a.x() * b.z() + a.z() * b.x(),
@@ -167,7 +167,7 @@ std::optional<Eigen::Vector3d> SolveCenter(const Eigen::Matrix3d& h2,
   return Eigen::Vector3d(ox, oy, -std::sqrt(d_squared));
 }
 
-// Intrinsic matrix K for a centre in the first board's frame.
+// Returns the intrinsic matrix K for a centre in the first board's frame.
 Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
   Eigen::Matrix3d k;
   k << -center.z(), 0, center.x(), 0, -center.z(), center.y(), 0, 0, 1;
@@ -273,7 +273,8 @@ class ParameterBlocks {
   std::array<Eigen::Vector3d, 2> rotation_, translation_;
 };
 
-// Median over the matches of the larger one of both transfer errors.
+// Returns the median over the matches of the larger one of both transfer
+// errors.
 double MedianError(const std::vector<BoardPointTriple>& matches,
                    const ThreeViews& views) {
   std::array<Eigen::Matrix3d, 3> homography;
@@ -301,7 +302,8 @@ double DistanceFromBoard(const std::vector<BoardPointTriple>& matches,
   return Median(distances);
 }
 
-// Standard deviation of the centre for errors with unit standard deviation.
+// Returns the standard deviation of the centre for errors with unit standard
+// deviation.
 double CenterDeviation(ceres::Problem* problem, ParameterBlocks* blocks) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks->Pointers();

@@ -14,11 +14,12 @@ using BoardPointTriple = std::array<Eigen::Vector2d, 3>;
 
 /// Poses of three views of planar boards, in the first board's frame.
 struct ThreeViews {
-  /// A board's x and y axes as printed, z away from the camera.
+  /// Board axes: x and y as printed, z away from the camera.
   std::array<Pose, 3> first_from_board;
   Eigen::Vector3d center;  ///< camera centre; z < 0
 
-  /// camera_from_board, with camera axes parallel to the first board's.
+  /// Returns camera_from_board, with camera axes parallel to those of the first
+  /// board.
   Pose CameraFromBoard(int view) const {
     return {first_from_board[view].rotation,
             first_from_board[view].translation - center};
@@ -28,7 +29,7 @@ struct ThreeViews {
 enum class ThreeViewsStatus {
   kSolved,
   kTooFewMatches,
-  kParallelBoards,  ///< also nearly parallel: distance not observable
+  kParallelBoards,  ///< or nearly parallel: distance not observable
   kImpossible       ///< no camera in front of the boards exists
 };
 

@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 constexpr size_t kMaxRadialViews = 20;
-constexpr int kNumCoefficients = 4;  // of the polynomial G
+constexpr int kNumCoefficients = 4;  // coefficients of the polynomial G
 
 double ComputeQuantile(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -25,8 +25,8 @@ double MedianOf(const std::vector<double>& values) {
   return ComputeQuantile(values, 0.5);
 }
 
-// Weights for iteratively reweighted least squares; zero for outliers, which
-// are defined by a multiple of the median.
+// Returns the weights for iteratively reweighted least squares; zero for
+// outliers, which are defined by a multiple of the median.
 std::vector<double> RobustWeights(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
@@ -43,7 +43,7 @@ std::vector<double> RobustWeights(const std::vector<double>& errors) {
 
 using Rows = Eigen::Matrix<double, 2, 3>;  // a, b
 
-// Signed distances of pixels from the radial lines of their points.
+// Returns the signed distances of pixels from the radial lines of their points.
 std::vector<double> LineErrors(const PlanarView& view,
                                const Eigen::Vector2d& center,
                                const Rows& rows) {
@@ -90,7 +90,8 @@ Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   return side < 0 ? Rows(-rows) : rows;
 }
 
-// Sum of absolute errors, each capped to limit the influence of outliers.
+// Returns the sum of absolute errors, each capped to limit the influence of
+// outliers.
 double CenterCost(const std::vector<PlanarView>& views,
                   const Eigen::Vector2d& center) {
   constexpr double kCapPx = 10;
@@ -133,10 +134,10 @@ Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
 // A view in cylindrical coordinates. Image lengths are in units of half the
 // image diagonal.
 struct CylindricalView {
-  std::vector<double> r;     // of pixels
-  std::vector<double> rho;   // of points
+  std::vector<double> r;     // radii of pixels
+  std::vector<double> rho;   // radii of points
   std::vector<double> tilt;  // r31 X + r32 Y, for s = 1
-  double sine = 0;           // of the tilt angle
+  double sine = 0;           // sine of the tilt angle
 };
 
 CylindricalView ToCylindrical(const PlanarView& view,
@@ -173,7 +174,8 @@ struct RadialSolution {
   std::vector<double> signs, forward;  // s and t3 by view
 };
 
-// Difference of the angles of incidence of a point and of its pixel.
+// Returns the difference of the angles of incidence of a point and of its
+// pixel.
 double AngleError(const CylindricalView& view, size_t i, double sign,
                   double forward, const Coefficients& g) {
   return std::atan2(view.rho[i], sign * view.tilt[i] + forward) -
@@ -188,14 +190,14 @@ std::vector<double> AzimuthErrors(const CylindricalView& view, double sign,
   return errors;
 }
 
-// Ratio of the algebraic error to the angular error.
+// Returns the ratio of the algebraic error to the angular error.
 double ErrorPerAngle(const CylindricalView& view, size_t i,
                      const Coefficients& g) {
   const double r = view.r[i], along = Polynomial(g, r);
   return view.rho[i] * (r * r + along * along) / std::max(r, 1e-6);
 }
 
-// Median over the view's points of t3, for a given sign and G.
+// Returns the median over the view's points of t3, for a given sign and G.
 double MedianForward(const CylindricalView& view, double sign,
                      const Coefficients& g) {
   std::vector<double> forward;
@@ -270,7 +272,7 @@ bool SolveForwards(const std::vector<CylindricalView>& views,
   return true;
 }
 
-// Selects the sign of each view with the smaller error.
+// Selects the sign with the smaller error for each view.
 bool ChooseSigns(const std::vector<CylindricalView>& views,
                  RadialSolution* solution) {
   bool changed = false;
@@ -291,7 +293,7 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
 }
 
 // Number of coefficients of G for the first view and for all views. More
-// coefficients than the lens requires are harmful.
+// coefficients than the lens requires cause overfitting.
 struct Degrees {
   int first, all;
 };
@@ -315,7 +317,7 @@ std::optional<RadialSolution> SolveFromView(
   return solution;
 }
 
-// Maximum observed radius without outliers.
+// Returns the maximum observed radius without outliers.
 double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
   std::vector<double> radii;
   for (const CylindricalView& view : views)
@@ -323,16 +325,16 @@ double ComputeMaxRadius(const std::vector<CylindricalView>& views) {
   return ComputeQuantile(radii, 0.98);
 }
 
-// d theta / d r of a pixel.
+// Returns d theta / d r of a pixel.
 double AnglePerRadius(const Coefficients& g, double r) {
-  double slope = 0;  // of G, over r
+  double slope = 0;  // slope of G divided by r
   for (int k = kNumCoefficients; k-- > 1;) slope = slope * r * r + 2 * k * g[k];
   const double along = Polynomial(g, r);
   return (along - r * r * slope) / (r * r + along * along);
 }
 
-// Sum of absolute radial errors, each capped to limit the influence of
-// outliers; infinite if the projection folds.
+// Returns the sum of absolute radial errors, each capped to limit the influence
+// of outliers; infinite if the projection folds.
 double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
                    const RadialSolution& solution) {
   constexpr double kCap = 0.05;

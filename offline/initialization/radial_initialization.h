@@ -27,8 +27,8 @@ namespace raygrid {
 /// determines the scale, and (r31, r32) = s sin V_2^T with a sign s = +-1.
 /// 3. With r = |d|, rho = |(a q, b q)| and an even polynomial G, s (r31 X + r32
 /// Y) r + t3 r - rho sum_k g_k r^2k = 0, linear in all views' t3 and the g_k.
-/// Starting from one view, signs of the others are chosen by the residual until
-/// none changes.
+/// Starting from one view, the signs of the others are chosen by the residual
+/// until no sign changes.
 /// 4. r = f theta (1 + k1 theta^2 + k2 theta^4) is fitted to theta = atan2(r,
 /// G).
 std::optional<ThinPrismFisheye> InitializeFromRadialLines(

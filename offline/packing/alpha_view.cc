@@ -71,8 +71,8 @@ class BorderlessSearch {
     return MakeCentralView(cameras_[camera].plane, size_, center, focal_px);
   }
 
-  // The mean of the directions of the areas' centres; for several cameras, if
-  // necessary, another point inside all areas.
+  // Returns the mean of the directions of the areas' centres; for several
+  // cameras, if necessary, another point inside all areas.
   std::optional<Eigen::Vector2d> Start() const {
     Eigen::Vector2d sum(0, 0);
     Eigen::AlignedBox2d common(Eigen::Vector2d::Constant(-1e9),
@@ -121,7 +121,7 @@ class BorderlessSearch {
     return std::hypot(width, height) / M_PI;
   }
 
-  // The minimum focal length without border, at most long_px.
+  // Returns the minimum focal length without border, at most long_px.
   double Widest(const Eigen::Vector2d& center, double long_px) const {
     double least = ShortestPx();
     if (IsWithoutBorder(center, least)) return least;

@@ -29,7 +29,8 @@ double Stretch(const VirtualView& plane, const Eigen::Vector3d& ray);
 
 /// A camera's area projected to a plane.
 struct AreaOnPlane {
-  Eigen::AlignedBox2d box;  ///< of the image circle, within the stretch limit
+  Eigen::AlignedBox2d box;  ///< bounds of the image circle, within the stretch
+                            ///< limit
   double max_stretch_rad = 0;
 };
 /// Samples the edges of the area and of the image circle, each edge of the area
@@ -42,14 +43,14 @@ VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
                             const Eigen::Vector2d& center, double focal_px);
 
 /// Finds the largest view without border that cameras share, with the rotation
-/// of the first: its focal length is the shortest for which all of its pixels
-/// have sources in the areas of all cameras. nullopt if the centres are outside
-/// the areas, and no other common point is found.
+/// of the first camera: its focal length is the shortest for which all of its
+/// pixels have sources in the areas of all cameras. nullopt if the centres are
+/// outside the areas, and no other common point is found.
 std::optional<VirtualView> FindLargestViewWithoutBorder(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size);
 
 /// The smallest view that shows every pixel of the areas of all cameras, with
-/// the rotation of the first; nullopt if the stretch is too large.
+/// the rotation of the first camera; nullopt if the stretch is too large.
 struct EnclosingView {
   std::optional<VirtualView> view;
   double max_stretch_rad = 0;

@@ -26,7 +26,8 @@ bool HasBlobMagic(const std::string& bytes) {
                           rg_status_text(status)));
 }
 
-// The number of fraction bits, >= 0, with which coordinates are below 2^30.
+// Returns the number of fraction bits, >= 0, with which coordinates are below
+// 2^30.
 int FractionBits(const Eigen::Vector3d& point) {
   int exponent = 0;
   std::frexp(point.cwiseAbs().maxCoeff(), &exponent);
@@ -143,7 +144,8 @@ void BlobCamera::SetOperatingPoint(double value) {
   if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
 }
 
-// A control point of the current grid, or of the same grid in a later sample.
+// Returns a control point of the current grid, or of the same grid in a later
+// sample.
 Eigen::Vector2d BlobCamera::ControlPoint(const Eigen::Vector2i& place,
                                          int upper_sample) const {
   rg_blob there = blob_;

@@ -40,8 +40,8 @@ class BlobCamera {
   /// Lists the tables for frames as calibrated.
   std::vector<uint32_t> ListCalibratedTables() const;
 
-  /// Range of the operating-point model, as in camera.yaml; nullopt if the blob
-  /// has none.
+  /// Returns the range of the operating-point model, as in camera.yaml; nullopt
+  /// if the blob has none.
   std::optional<OperatingRange> Range() const;
   /// Sets the operating point within its range. Throws Error(kBlob).
   void SetOperatingPoint(double value);
@@ -61,26 +61,26 @@ class BlobCamera {
   /// that the runtime does not have.
   std::unique_ptr<CameraModel> ToModel() const;
 
-  /// The blob's validity mask; nullopt if it has none.
+  /// Returns the blob's validity mask; nullopt if it has none.
   std::optional<ValidityMask> GetValidityMask() const;
 
-  /// Capture settings at calibration; nullopt if the blob does not contain
-  /// them.
+  /// Returns the capture settings at calibration; nullopt if the blob does not
+  /// contain them.
   std::optional<Capture> GetCalibrationCapture() const;
-  /// Line delay; nullopt if the blob does not contain it.
+  /// Returns the line delay; nullopt if the blob does not contain it.
   std::optional<LineDelay> GetRowTime() const;
 
-  /// View of a remap table, frame size of its source, and its direction. Throw
-  /// Error(kBlob) if there is no table with this index.
+  /// Returns the view of a remap table, frame size of its source, and its
+  /// direction. Throw Error(kBlob) if there is no table with this index.
   VirtualView GetRemapView(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
   /// Whether a table is an inverse remap, from the view to the camera's image.
   bool IsInverseRemap(uint32_t remap_index) const;
 
-  /// The sensor modes of the blob, which tables can refer to.
+  /// Returns the sensor modes of the blob, which tables can refer to.
   std::vector<SensorMode> Modes() const;
-  /// Mode of a table; nullopt if it is for frames as calibrated. Throws like
-  /// GetRemapView().
+  /// Returns the mode of a table; nullopt if it is for frames as calibrated.
+  /// Throws like GetRemapView().
   std::optional<SensorMode> GetRemapMode(uint32_t remap_index) const;
   /// Returns the first table for frames of the mode with this name; nullopt if
   /// there is none.

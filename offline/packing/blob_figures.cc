@@ -13,7 +13,8 @@
 namespace raygrid {
 namespace {
 
-// A metric in its integer unit, rounded up; RG_UNKNOWN_METRIC without a value.
+// Returns a metric in its integer unit, rounded up; RG_UNKNOWN_METRIC without a
+// value.
 uint32_t Figure(std::optional<double> value, double unit) {
   if (!value) return RG_UNKNOWN_METRIC;
   return static_cast<uint32_t>(

@@ -16,7 +16,7 @@ int32_t Q16(double value) {
   return static_cast<int32_t>(std::lround(value * 65536));
 }
 
-// The largest area within camera's that the format can represent.
+// Returns the largest area within camera's that the format can represent.
 Area RepresentableArea(const Area& area) {
   constexpr double kUnit = 65536;
   return {
@@ -24,12 +24,12 @@ Area RepresentableArea(const Area& area) {
       std::floor(area.x1 * kUnit) / kUnit, std::floor(area.y1 * kUnit) / kUnit};
 }
 
-// The largest coordinate of a control point.
+// Returns the largest coordinate of a control point.
 double MaxControlPoint() {
   return std::ldexp(RG_CONTROL_POINT_LIMIT - 1.0, -RG_CONTROL_POINT_BITS);
 }
 
-// The control points that affect the rays of regular pixels.
+// Returns the control points that affect the rays of regular pixels.
 std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
                                     const RegularRegion& region) {
   std::vector<bool> is_used(surface.num_points(), false);
@@ -90,7 +90,7 @@ class GridSearch {
     }
   }
 
-  // For each relevant node, whether the fit error is within the limit.
+  // Returns whether the fit error is within the limit at each relevant node.
   std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
     std::vector<bool> is_followed(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {
@@ -103,7 +103,8 @@ class GridSearch {
     return is_followed;
   }
 
-  // The fraction of relevant nodes at which the fit error exceeds the limit.
+  // Returns the fraction of relevant nodes at which the fit error exceeds the
+  // limit.
   double ComputeLostFraction(const std::vector<bool>& is_followed) const {
     const auto num_not_found =
         std::count(is_followed.begin(), is_followed.end(), false);
@@ -116,8 +117,8 @@ class GridSearch {
     return ComputeLostFraction(FollowedBy(surface)) > kNegligiblePart;
   }
 
-  // The coarsest grid that fits everywhere; otherwise the coarsest one that
-  // loses almost the minimum number of nodes.
+  // Returns the coarsest grid that fits everywhere; otherwise the coarsest one
+  // that loses almost the minimum number of nodes.
   BSplineSurface Find() const {
     std::vector<Candidate> candidates;
     double least = INFINITY;
@@ -207,8 +208,8 @@ class GridSearch {
   int64_t num_counting_ = 0;
 };
 
-// A valid mask with half the usual cell size, since the boundary of the regular
-// region is precise.
+// Returns a valid mask with half the usual cell size, since the boundary of the
+// regular region is precise.
 ValidityMask FineMask(const ImageSize& size) {
   constexpr int kMinKnotSpacingPx = 4;
   ValidityMask mask = ValidityMask::Over(size);

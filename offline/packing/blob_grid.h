@@ -24,13 +24,14 @@ struct BlobGrid {
   bool follows_all = true;
 };
 
-/// Makes the grid that approximates a central camera in a blob: its own, or the
-/// coarsest of up to 128 cells with a fit error of at most half the bound in
-/// its regular region, restricted to the valid region if there is a mask;
-/// otherwise, a grid of up to 256 cells that excludes about the smallest part.
-/// Control points outside the format's range are moved into it. region: of the
-/// camera, or NULL for a grid that the format represents exactly. Throws
-/// Error(kQuality) if no grid fits the camera anywhere.
+/// Makes the grid that approximates a central camera in a blob: the camera's
+/// own grid, or the coarsest of up to 128 cells with a fit error of at most
+/// half the bound in its regular region, restricted to the valid region if
+/// there is a mask; otherwise, a grid of up to 256 cells that excludes nearly
+/// the minimum number of pixels. Control points outside the format's range are
+/// moved into it. region: the camera's, or NULL for a grid that the format
+/// represents exactly. Throws Error(kQuality) if no grid fits the camera
+/// anywhere.
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const ValidityMask* valid_region, double max_error_px);
 
@@ -48,7 +49,7 @@ struct GridSection {
 GridSection QuantizeGrid(const CentralGeneric& camera);
 
 /// Returns the points of the observation lines in q28 metres, x, y, z for each
-/// control point; fitted if the grid is not the camera's own. Throws
+/// control point; fitted if `grid` is not the camera's own grid. Throws
 /// Error(kQuality) for points outside the format's range.
 std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
                                         const BSplineSurface& grid);

@@ -13,9 +13,9 @@ namespace raygrid {
 SourceMap MakeDistortionMap(const CameraModel& camera, const VirtualView& view,
                             int num_threads);
 
-/// Distorts a view's picture to the camera's image, by bilinear interpolation,
-/// with the channels and depth of the picture; 0 outside the view. The picture
-/// has the size of the view, the result that of the camera.
+/// Distorts an image of the view to the camera's image by bilinear
+/// interpolation, with the channels and depth of `picture`; 0 outside the view.
+/// `picture` has the size of the view, the result that of the camera.
 Image DistortImage(const SourceMap& map, const Image& picture, int num_threads);
 
 }  // namespace raygrid

@@ -13,25 +13,26 @@
 
 namespace raygrid {
 
-/// Throws unless the knots are alike, and fit the camera.
+/// Throws unless the samples are valid: central cameras with equal grids and
+/// the image size of `camera`, at ascending operating points.
 void RequireSimilarSamples(const OperatingPointSamples& stack,
                            const CameraModel& camera);
 
-/// A camera and what its grids are fitted to.
+/// A camera, and the constraints on the grids that are fitted to it.
 struct GridTask {
   const CameraModel& camera;
-  const RegularRegion* region;  ///< NULL: the format holds the camera as it is
-  const ValidityMask* valid_region;    ///< NULL: all
-  const OperatingPointSamples* stack;  ///< NULL: none
+  const RegularRegion* region;         ///< NULL: the format is exact
+  const ValidityMask* valid_region;    ///< NULL: all pixels are valid
+  const OperatingPointSamples* stack;  ///< NULL: no samples
   bool is_narrow_allowed = true;
   int num_threads = 0;
 };
 
-/// The camera's own grid, and of a stack those of its knots, with which it then
-/// has area and size in common.
+/// The grid of a camera, followed by those of its operating-point samples, if
+/// any, which have the same area and size.
 struct GridsToPack {
   std::vector<CentralGeneric> models;
-  std::optional<ValidityMask> valid;  ///< as BlobGrid's, of all of them
+  std::optional<ValidityMask> valid;  ///< as BlobGrid::valid, for all grids
   bool follows_all = true;
 
   const ValidityMask* ValidOr(const ValidityMask* valid_region) const {
@@ -44,11 +45,11 @@ struct GridsToPack {
   }
 };
 
-/// Grids in the format's integers, which keep a bound in the runtime's
-/// arithmetic.
+/// Grids quantized to the blob's integers such that the error of the
+/// fixed-point runtime stays below a limit.
 class BlobGrids {
  public:
-  /// Makes contents those of the first grid. Throws Error(kQuality).
+  /// Sets the sections of the first grid in contents. Throws Error(kQuality).
   BlobGrids(const GridTask& task, double max_error_px,
             rg_blob_contents* contents);
   BlobGrids(const BlobGrids&) = delete;
@@ -66,8 +67,8 @@ class BlobGrids {
   std::vector<GridSection> sections_;
 };
 
-/// Grids that follow the camera everywhere to what packing may add, or else as
-/// far as is allowed.
+/// Fits grids with the error limit kMaxPackingErrorPx, or with a larger
+/// max_error_px if some regular pixels cannot reach that limit.
 std::unique_ptr<BlobGrids> FitBlobGrids(const GridTask& task,
                                         double max_error_px,
                                         rg_blob_contents* contents);

@@ -82,7 +82,7 @@ class SurfaceSampling {
   const int handedness_;
 };
 
-// The bounding rectangle of all samples in the chart.
+// Returns the bounding rectangle of all samples in the chart.
 Area ComputeChartArea(const std::vector<SurfaceSample>& samples) {
   Eigen::Array2d low = samples.front().pixel, high = low;
   for (const SurfaceSample& sample : samples) {
@@ -95,7 +95,8 @@ Area ComputeChartArea(const std::vector<SurfaceSample>& samples) {
   return {low.x(), low.y(), high.x(), high.y()};
 }
 
-// c |c| of the widest sample, with a margin.
+// Returns c |c| for the cosine c of the sample farthest off axis, with a
+// margin.
 double ComputeCosineLimit(const std::vector<SurfaceSample>& samples) {
   double cosine = 1;
   for (const SurfaceSample& sample : samples) {
@@ -133,7 +134,7 @@ class InverseFitting {
                       kSmoothness);
   }
 
-  // Nothing if 16 bits cannot represent the grid.
+  // Returns nullopt if 16 bits cannot represent the grid.
   std::optional<InverseGrid> QuantizeInverseGrid(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
@@ -244,8 +245,8 @@ std::optional<EvaluatedInverseGrid> FitInverseGrid(
 
 namespace {
 
-// The inverses of several surfaces with this number of cells and a common
-// layout; nothing if 16 bits cannot represent one of them.
+// Returns the inverses of several surfaces with this number of cells and a
+// common layout; nullopt if 16 bits cannot represent one of them.
 std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
     const std::vector<InverseFitting>& fittings,
     const std::vector<InverseSamples>& samples, int cells) {
@@ -274,8 +275,8 @@ std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
   return made;
 }
 
-// The sum of the fractions of pixels that the inverses miss; ties are resolved
-// in favour of inverses that need a single step.
+// Returns the sum of the fractions of pixels that the inverses miss; ties are
+// resolved in favour of inverses that need a single step.
 double FailedFraction(const std::vector<EvaluatedInverseGrid>& inverses) {
   double missed = 0;
   for (const EvaluatedInverseGrid& inverse : inverses)

@@ -35,8 +35,8 @@ struct EvaluatedInverseGrid {
 /// it folds, with the fewest cells for which the runtime projects to all valid
 /// pixels, and up to 24 cells if projection then needs one step or finds more
 /// of the other pixels. If valid pixels are not found, only samples near them
-/// are used, or the grid that misses fewest. trusted: NULL if all pixels are
-/// valid. nullopt if no grid finds any valid pixel.
+/// are used, or the grid that misses the fewest. valid_region: NULL if all
+/// pixels are valid. nullopt if no grid finds any valid pixel.
 std::optional<EvaluatedInverseGrid> FitInverseGrid(
     const BSplineSurface& surface, const ValidityMask* valid_region,
     const InverseGridEvaluator& measure);
@@ -49,8 +49,8 @@ using SingleInverseGridEvaluator = std::function<std::optional<ProjectionError>(
 /// Fits the inverses of the surfaces of one camera at several operating points,
 /// which differ only in control points: over a common rectangle and cone, with
 /// the fewest cells, up to 24, for which the runtime finds all valid pixels of
-/// each surface in one step, otherwise the cells that miss fewest. nullopt if
-/// none can be stored in 16 bits.
+/// each surface in one step; otherwise with the number of cells that misses the
+/// fewest pixels. nullopt if none can be stored in 16 bits.
 std::optional<std::vector<EvaluatedInverseGrid>> FitInverseGridsJointly(
     const std::vector<const BSplineSurface*>& surfaces,
     const ValidityMask* valid_region,

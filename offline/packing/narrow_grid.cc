@@ -34,7 +34,7 @@ void FitPlane(const ControlPoints& points, int c, rg_narrow_grid* narrow) {
       Rounded(center - across * right / 2 - down * bottom / 2);
 }
 
-// The residuals of control points relative to the plane.
+// Returns the residuals of control points relative to the plane.
 std::vector<int64_t> ComputePlaneResiduals(const ControlPoints& points,
                                            const rg_narrow_grid& plane) {
   std::vector<int64_t> beyond;

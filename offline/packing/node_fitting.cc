@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kFitCell = SourceMap::kCellSize;
 
-// The sums over a cell with a source at every pixel. They are sums of integers,
-// and therefore exact.
+// Returns the sums over a cell with a source at every pixel. They are sums of
+// integers, and therefore exact.
 CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
@@ -118,7 +118,7 @@ class BlockBasis {
     return {curve(first) + (x - first) * step, step};
   }
 
-  // The coefficients for the cell at pixel (x, y) of a block.
+  // Returns the coefficients for the cell at pixel (x, y) of a block.
   EvaluateBasis MakeFactors(int x, int y) const {
     const double unit = 1.0 / blocks_.size();
     const Line right = {x * unit, unit}, left = {1 - x * unit, -unit};
@@ -354,7 +354,7 @@ NodePositions Balance(const SourceMap& map, const Blocks& blocks,
                       const NodePositions& fitted) {
   NodePositions moves = NodePositions::Zero(fitted.rows(), 2);
   const std::vector<bool> needed = FindRequiredNodes(blocks);
-  // The correction that an output pixel requires; nothing without a source.
+  // The correction that an output pixel requires; nullopt without a source.
   const auto lack = [&](int x, int y, const Eigen::RowVector2d& position) {
     if (x >= map.width || y >= map.height || !map.IsKnown(x, y))
       return Eigen::RowVector2d(0, 0);

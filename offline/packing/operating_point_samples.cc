@@ -10,8 +10,8 @@
 namespace raygrid {
 namespace {
 
-// The maximum error in pixels of interpolating between two cameras, compared to
-// a third one, over a grid of its area.
+// Returns the maximum error in pixels of interpolating between two cameras,
+// compared to a third one, over a grid of its area.
 double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
                   double weight, const CentralGeneric& truth) {
   constexpr int kSteps = 24;
@@ -35,7 +35,7 @@ double BlendError(const CentralGeneric& lower, const CentralGeneric& upper,
   return worst;
 }
 
-// Makes count evenly spaced samples; nothing if they exceed the limit.
+// Makes evenly spaced samples; nullopt if they exceed the error limit.
 std::optional<OperatingPointSamples> MakeSamples(
     int num_samples, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,

@@ -18,8 +18,8 @@
 namespace raygrid {
 namespace {
 
-// The warning if projection does not reach the guaranteed accuracy; nothing if
-// it does. Without an error, the blob has no inverse grid.
+// Returns a warning if the projection error exceeds the guaranteed accuracy,
+// otherwise nullopt. `error` is nullopt for a blob without an inverse grid.
 std::optional<std::string> WarnAboutProjection(
     const std::optional<ProjectionError>& error, bool has_mask) {
   if (!error)
@@ -85,7 +85,8 @@ void ThrowIfStopped(const PackOptions& options) {
                 "with raygrid pack");
 }
 
-// The fraction of the image that is calibrated and, if there is a mask, valid.
+// Returns the fraction of the image that is calibrated and, if there is a mask,
+// valid.
 double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
   ValidityMask mask =
       valid_region ? *valid_region : ValidityMask::Over(camera.image_size());
@@ -94,8 +95,8 @@ double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
                                                          camera.area());
 }
 
-// The uncertainty of a camera, restricted to the valid region. A camera without
-// a valid region remains so.
+// Returns the uncertainty of a camera, restricted to the valid region. A camera
+// without a valid region remains so.
 std::optional<CameraUncertainty> UncertaintyWithin(
     const std::optional<CameraUncertainty>& known, const ValidityMask* valid) {
   if (!valid || (known && !known->mask.HasValidCells())) return known;
@@ -105,8 +106,8 @@ std::optional<CameraUncertainty> UncertaintyWithin(
   return within;
 }
 
-// A warning about the part of the image that a blob excludes, with the reason;
-// nothing if it excludes none.
+// Returns a warning about the region of the image that a blob excludes, with
+// the reason; nullopt if no region is excluded.
 std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
                                                  const GridsToPack& made,
                                                  double left_out_part,
@@ -212,8 +213,8 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
   RequireFewTables(file, options);
-  // The central part of a non-central camera, which is exact for distant
-  // scenes.
+  // The central camera with the directions of a non-central camera, which is
+  // exact for distant scenes.
   const std::optional<CentralGeneric> far =
       lines ? std::optional(CentralPart(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
@@ -231,7 +232,7 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
       IsBlobGrid(central)
           ? nullptr
           : std::make_shared<RegularRegion>(central, num_threads);
-  // The part of the camera that remap tables use.
+  // The regular region of the camera, which remap tables use.
   const std::unique_ptr<CameraModel> shown =
       region && !region->IsWhole() && !region->IsEmpty()
           ? std::make_unique<RegularCamera>(central, region)

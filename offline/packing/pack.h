@@ -60,8 +60,8 @@ struct PackOptions {
   /// Also adds the default view of the camera; a warning if it has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;  ///< maximum geometric error of tables
-  /// If small blocks do not reach the limit, allows errors of up to a pixel,
-  /// and reports them in a warning.
+  /// If even the smallest blocks exceed the limit, allows errors of up to a
+  /// pixel, and reports them in a warning.
   bool is_table_bound_soft = false;
   /// Maximum unprojection error of a fitted grid: kMaxPackingErrorPx where it
   /// is attainable everywhere, otherwise this.
@@ -88,7 +88,7 @@ struct PackedRemap {
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma pixels
   int block_size = 0;
-  int part_size = 0;  ///< tile size of bent blocks, else block_size
+  int part_size = 0;  ///< tile size of blocks with bends, otherwise block_size
 };
 
 /// A blob and the errors due to packing.
@@ -120,10 +120,10 @@ PackingMetrics ComputePackingMetrics(const PackedCamera& packed);
 /// cannot represent the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
-/// Makes a blob with a default table of the camera's image size, of the
-/// resolution of the image centre, otherwise of the calibrated area only.
-/// Warnings state why it lacks the table or the operating-point model, or why
-/// there is no blob; nothing is thrown for these reasons, nor if interrupted.
+/// Makes a blob with a default table: of the camera's image size and the
+/// resolution of the image centre, or else of the calibrated area only.
+/// Warnings state why the table or the operating-point model is missing, or why
+/// there is no blob; such failures, and interruptions, do not throw.
 PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
                                 const std::function<bool()>& should_stop = {});
 

@@ -25,7 +25,7 @@ std::string WriteBlob(const rg_blob_contents& contents);
 /// the others in samples: 16 bits if all are within the limits.
 class GridPoints {
  public:
-  /// Sets the control points of the first grid in contents. truths: for each
+  /// Sets the control points of the first grid in contents. truths: one per
   /// grid; the grids must outlive this object. Control points have 32 bits if
   /// 16 are not allowed or exceed the limit.
   GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
@@ -57,9 +57,9 @@ class GridPoints {
 /// Inverse grids of the blob's grids, for projection.
 class InverseSections {
  public:
-  /// Sets the first one in contents, which has the other sections for
-  /// projection. surfaces: of each grid. go_on is called regularly, and may
-  /// throw.
+  /// Sets the first inverse grid in contents, which already have the other
+  /// sections needed for projection. surfaces: one per grid. go_on is called
+  /// regularly, and may throw.
   InverseSections(const std::vector<const BSplineSurface*>& surfaces,
                   const GridPoints& points, const ValidityMask* valid_region,
                   int num_threads, const std::function<void()>& go_on,
@@ -67,10 +67,10 @@ class InverseSections {
   InverseSections(const InverseSections&) = delete;
   InverseSections& operator=(const InverseSections&) = delete;
 
-  /// Maximum error over all; nullopt without inverse grids.
+  /// Returns the maximum error over all inverse grids; nullopt without any.
   std::optional<ProjectionError> error() const;
 
-  /// NULL without inverse grids.
+  /// Returns NULL without inverse grids.
   const rg_narrow_grid* points(size_t k) const {
     return inverses_.empty() ? nullptr : &points_[k];
   }

@@ -11,8 +11,8 @@
 namespace raygrid {
 namespace {
 
-// The two ends of a side of the area, and the integer positions between them
-// with this step.
+// Returns the two ends of a side of the area, and the integer positions between
+// them with this step.
 std::vector<double> Positions(double from, double to, int step) {
   std::vector<double> positions = {from};
   for (double x = std::ceil(from); x < to; x += step)

@@ -21,7 +21,7 @@ struct ProjectedPixels {
   bool AreAllAccurate() const {
     return num_not_converged == 0 && num_inaccurate == 0;
   }
-  /// Fraction of pixels that are not found or inaccurate.
+  /// Returns the fraction of pixels that are not found or inaccurate.
   double FailedFraction() const {
     return static_cast<double>(num_not_converged + num_inaccurate) /
            std::max<int64_t>(num_pixels, 1);

@@ -40,7 +40,7 @@ StereoBaseline FindBaseline(const Pose& second_from_first) {
   return baseline;
 }
 
-// The rotation from the views' axes to those of the first camera.
+// Returns the rotation from the views' axes to those of the first camera.
 Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
                               const Eigen::Vector3d& mean_z) {
   const Eigen::Vector3d along = baseline.in_first.normalized();
@@ -55,8 +55,8 @@ Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
   return axes;
 }
 
-// The fraction of the first camera's pixels that the second camera also sees,
-// at infinity.
+// Returns the fraction of the first camera's pixels that the second camera
+// observes, too, for points at infinity.
 double FarOverlap(const StereoCamera& first, const StereoCamera& second,
                   const Eigen::Quaterniond& second_from_first) {
   constexpr int kSteps = 48;

@@ -38,13 +38,13 @@ struct Rectification {
   /// infinity.
   double overlap = 0;
 
-  /// Rotation from a camera's axes to its view's axes.
+  /// Returns the rotation from a camera's axes to its view's axes.
   Eigen::Matrix3d R(int camera) const {
     return views[camera].camera_from_view.transpose();
   }
-  /// Projection matrices of the views for points in the first view's axes, and
-  /// the matrix Q from pixel and disparity to such points, as in OpenCV's
-  /// stereoRectify with a common principal point.
+  /// Returns the projection matrices of the views for points in the first
+  /// view's axes, and the matrix Q from pixel and disparity to such points, as
+  /// in OpenCV's stereoRectify with a common principal point.
   Eigen::Matrix<double, 3, 4> P(int camera) const;
   Eigen::Matrix4d Q() const;
 };

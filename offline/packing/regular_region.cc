@@ -27,13 +27,13 @@ constexpr double kSameRayRad = 1e-6;
 
 using RayJacobian = Eigen::Matrix<double, 2, 3>;
 
-// The determinant of a projection's Jacobian in the plane orthogonal to the
-// ray: positive if the image is not mirrored.
+// Returns the determinant of a projection's Jacobian in the plane orthogonal to
+// the ray: positive if the image is not mirrored.
 double Determinant(const RayJacobian& J_ray, const Eigen::Vector3d& ray) {
   return J_ray.row(0).cross(J_ray.row(1)).dot(ray);
 }
 
-// The smaller singular value of the Jacobian.
+// Returns the smaller singular value of the Jacobian.
 double ComputeMinScale(const RayJacobian& J_ray) {
   const Eigen::Matrix2d product = J_ray * J_ray.transpose();
   const double half = product.trace() / 2;
@@ -121,8 +121,8 @@ void RegularRegion::ExcludeSingularNodes() {
     if (!(ComputeMinScale(node.J_ray) >= least_scale_)) node.is_regular = false;
 }
 
-// The regular node nearest to the pixel on the optical axis, otherwise to the
-// centre.
+// Returns the regular node nearest to the pixel on the optical axis, otherwise
+// to the centre.
 int RegularRegion::FirstNode(const CameraModel& camera) const {
   const Eigen::Vector2d place =
       camera.Project(Eigen::Vector3d(0, 0, 1)).value_or(camera_area_.center());

@@ -40,20 +40,21 @@ class RegularRegion {
   const std::vector<Node>& nodes() const { return nodes_; }
   Eigen::Vector2d GetPixel(int node) const;
 
-  /// Whether all of the camera's area is regular; and the regular fraction.
+  /// IsWhole(): the entire area is regular. Part(): the regular fraction.
   bool IsWhole() const { return part_ == 1; }
   double Part() const { return part_; }
   /// Bounding rectangle, at the resolution of the lattice.
   const Area& area() const { return area_; }
   bool IsEmpty() const { return part_ == 0; }
-  /// Whether all corners of a pixel's cell are regular; or at least one.
+  /// Contains(): all corners of the pixel's cell are regular. Touches(): at
+  /// least one is.
   bool Contains(const Eigen::Vector2d& pixel) const;
   bool Touches(const Eigen::Vector2d& pixel) const;
   /// Whether the ray of a pixel in a touched cell is regular; camera: the
   /// camera of the region.
   bool IsRegularRay(const CameraModel& camera, const Eigen::Vector2d& pixel,
                     const Eigen::Vector3d& ray) const;
-  /// Contains(), but only for cells whose corners are good.
+  /// Like Contains(), but all corners must also be good.
   bool ContainsAmong(const std::vector<bool>& is_good,
                      const Eigen::Vector2d& pixel) const;
 
@@ -74,7 +75,8 @@ class RegularRegion {
     return is_good[k] && is_good[k + 1] && is_good[k + columns_] &&
            is_good[k + columns_ + 1];
   }
-  // Index of a pixel's cell, which is the index of its upper left node.
+  // Returns the index of a pixel's cell, which is the index of its upper left
+  // node.
   int CellIndex(const Eigen::Vector2d& pixel) const;
   bool IsRegularCell(int i, int j) const {
     const int k = j * columns_ + i;
@@ -99,7 +101,7 @@ class RegularRegion {
   Area camera_area_, area_;
   int columns_ = 0, rows_ = 0;
   double part_ = 0;
-  double least_scale_ = 0;  // of Jacobians, in pixels per radian
+  double least_scale_ = 0;  // minimum Jacobian scale, pixels per radian
   std::vector<Node> nodes_;
 };
 

@@ -24,8 +24,8 @@ std::vector<uint32_t> EncodeSection(const RemapTable& table) {
   return words;
 }
 
-// The error of an output pixel: the distance of its position from the exact
-// one, which may be uncertain by the margin; for a pixel without exact
+// Returns the error of an output pixel: the distance of its position from the
+// exact one, which may be uncertain by the margin; for a pixel without exact
 // position, how far inside the rectangle the table's position is.
 double PixelError(const Area& rectangle,
                   const std::optional<Eigen::Vector2d>& exact, double margin_px,
@@ -57,9 +57,9 @@ class TableErrors {
         part_(1 << blocks.layout.SmallestLog2()),
         num_part_rows_((map.height + part_ - 1) / part_) {}
 
-  // The maximum PixelError; nothing if it exceeds the limit. It is first
-  // evaluated from the source map, then from the camera for candidates of the
-  // maximum.
+  // Returns the maximum PixelError; nullopt if it exceeds the limit. It is
+  // first evaluated from the source map, then from the camera for candidates of
+  // the maximum.
   std::optional<double> Worst(double limit_px) const {
     std::vector<double> worst(num_part_rows_, 0);
     std::atomic<bool> fails{false};
@@ -82,7 +82,7 @@ class TableErrors {
     return exact;
   }
 
-  // For each tile, row by row, whether an error exceeds the limit.
+  // Returns whether the error of each tile exceeds the limit, row by row.
   std::vector<bool> Beyond(double limit_px) const {
     const int num_columns = (map_.width + part_ - 1) / part_;
     std::vector<uint8_t> is_beyond(
@@ -177,7 +177,8 @@ class TableErrors {
     return PixelError(map_.rectangle, source, 0, position);
   }
 
-  // The maximum error of a tile whose pixels all have sources in the rectangle.
+  // Returns the maximum error of a tile whose pixels all have sources in the
+  // rectangle.
   double ComputeMaxErrorOfTile(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
     using Integers = Eigen::Array<int32_t, kLanes, 1>;
@@ -205,7 +206,7 @@ class TableErrors {
            SourceMap::kUnitsPerPx;
   }
 
-  // The maximum error of a row of tiles, over pixels above a threshold.
+  // Returns the maximum error of a row of tiles, over pixels above a threshold.
   double ComputeExactMaxErrorOfTileRow(int j, double enough) const {
     double worst = 0;
     ForEachTile(j, [&](int x0, const rg_block& block) {
@@ -226,8 +227,8 @@ class TableErrors {
   const int num_threads_, part_, num_part_rows_;
 };
 
-// The maximum error of a chroma component, from the source map: the source of a
-// sample is the mean of those of its output pixels.
+// Returns the maximum error of a chroma component, from the source map: the
+// source of a sample is the mean of those of its output pixels.
 double ComputeMaxErrorOfChroma(const SourceMap& map,
                                const std::vector<uint32_t>& words,
                                const rg_component& lattice, int num_threads) {

@@ -75,8 +75,8 @@ void RequireFormatLimits(const ImageSize& source, const ImageSize& output) {
               size.width, size.height, limit));
 }
 
-// The pixels of a camera's frames that tables show: the requested ones within
-// the image circle. Nothing: all pixels.
+// Returns the pixels of a camera's frames that tables show: the requested ones
+// within the image circle. Empty: all pixels.
 PixelFilter SelectCameraPixels(const CameraModel& camera,
                                const PixelFilter& asked) {
   if (!camera.image_circle()) return asked;
@@ -169,7 +169,7 @@ void ContinueNodes(const Blocks& all, const std::vector<Blocks>& own,
   }
 }
 
-// The blocks in which any table has a source.
+// Returns the blocks in which any table has a source.
 Blocks MergeBlocks(const std::vector<Blocks>& own) {
   Blocks all = own.front();
   for (const Blocks& blocks : own)
@@ -276,10 +276,10 @@ void ExcludeInaccurateBlocks(
       if (is_rough[k]) blocks.used[k] = false;
 }
 
-// Tables of the smallest blocks, excluding the few that exceed the limit, for
-// example where the distortion almost folds, or at the image's edge; nothing if
-// there are many of them. Each table is fitted again without them, since they
-// affect their neighbours.
+// Returns tables of the smallest blocks, excluding the few that exceed the
+// limit, for example where the distortion almost folds, or at the image's edge;
+// nullopt if there are many of them. Each table is fitted again without them,
+// since they affect their neighbours.
 std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     double max_error_px, const VirtualView& view, int num_threads,
@@ -316,8 +316,8 @@ std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
   return std::nullopt;
 }
 
-// Tables that differ only in residuals, bends and errors; view is stored as
-// their view.
+// Returns tables that differ only in residuals, bends and errors; view is
+// stored as their view.
 std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
                                   const VirtualView& view, double max_error_px,
                                   int num_threads,

@@ -22,10 +22,10 @@ struct RemapTable {
   /// Maximum error of U and V in NV12 and YUYV, in chroma pixels; except at the
   /// edges of their sources.
   double max_chroma_error_px = 0;
-  /// Number of border blocks with a corner beyond 8192 px.
+  /// Number of border blocks with a vertex outside the format's range.
   int num_out_of_reach = 0;
-  /// Number of blocks that are border because even the smallest blocks do not
-  /// reach the error limit.
+  /// Number of blocks that are border because even the smallest blocks exceed
+  /// the error limit.
   int num_rough = 0;
 };
 
@@ -33,7 +33,7 @@ struct RemapTable {
 /// error, or become border.
 enum class RoughBlocks { kRefuse, kLeaveOut };
 
-/// Whether a pixel of a camera's image is shown; empty: all are.
+/// Whether a pixel of a camera's image is shown; empty: all pixels are shown.
 using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 
 /// Fits the table with the largest tiles, and of these the fewest bytes, whose
@@ -46,8 +46,8 @@ using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// source become border, too. go_on is called regularly, and may throw.
 ///
 /// For several cameras, at different operating points of one camera: one table
-/// each, which differ only where tables of samples may. A block is border if it
-/// is border for all cameras.
+/// each, which differ only in residuals, bends and errors. A block is border if
+/// it is border for all cameras.
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kVertexUnits = 4096;  // per pixel
 
-// The affine map fitted to the vertices of used blocks: origin, column step,
-// row step.
+// Returns the affine map fitted to the vertices of used blocks: origin, column
+// step, row step.
 Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
                                       const NodePositions& nodes) {
   Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
@@ -29,14 +29,15 @@ Eigen::Matrix<double, 3, 2> FitAffine(const Blocks& blocks,
   return normal.ldlt().solve(right);
 }
 
-// The smallest shift with which all values fit into a range.
+// Returns the smallest shift with which all values fit into a range.
 int FittingShift(double largest, double limit) {
   int shift = 0;
   while (largest / (1 << shift) > limit) ++shift;
   return shift;
 }
 
-// A residual in units of 2^shift, by which the vertex stays within the limit.
+// Returns a residual in units of 2^shift, by which the vertex stays within the
+// limit.
 int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   constexpr int64_t kLimit = RG_VERTEX_LIMIT_Q12;
   int64_t rounded = std::clamp<int64_t>(
@@ -47,7 +48,7 @@ int16_t RoundedResidual(double residual_q12, int64_t base_q12, int shift) {
   return static_cast<int16_t>(rounded);
 }
 
-// The position of a vertex according to the section's affine map.
+// Returns the position of a vertex according to the section's affine map.
 int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
   return axis == 0 ? s.origin_x_q12 + int64_t{column} * s.column_step_x_q12 +
                          int64_t{row} * s.row_step_x_q12
@@ -55,7 +56,7 @@ int64_t BaseQ12(const rg_remap_section& s, int column, int row, int axis) {
                          int64_t{row} * s.row_step_y_q12;
 }
 
-// The affine map of the first table's vertices, for all tables.
+// Fits the affine map of all tables to the vertices of the first one.
 void QuantizePlane(const Blocks& blocks,
                    const std::vector<NodePositions>& vertices,
                    std::vector<RemapTable>* tables) {
@@ -74,8 +75,8 @@ void QuantizePlane(const Blocks& blocks,
   }
 }
 
-// The residuals of vertices from the section's affine map; unused ones are
-// clamped. *largest is raised to the maximum of the used ones.
+// Returns the residuals of vertices from the section's affine map; unused ones
+// are clamped. *largest is raised to the maximum of the used ones.
 std::vector<double> ResidualsQ12(const Blocks& blocks,
                                  const NodePositions& vertices,
                                  const rg_remap_section& s, double* largest) {

@@ -12,8 +12,8 @@
 namespace raygrid {
 namespace {
 
-// Tables of the view with the resolution of the first camera's image, or
-// otherwise of its calibrated area; empty if neither is possible.
+// Returns tables of the view with the resolution of the first camera's image,
+// or otherwise of its calibrated area; empty if neither is possible.
 std::vector<RemapTable> FitDefaultTables(
     const std::vector<const CameraModel*>& cameras, double max_error_px,
     int num_threads, const std::function<void()>& go_on,
@@ -44,8 +44,8 @@ std::vector<RemapTable> FitDefaultTables(
   }
 }
 
-// The camera of a table's source frames: for a non-central one, the central
-// approximation for the requested scene.
+// Returns the camera of a table's source frames: for a non-central one, the
+// central approximation for the requested scene.
 std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
                                              const NonCentralGeneric* lines,
                                              const RemapRequest& request) {
@@ -57,8 +57,8 @@ std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
   return camera;
 }
 
-// The maximum distance in pixels between two cameras' projections of a view's
-// rays, at every eighth pixel.
+// Returns the maximum distance in pixels between two cameras' projections of a
+// view's rays, at every eighth pixel.
 double FarError(const CameraModel& near, const CameraModel& far,
                 const VirtualView& view) {
   constexpr int kStep = 8;
@@ -74,7 +74,7 @@ double FarError(const CameraModel& near, const CameraModel& far,
   return worst_px;
 }
 
-// The pixels of frames of a mode, or as calibrated, in valid cells.
+// Returns the pixels of frames of a mode, or as calibrated, in valid cells.
 PixelFilter FindValidPixels(const ValidityMask& valid_region,
                             const std::optional<SensorMode>& mode) {
   return [&valid_region, mode](const Eigen::Vector2d& pixel) {

@@ -13,13 +13,13 @@
 
 namespace raygrid {
 
-/// Remap tables as rg_blob_write() takes them.
+/// Remap tables in the form required by rg_blob_write().
 class RemapSections {
  public:
-  /// Fits the requested tables, and records them in packed: of the first
-  /// camera, and with equal layout of the others. lines: NULL for a central
-  /// camera; the first one is always central. trusted: restricts what they
-  /// show, or NULL.
+  /// Fits the requested tables for all cameras, with equal layout, and records
+  /// the first camera's tables in `packed`. lines: the non-central camera that
+  /// the first, central one approximates, or NULL. valid_region: limits the
+  /// displayed pixels, or NULL.
   void Fit(const std::vector<const CameraModel*>& cameras,
            const NonCentralGeneric* lines, const PackOptions& options,
            const ValidityMask* valid_region, int num_threads,
@@ -35,18 +35,18 @@ class RemapSections {
   }
 
  private:
-  // Says what the last table cannot reach, or follow.
+  // Warns about blocks of the last table that are out of range or inaccurate.
   void WarnAboutReach(PackedCamera* packed) const;
   // Adds tables of each camera.
   PackedRemap Add(std::vector<RemapTable> tables,
                   const std::optional<SensorMode>& mode = std::nullopt);
-  // The mode's place in the section of modes, counted from 1.
+  // Returns the index of the mode in the section of modes, counted from 1.
   uint8_t NumberOfMode(const SensorMode& mode);
 
-  std::vector<std::vector<RemapTable>> tables_;  // of a request, of each camera
+  std::vector<std::vector<RemapTable>> tables_;  // by request, then camera
   std::vector<rg_mode_section> modes_;
   std::vector<std::string> mode_names_;
-  std::vector<std::vector<rg_remap_contents>> contents_;  // of each camera
+  std::vector<std::vector<rg_remap_contents>> contents_;  // one list per camera
 };
 
 }  // namespace raygrid

@@ -40,7 +40,7 @@ bool MayBeSlotAt(const std::string& bytes, size_t at) {
          begin == std::string(sizeof(kSlotMagic), kErased);
 }
 
-// The reason why the runtime or the host rejects a blob.
+// Returns the reason why the runtime or the host rejects a blob.
 std::string CheckBlob(const std::string& blob) {
   const std::vector<uint32_t> words = AlignedWords(blob);
   const auto size = static_cast<uint32_t>(blob.size());
@@ -67,7 +67,8 @@ BlobSlot ReadSlot(const std::string& bytes) {
   return slot;
 }
 
-// The slot that the runtime would select among those that meet a condition.
+// Returns the slot that the runtime would select among those that meet a
+// condition.
 template <typename Admits>
 std::optional<uint32_t> FindNewest(const std::array<BlobSlot, 2>& slots,
                                    Admits admits) {

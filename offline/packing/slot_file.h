@@ -32,7 +32,7 @@ struct BlobSlots {
 uint64_t SlotSizeFor(const std::string& blob);
 
 /// Whether bytes are two slots: one has a slot header, or both begin with a
-/// header or erased flash. False for a blob, whatever its name.
+/// header or erased flash. False for a blob, regardless of its name.
 bool IsSlotFile(const std::string& bytes);
 
 BlobSlots ReadSlots(const std::string& bytes);

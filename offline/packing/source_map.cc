@@ -23,7 +23,7 @@ Area SourceRectangle(const CameraModel& camera) {
           std::min(area.x1, image.x1), std::min(area.y1, image.y1)};
 }
 
-// The source of an output pixel.
+// Returns the source of an output pixel.
 std::optional<Eigen::Vector2d> ComputeSource(const CameraModel& camera,
                                              const OutputImage& output,
                                              const Eigen::Vector2d& pixel,
@@ -67,7 +67,7 @@ class Lattice {
   bool IsSeen(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].is_seen;
   }
-  // The maximum interpolation error near a corner; NaN if unknown.
+  // Returns the maximum interpolation error near a corner; NaN if unknown.
   double Deviation(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].deviation;
   }
@@ -200,8 +200,8 @@ class Lattice {
   size_t num_spread_ = 0;  // number of processed elements of seen_
 };
 
-// The maximum interpolation error in a cell; infinite where it cannot be
-// interpolated, NaN where nothing is visible.
+// Returns the maximum interpolation error in a cell; infinite where it cannot
+// be interpolated, NaN where nothing is visible.
 double CellDeviation(const Lattice& lattice, int column, int row) {
   double worst = -1;
   bool is_seen = false;

@@ -17,8 +17,9 @@ namespace {
 
 constexpr double kMaxMeasuredPixels = 1.6e7;
 
-// The minimum number of pixels per radian along a horizontal line through the
-// area's centre; that of fisheyes is uniform within their image circle.
+// Returns the minimum number of pixels per radian along a horizontal line
+// through the area's centre; that of fisheyes is uniform within their image
+// circle.
 double ComputeMinPixelsPerRadian(const CameraModel& camera) {
   constexpr int kSteps = 16;
   const Area& area = camera.area();

@@ -12,8 +12,8 @@
 namespace raygrid {
 namespace {
 
-// The angle from the optical axis of a point on an axis of the image plane,
-// clamped to the domain of the projection.
+// Returns the angle from the optical axis of a point on an axis of the image
+// plane, clamped to the domain of the projection.
 double AngleOfAxis(ViewProjection projection, int axis, double coordinate) {
   switch (projection) {
     case ViewProjection::kPinhole:

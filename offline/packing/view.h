@@ -28,8 +28,8 @@ struct VirtualView {
   /// image.
   std::optional<Eigen::Vector2d> Pixel(const Eigen::Vector3d& direction) const;
 
-  /// Angles between the outer edges of the first and the last pixels, along the
-  /// row and the column of the principal point.
+  /// Returns the angles between the outer edges of the first and the last
+  /// pixels, along the row and the column of the principal point.
   double HorizontalFieldOfViewDeg() const;
   double VerticalFieldOfViewDeg() const;
 };

@@ -56,8 +56,9 @@ void AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
   curves->push_back(std::move(curve));
 }
 
-// The number of steps around the cube, starting at a corner, such that steps
-// are small compared to the view's field, and the other corners are among them.
+// Returns the number of steps around the cube, starting at a corner, such that
+// steps are small compared to the view's field, and the other corners are among
+// them.
 int StepsAroundCube(const VirtualView& view) {
   constexpr int kLeast = 180, kMost = 1000;  // for an eighth
   const double seen_deg =
@@ -66,8 +67,8 @@ int StepsAroundCube(const VirtualView& view) {
   return 8 * static_cast<int>(std::clamp<double>(enough, kLeast, kMost));
 }
 
-// A point of the square in which a plane orthogonal to an axis, at an offset,
-// intersects the cube.
+// Returns a point of the square in which a plane orthogonal to an axis, at an
+// offset, intersects the cube.
 Eigen::Vector3d PointOfLoop(int axis, double offset, double angle_rad) {
   Eigen::Vector3d point;
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);

@@ -14,8 +14,9 @@
 namespace raygrid {
 namespace {
 
-// The maximum field of view of projections along x and y, in degrees. For
-// projections with unbounded stretch, a larger one would compress the centre.
+// Returns the maximum field of view of projections along x and y, in degrees.
+// For projections with unbounded stretch, a larger one would compress the
+// centre.
 Eigen::Vector2d GetMaxFieldDeg(ViewProjection projection) {
   switch (projection) {
     case ViewProjection::kPinhole:
@@ -39,8 +40,8 @@ constexpr double kMaxCenterPx = 32767;
   throw Error(ExitCode::kUsage, what);
 }
 
-// A view of focal length 1 with principal point (0, 0): its pixels are points
-// of the image plane.
+// Returns a view of focal length 1 with principal point (0, 0): its pixels are
+// points of the image plane.
 VirtualView Plane(const ViewRequest& request) {
   VirtualView plane;
   plane.projection = request.projection.value_or(ViewProjection::kPinhole);
@@ -50,8 +51,8 @@ VirtualView Plane(const ViewRequest& request) {
   return plane;
 }
 
-// The number of pixels per radian at the view's principal point, otherwise at
-// the camera's, or at the centre of its area.
+// Returns the number of pixels per radian at the view's principal point,
+// otherwise at the camera's, or at the centre of its area.
 double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   LinearizedProjection projection;
   const auto ray = camera.Unproject(camera.area().center());
@@ -69,7 +70,8 @@ double CentralFocalLength(const CameraModel& camera, const VirtualView& plane) {
   return camera.image_size().width;
 }
 
-// The focal length that yields a field of view along an axis of an image.
+// Returns the focal length that yields a field of view along an axis of an
+// image.
 double SolveFocalLength(ViewProjection projection, int axis, double field_deg,
                         double center_px, int pixels) {
   const double from_center = center_px - (pixels - 1) / 2.0;
@@ -127,8 +129,8 @@ VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
   return result;
 }
 
-// A view about a principal point with the requested focal lengths; they are 0
-// if none is requested.
+// Returns a view about a principal point with the requested focal lengths; they
+// are 0 if none is requested.
 VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
                        const ImageSize& size) {
   VirtualView view = plane;
@@ -152,7 +154,8 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
   return view;
 }
 
-// The same, with the camera's resolution if no focal length is requested.
+// Like ViewAround(), but with the camera's resolution if no focal length is
+// requested.
 VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
                         const ViewRequest& request, const ImageSize& size) {
   VirtualView view = ViewAround(plane, request, size);

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// The exact source of every pixel of an output image.
+// Returns the exact source of every pixel of an output image.
 std::vector<Eigen::Vector2d> ExactSources(const CameraModel& camera,
                                           const OutputImage& output,
                                           int num_threads) {

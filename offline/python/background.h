@@ -34,7 +34,7 @@ class Task {
   using Clock = std::chrono::steady_clock;
 
   void Finish();
-  // Waits a moment; returns whether the work is done.
+  // Waits briefly; returns whether the work is done.
   bool IsDone();
   // Handles Python's signals, and calls progress if it has changed.
   void Notify(const pybind11::object& progress);

@@ -1,4 +1,4 @@
-/// Types and helpers shared by the parts of the module.
+/// Types and helpers shared by the source files of the module.
 #ifndef RAYGRID_PYTHON_BINDINGS_H
 #define RAYGRID_PYTHON_BINDINGS_H
 
@@ -33,7 +33,8 @@ struct PyCalibration {
   RigResult result;
   int num_threads = 0;
 
-  /// Index of a camera by name; "" without a rig. Throws Python's KeyError.
+  /// Returns the index of a camera by name; "" without a rig. Throws Python's
+  /// KeyError.
   size_t IndexOf(const std::string& name) const;
 };
 

@@ -109,8 +109,8 @@ MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
   return camera;
 }
 
-// The callback that refines features with the current model; empty if only
-// features are given.
+// Returns the callback that refines features with the current model; empty if
+// only features are given.
 RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
                                       const Wishes& wishes, const Task* task) {
   if (camera.paths.empty() || wishes.measures_once) return nullptr;

@@ -130,8 +130,8 @@ py::list AllRanges(const PyCamera& self) {
   return all;
 }
 
-// The values for the ranges; `value` without a name applies if there is only
-// one range.
+// Returns the values for the ranges; `value` without a name applies if there is
+// only one range.
 FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
                                    std::optional<double> value,
                                    std::optional<double> lens_position,
@@ -206,7 +206,7 @@ void RequireNumber(const std::optional<double>& number, const char* name) {
     throw py::value_error(fmt::format("{}: expected a finite number", name));
 }
 
-// The camera, rotated to the frame in which views are defined.
+// Returns the camera, rotated to the frame in which views are defined.
 std::shared_ptr<const CameraModel> Upright(const PyCamera& self) {
   std::shared_ptr<const CameraModel> camera = self.file.camera;
   AlignToCameraFrame(&camera);

@@ -14,8 +14,8 @@ namespace {
 // The number of points per task; smaller tasks do not justify a thread.
 constexpr size_t kCallsPerPart = 4096;
 
-// Calls body(first, end) for parts of [0, count) in parallel, without holding
-// the GIL.
+// Calls body(first, end) for subranges of [0, count) in parallel, without the
+// GIL.
 template <typename Body>
 void ParallelForRanges(size_t count, int num_threads, const Body& body) {
   const py::gil_scoped_release released;
@@ -35,8 +35,8 @@ void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
 // ---- Points ----------------------------------------------------------------
 
 // Scales a point, without changing its image, such that its squared norm
-// neither overflows nor underflows: for a central camera, the distance is
-// irrelevant; for others, it is beyond 2^100 m.
+// neither overflows nor underflows. For a central camera, the distance is
+// irrelevant; for others, a point is scaled only at distances above 2^100 m.
 Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
                          int* shift) {
   constexpr int kFarAway = 100, kHuge = 300;
@@ -51,8 +51,8 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
   return point.unaryExpr([shift](double x) { return std::ldexp(x, *shift); });
 }
 
-// The pixel of a point, and the Jacobian unless by_point is null; NaN if the
-// point does not project.
+// Computes the pixel of a point, and the Jacobian unless by_point is null; NaN
+// if the point does not project.
 void ProjectPoint(const CameraModel& camera, bool is_central,
                   const double* given, double* pixel, double* by_point) {
   int shift = 0;
@@ -79,7 +79,7 @@ void ProjectPoint(const CameraModel& camera, bool is_central,
 
 // ---- Pixels ----------------------------------------------------------------
 
-// Two orthonormal directions perpendicular to a unit vector.
+// Returns two orthonormal directions perpendicular to a unit vector.
 Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 3, 2> across;
   across.col(0) = direction.unitOrthogonal();
@@ -87,8 +87,8 @@ Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
   return across;
 }
 
-// d pixel / d displacement, for a point on the line displaced perpendicularly
-// to it.
+// Returns d pixel / d displacement, for a point on the line displaced
+// perpendicularly to it.
 Eigen::Matrix2d ByMovement(const CameraModel& camera,
                            const ObservationLine& line,
                            const Eigen::Matrix<double, 3, 2>& across,
@@ -101,8 +101,8 @@ Eigen::Matrix2d ByMovement(const CameraModel& camera,
   return found.J_point * across;
 }
 
-// d direction / d pixel. A pixel's change moves all points of its line: the
-// displacement at a distance of 1 is, for central cameras, that of the
+// Returns d direction / d pixel. A pixel's change moves all points of its line:
+// the displacement at a distance of 1 is, for central cameras, that of the
 // direction. The lines of other cameras are also translated, by the
 // displacement at a distance of 0; the change of direction is then the
 // difference of the displacements at distances of 2 and 1.
@@ -127,7 +127,7 @@ void UnprojectPixel(const CameraModel& camera, const double* given,
     Put<3>({NAN, NAN, NAN}, direction);
 }
 
-// The Jacobian of the direction at a pixel; NaN without a direction.
+// Computes the Jacobian of the direction at a pixel; NaN without a direction.
 void DeriveDirection(const CameraModel& camera, bool is_central,
                      const double* given, const double* direction,
                      double* by_pixel) {

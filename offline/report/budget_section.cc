@@ -16,7 +16,7 @@ struct BudgetPart {
   std::string name, meaning;
   double part = 0;
   const CauseShare* share = nullptr;  // nullptr for chance, which has no share
-  const char* color = "";             // of the Okabe-Ito palette
+  const char* color = "";             // from the Okabe-Ito palette
 };
 
 const char* DescribeCause(ErrorCause cause) {

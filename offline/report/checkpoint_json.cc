@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 4;
 
-// A checksum over the checkpoint's inputs and contents, which together
+// Returns a checksum over the checkpoint's inputs and contents, which together
 // determine the result.
 std::string Checksum(const std::string& inputs, const std::string& cameras) {
   ContentHash hash;
@@ -27,8 +27,8 @@ std::string Checksum(const std::string& inputs, const std::string& cameras) {
 constexpr char kBegin[] = "{\"raygrid_resume\":";
 constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 
-// The text of a checkpoint's cameras, after verifying its inputs and checksum:
-// only files written by this program are parsed.
+// Returns the text of a checkpoint's cameras, after verifying its inputs and
+// checksum, so that only files written by this program are parsed.
 std::string FormatCameras(const std::string& text, const std::string& inputs) {
   constexpr size_t kLongestHead = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0

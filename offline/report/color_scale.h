@@ -17,7 +17,7 @@ enum class ColorScale {
   kDirection   ///< twilight: cyclic; opposite directions differ most
 };
 
-/// Returns blue, green and red; part: value from 0 to 1.
+/// Returns blue, green and red of a value from 0 to 1.
 std::array<uint8_t, 3> GetColor(ColorScale scale, double part);
 
 /// Formats a gradient for CSS: "linear-gradient(to right,#000004,...)".

@@ -86,7 +86,8 @@ struct Box {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-// A picture's size in a column: the height is limited to the column's width.
+// Returns a picture's size in a column: the height is limited to the column's
+// width.
 Box SizeInColumn(const Image& picture, int column_width) {
   const double width = picture.size.width, height = picture.size.height;
   Box box;
@@ -99,7 +100,7 @@ Box SizeInColumn(const Image& picture, int column_width) {
   return box;
 }
 
-// The picture, resized to a box, in cairo's pixel format.
+// Returns the picture, resized to a box, in cairo's pixel format.
 cv::Mat Resized(const Image& picture, const Box& box) {
   const cv::Mat whole(picture.size.height, picture.size.width,
                       CV_8UC(picture.channels),

@@ -11,7 +11,7 @@
 
 namespace raygrid {
 
-/// Red, green and blue, from 0 to 1.
+/// RGB components, from 0 to 1.
 using SheetColor = std::array<double, 3>;
 
 constexpr SheetColor kValidColor = {0.15, 0.85, 0.25};
@@ -34,7 +34,7 @@ struct SheetTile {
   std::string title;
   std::vector<std::string> caption;
   Image picture;        ///< 8 bits, grey or BGR; may be empty
-  std::string message;  ///< replaces the picture
+  std::string message;  ///< drawn instead of the picture
   std::vector<SheetCurves> curves;
   std::optional<SheetColor> frame;  ///< colour of a frame around it
 };

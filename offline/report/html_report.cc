@@ -141,7 +141,8 @@ void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
     rows->push_back({"camera.raygrid", EscapeHtml(warning)});
 }
 
-// The predicted uncertainty in one sentence, and as fractions of the image.
+// Returns the predicted uncertainty in one sentence, and as fractions of the
+// image.
 std::string MakeUncertaintySection(const CalibrationResult& result) {
   const auto& uncertainty = result.camera.uncertainty;
   if (!uncertainty || !uncertainty->HasDeviations()) return "";
@@ -208,8 +209,8 @@ std::map<std::string, std::vector<double>> NormsByImage(
   return norms;
 }
 
-// A table with the data of the bars, for browsers without scripts and for
-// print.
+// Returns a table with the data of the bars, for browsers without scripts and
+// for print.
 std::string MakeImageTable(const CalibrationResult& result) {
   auto training = NormsByImage(result.training);
   auto held_out = NormsByImage(result.held_out);
@@ -245,7 +246,7 @@ std::string MakeImagesSection(const CalibrationResult& result) {
          MakeImageTable(result);
 }
 
-// The groups of near-duplicate images.
+// Returns the groups of near-duplicate images.
 std::string MakeNearDuplicatesSection(const CalibrationResult& result) {
   if (result.near_duplicates.empty()) return "";
   std::string html = "<h2>Near-duplicate views</h2>\n<ul>\n";

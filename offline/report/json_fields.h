@@ -38,7 +38,7 @@ class FieldWriter {
   void NonEmpty(const char* key, const T& value) {
     When(!value.empty(), key, value);
   }
-  /// A choice of two words.
+  /// A boolean stored as one of two strings.
   void Choice(const char* key, bool value, const char* yes, const char* no) {
     json_[key] = value ? yes : no;
   }
@@ -57,7 +57,7 @@ class FieldWriter {
       visit(fields, k);
     }
   }
-  /// Adds keys that are not read: add(&json).
+  /// Adds keys that readers ignore: add(&json).
   template <class Add>
   void Computed(const Add& add) {
     add(&json_);

@@ -25,11 +25,11 @@ std::string WordsOf(OperatingParameter condition) {
 // A line of a chart, with one value per operating point.
 struct FormatOperatingPointLine {
   std::string name;
-  const char* color;  // of the Okabe-Ito palette
+  const char* color;  // from the Okabe-Ito palette
   std::vector<double> values;
 };
 
-// A static SVG chart over the operating points.
+// Returns a static SVG chart over the operating points.
 std::string LineChart(const std::string& title,
                       const std::vector<OperatingPointChange>& changes,
                       const std::vector<FormatOperatingPointLine>& lines) {
@@ -114,8 +114,8 @@ std::string TableOf(const OperatingPointCalibration& stack,
 
 // ---- Maps ------------------------------------------------------------------
 
-// A round number above nearly all values; values in single corners may exceed
-// it.
+// Returns a round number above nearly all values; values in single corners may
+// exceed it.
 double FullScale(std::vector<double> values) {
   constexpr double kPart = 0.98;
   values.erase(std::remove_if(values.begin(), values.end(),
@@ -129,8 +129,8 @@ ColorBar MakeBar(const std::string& label, double full_scale_px) {
           fmt::format("{:g} px +", full_scale_px)};
 }
 
-// The change of distortion by position at both ends of the range, relative to
-// the centre of the range, and its uncertainty.
+// Returns the change of distortion by position at both ends of the range,
+// relative to the centre of the range, and its uncertainty.
 std::string MapsOf(const OperatingPointCalibration& stack) {
   constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
   const OperatingPointModel& cameras = stack.cameras;

@@ -113,7 +113,7 @@ void AddResiduals(const CalibrationResult& result, Json* json) {
   (*json)["residuals"] = Base64(packed.bytes);
 }
 
-// Quantiles of the residuals' norms, from 0 to 99.5 %.
+// Returns the quantiles of the residuals' norms, from 0 to 99.5 %.
 Json Quantiles(const Residuals& residuals) {
   std::vector<double> norms;
   for (const FeatureResidual& residual : residuals)
@@ -128,7 +128,7 @@ Json Quantiles(const Residuals& residuals) {
 
 // ---- Camera ----------------------------------------------------------------
 
-// The number of features that depend on each control point.
+// Returns the number of features that depend on each control point.
 std::vector<int> CountSupport(const BSplineSurface& surface,
                               const Residuals& residuals) {
   const int columns = surface.columns(), rows = surface.rows();
@@ -161,8 +161,8 @@ void AddGrid(const CalibrationResult& result, Json* json) {
                      {"support", CountSupport(*surface, result.training)}};
 }
 
-// The distance of observation lines from the point closest to all of them, by
-// their angle.
+// Adds the distance of observation lines from the point closest to all of them,
+// by their angle.
 void AddLines(const CameraModel& camera, Json* json) {
   if (camera.IsCentral()) return;
   constexpr int kSteps = 24;
@@ -188,7 +188,7 @@ Json Vector(const Eigen::Vector3d& v) {
   return {Rounded(v.x()), Rounded(v.y()), Rounded(v.z())};
 }
 
-// The corners of the rectangle of a board's features.
+// Returns the corners of the rectangle of a board's features.
 std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
   if (board.IsPointSet() || board.points.empty()) {
     Eigen::Vector3d low = board.points[0], high = board.points[0];
@@ -221,7 +221,8 @@ Json CameraInSpace(const CameraModel& camera, const std::string& name,
           {"rays", rays}};
 }
 
-// Adds each board once per frame, by the first camera that saw it.
+// Adds each board once per frame, in the pose from the first camera that
+// observed it.
 void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
                const Pose& rig_from_camera,
                std::map<std::pair<std::string, int>, Json>* boards) {

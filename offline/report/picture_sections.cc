@@ -24,7 +24,7 @@ PictureAxes ImageAxes(double width, double height) {
 
 // The dataset in the pixel coordinates of a picture.
 struct PictureSpace {
-  double scale = 1;  // of the picture relative to the image
+  double scale = 1;  // picture pixels per image pixel
   ImageSize size;
   Area area;
   std::vector<FeatureResidual> residuals;
@@ -96,7 +96,7 @@ std::string MakeBiasPicture(const CalibrationResult& result) {
       "area");
 }
 
-// A histogram of residuals by dx and dy.
+// Returns a histogram of residuals by dx and dy.
 std::string MakeHistogramFigure(const std::vector<FeatureResidual>& residuals,
                                 const std::string& name, double extent_px) {
   constexpr int kBins = 61;

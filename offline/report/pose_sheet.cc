@@ -12,7 +12,8 @@ namespace {
 constexpr SheetColor kAxisColors[] = {
     {0.95, 0.15, 0.1}, {0.1, 0.75, 0.15}, {0.2, 0.4, 1.0}};
 
-// A polyline in a downscaled picture, interrupted where points are not visible.
+// A polyline in a downscaled picture, interrupted at points that are not
+// visible.
 class PixelCurve {
  public:
   PixelCurve(const CameraModel& camera, const Pose& camera_from_board,
@@ -58,7 +59,7 @@ SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
   return curves;
 }
 
-// The length of drawn axes: a third of the board's longest side.
+// Returns the length of drawn axes: a third of the board's longest side.
 double AxisLength(const Board& board) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& point : board.points) box.extend(point);

@@ -14,7 +14,7 @@ namespace raygrid {
 struct LocalizedImage {
   std::string title;
   std::string caption;
-  Image picture;  ///< of the camera's image size
+  Image picture;  ///< has the camera's image size
   const CameraModel* camera = nullptr;
   std::vector<const Board*> boards;
   std::vector<Pose> camera_from_board;

@@ -117,7 +117,7 @@ std::string MakeRigidTargetSection(
   return html + "</ul>\n";
 }
 
-// One bar per image, proportional to the deformation of its target.
+// Returns one bar per image, proportional to the deformation of its target.
 std::string BendBars(const BoardDeformation& bends) {
   const double most_m = bends.views[bends.most_deformed].rms_m;
   std::string html = "<div class=\"bars\">";

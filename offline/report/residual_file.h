@@ -19,9 +19,10 @@ struct ResidualSets {
   std::vector<FeatureResidual> held_out_in_rig;
 };
 
-/// Formats residuals.csv: set,image,board,column,row,x,y,dx,dy in pixels, where
-/// (dx, dy) = projected - observed; set is training, held-out, rejected or
-/// held-out-in-rig. For rigs, the first column is the camera's name.
+/// Formats residuals.csv with columns set,image,board,column,row,x,y,dx,dy, in
+/// pixels, where (dx, dy) = projected - observed and set is training, held-out,
+/// rejected or held-out-in-rig. For rigs, the first column is the camera's
+/// name.
 std::string FormatResiduals(const RigResult& result);
 
 /// Reads residuals by camera name, "" if the file has no such column. Throws

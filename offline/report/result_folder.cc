@@ -117,7 +117,7 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
   return BeforeAfter{ReadImage(before, true), ReadImage(after, true)};
 }
 
-// Nothing for rigs without stereo pictures.
+// Returns nullopt for rigs without stereo pictures.
 std::optional<StereoExample> ReadStereo(
     const std::string& folder, const std::optional<StereoMetrics>& metrics) {
   const std::string rows = In(folder, kRowsPicture);
@@ -134,13 +134,13 @@ ThumbnailTexts ReadThumbnails(const std::string& folder) {
   return ParseThumbnails(path, ReadFile(path));
 }
 
-// Empty if the camera was not packed.
+// Returns an empty string if the camera was not packed.
 std::string ReadBlob(const std::string& folder) {
   const std::string path = In(folder, kBlob);
   return fs::exists(path) ? ReadFile(path) : "";
 }
 
-// The cameras with files in the folder, as listed in result.json.
+// Returns the cameras with files in the folder, as listed in result.json.
 std::vector<RigFileCamera> CamerasIn(const std::string& folder,
                                      const RigResult& result) {
   const std::string path = In(folder, "rig.yaml");

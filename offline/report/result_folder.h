@@ -18,8 +18,9 @@ namespace raygrid {
 
 /// Additional outputs of a camera.
 struct CameraExtras {
-  std::string blob = {};  ///< empty: none
-  std::string view = {};  ///< view of its table as a camera file, or empty
+  std::string blob = {};  ///< packed blob, or empty
+  std::string view = {};  ///< view of its remap table as a camera file, or
+                          ///< empty
   std::optional<PackingMetrics> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};

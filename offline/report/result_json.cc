@@ -14,7 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The camera over its only condition: differences from the centre of the range.
+// Returns the camera over its only condition: differences from the centre of
+// the range.
 Json MakeRangeJson(const OperatingPointCalibration& stack) {
   const OperatingPointModel& cameras = stack.cameras;
   const OperatingRange& range = cameras.ranges()[0];
@@ -40,8 +41,8 @@ Json MakeRangeJson(const OperatingPointCalibration& stack) {
   return json;
 }
 
-// The camera over each of its conditions, with the others at the centre of
-// their ranges.
+// Returns the camera over each of its conditions, with the others at the centre
+// of their ranges.
 Json MakeRangesJson(const OperatingPointCalibration& stack) {
   const size_t count = stack.cameras.ranges().size();
   Json json = Json::array();

@@ -30,10 +30,11 @@ size_t CountMissingErrors(const CalibrationResult& result);
 /// Formats result.json; see formats/json/result.schema.json. Memory and seconds
 /// vary; everything else is deterministic.
 ///
-/// A single camera has its metrics at the top level. A rig has sums and errors
-/// over all cameras, held-out ones with each board localized once for all
-/// cameras; the relative poses of cameras; then each camera's own metrics,
-/// held-out ones with images localized by that camera only.
+/// For a single camera, its metrics are at the top level. For a rig, the top
+/// level contains totals and errors over all cameras (held-out errors with each
+/// board localized once by all cameras) and the relative poses of cameras,
+/// followed by each camera's own metrics (held-out errors with images localized
+/// by that camera alone).
 std::string FormatResultJson(
     const RigResult& result, uint64_t seed, int64_t peak_memory_bytes,
     const std::vector<std::optional<PackingMetrics>>& packing = {},

@@ -57,7 +57,8 @@ std::string MakeRigErrorTable(const RigResult& result) {
   return "<h2>Reprojection error</h2>\n" + MakeErrorTable(rows);
 }
 
-// A table of the models compared for each camera, evaluated on its own images.
+// Returns a table of the models compared for each camera, evaluated on its own
+// images.
 std::string MakeRigComparisonTable(const RigResult& result) {
   std::vector<HtmlRow> rows;
   for (const CalibrationResult& camera : result.cameras)
@@ -91,8 +92,8 @@ std::string MakeBaselineTable(const RigResult& result) {
                        rows);
 }
 
-// The per-view deformation over the views of all cameras. A target that several
-// cameras see in one frame has a single deformation.
+// Returns the per-view deformation over the views of all cameras. A target that
+// several cameras observe in one frame has a single deformation.
 std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardDeformation all;

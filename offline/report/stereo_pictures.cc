@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-// A copy of the image, transposed for vertical pairs.
+// Returns a copy of the image, transposed for vertical pairs.
 cv::Mat LyingDown(const Image& image, bool is_vertical) {
   cv::Mat pixels = cv::Mat(image.size.height, image.size.width, CV_8U,
                            const_cast<uint8_t*>(image.pixels.data()))

@@ -16,7 +16,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxBytes = 3e6;  // of all thumbnails
+constexpr double kMaxBytes = 3e6;  // total size of all thumbnails
 constexpr int kMaxWidthPx = 640, kMinWidthPx = 16;
 
 std::string EncodeThumbnail(const Image& image) {
@@ -26,7 +26,7 @@ std::string EncodeThumbnail(const Image& image) {
   return EncodeJpeg(pixels, kQuality);
 }
 
-// The width at which `count` images of this shape fit into the limit.
+// Returns the width at which `count` images of this shape fit into the limit.
 int WidthFor(int count, const ImageSize& size) {
   constexpr double kBytesPerPixel = 0.12;
   const double pixels = kMaxBytes / std::max(1, count) / kBytesPerPixel;

@@ -9,8 +9,8 @@ namespace {
 
 using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
 
-// Half of the longer side of the points' bounding rectangle, and the centre of
-// that rectangle.
+// Returns half of the longer side of the points' bounding rectangle, and the
+// centre of that rectangle.
 std::pair<double, Eigen::Vector2d> ComputeHalfExtentAndCenter(
     const Board& board) {
   Eigen::AlignedBox2d around;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHuberPx = 1;  // as in bundle adjustment
 
-// Polynomial terms in board coordinates, up to third degree.
+// Returns the polynomial terms in board coordinates, up to third degree.
 Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
     const Eigen::Vector2d& place) {
   const double x = place.x(), y = place.y();
@@ -19,8 +19,8 @@ Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
   return terms;
 }
 
-// Polynomial terms in pixel coordinates, up to fourth degree; the longer side
-// of the image is scaled to [-1, 1].
+// Returns the polynomial terms in pixel coordinates, up to fourth degree; the
+// longer side of the image is scaled to [-1, 1].
 Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
                                                    const ImageSize& size) {
   const double half = std::max(size.width, size.height) / 2.0;
@@ -41,9 +41,9 @@ struct PointEquations {
   double row = 0;  // relative to the middle row
 };
 
-// Predicted pixel of a point at the time when its observed row is read out.
-// Jacobians that are evaluated there do not depend on the noise of the
-// observation.
+// Returns the predicted pixel of a point at the time when its observed row is
+// read out. Jacobians that are evaluated there do not depend on the noise of
+// the observation.
 std::optional<Eigen::Vector2d> PredictPixelAtRow(const FrameInput& input,
                                                  const TrackPoint& point) {
   const double reference_row = GetReferenceRow(input.camera->image_size());

@@ -47,7 +47,7 @@ struct FramePull {
   double information = 0, gradient = 0;
 };
 
-// Line delay of some frames relative to that of all frames.
+// Returns the line delay of some frames relative to that of all frames.
 PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         double noise_variance) {
   double information = 0, gradient = 0, squares = 0;
@@ -62,7 +62,8 @@ PartEstimate EstimateOf(const std::vector<FramePull>& frames,
                         information};
 }
 
-// Information-weighted mean; infinite standard deviation if there are no parts.
+// Returns the information-weighted mean; infinite standard deviation if there
+// are no estimates.
 PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
   double information = 0, sum = 0;
   for (const PartEstimate& part : parts) {
@@ -101,7 +102,7 @@ class LineDelayOptimization {
     double squares = 0;
     int64_t degrees = 0;
 
-    // Noise variance at the optimal poses and shared parameters.
+    // Returns the noise variance at the optimal poses and shared parameters.
     double NoiseVariance() const {
       const double explained = gradient.dot(information.ldlt().solve(gradient));
       return (squares - explained) /
@@ -206,9 +207,9 @@ void LineDelayOptimization::OptimizeCameras(
   }
 }
 
-// Spurious information on the line delay, for noise of 1 px. The velocity is a
-// weighted sum of noisy poses and enters squared, so that noise is mistaken for
-// motion.
+// Returns the spurious information on the line delay, for noise of 1 px. The
+// velocity is a weighted sum of noisy poses and enters squared, so that noise
+// is mistaken for motion.
 double LineDelayOptimization::NoisePart(
     const MovingBoard& board, const MovingFrame& frame,
     const Eigen::Matrix<double, 5, 1>& weights) const {
@@ -328,9 +329,9 @@ void LineDelayOptimization::Bend() {
   noise_variance_ = Linearize(line_delay + bends_).NoiseVariance();
 }
 
-// Empirical variance of the line delay from the gradients of single frames.
-// Includes errors that are common to the features of a frame, and errors of
-// velocities.
+// Returns the empirical variance of the line delay from the gradients of single
+// frames. Includes errors that are common to the features of a frame, and
+// errors of velocities.
 double LineDelayOptimization::VarianceByFrames() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)
@@ -362,8 +363,9 @@ double LineDelayOptimization::BiasByQuickMotion() const {
   return all > 0 ? 1.2 * difference / all : 0;
 }
 
-// Variance of the time stamps in s^2: the deviation from smooth motion beyond
-// the noise of poses. Includes motion that is too fast for the frame rate.
+// Returns the variance of the time stamps in s^2: the deviation from smooth
+// motion in excess of the noise of poses. Includes motion that is too fast for
+// the frame rate.
 double LineDelayOptimization::TimeVariance() const {
   double uneven = 0, all = 0;
   for (const MovingBoard& board : boards_)
@@ -395,8 +397,8 @@ double LineDelayOptimization::BiasByTimes() const {
   return 2 * TimeVariance() * pretended * covariance_(0, 0);
 }
 
-// Maximum line delay: the readout time of a frame cannot exceed the shortest
-// frame interval.
+// Returns the maximum line delay: the readout time of a frame cannot exceed the
+// shortest frame interval.
 double MaxLineDelay(const std::vector<MovingBoard>& boards, int height) {
   constexpr double kUsualIntervalS = 1 / 30.0;
   double shortest_s = kUsualIntervalS;
@@ -425,8 +427,8 @@ std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
   return tracks;
 }
 
-// Groups consecutive frames into parts with similar information. The line delay
-// of each part follows from its gradient, with the biases of all frames.
+// Divides the frames into consecutive groups with similar information. The line
+// delay of each group follows from its gradient, with the biases of all frames.
 std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
   constexpr int kParts = 6;
   std::multimap<double, FramePull> by_time;
@@ -535,7 +537,7 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
   return result;
 }
 
-// Number of images used, which have two neighbours on either side.
+// Returns the number of images used, which have two neighbours on either side.
 int CountImages(const std::vector<MovingBoard>& boards) {
   std::set<size_t> images;
   for (const MovingBoard& board : boards)
@@ -547,8 +549,8 @@ int CountImages(const std::vector<MovingBoard>& boards) {
   return static_cast<int>(images.size());
 }
 
-// Displacement from the observed position to the position at the readout time
-// of the middle row; zero if it cannot be computed.
+// Returns the displacement from the observed position to the position at the
+// readout time of the middle row; zero if it cannot be computed.
 Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
                             const MovingFrame& frame, const TrackPoint& point,
                             double line_delay_s) {

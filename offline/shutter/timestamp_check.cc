@@ -123,7 +123,7 @@ void AddSteps(const Run& run, double noise_variance_px2,
   }
 }
 
-// Median of at least one value.
+// Returns the median of at least one value.
 double MedianOf(std::vector<double> values) {
   const auto median =
       values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

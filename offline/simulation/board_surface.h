@@ -14,7 +14,7 @@ namespace raygrid {
 /// Construction takes a fraction of a second per board.
 class BoardSurface {
  public:
-  /// The paper extends beyond the ink by paper_margin_squares squares. The ink
+  /// The paper extends paper_margin_squares squares around the ink. The ink
   /// follows the board's nominal geometry, not its points.
   explicit BoardSurface(const Board& board, double bend_m = 0,
                         double paper_margin_squares = 0.5);
@@ -23,8 +23,8 @@ class BoardSurface {
     Eigen::Vector2d board_m;
     double depth = 0;  ///< parameter t of the line
   };
-  /// Intersects a line, in the board frame, with the front of the surface, on
-  /// the paper or beside it; nullopt without an intersection.
+  /// Intersects a line, in the board frame, with the front of the surface,
+  /// inside or outside the paper; nullopt without an intersection.
   std::optional<Point> Intersect(const ObservationLine& line) const;
 
   double InkFraction(const Eigen::Vector2d& center_m,

@@ -23,7 +23,7 @@ struct BumpySurface {
 /// truth; its parameters cannot be optimized.
 class BumpyLens : public LineLens {
  public:
-  /// lens: defined beyond the area, by at least the height of the bumps.
+  /// lens: must be defined up to the height of the bumps outside the area.
   BumpyLens(const OpenCvModel& lens, const Area& area,
             const BumpySurface& surface);
 

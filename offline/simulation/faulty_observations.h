@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// Systematic errors of calibration images, besides noise.
+/// Systematic errors of calibration images, in addition to noise.
 enum class SimulatedFault {
   kNone,
   kImagePosition,   ///< ripples of the lens
@@ -20,8 +20,8 @@ constexpr int kNumFaults = 7;
 /// Returns the name of a fault: "none", "lens model", ...
 const char* ToString(SimulatedFault fault);
 
-/// SimulateObservations() with a fault that displaces features by a few times
-/// strength_px, before poses compensate part of it.
+/// Calls SimulateObservations() with a fault that displaces features by a few
+/// times strength_px, before poses compensate part of it.
 Dataset SimulateFaultyObservations(const CameraModel& camera,
                                    const Pattern& pattern,
                                    const SimulationOptions& options,

@@ -18,7 +18,7 @@ constexpr int kStripRows = 64;
 // Truncation radius of the lens blur, in standard deviations.
 constexpr double kGaussianReach = 4.5;
 // Board coordinates are interpolated if the depth within 2 x 2 pixels varies by
-// less than this ratio; for boards seen nearly edge-on, directions are
+// less than this ratio; for boards viewed nearly edge-on, directions are
 // interpolated instead.
 constexpr double kMaxDepthRatio = 1.05;
 
@@ -49,13 +49,14 @@ struct Kernel {
   std::vector<float> weights;  // (2 radius_px + 1) * samples_per_pixel of them
 };
 
-// The integral of the normal cumulative distribution function.
+// Returns the integral of the normal cumulative distribution function.
 double IntegralOfNormal(double x) {
   return x * 0.5 * std::erfc(-x / std::sqrt(2.0)) +
          std::exp(-x * x / 2) / std::sqrt(2 * M_PI);
 }
 
-// The integral of the blurred box of one pixel from minus infinity to x.
+// Returns the integral of the blurred box of one pixel from minus infinity to
+// x.
 double IntegralOfBlurredBox(double x, double sigma) {
   if (sigma <= 0) return std::clamp(x + 0.5, 0.0, 1.0);
   return sigma * (IntegralOfNormal((x + 0.5) / sigma) -
@@ -305,8 +306,8 @@ void Renderer::RenderRows(int first, int last, float* levels) const {
   }
 }
 
-// Vignetting: cos^4 of an angle whose tangent is proportional to the distance
-// from the centre; zero outside the image circle.
+// Returns the vignetting: cos^4 of an angle whose tangent is proportional to
+// the distance from the centre; zero outside the image circle.
 double Transmission(const CameraModel& camera, int column, int row,
                     double vignetting) {
   const ImageSize& size = camera.image_size();

@@ -14,7 +14,7 @@ namespace raygrid {
 /// A parallelogram in the board's plane, about any centre.
 class Footprint {
  public:
-  /// The columns are its sides, in metres.
+  /// sides_m: edge vectors as columns, in metres
   explicit Footprint(const Eigen::Matrix2d& sides_m) : sides_m_(sides_m) {}
 
   const Eigen::Matrix2d& sides_m() const { return sides_m_; }

@@ -51,8 +51,8 @@ class SimulatedCamera : public CameraModel {
   std::vector<LensBump> bumps_;
 };
 
-/// A 640 x 480 camera with a horizontal field of view of about 62 degrees,
-/// barrel distortion, and bumps of up to 1.5 px.
+/// Returns a 640 x 480 camera with a horizontal field of view of about 62
+/// degrees, barrel distortion, and bumps of up to 1.5 px.
 SimulatedCamera ExampleSimulatedCamera();
 
 }  // namespace raygrid

@@ -21,7 +21,7 @@ Area WithMargin(const ImageSize& size, double margin_px) {
           size.height - 1 + margin_px};
 }
 
-// Bumps of up to 1.5 px in an image 640 px wide.
+// Returns bumps of up to 1.5 px in an image 640 px wide.
 std::vector<LensBump> Bumps(const ImageSize& size) {
   std::vector<LensBump> bumps = {{{0.23, 0.25}, {0.9, -0.5}, 90},
                                  {{0.75, 0.71}, {-0.7, 1.3}, 110},

@@ -27,8 +27,8 @@ struct FixedBoards {
   double turn_rad = 15 * M_PI / 180;
   /// The last board is displaced by this distance after half of the frames.
   double move_m = 0;
-  /// A board that one camera sees in a frame is hidden from the following ones,
-  /// as if by walls between them.
+  /// A board that one camera observes in a frame is hidden from the following
+  /// cameras, as if by walls between them.
   bool never_shared = false;
 };
 
@@ -40,15 +40,15 @@ struct SimulatedRigObservations {
 
 /// Simulates noisy observations of all of the pattern's boards, each held in
 /// front of one camera after the other, independently of the other boards. A
-/// camera sees a board from its front if at least eight features are visible,
-/// of which at most options.features_per_image are kept; a frame without any
-/// has no image of this camera. Reproducible on any machine.
+/// camera observes a board from its front if at least eight features are
+/// visible, of which at most options.features_per_image are kept; a frame
+/// without any has no image of this camera. Reproducible on any machine.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const SimulationOptions& options);
 
-/// SimulateRig() for a rigid multi-board target: in each frame, one of its
-/// boards is held in front of one of the cameras, roughly upright.
+/// Like SimulateRig(), for a rigid multi-board target: in each frame, one of
+/// its boards is held in front of one of the cameras, roughly upright.
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const FixedBoards& fixed,

@@ -195,8 +195,8 @@ namespace {
 constexpr double kXi = 0.98;           // for an eccentricity of 1.22
 constexpr double kMirrorFocal = 0.75;  // in image widths
 // Tilt of the camera towards the mirror's flank, and perpendicular to it. The
-// image corners see 143 degrees from the mirror's axis; the hyperboloid reaches
-// 145 degrees.
+// image corners are up to 143 degrees from the mirror's axis; the hyperboloid
+// reaches 145 degrees.
 constexpr double kCameraTiltRad = 37 * M_PI / 180;
 constexpr double kCameraTiltDownRad = 4 * M_PI / 180;
 

@@ -25,7 +25,7 @@ constexpr int kMaxRulerMm = 200;
 
 Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
 
-// Width and height available inside margins and rulers.
+// Returns the width and height available inside margins and rulers.
 double FreeWidth(const Page& page) {
   return page.width_mm - 2 * kMarginMm - kBesideBoardMm;
 }
@@ -222,7 +222,7 @@ std::string SheetsPdf(const BoardSheets& sheets) {
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
       AppendBytes, &pdf, sheets.page.width_mm * kPointsPerMm,
       sheets.page.height_mm * kPointsPerMm);
-  // A fixed date makes the output reproducible.
+  // A fixed date makes the file reproducible.
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE,
                                  "2000-01-01T00:00:00Z");
   cairo_t* cr = cairo_create(surface);
@@ -245,8 +245,8 @@ std::string MakeSheetSvg(const BoardSheets& sheets, const Board& board) {
   DrawSheet(sheets, board, cr);
   cairo_destroy(cr);
   FinishSurface(surface);
-  // Removes the surface ID, which cairo increments within a process and nothing
-  // refers to.
+  // Removes the surface ID, which cairo increments within a process and which
+  // is not referenced.
   const size_t id = svg.find(" id=\"surface");
   if (id != std::string::npos) svg.erase(id, svg.find('"', id + 5) + 1 - id);
   return svg;

@@ -1,4 +1,5 @@
-/// Specifications of boards in one word, without a pattern.yaml.
+/// Specifications of boards as short strings, as an alternative to
+/// pattern.yaml.
 #ifndef RAYGRID_TARGET_BOARD_SPEC_H
 #define RAYGRID_TARGET_BOARD_SPEC_H
 

@@ -7,8 +7,8 @@
 
 namespace raygrid {
 
-/// Returns boards 0, 1, ... like a board with numbered markers, but with
-/// distinct markers: the numbers of each continue after the previous board's.
+/// Returns boards 0, 1, ... that equal a board with numbered markers except for
+/// the markers' numbers, which continue after those of the previous board.
 /// Throws Error(kUsage) if there are too few markers.
 std::vector<Board> MarkerBoards(Board board, int num_boards);
 

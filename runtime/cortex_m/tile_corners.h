@@ -92,7 +92,7 @@ static RG_INLINE void rg_find_tile_block(rg_tile_row* tiles,
 void rg_next_tile_in_c(rg_tile_row* tiles, rg_position corners[4]);
 void rg_next_tile_in_thumb2(rg_tile_row* tiles, rg_position corners[4]);
 
-/* Calls the version of rg_pass_part_in_...() for the target. */
+/* Calls the version of rg_next_tile_in_...() for the target. */
 static RG_INLINE void rg_next_tile(rg_tile_row* tiles, rg_position corners[4]) {
   if (RG_CORNERS_IN_ASSEMBLER)
     rg_next_tile_in_thumb2(tiles, corners);

@@ -36,20 +36,20 @@ typedef struct fast_traversal {
   rg_corner_lines lines;
   const rg_component* component;
   rg_source source;
-  uint16_t num_rows;   /* of the source that follow each other in memory, from
-                          the span's first_source_row on */
+  uint16_t num_rows;   /* number of source rows that are contiguous in memory,
+                          from the span's first_source_row on */
   uint16_t row;        /* first output row of the row of tiles */
   uint16_t end_row;    /* after the last one to process */
-  uint8_t tile_rows;   /* of the tiles; 0 before the first ones */
-  uint8_t tile_pixels; /* of such a row, if the current tile is processed in
+  uint8_t tile_rows;   /* rows of the current tiles; 0 before the first tiles */
+  uint8_t tile_pixels; /* pixels per row, if the current tile is processed in
                           segments of rows; otherwise 0 */
-  uint8_t rows_left;   /* of the tile; 0: the span is the last one */
+  uint8_t rows_left;   /* rows left in the tile; 0: the span is the last one */
   uint8_t is_clamped;  /* use the nearest source if there is none */
   uint16_t num_whole_tiles; /* number in a row of tiles, from the left */
   rg_span span __attribute__((aligned(16)));
   const rg_kernels* kernels;
-  rg_range ranges[2];   /* of positions with a source: x, y */
-  rg_position position; /* of the pixel of a EDGE_PER_PIXEL span */
+  rg_range ranges[2];   /* ranges of positions with a source: x, y */
+  rg_position position; /* position of the pixel of an EDGE_PER_PIXEL span */
   interior_box interior;
   rg_component_lanes move;
 } fast_traversal;
@@ -324,7 +324,7 @@ static edge_handling next_span(fast_traversal* traversal) {
   return find_segment(traversal);
 }
 
-/* ---- Consecutive safe tiles ---------------------------------------------- */
+/* ---- Consecutive interior tiles ------------------------------------------ */
 
 /* The kernel that interpolates several adjacent tiles; NULL if there is none
  * for the current tiles. */
@@ -339,8 +339,8 @@ static RG_INLINE rg_blend_tile_row* find_tile_kernel(
 }
 
 /* Interpolates the tiles to the right of the current one, several at once, as
- * long as they are whole and safe. Returns whether the tile reached is to be
- * processed with edge handling. */
+ * long as they are complete and interior. Returns whether the tile reached is
+ * to be processed with edge handling. */
 static int blend_interior_tiles(fast_traversal* traversal,
                                 rg_blend_tile_row* blend_tile_row) {
   rg_position corners[4 * RG_TILES_AT_ONCE];
@@ -366,8 +366,8 @@ static int blend_interior_tiles(fast_traversal* traversal,
   }
 }
 
-/* Processes the tiles to the right of the current one while they are whole and
- * safe. Returns whether the tile reached requires edge handling. */
+/* Processes the tiles to the right of the current one while they are complete
+ * and interior. Returns whether the tile reached requires edge handling. */
 static RG_INLINE int process_interior_tiles(fast_traversal* traversal,
                                             rg_sampling sampling) {
   const int is_copy = sampling == RG_SAMPLING_NEAREST;

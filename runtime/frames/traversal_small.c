@@ -21,11 +21,11 @@
 typedef struct small_traversal {
   rg_tile_row tiles;
   rg_source source;
-  uint16_t width;        /* of the output, in component pixels */
-  uint16_t row, end_row; /* of the output: after the current row of tiles, and
-                            after the last one to process */
+  uint16_t width;        /* output width in component pixels */
+  uint16_t row, end_row; /* output rows: first after the current row of tiles,
+                            and end of the rows to process */
   rg_span span;
-  const uint8_t* ranges; /* of the positions that have a source, in the format
+  const uint8_t* ranges; /* ranges of positions with a source, in the format
                             of a table's section: |q12| below 2^27 */
 } small_traversal;
 
@@ -220,8 +220,7 @@ rg_status rg_traverse_grey(const rg_camera* camera, const rg_grey_image* frame,
 typedef struct component_traversal {
   small_traversal traversal;
   rg_component component;
-  uint32_t
-      ranges[4]; /* of the component, as a section has those of the image */
+  uint32_t ranges[4]; /* the component's ranges, in the format of a section */
 } component_traversal;
 
 /* Sets the component's ranges from the image's. A range may contain none of the
@@ -271,8 +270,8 @@ typedef struct image_traversal {
   const rg_target* target;
 } image_traversal;
 
-/* Whether all rows that a safe tile requires are contiguous: its corners are
- * then relative to the first one in memory. */
+/* Returns whether all rows that an interior tile requires are contiguous: its
+ * corners are then relative to the first one in memory. */
 static RG_NOINLINE int move_to_ring(small_traversal* traversal) {
   rg_position* const corners = traversal->span.block.corners;
   uint32_t first;

@@ -47,7 +47,8 @@ std::string Text(unsigned width, unsigned height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// "1280x960 to 640x480, 640x480 to 320x240": frames and their views.
+// Returns the sizes of frames and views as text, such as "1280x960 to 640x480,
+// 640x480 to 320x240".
 std::string Text(const std::vector<TableSizes>& tables) {
   std::string text;
   for (const TableSizes& sizes : tables)
@@ -57,7 +58,7 @@ std::string Text(const std::vector<TableSizes>& tables) {
   return text;
 }
 
-// The sizes of one table, or of all tables.
+// Describes the sizes of one table, or of all tables if `table` is negative.
 std::string WhatIsMade(int table, const std::vector<TableSizes>& tables) {
   if (table >= 0)
     return "table " + std::to_string(table) + " undistorts " + Text(tables);
@@ -66,7 +67,7 @@ std::string WhatIsMade(int table, const std::vector<TableSizes>& tables) {
          Text(tables);
 }
 
-// The remedy for frames, or views, of other sizes.
+// Returns the remedy for frames or views of other sizes.
 std::string Remedy(int table) {
   return table >= 0 ? "; omit table to use the first matching one, or add one "
                       "with raygrid pack --remap"
@@ -120,7 +121,7 @@ void BlobFile::SelectTable(int table, const TableSizes& sizes) {
 }
 
 void BlobFile::SetOperatingPoint(double value) {
-  constexpr double kMost = 32767;  // of q16
+  constexpr double kMost = 32767;  // limit of q16 values
   const double q16 = std::clamp(value, -kMost, kMost) * 65536;
   const rg_status status =
       rg_set_operating_point(&camera_, static_cast<int32_t>(std::lround(q16)));

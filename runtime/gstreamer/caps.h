@@ -38,8 +38,10 @@ struct TableSizes {
   }
 };
 
-/// Converts caps from one side of tables to the other: to the caps of their
-/// output for GST_PAD_SINK, of their input for GST_PAD_SRC, in the order of
+/// Converts caps from one side of the tables to the other: to those of the
+/// tables' input for GST_PAD_SRC, of their output for GST_PAD_SINK. Keeps the
+/// order of the tables; omits those whose size differs from the given caps. The
+/// caller owns the result.
 GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
                    const std::vector<TableSizes>& tables);
 

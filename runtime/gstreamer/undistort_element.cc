@@ -66,9 +66,9 @@ enum Property {
 
 // The C++ members of the element.
 struct UndistortState {
-  std::mutex mutex;  // of all below: properties are set by any thread
+  std::mutex mutex;  // guards all members below: any thread may set properties
   raygrid::UndistortSettings settings;
-  bool is_changed = false;  // since the next one was made
+  bool is_changed = false;  // settings changed since `next` was created
   // next: for the current settings; in_use: used until caps are set for next.
   std::shared_ptr<raygrid::FrameUndistorter> next, in_use;
   // The current operating point; NaN: not set.
@@ -101,7 +101,7 @@ void PostError(gpointer element, const raygrid::CameraError& error) {
                     (nullptr));
 }
 
-// The undistorter for the current settings; null while disabled. Throws
+// Returns the undistorter for the current settings; null while disabled. Throws
 // CameraError.
 std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
     UndistortState* state) {

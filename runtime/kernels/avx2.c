@@ -211,7 +211,7 @@ INLINE __m256i find_weights(__m256i x_q12) {
       _mm256_set1_epi16(128));
 }
 
-/* upper, lower: -h of the two rows. */
+/* upper, lower: -h of the two rows (h: horizontal interpolation). */
 INLINE __m256i blend_down(__m256i upper, __m256i lower, __m256i wy_q15) {
   /* -v = -h0 + ((h0 - h1) wy + 2^14) >> 15 */
   const __m256i v = _mm256_add_epi16(
@@ -325,7 +325,7 @@ INLINE __m256i blend_windows(const uint8_t* const* windows, size_t stride,
           as_is(_mm256_set1_epi16((int16_t)(0x0101 * l.channels)))),
       lane_offsets(l));
   const __m256i weights = find_weights(x_q12);
-  /* -h of the three rows */
+  /* negated horizontal interpolations of the three rows */
   const __m256i h0 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(windows, 0, l), index), weights);
   const __m256i h1 = _mm256_maddubs_epi16(

@@ -354,7 +354,7 @@ INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
     weights = _mm512_permutexvar_epi16((__m512i)words, weights);
     wy_q15 = _mm512_permutexvar_epi16((__m512i)words, wy_q15);
   }
-  /* -h of both rows */
+  /* negated horizontal interpolations of both rows */
   const __m512i upper = _mm512_maddubs_epi16(
       _mm512_permutex2var_epi8(upper_half, index, lower_half), weights);
   const __m512i lower = _mm512_maddubs_epi16(

@@ -144,7 +144,9 @@ typedef struct lanes {
 INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
   lanes cut;
   uint16x8_t low_bits = vdupq_n_u16(0x7fff);
-  __asm__("" : "+w"(low_bits)); /* otherwise a copy and a shorter instruction */
+  /* Prevents GCC from replacing the AND by BIC with an immediate, which needs a
+   * copy. */
+  __asm__("" : "+w"(low_bits));
   uint16x8_t wy = vandq_u16(y_q15, low_bits);
   __asm__("" : "+w"(wy));
   cut.wy = vreinterpretq_s16_u16(wy);
@@ -157,7 +159,7 @@ INLINE lanes cut(uint16x8_t x_q12, uint16x8_t y_q15) {
 
 /* The constants of a span's segments, and of a row's. */
 typedef struct segment_constants {
-  const uint8_t *row0, *row1, *row2; /* of the first window */
+  const uint8_t *row0, *row1, *row2; /* rows of the first window */
   uint8x16_t offsets;
   uint16x8_t lanes_x, lanes_y; /* of the row, relative to the first lane */
 } segment_constants;

@@ -13,7 +13,8 @@
 
 #define LANES 8
 
-/* GCC before 13 does not know vector registers, and does not use them. */
+/* GCC before 13 does not accept vector registers as clobbers, and does not use
+ * them. */
 #if defined(__clang__) || __GNUC__ >= 13
 #define VECTOR_REGISTERS \
   , "v0", "v1", "v2", "v3", "v4", "v5", "v6", "v7", "v8", "v9", "v10", "v11"

@@ -30,8 +30,8 @@ typedef struct rg_component {
   uint8_t log2[2];      /* image pixels per component pixel, log2: x, y */
   uint8_t half[2];      /* position of component pixel (0, 0), half pixels */
   uint8_t first_row, row_step; /* rows of the plane */
-  uint8_t index; /* of the component in the format, and of its first channel's
-                    border value */
+  uint8_t index; /* index of the component in the format, and of its first
+                    channel's border value */
 } rg_component;
 
 /* Returns the index of a component pixel's first sample in its plane row. */

@@ -8,7 +8,8 @@
  * channels. Returns 0 for other spans, or without such kernels. */
 int rg_blend_tiles(const rg_span* span, uint32_t channels);
 
-/* Copies the nearest pixels of such a span, with one channel; 0 likewise. */
+/* Copies the nearest pixels of such a span, with one channel. Returns 0 as
+ * rg_blend_tiles(). */
 int rg_copy_tiles(const rg_span* span);
 
 #endif /* RAYGRID_TILES_H */

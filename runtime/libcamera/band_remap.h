@@ -54,7 +54,8 @@ class BandRemap {
   rg_status RemapBand(const Job& job, uint32_t first_row) const;
 
   std::vector<std::thread> threads_;
-  std::mutex mutex_;  // guards the rest; atomics are also read without
+  std::mutex mutex_;  // guards all members below; atomics are also read without
+                      // it
   std::condition_variable has_work_, is_done_;
   Job job_;
   std::atomic<uint64_t> free_bands_{0};  // one bit per band

@@ -11,7 +11,7 @@ namespace {
 // Pixels; a multiple of the sample groups of every format.
 constexpr uint32_t kBlockSize = 8;
 
-// The calibrated position of each column or row of a mode's frames.
+// Returns the calibrated position of each column or row of a mode's frames.
 std::vector<int32_t> FindPositions(const rg_mode& mode, int axis) {
   std::vector<int32_t> positions_q16;
   const int size = axis == 0 ? mode.width : mode.height;
@@ -24,7 +24,7 @@ std::vector<int32_t> FindPositions(const rg_mode& mode, int axis) {
   return positions_q16;
 }
 
-// A grey frame of the mode: 1 where the camera is valid, otherwise 0.
+// Returns a grey frame of the mode: 1 where the camera is valid, otherwise 0.
 std::vector<uint8_t> MakeValidityFrame(const rg_camera& camera,
                                        const rg_mode& mode) {
   const std::vector<int32_t> columns_q16 = FindPositions(mode, 0);
@@ -36,9 +36,9 @@ std::vector<uint8_t> MakeValidityFrame(const rg_camera& camera,
   return frame;
 }
 
-// The undistorted validity frame: 1 where sources are valid. The mask's cells
-// begin between calibrated pixels, so the nearest pixel is in the cell of the
-// source.
+// Returns the undistorted validity frame: 1 where sources are valid. The mask's
+// cells begin between calibrated pixels, so the nearest pixel is in the cell of
+// the source.
 std::vector<uint8_t> UndistortValidity(const rg_camera& camera,
                                        const StreamFormat& format) {
   rg_mode mode = {};

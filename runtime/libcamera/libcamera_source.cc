@@ -62,8 +62,8 @@ std::string DescribeCamera(Camera* camera) {
          (raw == viewfinder ? "" : raw) + DescribeControls(camera->controls());
 }
 
-// The requested format; otherwise the camera's default, or the first of its
-// formats, that the runtime supports.
+// Returns the requested format; without request, the camera's default or else
+// the first of its formats that the runtime supports.
 PixelFormat ChooseFormat(const StreamConfiguration& stream,
                          const std::string& name) {
   std::vector<PixelFormat> candidates = stream.formats().pixelformats();

@@ -75,7 +75,7 @@ class LibcameraSource : public FrameSource {
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   StreamFormat format_;
-  int orientation_ = 0;  // of the configuration; 0: not an EXIF value
+  int orientation_ = 0;  // configured orientation; 0: not an EXIF value
   unsigned widest_ = 0;  // sensor width in pixels; 0: unknown
   libcamera::ControlList controls_;  // set before the first frame
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;

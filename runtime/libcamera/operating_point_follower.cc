@@ -32,7 +32,7 @@ void OperatingPointFollower::Follow(const FrameInfo& info) {
 }
 
 void OperatingPointFollower::FollowValue(double value) {
-  constexpr double kMost = 32767;  // of q16
+  constexpr double kMost = 32767;  // limit of q16 values
   const double q16 = std::clamp(value, -kMost, kMost) * 65536;
   const rg_status status =
       rg_set_operating_point(camera_, static_cast<int32_t>(std::lround(q16)));

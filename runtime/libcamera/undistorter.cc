@@ -8,8 +8,8 @@ namespace {
 // The latency of a request to stop.
 constexpr std::chrono::milliseconds kFramePatience(50);
 
-// The format of undistorted frames: the camera's, with the size of the remap
-// table.
+// Returns the format of undistorted frames: the camera's, with the size of the
+// remap table.
 StreamFormat MakeOutputFormat(const rg_camera& camera,
                               const StreamFormat& input) {
   uint16_t width, height;

@@ -15,7 +15,7 @@
  * the blob. An offset plus a sample's size is at most the blob's size. */
 typedef struct camera_stack {
   const uint8_t* section;
-  uint32_t size;            /* of the section */
+  uint32_t size;            /* size of the section */
   const uint8_t* base_grid; /* the blob's */
   uint32_t sample_size;     /* from one piece to the next */
 } camera_stack;

@@ -148,7 +148,7 @@ uint32_t rg_project_batch(const rg_camera* camera, const rg_ray* directions,
   return num_seen;
 }
 
-/* ---- Points seen along observation lines -------------------------------- */
+/* ---- Points observed along observation lines ----------------------------- */
 
 /* Pixels closer than this have the same line. */
 #define SAME_LINE_Q16 0x80u /* 1/512 px */
@@ -177,8 +177,8 @@ typedef union rg_line_words {
   rg_pixel pixel;
 } rg_line_words;
 
-/* The direction of a point as seen from the line's point closest to the
- * camera's centre, o - (o . d) d. */
+/* Replaces the direction of the line by that of the point from the line's point
+ * closest to the camera's centre, o - (o . d) d. */
 static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
                                 uint32_t shift) {
   int32_t* word = line->words;
@@ -196,10 +196,11 @@ static RG_SHARED void look_from(rg_line_words* line, const int32_t point[3],
   }
 }
 
-/* Iterates over lines nearly through the point: each is at the pixel that sees
- * the point's direction from the previous line. If there is none, the previous
- * line may be the cause: the direction is moved towards the z axis, by about
- * 2^-closeness sin(theta), and by a quarter of that for the next line. */
+/* Iterates over lines nearly through the point: each is the line of the pixel
+ * that observes the point's direction from the previous line. If there is none,
+ * the previous line may be the cause: the direction is moved towards the z
+ * axis, by about 2^-closeness sin(theta), and by a quarter of that for the next
+ * line. */
 rg_status rg_project_point(const rg_camera* camera, const int32_t point[3],
                            uint32_t fraction_bits, rg_pixel* pixel) {
   rg_line_words found;

@@ -36,7 +36,7 @@ static RG_INLINE int rg_find_on_axis(const uint8_t* axis, uint32_t scale,
 
 /* A position in a grid, central or inverse, and the value of its spline. */
 typedef struct rg_grid_position {
-  rg_chart_point value; /* of an inverse grid: pixels in q15 */
+  rg_chart_point value; /* for an inverse grid: pixels in q15 */
   uint32_t cells;       /* column in the lower half, row in the upper */
   int32_t t_q30[2];     /* position in the cell, across and down */
   uint32_t first;       /* index of the first of 16 control points */
@@ -58,7 +58,7 @@ static RG_INLINE int rg_find_cells(const uint8_t* grid, int32_t x, int32_t y,
       !rg_find_on_axis(grid + 4, rg_load_u32(grid + RG_GRID_SCALE_Y),
                        rg_load_u16(grid + RG_GRID_ROWS) - 4u, y, &down))
     return 0;
-  /* In this order, pairs of registers are stored at once. */
+  /* In this order, compilers can store two registers at once (STRD). */
   grid_position->cells = down.cell << 16 | across.cell;
   grid_position->t_q30[0] = across.t_q30;
   grid_position->first = down.cell * columns + across.cell;

@@ -98,7 +98,7 @@ std::optional<long long> ParseWhole(const std::string& text) {
   return value;
 }
 
-// The number for a value; nothing if the control does not accept it.
+// Returns the number for a value; nullopt if the control does not accept it.
 std::optional<long long> FindValue(V4l2Device* device,
                                    const v4l2_query_ext_ctrl& control,
                                    const std::string& text) {

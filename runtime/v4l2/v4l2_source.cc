@@ -177,7 +177,7 @@ void V4l2Source::Deliver(const V4l2Filled& filled) {
   Push(filled, buffers_->planes(filled.buffer).data(), filled.buffer, arrived);
 }
 
-// Takes a buffer for pixels; nothing if stopped before one is free.
+// Returns a free buffer for pixels; nullopt if stopped before one is free.
 std::optional<uint32_t> V4l2Source::TakeDecoded() {
   while (!is_stopped_)
     if (const auto place = free_.Pop(std::chrono::milliseconds(kPatience_ms)))

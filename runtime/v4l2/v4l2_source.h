@@ -83,7 +83,7 @@ class V4l2Source : public FrameSource {
   BoundedQueue<uint32_t> free_;
   std::atomic<bool> is_stopped_{false};
   bool is_streaming_ = false;
-  mutable std::mutex mutex_;  // guards the fault
+  mutable std::mutex mutex_;  // guards fault_
   std::string fault_;
   std::optional<uint32_t> last_sequence_;  // used by the thread, as the next
   int num_failures_ = 0;                   // consecutive failures

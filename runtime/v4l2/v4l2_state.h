@@ -42,7 +42,8 @@ class V4l2StateLock {
   bool Fix(const Subject& subject, StateLock* lock);
 
   V4l2Device* const device_;
-  std::mutex mutex_;         // guards the rest; held during Lock() and Unlock()
+  std::mutex mutex_;         // guards all members below; held during Lock() and
+                             // Unlock()
   std::vector<Mode> ended_;  // disabled modes with their original values
   std::optional<int32_t> focus_;
 };

@@ -53,7 +53,7 @@ Picture PictureOf(const v4l2_format& format) {
           IsFullRange(pix.colorspace, pix.quantization)};
 }
 
-// All codes: the current one, then those that the device lists.
+// Returns all codes: the current one, then those that the device lists.
 std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   std::vector<uint32_t> codes;
   v4l2_format own = {};
@@ -67,8 +67,8 @@ std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   return codes;
 }
 
-// The codes of JPEGs among these, or of supported pixel formats, with the given
-// name, if any.
+// Returns the codes of JPEG formats, or of supported pixel formats, among
+// `codes`; if a name is given, only those with this name.
 std::vector<uint32_t> FindCandidates(std::vector<uint32_t> codes,
                                      const std::string& name, bool are_jpegs) {
   const auto is_useless = [&name, are_jpegs](uint32_t code) {
@@ -86,8 +86,8 @@ struct Choice {
   bool has_size;  // otherwise the device adjusts it
 };
 
-// The first format with exactly that size; otherwise the first whose size the
-// device would adjust.
+// Returns the first format with exactly the given size; otherwise the first
+// whose size the device would adjust.
 std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
                                  const std::vector<uint32_t>& codes,
                                  unsigned width, unsigned height) {
@@ -106,13 +106,13 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
   return adjusted;
 }
 
-// The remedy for a name that no format of the device has.
+// Returns the remedy for a name that no format of the device has.
 std::string DescribeRemedy(const std::string& name) {
   const std::string other = DescribeOtherName(name);
   return other.empty() ? "see --list" : other;
 }
 
-// The best pixel format; JPEG only if it alone has the size.
+// Returns the best pixel format; JPEG only if no other format has the size.
 v4l2_format ChooseFormat(V4l2Device* device, uint32_t buffer_type,
                          const std::string& name, unsigned width,
                          unsigned height, bool takes_jpegs) {

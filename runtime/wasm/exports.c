@@ -9,7 +9,7 @@ extern uint8_t __heap_base; /* end of the linker's static data */
 
 static rg_camera camera;
 
-/* Compilers generate calls of this function. */
+/* Compilers generate calls to this function. */
 __attribute__((no_builtin("memcpy"))) void* memcpy(void* to, const void* from,
                                                    size_t num_bytes) {
   uint8_t* out = to;

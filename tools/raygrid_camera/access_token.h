@@ -5,7 +5,7 @@
 
 namespace raygrid {
 
-/// The secret word that clients of a page must present.
+/// The secret that clients of a page must present.
 class AccessToken {
  public:
   /// Returns 128 random bits from the kernel.

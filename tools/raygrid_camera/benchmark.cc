@@ -24,7 +24,7 @@ double Median(std::vector<double> values) {
   return *median;
 }
 
-// The time for copying the rows of a frame.
+// Returns the time for copying the rows of a frame.
 double CopyPlanes_ms(const StreamFormat& format, const rg_image& image,
                      uint8_t* to) {
   const Clock::time_point start = Clock::now();
@@ -43,7 +43,7 @@ size_t CopiedBytes(const StreamFormat& format) {
   return number;
 }
 
-// The time for copying a number of bytes that are not in a cache.
+// Returns the time for copying a number of bytes that are not in a cache.
 double CopyOther_ms(size_t number) {
   std::vector<uint8_t> to(number, 1);
   const std::vector<uint8_t> from(std::max(kOtherBytes, 2 * number), 1);

@@ -21,7 +21,7 @@ class Benchmark {
   Benchmark(FrameSource* source, unsigned num_threads);
   ~Benchmark();
 
-  /// The source to undistort from, which times reading.
+  /// Returns the source to undistort from, which times reading.
   FrameSource* source();
   /// Counts a frame after its output.
   void Count(const UndistortedFrame& frame, Clock::duration output);

@@ -11,8 +11,8 @@ std::string DescribeSize(const StreamFormat& format) {
   return std::to_string(format.width) + "x" + std::to_string(format.height);
 }
 
-// The argument of raygrid pack --capture-settings that describes all metadata
-// provided by the source.
+// Returns the argument of raygrid pack --capture-settings that describes all
+// metadata provided by the source.
 std::string DescribeCapture(const FrameInfo& info) {
   char text[160] = "";
   std::string words;

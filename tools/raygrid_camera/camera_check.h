@@ -10,8 +10,8 @@
 
 namespace raygrid {
 
-/// Returns arguments of a session that undistorts equally, but ends after one
-/// frame and has no output or server.
+/// Returns the arguments of a session that undistorts equally, but ends after
+/// one frame and has no output or server.
 CameraArguments MakeCheckArguments(CameraArguments arguments);
 
 /// Describes the blob, the frames and their source in a line. Throws

@@ -149,7 +149,7 @@ class FrameLoop {
   uint64_t written_ = 0, held_back_ = 0;
 };
 
-// The first frame; nothing if a signal is received before.
+// Returns the first frame; nullopt if a signal is received before.
 std::optional<FrameInfo> WaitForFrame(const CameraArguments& arguments,
                                       FrameSource* source) {
   FrameTimeout patience(arguments);

@@ -18,8 +18,8 @@ namespace {
 constexpr int kPatience_ms = 50;
 constexpr std::chrono::seconds kGrace(1);
 
-// The number of bytes that can be written without blocking after poll() has
-// reported the descriptor as writable.
+// Returns the number of bytes that can be written without blocking after poll()
+// has reported the descriptor as writable.
 size_t FindPiece(int fd) {
   struct stat status;
   const bool is_file = fstat(fd, &status) == 0 && S_ISREG(status.st_mode);

@@ -61,7 +61,7 @@ bool TakeLine(InputStream* stream, std::string* line) {
   return false;
 }
 
-// The value of a parameter such as W640; empty if it is missing.
+// Returns the value of a parameter such as W640; empty if it is missing.
 std::string Parameter(const std::string& line, char letter) {
   const size_t start = line.find(std::string(" ") + letter);
   if (start == std::string::npos) return "";

@@ -24,7 +24,7 @@ class FrameReader {
   /// Reads the next frame, rows without padding, to format().packed_size()
   /// bytes at `frame`. Throws CameraError if the stream cannot be decoded.
   virtual Outcome Read(uint8_t* frame) = 0;
-  /// The remedy for a truncated stream.
+  /// Returns the remedy for a truncated stream.
   virtual const char* remedy() const {
     return "see the messages of the program that writes it";
   }

@@ -78,7 +78,7 @@ std::unique_ptr<FrameSource> OpenLibcamera(const CameraArguments&) {
 
 std::string DescribeV4l2() { return DescribeV4l2Devices(); }
 
-// The only device that captures frames.
+// Returns the only device that captures frames.
 std::string FindOnlyDevice() {
   const std::vector<std::string> paths = FindV4l2Devices();
   if (paths.size() == 1) return paths[0];

@@ -16,7 +16,7 @@ std::string Bytes(const void* first, size_t size) {
   return std::string(static_cast<const char*>(first), size);
 }
 
-// The 4 or 16 bytes of an IP address; empty for other address families.
+// Returns the 4 or 16 bytes of an IP address; empty for other address families.
 std::string AddressBytes(const sockaddr* address) {
   if (address->sa_family == AF_INET) {
     const auto* const v4 = reinterpret_cast<const sockaddr_in*>(address);

@@ -13,8 +13,8 @@
 
 namespace raygrid {
 
-/// An endless HTTP answer whose parts replace each other. New clients start
-/// with the newest part, and slow clients skip parts.
+/// An endless HTTP response of parts, each of which replaces the previous one.
+/// New clients start with the newest part, and slow clients skip parts.
 class NewestStream {
  public:
   /// type      content type; must outlive this object
@@ -46,7 +46,7 @@ class NewestStream {
   const char* const type_;
   const std::string_view first_;
   const size_t max_size_;
-  std::mutex mutex_;           // guards the rest
+  std::mutex mutex_;           // guards all members below
   std::vector<uint8_t> part_;  // newest part
   uint64_t number_ = 0;
   bool is_ended_ = false;

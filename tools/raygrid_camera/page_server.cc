@@ -58,7 +58,7 @@ bool IsLoopback(const sockaddr* address) {
   return number >> 24 == IN_LOOPBACKNET;
 }
 
-// The access token; nothing if none is required.
+// Returns the access token; nullopt if none is required.
 std::optional<AccessToken> ChooseToken(const PageAddress& address,
                                        const sockaddr* parsed) {
   if (!address.token_file.empty()) return AccessToken::Read(address.token_file);
@@ -66,7 +66,8 @@ std::optional<AccessToken> ChooseToken(const PageAddress& address,
   return AccessToken::MakeRandom();
 }
 
-// The value of a header field, parameter or cookie; empty if it is missing.
+// Returns the value of a header field, parameter or cookie; empty if it is
+// missing.
 std::string ValueOf(MHD_Connection* connection, MHD_ValueKind kind,
                     const char* name) {
   const char* const value = MHD_lookup_connection_value(connection, kind, name);

@@ -65,7 +65,7 @@ class PageServer {
   ~PageServer();
 
   uint16_t port() const;
-  /// Address of the page, with the token if it is random.
+  /// Returns the address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 

@@ -40,7 +40,7 @@ uint8_t ScaleToByte(uint32_t sample, int bits) {
                                               sample >> (2 * bits - 8));
 }
 
-// The number of bits of the channel's samples.
+// Returns the number of bits of the channel's samples.
 int BitsOf(const PixelFormatInfo& pixel_format, const SampleChannel& channel) {
   if (channel.component.kind != RG_SAMPLE_565) return pixel_format.bits;
   return rg_field_mask(channel.first_sample) == 31 ? 5 : 6;

@@ -19,7 +19,7 @@ namespace raygrid {
 struct PipeOptions {
   std::string format;        // libcamera's name, or MJPEG; "": by header
   unsigned width, height;    // if the stream does not specify them
-  bool every_frame = false;  // make the writer wait
+  bool every_frame = false;  // let the writer wait instead of dropping frames
   double timeout_s = 5;      // for the first byte
 };
 
@@ -58,9 +58,9 @@ class PipeSource : public FrameSource {
   std::vector<std::vector<uint8_t>> buffers_;
   BoundedQueue<CapturedFrame> queue_;
   BoundedQueue<uint32_t> free_;
-  mutable std::mutex mutex_;  // guards the fault
+  mutable std::mutex mutex_;  // guards fault_
   std::string fault_;
-  uint32_t num_read_ = 0;  // used by the thread
+  uint32_t num_read_ = 0;  // used by the reading thread only
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0};
   std::thread thread_;
 };

@@ -20,7 +20,7 @@ class PreviewServer : public FrameObserver {
                 const StreamFormat& after);
   ~PreviewServer() override;
 
-  /// Address of the page, with the token if it is random.
+  /// Returns the address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 

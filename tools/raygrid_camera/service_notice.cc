@@ -15,7 +15,7 @@ constexpr int kNoticesInTime = 4;
 
 #if RAYGRID_HAS_SYSTEMD
 
-// The timeout of systemd's watchdog; 0 if it is disabled.
+// Returns the timeout of systemd's watchdog; 0 if it is disabled.
 std::chrono::microseconds WatchdogTime() {
   uint64_t time_us = 0;
   if (sd_watchdog_enabled(0, &time_us) <= 0) time_us = 0;

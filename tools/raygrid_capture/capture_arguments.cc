@@ -51,8 +51,8 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
   return false;
 }
 
-// The canonical path of a camera device or file; other sources are returned
-// unchanged.
+// Returns the canonical path of a camera device or file; other sources are
+// returned unchanged.
 std::string PlaceOf(const std::string& source) {
   CameraArguments camera;
   const std::string name =
@@ -62,8 +62,8 @@ std::string PlaceOf(const std::string& source) {
   return error ? source : place.string();
 }
 
-// Throws if two sources are the same device or file, by whatever path: they
-// would form a rig of one camera.
+// Throws if two sources are the same device or file, even if the paths differ:
+// they would form a rig with a zero baseline.
 void RequireDifferentSources(const std::vector<NamedValue>& sources) {
   for (size_t k = 1; k < sources.size(); ++k)
     for (size_t before = 0; before < k; ++before)

@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-// The outline of a board, and separately the edge along its first row.
+// Returns the outline of a board, and separately the edge along its first row.
 ViewState ShowView(const CameraModel& camera, const Board& board,
                    const Pose& camera_from_board) {
   ViewState shown;

@@ -24,7 +24,7 @@ struct AssessedFrame {
 };
 using AssessedFrames = std::vector<AssessedFrame>;  ///< by camera
 
-/// Sets the state of the image itself: word, size, features, sharpness,
+/// Sets the state of the image itself: status, size, features, sharpness,
 /// brightness. judged.frame must not be NULL.
 void DescribeFrame(const AssessedFrame& judged, CaptureState* state);
 /// Sets the camera's predicted uncertainty and the remaining images.

@@ -28,7 +28,7 @@ void RequireSize(const Session& session, const ImageSize& size) {
                           size.width, size.height));
 }
 
-// The warning at the end if the target uncertainty was not reached.
+// Returns the warning at the end if the target uncertainty was not reached.
 std::string TargetWarning(const CaptureState& state) {
   if (!(state.target_px > 0) || state.kept.empty()) return "";
   const bool is_known = state.deviation_px > 0;

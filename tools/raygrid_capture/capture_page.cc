@@ -108,7 +108,8 @@ class CapturePage::Impl {
   std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   std::string json_;
-  std::map<std::string, std::string> names_;  // of kept frames, by escaped name
+  std::map<std::string, std::string> names_;  // names of kept frames, by
+                                              // escaped name
   bool is_new_ = false, is_stopped_ = false;
   NewestStream states_{"text/event-stream", "", kUsualStateSize};
   KeptPictures kept_;

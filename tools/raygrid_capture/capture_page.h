@@ -53,7 +53,7 @@ class CapturePage {
   ~CapturePage();
 
   uint16_t port() const;
-  /// Address of the page, with the token if it is random.
+  /// Returns the address of the page, with the token if it is random.
   std::string link() const;
   bool has_new_token() const;
 

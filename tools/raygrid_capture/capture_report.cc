@@ -45,7 +45,7 @@ class CharacterMap {
   std::vector<std::string> cells_;
 };
 
-// A line of text about a rig's cameras and their relative poses.
+// Returns a line of text about a rig's cameras and their relative poses.
 std::string RigLine(const CaptureState& state) {
   std::string text;
   for (const CameraState& camera : state.cameras) {
@@ -60,8 +60,8 @@ std::string RigLine(const CaptureState& state) {
   return text.empty() ? "" : text + "\n";
 }
 
-// A darker character for a larger uncertainty, in factors of two above the
-// target.
+// Returns a darker character for a larger uncertainty, in factors of two above
+// the target.
 char ShadeOf(double deviation_px, double good_px) {
   constexpr char kShades[] = " .:*@";
   const int step =

@@ -9,7 +9,7 @@ namespace raygrid {
 
 /// Draws a state for a terminal, without colours: the image with the features
 /// (o), the view to fill (#), and the predicted uncertainty (. to @, from low
-/// to high); then the word, the hint and the progress.
+/// to high); then the status, the hint and the progress.
 std::string DrawState(const CaptureState& state, int num_columns);
 
 }  // namespace raygrid

@@ -18,13 +18,13 @@ struct PositionState {
 /// the image.
 struct ViewState {
   std::vector<Eigen::Vector2d> outline;  ///< closed outline of the board
-  std::vector<Eigen::Vector2d> top;      ///< its edge beyond the first row
+  std::vector<Eigen::Vector2d> top;      ///< its edge adjacent to the first row
 };
 
 /// Summary of a camera of a rig.
 struct CameraState {
   std::string name;
-  std::string word = "absent";  ///< word on its newest image
+  std::string word = "absent";  ///< status of its newest image
   double deviation_px = 0;      ///< 95th percentile; 0: unknown
 };
 
@@ -65,7 +65,8 @@ struct CaptureState {
   int num_expected = -1;          ///< remaining frames; -1: unknown
 
   double sharpness_px = 0;  ///< width of the features' edges; 0: unknown
-  double brightness = 0;    ///< of the board's white, 0 to 1; 0: unknown
+  double brightness = 0;    ///< brightness of the board's white, 0 to 1; 0:
+                            ///< unknown
   double frames_per_second = 0;
   std::vector<std::string> warnings;  ///< such as controls that are not locked
 };

@@ -8,8 +8,8 @@
 namespace raygrid {
 namespace {
 
-// The board of the pattern with the most features in an image; NULL without
-// features.
+// Returns the board of the pattern with the most features in an image; NULL
+// without features.
 const Board* FindLargestBoard(const Pattern& pattern,
                               const ImageFeatures& image) {
   const Board* largest = nullptr;
@@ -29,7 +29,7 @@ std::optional<double> FiniteOrNull(double value) {
   return value > 0 ? std::optional(value) : std::nullopt;
 }
 
-// The capture settings of a frame.
+// Returns the capture settings of a frame.
 SessionFrame StateOf(const FrameInfo& info) {
   SessionFrame record;
   record.lens_position = info.lens_position;
@@ -54,7 +54,7 @@ LensFocus FocusOf(const SessionFrame& frame) {
   return focus;
 }
 
-// The status word of a frame whose capture settings differ from those of the
+// Returns the status of a frame whose capture settings differ from those of the
 // first kept one: the lens has moved, or the sensor crop has changed. NULL: no
 // difference.
 const char* DescribeOtherCameraState(const SessionFrame& first,

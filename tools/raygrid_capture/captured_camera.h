@@ -27,7 +27,7 @@ class CapturedCamera {
   /// Assesses frames, in the order of their capture.
   FrameStatus Assess(const DetectedFrame& seen, const CaptureGuide& guide);
 
-  /// Returns the word for a good frame that the camera's settings prevent from
+  /// Returns the status of a good frame that the camera's settings prevent from
   /// being kept: "locking", "refocused", "cropped"; otherwise "". The first
   /// such frame locks the settings of source, unless NULL. first: record of the
   /// first kept frame, or NULL.

@@ -15,7 +15,7 @@ namespace raygrid {
 /// A grey image with its metadata.
 struct LiveFrame {
   Image image;                   ///< 8 or 16 bits
-  GreyImage grey;                ///< the same, for detectors
+  GreyImage grey;                ///< image converted for detectors
   std::string name;              ///< file name of a photograph; else empty
   std::string path;              ///< path of a photograph; else empty
   std::optional<double> time_s;  ///< since the first; nullopt: photograph
@@ -32,9 +32,10 @@ class LiveFrames {
   virtual bool is_finished() const = 0;
   /// Whether frames arrive at a fixed rate, so that slow processing drops some.
   virtual bool is_live() const = 0;
-  /// Fraction of all frames that were returned, 0 to 1; nullopt if unknown.
+  /// Returns the fraction of all frames that were returned, 0 to 1; nullopt if
+  /// unknown.
   virtual std::optional<double> done() const { return std::nullopt; }
-  /// The camera; NULL for files.
+  /// Returns the camera; NULL for files.
   virtual FrameSource* source() { return nullptr; }
 };
 

@@ -29,7 +29,7 @@ class LivePicture {
   void Encode();
 
   NewestStream stream_;
-  std::mutex mutex_;  // guards the rest
+  std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   StreamFormat format_ = {};
   std::vector<uint8_t> bytes_;  // copy of the newest frame

@@ -38,7 +38,7 @@ class PairedFrames {
     return cameras_[camera].camera;
   }
   std::vector<std::string> names() const;
-  /// The camera; NULL for files.
+  /// Returns the camera; NULL for files.
   FrameSource* source(size_t camera) const {
     return cameras_[camera].frames->source();
   }

@@ -13,7 +13,7 @@ namespace raygrid {
 struct KeptFrame {
   size_t camera = 0;
   ImageSize size;
-  SessionFrame record;  ///< its image is the name of the frame set
+  SessionFrame record;  ///< `image` contains the name of the frame set
   std::string bytes;    ///< contents of the image file
 };
 
@@ -35,9 +35,9 @@ class SessionFolder {
   SessionFolder& operator=(const SessionFolder&) = delete;
 
   const std::vector<Session>& cameras() const { return cameras_; }
-  /// Names of all frame sets, oldest first.
+  /// Returns the names of all frame sets, oldest first.
   std::vector<std::string> CollectFrameSets() const;
-  /// Path of an image, which need not exist.
+  /// Returns the path of an image, which need not exist.
   std::string PathOf(size_t camera, const std::string& image) const;
 
   /// Returns an unused frame name: frame-0001.png and so on, or the name of the

@@ -34,7 +34,7 @@ class WholePictures {
   void Work();
 
   const CapturePage::KeptFrameReader read_;
-  std::mutex mutex_;  // guards the rest and the jobs
+  std::mutex mutex_;  // guards all members below and the state of each job
   std::condition_variable changed_;
   std::deque<std::shared_ptr<Job>> waiting_;
   bool is_stopped_ = false;

@@ -54,7 +54,7 @@ class AprilGridKind : public TargetKind {
     return {0, 0, extent.x1 - gap, extent.y1 - gap};
   }
 
-  // Black squares fill the crossings of the gaps between tags.
+  // Corner squares are where the gaps between tags intersect.
   bool IsBlack(const Board& board, double x, double y) const override {
     const double pitch = 1 + board.spacing_ratio;
     return board.has_corner_squares && x - std::floor(x / pitch) * pitch >= 1 &&
@@ -154,7 +154,7 @@ class AprilGridKind : public TargetKind {
     board.border_cells = request.border_cells.value_or(board.border_cells);
     if (request.numbered_from)
       board.is_numbered_from_top = *request.numbered_from == "top";
-    board.columns *= 2;  // features: two for each tag
+    board.columns *= 2;  // 2 x 2 features per tag
     board.rows *= 2;
     return board;
   }

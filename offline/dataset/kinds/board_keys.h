@@ -1,4 +1,4 @@
-/// Values of a board in pattern.yaml.
+/// Parsing of a board's values in pattern.yaml.
 #ifndef RAYGRID_DATASET_KINDS_BOARD_KEYS_H
 #define RAYGRID_DATASET_KINDS_BOARD_KEYS_H
 
@@ -11,7 +11,8 @@
 
 namespace raygrid {
 
-/// A value of a board; throws with the board's number and the key.
+/// Returns a value of a board. Throws InputError with the board's position and
+/// the key.
 template <typename T>
 T Value(const std::string& position, const YAML::Node& node, const char* key) {
   if (!node[key])

@@ -16,7 +16,8 @@ class CharucoKind : public TargetKind {
                           "first-marker, boards"};
   }
 
-  // The squares' corner (0, 0) is one square left of and above feature (0, 0).
+  // The first square's corner is one square to the left of and above feature
+  // (0, 0).
   std::vector<MarkerPlace> Markers(const Board& board) const override {
     std::vector<MarkerPlace> markers;
     const double margin_m = (board.square_m - board.marker_m) / 2;

@@ -6,7 +6,7 @@
 namespace raygrid {
 namespace {
 
-// Points alone, for features of other detectors.
+// A target of arbitrary points, for features of external detectors.
 class PointsKind : public TargetKind {
  public:
   PointsKind() {

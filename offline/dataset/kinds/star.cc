@@ -10,16 +10,16 @@ namespace raygrid {
 namespace {
 
 constexpr double kTagSideMm = 40;
-constexpr int kMaxSegments = 32;  // more blur together in most photographs
+constexpr int kMaxSegments = 32;  // more are not resolved in most images
 constexpr int kMaxTagsOnABoard = 100;
 
-// Tags stand in rows; row k of num_rows has this many.
+// Returns the number of tags in row k of num_rows.
 int TagsInRow(int num_tags, int num_rows, int k) {
   return num_tags * (k + 1) / num_rows - num_tags * k / num_rows;
 }
 
-// The number of rows that leaves the tags farthest apart. The ink is one
-// square wider and higher than there are features.
+// Returns the number of rows of tags that maximizes the distance between tags.
+// The printed area is one square wider and higher than the lattice.
 int NumTagRows(const StarBoardOptions& options) {
   int best_rows = 1;
   double best_pitch = 0;
@@ -35,7 +35,8 @@ int NumTagRows(const StarBoardOptions& options) {
   return best_rows;
 }
 
-// The first lattice position of tag k of count along a side with num_features.
+// Returns the first lattice position of tag k of `count` tags along a side with
+// num_features features.
 int TagStart(int num_features, int squares, int k, int count) {
   const double center = -1 + (num_features + 1) * (k + 0.5) / count;
   return static_cast<int>(std::ceil(center - squares / 2.0 - 0.5));
@@ -57,7 +58,7 @@ std::vector<BoardTag> PlaceTags(const StarBoardOptions& options, int squares) {
   return tags;
 }
 
-// Features surround a tag, and the next one stands apart.
+// Whether all tags are surrounded by features and separate from each other.
 bool AreApart(const StarBoardOptions& options,
               const std::vector<BoardTag>& tags) {
   for (size_t i = 0; i < tags.size(); ++i) {
@@ -107,7 +108,7 @@ BoardTag ParseTag(const std::string& position, const YAML::Node& node) {
   return tag;
 }
 
-// The part of a convex polygon where sign * (p[axis] - bound) <= 0.
+// Returns the part of a convex polygon where sign * (p[axis] - bound) <= 0.
 Polygon ClippedAt(const Polygon& polygon, int axis, double sign, double bound) {
   Polygon clipped;
   for (size_t i = 0; i < polygon.size(); ++i) {
@@ -128,14 +129,14 @@ Polygon ClipOutliers(Polygon polygon, const Area& area) {
   return ClippedAt(polygon, 1, 1, area.y1);
 }
 
-// The point where the ray at an angle, counter-clockwise from up, leaves the
-// square of half width 1.
+// Returns the point where a ray from the centre leaves the square of half width
+// 1. angle: counter-clockwise from up.
 Eigen::Vector2d OnSquare(double angle) {
   const Eigen::Vector2d direction(-std::sin(angle), -std::cos(angle));
   return direction / direction.cwiseAbs().maxCoeff();
 }
 
-// A segment of a star in a square of half width 1.
+// Returns segment k of a star in a square of half width 1.
 Polygon Segment(int segments, int k) {
   const double begin = 2 * M_PI * k / segments;
   const double end = 2 * M_PI * (k + 1) / segments;
@@ -273,7 +274,7 @@ class StarKind : public TargetKind {
 bool IsBlackInStar(int segments, double right, double down) {
   const double turns = std::atan2(-right, -down) / (2 * M_PI);
   const int k = static_cast<int>(std::floor(turns * segments));
-  return k % 2 == 0;  // segments is even: negative k need no wrap
+  return k % 2 == 0;  // segments is even, so negative k need not be wrapped
 }
 
 int DefaultTagSquares(int columns, int rows, double square_mm) {

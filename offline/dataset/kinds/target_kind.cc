@@ -11,10 +11,10 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxFeaturesAlongSide = 1000;
-// No board is beyond these; arithmetic far beyond ends in nonsense.
+// Plausible sizes of squares; far outside, results would be meaningless.
 constexpr double kMinSquareM = 1e-6, kMaxSquareM = 100;
 
-// Whether a square is black; the first one is left of and above feature (0, 0).
+// Whether a square is black. Square (0, 0) is left of and above feature (0, 0).
 bool IsBlackSquare(const Board& board, int column, int row) {
   if (board.is_legacy) row = board.rows - row;
   return (row % 2 != 0) == (column % 2 != 0);

@@ -1,5 +1,5 @@
-/// What distinguishes kinds of targets, one source per kind. Stages that do not
-/// know a kind ask it here.
+/// Interface of the kinds of targets, one source file per kind. Other modules
+/// access properties of a kind through it.
 #ifndef RAYGRID_DATASET_KINDS_TARGET_KIND_H
 #define RAYGRID_DATASET_KINDS_TARGET_KIND_H
 
@@ -25,14 +25,14 @@ using Polygon = std::vector<Eigen::Vector2d>;
 struct MarkerPlace {
   int id = 0;
   bool is_april_tag = false;
-  std::string family;      ///< of AprilTags, or a dictionary of OpenCV
-  Eigen::Vector2d corner;  ///< of the outermost cell, metres
+  std::string family;      ///< AprilTag family or OpenCV dictionary
+  Eigen::Vector2d corner;  ///< corner of the outermost cell, metres
   double side_m = 0;
-  int border_cells = 0;  ///< width of the black border; 0: the family's own
+  int border_cells = 0;  ///< width of the black border; 0: family's default
 };
 
-/// Boards to make, as requested. columns and rows of the board count what the
-/// kind counts.
+/// Requested boards. `board.columns` and `board.rows` are numbers of the
+/// objects that TargetKind::counted names.
 struct BoardRequest {
   Board board;
   double length_mm = 0, marker_mm = 0;
@@ -43,15 +43,15 @@ struct BoardRequest {
   bool has_no_squares = false;
 };
 
-/// Receives the options of a kind: of `raygrid pattern KIND`, or the values of
-/// a specification. Names are without hyphens.
+/// Receives the options of a kind, for `raygrid pattern KIND` and for
+/// specifications. Names have no leading hyphens.
 class BoardOptions {
  public:
   virtual ~BoardOptions() = default;
-  /// value: the default on entry.
+  /// value: default on entry
   virtual void Number(const char* name, const char* help, int* value) = 0;
   virtual void Number(const char* name, const char* help, double* value) = 0;
-  /// A number from 1 to max, without a default.
+  /// A number from 1 to max without a default.
   virtual void Number(const char* name, const char* help, int max,
                       std::optional<int>* value) = 0;
   virtual void Text(const char* name, const char* help, std::string* value) = 0;
@@ -59,29 +59,29 @@ class BoardOptions {
                     const std::vector<std::string>& words,
                     std::optional<std::string>* value) = 0;
   virtual void Flag(const char* name, const char* help, bool* value) = 0;
-  /// Required; the option is called NAME-mm.
+  /// A required length; the option is called NAME-mm.
   virtual void Length(const char* name, const char* help, double* value_mm) = 0;
 };
 
-/// By default a chessboard: a lattice of features where squares meet.
+/// Kind of a target. By default a chessboard, with features where squares meet.
 class TargetKind {
  public:
   virtual ~TargetKind() = default;
 
   std::string name;
   bool is_drawable = true;
-  /// Points in space: no lattice, no nominal geometry, no front.
+  /// 3-D points without a lattice, nominal geometry or front side.
   bool is_point_set = false;
-  /// Features are the corners of tags, and not evenly spaced.
+  /// Features are the corners of tags, which are not evenly spaced.
   bool is_tag_grid = false;
 
   // ---- pattern.yaml
-  /// The key of estimated points.
+  /// Key of the estimated points.
   const char* points_key = "points";
-  /// Reads what follows the id and the kind.
+  /// Reads the keys other than id and kind.
   virtual void Read(const std::string& position, const YAML::Node& node,
                     Board* board) const;
-  /// The board as an item of the list.
+  /// Formats the board as an item of the list of boards.
   virtual std::string Format(const Board& board) const;
 
   // ---- Geometry, in metres: x along the columns, y down the rows
@@ -91,45 +91,45 @@ class TargetKind {
 
   // ---- Appearance: ink, on which white markers are placed
   virtual Area Extent(const Board& board) const;
-  /// x, y: in squares.
+  /// x, y: board coordinates in squares.
   virtual bool IsBlack(const Board& board, double x, double y) const;
   virtual std::vector<Polygon> Ink(const Board& board) const;
   virtual std::vector<MarkerPlace> Markers(const Board&) const { return {}; }
-  /// The distance from the edges of features to the nearest cell of a marker,
-  /// in squares.
+  /// Returns the distance from the edges of features to the nearest marker
+  /// cell, in squares.
   virtual double MarkerDistance(const Board&) const {
     return std::numeric_limits<double>::infinity();
   }
 
-  // ---- Texts
-  /// The target on its printed page.
+  // ---- Descriptions
+  /// Returns the description that is printed on the target.
   virtual std::string Describe(const Board& board) const;
-  /// The layout that detected features would confirm.
+  /// Returns the layout as far as detected features verify it.
   virtual std::string DescribeLayout(const Board& board) const;
-  /// What is searched for in images.
+  /// Returns what the detector searches for in images.
   virtual std::string DescribeSought(const Board& board) const;
-  const char* feature = "inner corner";    ///< where lengths are measured
-  const char* markers = "the dictionary";  ///< where that is wrong
-  const char* more_markers = "use ";       ///< where there are too few
+  const char* feature = "inner corner";    ///< for texts about distances
+  const char* markers = "the dictionary";  ///< for texts about wrong markers
+  const char* more_markers = "use ";       ///< remedy for too few markers
 
-  // ---- Requests: the sections Target of `raygrid pattern KIND --help`
+  // ---- Options of `raygrid pattern KIND` and texts of its help
   std::string summary, example;  ///< example: of the options
   const char* counted = "inner corners";
   const char* length_help = "side length of a square";
-  int max_count = 0;  ///< of columns and rows; 0: as of all boards
-  /// The first column of specifications in `raygrid pattern --help`, and the
-  /// lines of the second one.
+  int max_count = 0;  ///< maximum number of columns or rows; 0: default
+  /// Columns of the table of specifications in `raygrid pattern --help`: an
+  /// example, and the lines of its explanation.
   const char* specification = "";
   std::vector<const char*> specification_help;
   virtual void AddOptions(BoardOptions*, BoardRequest*) const {}
-  /// The first of the boards; others differ in their first marker.
+  /// Returns the first board; others differ only in their first marker.
   virtual Board MakeBoard(const BoardRequest& request) const;
-  /// All boards, for kinds that number their tags otherwise.
+  /// Returns all boards, for kinds with a different numbering of tags.
   virtual std::vector<Board> MakeBoards(const BoardRequest&) const {
     return {};
   }
 
-  /// --columns or --tag-columns, ...
+  /// Returns --columns or --tag-columns, for example.
   std::string OptionName(const std::string& word) const {
     return (is_tag_grid ? "--tag-" : "--") + word;
   }
@@ -138,26 +138,27 @@ class TargetKind {
   }
 
  protected:
-  /// Keys of the kind alone, on reading and on writing.
+  /// Reads and formats the keys that are specific to the kind.
   virtual void ReadKeys(const std::string&, const YAML::Node&, Board*) const {}
   virtual std::string FormatKeys(const Board&) const { return ""; }
 };
 
-/// All kinds, in the order of lists.
+/// Returns all kinds, in the order of kind_list.inc.
 const std::vector<std::unique_ptr<const TargetKind>>& TargetKinds();
 
-/// The kind of a name; for other names one that cannot be drawn.
+/// Returns the kind with this name, or for other names one that cannot be
+/// drawn.
 const TargetKind& KindOf(const std::string& name);
 inline const TargetKind& KindOf(const Board& board) {
   return KindOf(board.kind);
 }
 
-/// "a, b or c": the kinds that can be drawn.
+/// Returns "a, b or c": the kinds that can be drawn.
 std::string DrawableKinds();
 
-/// ", first_marker: N", if that is not 0.
+/// Returns ", first_marker: N", or "" if N is 0.
 std::string FirstMarkerKey(const Board& board);
-/// " from N", likewise.
+/// Returns " from N", or "" if N is 0.
 std::string FromMarker(const Board& board);
 
 Polygon RectanglePolygon(double x0, double y0, double x1, double y1);

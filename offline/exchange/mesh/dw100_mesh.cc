@@ -8,7 +8,8 @@ namespace {
 constexpr int kDw100Cell = 16, kDw100Scale = 16;
 constexpr MeshSides kDw100Width = {176, 4096, 8}, kDw100Height = {144, 3072, 8};
 
-// The last cells end with the view, as the driver's and libcamera's do.
+// The last column and row of vertices lie on the border of the output image, as
+// the dw100 driver and libcamera expect.
 MeshLattice MakeDw100Lattice(const MeshRequest& request) {
   RequireMeshSize("dw100", "view", request.size, kDw100Width, kDw100Height);
   RequireMeshSize("dw100", "camera's image", request.source_size, kDw100Width,

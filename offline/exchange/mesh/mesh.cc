@@ -22,7 +22,7 @@ size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
   return count;
 }
 
-// The place that vertices say of a pixel.
+// Interpolates the source position of a pixel with separable weights.
 Eigen::Vector2d PlaceByWeights(const MeshLattice& lattice,
                                const std::vector<Eigen::Vector2d>& vertices,
                                const MeshWeights& x, const MeshWeights& y) {

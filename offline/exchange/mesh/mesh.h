@@ -1,5 +1,6 @@
-/// Meshes of hardware that dewarps: the places that a view's pixels show, at a
-/// lattice of these, as a unit holds them and goes on between them.
+/// Warp meshes for hardware dewarping engines: source positions at the vertices
+/// of a grid over the output image, in the number format of the engine, which
+/// interpolates between them.
 #ifndef RAYGRID_EXCHANGE_MESH_MESH_H
 #define RAYGRID_EXCHANGE_MESH_MESH_H
 
@@ -15,8 +16,8 @@
 
 namespace raygrid {
 
-/// Pixels of the view at which a mesh has vertices. The last ones may lie
-/// beyond it.
+/// Output pixels at which a mesh has vertices. The last column and row may lie
+/// outside the output image.
 struct MeshLattice {
   std::vector<int> x, y;
 
@@ -25,105 +26,111 @@ struct MeshLattice {
   size_t num_vertices() const { return x.size() * y.size(); }
 };
 
-/// A pixel on the way from one vertex of an axis to the next.
+/// Cell index and fraction of an output coordinate along one axis of the mesh.
 struct MeshStep {
   int vertex = 0;
-  double part = 0;  ///< of the way
+  double part = 0;  ///< between vertices `vertex` and `vertex` + 1
 };
-/// Those of the first so many pixels of an axis.
+/// Returns the steps of the output coordinates 0 to count - 1.
 std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count);
 
-/// How a unit goes on between the vertices of an axis.
+/// Interpolation of an engine between the vertices along one axis.
 enum class MeshSpan {
-  kLine,    ///< straight, from each to the next
-  kPatch,   ///< parabolas through three, each ending where the next one begins
-  kNearest  ///< the parabola through the nearest one and those beside it
+  kLine,    ///< piecewise linear
+  kPatch,   ///< piecewise quadratic, three vertices per segment, without
+            ///< overlap
+  kNearest  ///< quadratic through the nearest vertex and its two neighbours
 };
-/// "lines", "patches" or "nearest".
+/// Returns "lines", "patches" or "nearest".
 std::string SpanName(MeshSpan span);
 
-/// Three vertices of an axis, from one on, and what they weigh at a pixel.
+/// Index of the first of three consecutive vertices, and their weights.
 struct MeshWeights {
   int vertex = 0;
   std::array<double, 3> weights = {0, 0, 0};
 };
-/// Those at the first so many pixels of an axis. Vertices of parabolas are
-/// evenly spaced.
+/// Returns the interpolation weights of the output coordinates 0 to count - 1.
+/// Quadratic interpolation assumes evenly spaced vertices.
 std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
                                       int count, MeshSpan span);
 
-/// The view of a mesh that is asked for.
+/// Sizes of the output image and of the camera's image, in pixels.
 struct MeshRequest {
   ImageSize size, source_size;
-  std::optional<int> step;  ///< of pixels between vertices, if it was given
+  std::optional<int> step;  ///< vertex spacing in pixels (--stride)
 };
 
-/// A mesh before a unit: exact, in raygrid's pixels.
+/// A mesh before quantization to the number format of an engine. Positions are
+/// in raygrid's pixel coordinates.
 struct MeshTable {
   std::string path;
   ImageSize size, source_size;
   MeshLattice lattice;
-  /// The places that the vertices show, row by row, all of them finite. The
-  /// camera answers for those that pixels with a source lie at; the others
-  /// continue them.
+  /// Source positions of the vertices, row-major, all finite. Vertices with
+  /// is_needed come from the camera model, the others are extrapolated.
   std::vector<Eigen::Vector2d> vertices;
-  std::vector<bool> is_needed;  ///< whether such a pixel lies at a vertex
-  /// Of all pixels of the view, row by row; NaN where there is none.
+  std::vector<bool> is_needed;  ///< interpolation of valid pixels uses it
+  /// Source positions of all output pixels, row-major; NaN if invalid.
   std::vector<Eigen::Vector2d> sources;
 };
 
-/// A mesh as a unit holds it.
+/// A mesh in the number format of an engine.
 struct UnitMesh {
   std::vector<std::pair<std::string, std::string>> files;
-  std::string configuration;  ///< what the user needs besides the files
-  /// The places that the numbers in the files say, in raygrid's pixels.
+  std::string configuration;  ///< how to configure the engine for the files
+  /// Source positions after quantization, in raygrid's pixel coordinates.
   std::vector<Eigen::Vector2d> vertices;
-  bool keeps_rows = false;  ///< y is not in the files
+  bool keeps_rows = false;  ///< the files contain no y coordinates
 };
 
-/// A dewarping unit.
+/// A dewarping engine.
 struct MeshUnit {
-  /// Throws Error(kUsage) for sizes and steps that the unit cannot take.
+  /// Throws Error(kUsage) for sizes and steps that the engine does not support.
   MeshLattice (*lattice)(const MeshRequest& request) = nullptr;
-  /// Throws Error(kQuality) for places that the unit cannot reach.
+  /// Throws Error(kQuality) if a displacement exceeds the engine's range.
   UnitMesh (*write)(const MeshTable& mesh) = nullptr;
-  /// The largest error that is let through unless the user says another one,
-  /// and why there is one.
+  /// Default of --max-fit-error-px, and the reason for this limit, which the
+  /// error message includes.
   std::optional<double> max_error_px;
   std::string reason;
-  /// How it goes on between vertices, the same way along both axes. Several, if
-  /// its documents leave that open: its error is the largest of theirs.
+  /// Interpolation between vertices, along both axes. If the engine's
+  /// documentation leaves it open: all candidates; the maximum error counts.
   std::vector<MeshSpan> spans = {MeshSpan::kLine};
 };
 
-/// The places that a unit shows, compared with those of the view.
+/// Difference between the source positions that the engine computes and those
+/// of the camera model.
 struct MeshError {
   double max_px = 0, rms_px = 0;
-  int x = 0, y = 0;       ///< the pixel of the view that is farthest off
-  size_t num_pixels = 0;  ///< that have a source
-  /// Pixels that show the camera's image where the view has no source.
+  int x = 0, y = 0;       ///< output pixel with the largest error
+  size_t num_pixels = 0;  ///< output pixels with a source
+  /// Output pixels without a source for which the engine reads inside the
+  /// image.
   size_t num_filled = 0;
-  /// Needed vertices that the unit holds more than a pixel off.
+  /// Needed vertices that quantization or clamping moves by more than 1 px.
   size_t num_moved = 0;
 };
 
-/// The place that vertices say of a pixel, bilinearly between four of them.
+/// Interpolates a source position bilinearly between four vertices.
 Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
                           const std::vector<Eigen::Vector2d>& vertices,
                           const MeshStep& x, const MeshStep& y);
 
 MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
                            MeshSpan span);
-/// "at most 0.051 px, 0.022 px (RMS) from the view", and what else is off.
+/// Formats an error, e.g. "error 0.051 px max (at 3, 8), 0.022 px RMS", and the
+/// numbers of filled pixels and clamped vertices.
 std::string FormatMeshError(const MeshError& error);
 
-// ---- For units -------------------------------------------------------------
+// ---- For implementations of engines ---------------------------------------
 
-/// The lattice of cells that begin at the first pixel and cover the view.
+/// Returns a grid with cells of step_x x step_y pixels from pixel (0, 0) on
+/// that covers the output image.
 MeshLattice MakeRegularLattice(const ImageSize& size, int step_x, int step_y);
 
-/// Throws Error(kUsage), naming the unit, if a side of a view or an image is
-/// not in a range, or no multiple.
+/// Range of a side of an image, in pixels. RequireMeshSize() throws
+/// Error(kUsage) with the engine's name if a side is outside its range or not a
+/// multiple.
 struct MeshSides {
   int min = 1, max = 65535, multiple = 1;
 };
@@ -131,8 +138,8 @@ void RequireMeshSize(const std::string& unit, const std::string& what,
                      const ImageSize& size, const MeshSides& width,
                      const MeshSides& height);
 
-/// Every vertex passes one of these two. Units count from the first pixel's
-/// centre.
+/// Conversion to and from the pixel coordinates of engines, in which the centre
+/// of the first pixel is (0, 0).
 inline Eigen::Vector2d ToMeshUnit(const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kFirstPixelCenter, {}, pixel);
 }
@@ -140,13 +147,13 @@ inline Eigen::Vector2d FromMeshUnit(const Eigen::Vector2d& position) {
   return FromProgram(PixelOrigin::kFirstPixelCenter, {}, position);
 }
 
-/// A number in steps of 1 / scale, the nearest between two bounds.
+/// Returns round(value scale), clamped to [least, most].
 int64_t FixedPoint(double value, int scale, int64_t least, int64_t most);
 
-/// The lowest so many bytes of a number, the lowest first.
+/// Appends the num_bytes least significant bytes of a number, little-endian.
 void AppendLittleEndian(uint64_t number, int num_bytes, std::string* bytes);
 
-/// "front_meshxi.bin" beside "front.bin".
+/// Inserts a suffix before the extension: "front.bin" -> "front_meshxi.bin".
 std::string PathWithSuffix(const std::string& path, const std::string& suffix);
 
 }  // namespace raygrid

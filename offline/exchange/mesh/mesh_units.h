@@ -1,4 +1,4 @@
-/// The formats of dewarping units, one file each.
+/// Mesh formats of dewarping engines, one source file each.
 #ifndef RAYGRID_EXCHANGE_MESH_MESH_UNITS_H
 #define RAYGRID_EXCHANGE_MESH_MESH_UNITS_H
 
@@ -9,7 +9,6 @@
 
 namespace raygrid {
 
-/// Makes a format from the fields of TableFormat.
 inline TableFormat MakeMeshFormat(const char* name, const char* holds,
                                   const std::vector<std::string>& endings,
                                   const std::vector<std::string>& options,

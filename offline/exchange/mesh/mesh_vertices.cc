@@ -5,7 +5,8 @@
 namespace raygrid {
 namespace {
 
-// Vertices of a lattice, and what is known of them.
+// Read access to the vertices of a grid; positions that are not finite are
+// unknown.
 class VertexField {
  public:
   VertexField(const MeshLattice& lattice,
@@ -14,8 +15,8 @@ class VertexField {
         rows_(lattice.rows()),
         places_(*positions) {}
 
-  // The place of an unknown vertex, as vertices that are known continue; the
-  // mean of what all directions say.
+  // Extrapolates an unknown vertex linearly from known neighbours, averaged
+  // over the eight directions; nullopt if all neighbours are unknown.
   std::optional<Eigen::Vector2d> Continued(int column, int row) const {
     Eigen::Vector2d sum(0, 0);
     int count = 0;
@@ -58,7 +59,7 @@ std::vector<bool> FindRequiredVertices(
       if (!sources[static_cast<size_t>(y) * size.width + x].allFinite())
         continue;
       const size_t first = rows[y].vertex * width + columns[x].vertex;
-      // A pixel on a vertex, or on the line between two, needs no others.
+      // A pixel on a vertex or edge depends on one or two vertices only.
       const bool right = columns[x].part > 0, below = rows[y].part > 0;
       is_needed[first] = true;
       if (right) is_needed[first + 1] = true;
@@ -73,7 +74,7 @@ void ExtrapolateVertices(const MeshLattice& lattice,
   std::vector<size_t> unknown;
   for (size_t k = 0; k < vertices->size(); ++k)
     if (!(*vertices)[k].allFinite()) unknown.push_back(k);
-  // Rings of vertices, from those beside known ones outward.
+  // Extrapolates ring by ring, from the neighbours of known vertices outwards.
   while (!unknown.empty() && unknown.size() < vertices->size()) {
     const VertexField field(lattice, vertices);
     std::vector<std::pair<size_t, Eigen::Vector2d>> ring;
@@ -93,8 +94,9 @@ void ExtrapolateVertices(const MeshLattice& lattice,
 }
 
 void BalanceVertices(MeshTable* mesh) {
-  // A parabola's chord is off by up to 3/2 of the mean, and by nothing at its
-  // ends. Moved by half of the largest, it is off by as much on both sides.
+  // If the function is quadratic, the error of linear interpolation is 0 at the
+  // vertices and at most 3/2 of its mean between them. Subtracting half of this
+  // maximum (3/4 of the mean) makes the errors symmetric about 0.
   constexpr double kPart = 0.75;
   const MeshLattice& lattice = mesh->lattice;
   const std::vector<MeshStep> columns = StepsAlong(lattice.x, mesh->size.width),

@@ -8,20 +8,19 @@
 
 namespace raygrid {
 
-/// A vertex is needed if the pixel at it has a source, or one in a cell that it
-/// is a corner of. Sources are those of all pixels of a view of this size, and
-/// NaN where there is none.
+/// Returns which vertices valid pixels are interpolated from. sources: one per
+/// output pixel, row-major; NaN if invalid.
 std::vector<bool> FindRequiredVertices(
     const MeshLattice& lattice, const ImageSize& size,
     const std::vector<Eigen::Vector2d>& sources);
 
-/// Gives each vertex that is not finite a place, in line with those beside it.
-/// At least one of them is finite.
+/// Extrapolates the vertices that are not finite from their neighbours. At
+/// least one vertex must be finite.
 void ExtrapolateVertices(const MeshLattice& lattice,
                          std::vector<Eigen::Vector2d>* vertices);
 
-/// Moves vertices so that between them places lie on both sides of the view's.
-/// Vertices that lie on it leave about twice the error.
+/// Shifts vertices such that the errors of bilinear interpolation have both
+/// signs. With exact vertices the maximum error is about twice as large.
 void BalanceVertices(MeshTable* mesh);
 
 }  // namespace raygrid

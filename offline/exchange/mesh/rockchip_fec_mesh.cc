@@ -9,14 +9,15 @@ namespace raygrid {
 namespace {
 
 constexpr int kFecScale = 256, kFecAlignment = 32, kFecBandRows = 128;
-constexpr int kFecSmallWidth = 1920;  // up to which cells are the smaller ones
+// Widest output image for which the engine uses the small cells.
+constexpr int kFecSmallWidth = 1920;
 constexpr MeshSides kFecSides = {32, 8192, 2};
 
 int FecAligned(int pixels) {
   return (pixels + kFecAlignment - 1) / kFecAlignment * kFecAlignment;
 }
 
-// The unit's output ends at a multiple of 32 pixels.
+// The engine pads its output to multiples of 32 pixels.
 MeshLattice MakeFecLattice(const MeshRequest& request) {
   RequireMeshSize("rockchip-fec", "view", request.size, kFecSides, kFecSides);
   RequireMeshSize("rockchip-fec", "camera's image", request.source_size,
@@ -27,8 +28,9 @@ MeshLattice MakeFecLattice(const MeshRequest& request) {
       is_small ? 16 : 32, is_small ? 8 : 16);
 }
 
-// Vertices in the order of the unit: bands of 128 rows of pixels, columns of
-// vertices within, which end where the next band begins.
+// Returns the vertex indices in the order of the engine: bands of 128 pixel
+// rows, column-major within a band. The last row of vertices of a band is
+// repeated as the first row of the next one.
 std::vector<size_t> FecOrder(const MeshLattice& lattice) {
   const int per_band = kFecBandRows / lattice.y[1];
   std::vector<size_t> order;

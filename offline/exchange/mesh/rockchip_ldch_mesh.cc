@@ -38,7 +38,7 @@ UnitMesh WriteLdch(const MeshTable& mesh) {
           mesh.vertices[static_cast<size_t>(row) * columns + column]);
       const int64_t x = FixedPoint(position.x(), kLdchScale, 0, most);
       AppendLittleEndian(x, 2, &bytes);
-      // Rows of the output are those of the image.
+      // The engine displaces pixels along x only.
       unit.vertices.push_back(FromMeshUnit(
           {static_cast<double>(x) / kLdchScale, mesh.lattice.y[row]}));
     }

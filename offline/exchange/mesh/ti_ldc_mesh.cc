@@ -11,7 +11,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kLdcScale = 8, kLdcDefaultStep = 16, kLdcMaxStep = 128;
-constexpr int kLdcLineVertices = 16;  // lines are multiples of so many
+constexpr int kLdcLineVertices = 16;  // row length is a multiple
 constexpr MeshSides kLdcSides = {16, 8192, 2};
 constexpr int kLdcMaxPad = 15;
 
@@ -28,7 +28,8 @@ MeshLattice MakeLdcLattice(const MeshRequest& request) {
   return MakeRegularLattice(request.size, step, step);
 }
 
-// An offset of 16 bits, of which 3 are fraction.
+// Returns an offset as a 16-bit fixed-point number with 3 fractional bits.
+// axis: for the error message.
 int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
   const int64_t fixed = FixedPoint(offset, kLdcScale, INT16_MIN, INT16_MAX);
   if (mesh.is_needed[k] && std::abs(fixed - offset * kLdcScale) > 1)
@@ -42,8 +43,8 @@ int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
   return fixed;
 }
 
-// The pixels that places of a block lie beyond the box around the places of its
-// corners, at most.
+// Returns by how many pixels the source positions of a block extend outside the
+// bounding box of its corners' positions, maximum over all blocks.
 double LdcExcess(const MeshTable& mesh,
                  const std::vector<Eigen::Vector2d>& positions, int block_px) {
   const int columns = mesh.lattice.columns(), rows = mesh.lattice.rows(),
@@ -60,7 +61,7 @@ double LdcExcess(const MeshTable& mesh,
       box.extend(at(right, row));
       box.extend(at(column, below));
       box.extend(at(right, below));
-      // Between vertices places are within those of the vertices.
+      // Interpolated positions lie within the bounding box of the vertices.
       for (int j = row; j <= below; ++j)
         for (int i = column; i <= right; ++i)
           excess = std::max({excess, (box.min() - at(i, j)).maxCoeff(),
@@ -69,8 +70,9 @@ double LdcExcess(const MeshTable& mesh,
   return excess;
 }
 
-// The properties of TI's GStreamer element, with the largest block whose pad
-// the unit has. A block within a cell needs none but the neighbours' pixel.
+// Returns the properties of TI's GStreamer element, with the largest block size
+// whose padding the engine supports. Blocks within a cell need a padding of 1
+// px for interpolation.
 std::string LdcProperties(const MeshTable& mesh,
                           const std::vector<Eigen::Vector2d>& positions) {
   const int step = mesh.lattice.x[1];
@@ -98,7 +100,7 @@ UnitMesh WriteLdc(const MeshTable& mesh) {
       const Eigen::Vector2d offset = ToMeshUnit(mesh.vertices[k]) - own;
       const int64_t dx = LdcOffset(mesh, k, offset.x(), 'x'),
                     dy = LdcOffset(mesh, k, offset.y(), 'y');
-      // The lower half of a word is y.
+      // The lower 16 bits contain y.
       AppendLittleEndian(static_cast<uint64_t>(dy), 2, &bytes);
       AppendLittleEndian(static_cast<uint64_t>(dx), 2, &bytes);
       unit.vertices.push_back(

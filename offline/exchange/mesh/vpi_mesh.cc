@@ -11,8 +11,8 @@ constexpr MeshSides kVpiWidth = {64, 16384}, kVpiHeight = {16, 16384};
 
 constexpr int kVpiMaxStep = 64, kVpiTileWidth = 64, kVpiTileHeight = 16;
 
-// Points of an axis whose pixels come in tiles: an odd number, the last one not
-// before the last tile's end.
+// Returns the grid points along an axis that is processed in tiles. The count
+// is odd and the last point is not before the end of the last tile.
 std::vector<int> VpiPoints(int num_pixels, int tile, int step) {
   const int end = (num_pixels + tile - 1) / tile * tile;
   int count = (end + step - 1) / step + 1;
@@ -22,7 +22,7 @@ std::vector<int> VpiPoints(int num_pixels, int tile, int step) {
   return points;
 }
 
-// Every pixel, unless a step is given.
+// One vertex per pixel unless --stride is given.
 MeshLattice MakeVpiLattice(const MeshRequest& request) {
   RequireMeshSize("vpi", "view", request.size, kVpiWidth, kVpiHeight);
   const int step = request.step.value_or(1);

@@ -10,9 +10,9 @@
 
 namespace raygrid {
 
-/// Methods of sub-pixel refinement (paper, "Feature Extraction"): by symmetry
-/// of one of three images derived from the photograph, by OpenCV's
-/// cornerSubPix, or none after the initial localization.
+/// Methods of sub-pixel refinement (paper, "Feature Extraction"): maximization
+/// of the symmetry of the intensities, of the gradient components or of the
+/// gradient magnitude; OpenCV's cornerSubPix; or no refinement.
 enum class Refinement {
   kIntensities,
   kGradientsXY,
@@ -26,12 +26,12 @@ struct DetectionOptions {
   int window_px = 21;  ///< side of the refinement window, odd
 };
 
-/// A grey image as input of detectors.
+/// A grey image, the input of detectors.
 struct GreyImage {
   ImageSize size;
-  std::vector<float> levels;   ///< row by row, scaled to 0 to 255
-  std::vector<uint8_t> bytes;  ///< levels, rounded
-  float level_step = 1;        ///< step of the file's levels
+  std::vector<float> levels;   ///< row-major, scaled to 0 to 255
+  std::vector<uint8_t> bytes;  ///< levels rounded to integers
+  float level_step = 1;        ///< quantization step of the file
   bool was_mosaic = false;     ///< see BalanceMosaic()
 
   float at(int x, int y) const { return levels[y * size.width + x]; }
@@ -47,12 +47,12 @@ bool IsLargeEnough(const ImageSize& size);
 /// Flips the image horizontally.
 GreyImage MirrorImage(GreyImage image);
 
-/// Halves width and height: pixel (x, y) is the mean of four, the first of
-/// which is (2 x, 2 y).
+/// Halves width and height: pixel (x, y) is the mean of the 2 x 2 pixels from
+/// (2 x, 2 y) on.
 GreyImage Halved(const GreyImage& image);
 
-/// Converts a pixel to an image downscaled by averaging to 1 / scale of the
-/// size, and back.
+/// Converts pixel coordinates to and from an image downscaled by a factor of
+/// `scale` by averaging.
 inline Eigen::Vector2d ToDownscaled(const Eigen::Vector2d& pixel,
                                     double scale) {
   return (pixel.array() + 0.5) / scale - 0.5;
@@ -64,14 +64,15 @@ inline Eigen::Vector2d FromDownscaled(const Eigen::Vector2d& pixel,
 
 struct RejectedFeature {
   Feature feature;
-  std::string reason;  ///< a few words
+  std::string reason;  ///< short description for messages
 };
 
 /// Accepted and rejected features of one image.
 struct ImageDetection {
-  std::vector<Feature> features;  ///< by board, row, column
+  std::vector<Feature> features;  ///< ordered by board, row, column
   std::vector<RejectedFeature> rejected;
-  std::vector<std::string> warnings;  ///< such as mirrored board, other tags
+  std::vector<std::string> warnings;  ///< e.g. mirrored board, tags of other
+                                      ///< boards
 };
 
 }  // namespace raygrid

@@ -29,14 +29,15 @@ class FeatureLattice {
   int num_found() const { return num_found_; }
 
   /// Returns the features at most `reach` columns and rows away, with offsets
-  /// from (column, row) in squares, and higher weights for closer ones.
+  /// from (column, row) in squares; weights decrease with the distance.
+  /// with_itself: includes (column, row).
   std::vector<Correspondence> Around(int column, int row, int reach,
                                      bool with_itself) const;
 
   /// Returns how many of the 24 surrounding features are found.
   int CountNeighbours(int column, int row) const;
 
-  /// Returns the features by row and column.
+  /// Returns the features ordered by row, then column.
   std::vector<Feature> Features() const;
 
  private:

@@ -7,10 +7,11 @@ namespace raygrid {
 namespace {
 
 constexpr int kBlockPx = 16;
-constexpr int kStridePx = 32;  // between blocks
+constexpr int kStridePx = 32;  // from block to block
 constexpr double kQuantile = 0.2;
 
-// (1 -2 1)^T (1 -2 1): the standard deviation of white noise grows six times.
+// Response of the filter (1 -2 1)^T (1 -2 1), which multiplies the standard
+// deviation of white noise by 6.
 double Response(const GreyImage& image, int x, int y) {
   const auto row = [&](int r) {
     return image.at(x - 1, r) - 2 * image.at(x, r) + image.at(x + 1, r);
@@ -18,7 +19,8 @@ double Response(const GreyImage& image, int x, int y) {
   return row(y - 1) - 2 * row(y) + row(y + 1);
 }
 
-// A block's mean level and its noise.
+// Returns the mean grey level of a block and the standard deviation of its
+// noise.
 NoiseAtLevel NoiseOfBlock(const GreyImage& image, int x0, int y0) {
   double sum = 0, levels = 0;
   for (int y = y0; y < y0 + kBlockPx; ++y) {

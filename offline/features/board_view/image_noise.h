@@ -7,18 +7,20 @@
 
 namespace raygrid {
 
-/// Estimates the standard deviation of the noise, grey levels, in the smoothest
-/// parts of the image, with Immerkaer's filter (1996), which suppresses edges.
+/// Estimates the standard deviation of the image noise, in grey levels, from
+/// the smoothest blocks of the image, with Immerkaer's filter (1996), which
+/// suppresses edges.
 double EstimateNoise(const GreyImage& image);
 
-/// Noise of pixels near a grey level.
+/// Standard deviation of the noise at a grey level.
 struct NoiseAtLevel {
   double level, noise;
 };
 
-/// Estimates the noise by brightness, in ascending order, by EstimateNoise() on
-/// the parts of the image near each level. Noise increases at most with the
-/// square root of the light: larger values are attributed to the scene.
+/// Estimates the noise as a function of the grey level, in ascending order,
+/// from the smoothest blocks at each level. Photon noise increases at most with
+/// the square root of the intensity; larger values are attributed to texture
+/// and limited accordingly.
 std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image);
 
 }  // namespace raygrid

@@ -26,7 +26,7 @@ enum {
 
 static_assert(std::tuple_size_v<LensParameters> == kNumParameters);
 
-// A place in the camera's frame.
+// Transforms a board position (in squares) to camera coordinates.
 template <typename T>
 std::array<T, 3> PointAt(const T* p, const Eigen::Vector2d& place) {
   const T on_board[3] = {T(place.x()), T(place.y()), T(0)};
@@ -75,8 +75,8 @@ std::vector<ReprojectionError> SelectEvenly(
   return chosen;
 }
 
-// The board's pose if the lens were equidistant with this focal length: rays
-// are a homography of places.
+// Estimates the board's pose for an equidistant projection with this focal
+// length: a homography maps board positions to rays.
 std::optional<LensParameters> Start(
     const std::vector<ReprojectionError>& errors, const ImageSize& size,
     double focal_px) {
@@ -125,8 +125,9 @@ double AngleRad(const LensParameters& parameters,
   return std::atan2(std::hypot(point[0], point[1]), point[2]);
 }
 
-// The lens is believed to a fifth beyond the widest angle of the errors'
-// places, and no farther than pixels still move with the angle.
+// Returns the maximum angle at which the model is used: 1.2 times the maximum
+// angle of the features, but only while the slope of the radial projection is
+// above 0.2 times the focal length.
 double MaxAngleRad(const std::vector<ReprojectionError>& errors,
                    const LensParameters& parameters) {
   constexpr double kFarther = 1.2, kMinSlope = 0.2, kStepRad = 0.01;

@@ -12,26 +12,28 @@
 namespace raygrid {
 
 /// A radial lens model and the pose of a planar board, fitted to the features
-/// of one lattice: a direction at the angle t from the axis is projected to the
-/// distance f (t + k1 t^3 + k2 t^5) from the centre. It predicts missing
-/// features within and beyond the lattice, as around large tags near a
-/// fisheye's edge, to about a pixel, as real lenses are not exactly radial.
+/// of one lattice: a ray at the angle t from the optical axis is projected to
+/// the distance f (t + k1 t^3 + k2 t^5) from the distortion centre. Predicts
+/// missing features within and outside the lattice, e.g. around large tags near
+/// the edge of a fisheye image, to about a pixel, as real lenses are not
+/// exactly radially symmetric.
 class LatticeLens {
  public:
-  /// Returns nullopt for fewer than 20 features, or if half of them have
-  /// residuals above a pixel.
+  /// Returns nullopt for fewer than 20 features, or if the median residual
+  /// exceeds a pixel.
   static std::optional<LatticeLens> Fit(const std::vector<Feature>& features,
                                         const ImageSize& size);
 
-  /// Projects a point of the lattice, in squares; nullopt if its angle from the
-  /// axis exceeds the largest angle of a feature by a fifth.
+  /// Projects a lattice position, in squares; nullopt if its angle from the
+  /// optical axis exceeds the maximum angle of the features by more than 20 %.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector2d& place) const;
-  /// Returns the local mapping within a square around a point, or half a square
-  /// near the maximum angle: a polynomial of degree 3; nullopt if not defined.
+  /// Returns the local mapping around a position, a polynomial of degree 3
+  /// fitted within a radius of 1 square (0.5 near the maximum angle); nullopt
+  /// if the position is outside the valid range.
   std::optional<LocalMapping> Around(const Eigen::Vector2d& place) const;
 
-  /// f in pixels, k1, k2; centre in pixels; camera_from_board: rotation vector,
-  /// and translation in squares.
+  /// f in pixels, k1, k2; distortion centre in pixels; camera_from_board:
+  /// rotation vector, translation in squares.
   using Parameters = std::array<double, 11>;
 
  private:
@@ -41,7 +43,7 @@ class LatticeLens {
       const Eigen::Vector2d& place, double reach) const;
 
   Parameters parameters_;
-  double max_angle_rad_;  // angle from the axis
+  double max_angle_rad_;  // from the optical axis
 };
 
 }  // namespace raygrid

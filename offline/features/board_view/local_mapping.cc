@@ -10,7 +10,7 @@ namespace {
 
 constexpr int NumTerms(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
-// (1, s / (1 + h . s), m(s)), as far as the degree.
+// Returns (1, s / (1 + h . s), m(s)), truncated to the polynomial's degree.
 template <int kTerms>
 Eigen::Matrix<double, kTerms, 1> Monomials(const Eigen::Vector2d& offset,
                                            const Eigen::Vector2d& perspective) {
@@ -20,8 +20,8 @@ Eigen::Matrix<double, kTerms, 1> Monomials(const Eigen::Vector2d& offset,
   return monomials;
 }
 
-// Solves normal equations, scaled to a diagonal of ones; false if they are near
-// singular.
+// Solves normal equations after scaling their diagonal to 1; returns false if
+// they are nearly singular.
 template <int kTerms, int kColumns>
 bool SolveScaled(Eigen::Matrix<double, kTerms, kTerms> normal,
                  const Eigen::Matrix<double, kTerms, kColumns>& right,
@@ -40,7 +40,8 @@ bool SolveScaled(Eigen::Matrix<double, kTerms, kTerms> normal,
   return true;
 }
 
-// Weighted least squares; false if the normal equations are near singular.
+// Fits by weighted least squares; returns false if the normal equations are
+// nearly singular.
 template <int kDegree>
 bool FitPolynomial(const std::vector<Correspondence>& correspondences,
                    const Eigen::Vector2d& perspective, LocalMapping* mapping) {
@@ -49,7 +50,7 @@ bool FitPolynomial(const std::vector<Correspondence>& correspondences,
   using Solution = Eigen::Matrix<double, kTerms, 2>;
   Normal normal = Normal::Zero();
   Solution right = Solution::Zero();
-  // Near the origin of the pixels too, for the sake of precision.
+  // Pixels are relative to the first one for numerical precision.
   const Eigen::Vector2d origin = correspondences.front().pixel;
   for (const Correspondence& c : correspondences) {
     const auto m = Monomials<kTerms>(c.offset, perspective);
@@ -68,14 +69,14 @@ bool FitPolynomial(const std::vector<Correspondence>& correspondences,
   return true;
 }
 
-// Fits a mapping with a known perspective, of the highest degree that is
-// determined.
+// Fits a mapping with given perspective and the highest degree that the
+// correspondences determine.
 int FitPolynomial(const std::vector<Correspondence>& correspondences,
                   int max_degree, const Eigen::Vector2d& perspective,
                   LocalMapping* mapping) {
   for (int degree = max_degree; degree >= 1; --degree) {
-    // Two more than needed: a polynomial through all points would follow
-    // their errors.
+    // Requires two correspondences more than coefficients, since an
+    // interpolating polynomial would reproduce the noise.
     const int spare = degree == 1 ? 0 : 2;
     const auto fit = degree == 3   ? FitPolynomial<3>
                      : degree == 2 ? FitPolynomial<2>
@@ -87,7 +88,7 @@ int FitPolynomial(const std::vector<Correspondence>& correspondences,
   return 0;
 }
 
-// Fits the perspective of the homography nearest to correspondences.
+// Fits a homography and returns its perspective; false if undetermined.
 bool FitPerspective(const std::vector<Correspondence>& correspondences,
                     Eigen::Vector2d* perspective) {
   constexpr size_t kMinCount = 5;

@@ -20,7 +20,8 @@ using FamilyPointer =
 using DetectorPointer =
     std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
 
-// The code's cells count from the corner of the black square.
+// Adds a black border cell: code cells are counted from the corner of the black
+// square.
 FamilyPointer WithWideBorder(FamilyPointer family) {
   for (uint32_t bit = 0; bit < family->nbits; ++bit) {
     ++family->bit_x[bit];
@@ -55,7 +56,7 @@ cv::Mat View(const GreyImage& image) {
                  const_cast<uint8_t*>(image.bytes.data()));
 }
 
-// The grey level that a part of the pixels stay below.
+// Returns the quantile of the grey levels at the given fraction.
 int Quantile(const std::vector<uint8_t>& bytes, double part) {
   std::array<size_t, 256> histogram = {};
   for (const uint8_t byte : bytes) ++histogram[byte];
@@ -67,7 +68,8 @@ int Quantile(const std::vector<uint8_t>& bytes, double part) {
   return level;
 }
 
-// libapriltag's bounds are grey levels: dark images are brightened.
+// libapriltag's thresholds are absolute grey levels, so dark images are
+// amplified.
 cv::Mat Brightened(const GreyImage& image) {
   constexpr double kBright = 200, kMinGain = 1.5, kMaxGain = 8;
   const double gain =
@@ -80,14 +82,14 @@ cv::Mat Brightened(const GreyImage& image) {
   return brightened;
 }
 
-// libapriltag counts the rows and columns that it looks at in 15 bits.
+// libapriltag stores coordinates of the decimated image in 15 bits.
 float ComputeMinDecimation(const cv::Mat& image) {
   constexpr int kMaxLookedAt = 32767;
   return static_cast<float>(1 + (std::max(image.cols, image.rows) - 1) /
                                     kMaxLookedAt);
 }
 
-// libapriltag puts (0, 0) at the corner of the top-left pixel.
+// In libapriltag, (0, 0) is the corner of the top-left pixel.
 Eigen::Vector2d FromPixelCorner(const double position[2]) {
   return {position[0] - 0.5, position[1] - 0.5};
 }
@@ -138,7 +140,7 @@ std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
     for (size_t k = 0; k < data_->families.size(); ++k)
       if (detection->family == data_->families[k].get())
         tag.family = data_->kinds[k];
-    // The corners go from the bottom left, counter-clockwise.
+    // libapriltag orders corners counter-clockwise from the bottom left.
     for (int k = 0; k < 4; ++k)
       tag.corners[k] = FromPixelCorner(detection->p[3 - k]);
     tags.push_back(tag);
@@ -152,9 +154,9 @@ std::vector<DetectedTag> TagDetector::Detect(const cv::Mat& image) const {
 
 namespace {
 
-// Behind a fisheye a tag's cells lie a little beside where a homography expects
-// them: one wrong bit is forgiven; eleven make another tag. And its edges are
-// curved.
+// With a fisheye, tag cells deviate from the positions predicted by the
+// homography, and edges are curved. One bit error is corrected; tag36h11 has a
+// minimum Hamming distance of 11.
 TagOptions OfStarBoards(float decimate) {
   TagOptions options;
   options.decimate = decimate;

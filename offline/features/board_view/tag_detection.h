@@ -19,7 +19,7 @@ enum class TagFamily {
   k36h11,
   k25h9,
   k16h5,
-  // With a black border of two cells, as on AprilGrids.
+  // With a black border of two cells, as in AprilGrids.
   k36h11WideBorder,
   k25h9WideBorder,
   k16h5WideBorder,
@@ -27,7 +27,7 @@ enum class TagFamily {
 };
 
 /// An AprilTag in an image: corners of its black square, clockwise from the top
-/// left of the upright tag.
+/// left of the tag in upright orientation.
 struct DetectedTag {
   TagFamily family = TagFamily::k36h11;
   int id = 0;
@@ -36,17 +36,18 @@ struct DetectedTag {
 
 /// Options of tag detection; defaults as in libapriltag.
 struct TagOptions {
-  /// Squares are searched in every decimate-th row and column; corners are
+  /// Quads are searched in every decimate-th row and column; corners are
   /// located at full resolution.
   float decimate = 1;
-  int max_wrong_bits = 2;  ///< 0 for tag16h5: any square would match
-  /// Maximum mean squared deviation of a square's edges from lines, px^2.
+  int max_wrong_bits = 2;  ///< ignored (0) for tag16h5, whose false-positive
+                           ///< rate would be too high
+  /// Maximum mean squared distance of edge points from fitted lines, px^2.
   float max_line_fit_mse = 10;
-  /// Minimum mean difference of cells from the threshold, grey levels.
+  /// Minimum mean difference between cells and the threshold, in grey levels.
   float min_margin = 0;
 };
 
-/// libapriltag's detector. Not thread-safe.
+/// Wrapper of libapriltag's detector. Not thread-safe.
 class TagDetector {
  public:
   TagDetector(const std::vector<TagFamily>& families,
@@ -61,18 +62,18 @@ class TagDetector {
   std::unique_ptr<Data> data_;
 };
 
-/// kQuick skips every second row and column of large images, and thereby misses
-/// tags less than about 20 px wide.
+/// kQuick skips every second row and column of large images, and therefore
+/// misses tags less than about 20 px wide.
 enum class TagSearch { kQuick, kThorough };
 
-/// Detects all tags of tag36h11 with at most one bit error, inside the image.
+/// Detects all tags of family tag36h11 with at most one bit error.
 std::vector<DetectedTag> DetectTags(const GreyImage& image,
                                     TagSearch search = TagSearch::kQuick);
-/// Whether images of this size are so small that kQuick skips no rows.
+/// Whether images of this size are too small for kQuick to skip rows.
 bool IsQuickSearchThorough(const ImageSize& size);
 
-/// Describes other tags if DetectTags() finds none: "mirrored tag 3", "tag 3 of
-/// family tag25h9". For messages.
+/// Describes tags that DetectTags() does not detect, e.g. "mirrored tag 3" or
+/// "tag 3 of family tag25h9", for warnings.
 std::vector<std::string> DescribeOtherTags(const GreyImage& image);
 
 }  // namespace raygrid

@@ -7,16 +7,16 @@
 
 namespace raygrid {
 
-/// A rectangle of ink, (u0, v0) to (u1, v1): offsets on a board, in squares.
+/// A rectangle of ink, (u0, v0) to (u1, v1): board offsets in squares.
 struct InkRectangle {
   double u0, v0, u1, v1;
 };
 
-/// Ink as a weighted sum of quadrants, each of which starts at a crossing of
-/// lines and covers larger u and v.
+/// Ink as a weighted sum of quadrants {u >= u_i, v >= v_j} whose corners are
+/// intersections of horizontal and vertical lines.
 class Quadrants {
  public:
-  /// Converts non-overlapping rectangles, clipped to the square from -reach to
+  /// Converts non-overlapping rectangles, clipped to offsets from -reach to
   /// reach.
   Quadrants(const std::vector<InkRectangle>& ink, double reach);
 
@@ -29,30 +29,30 @@ class Quadrants {
   Eigen::MatrixXd weights_;
 };
 
-/// A Gaussian blur of the image in board coordinates: standard deviations in
+/// Gaussian blur of the image in board coordinates: standard deviations in
 /// squares, and the correlation of u and v due to oblique views.
 struct BoardBlur {
   double sigma_u, sigma_v, correlation;
 };
 
-/// Blurred ink, 0 to 1, and its derivatives with respect to u, v, and the
+/// Blurred ink from 0 to 1, and its derivatives with respect to u, v and the
 /// logarithm of both standard deviations.
 struct BlurredInk {
   double ink = 0, by_u = 0, by_v = 0, by_log_sigma = 0;
 };
 
-/// Blurs ink: the bivariate normal distribution of each quadrant, by its
-/// tetrachoric series up to the fourth power of the correlation; derivatives up
-/// to the third.
+/// Blurs ink with the bivariate normal distribution of each quadrant,
+/// approximated by the tetrachoric series: up to the fourth power of the
+/// correlation for values, the third for derivatives.
 class InkBlurrer {
  public:
-  /// Keeps a reference to quadrants.
+  /// Keeps a reference to the quadrants.
   InkBlurrer(const Quadrants& quadrants, const BoardBlur& blur);
 
   BlurredInk At(double u, double v);
 
  private:
-  // A blurred half-plane: a normal distribution.
+  // A blurred step function: density and cumulative distribution at t.
   struct Step {
     double t, density, sum;  // t in standard deviations
   };

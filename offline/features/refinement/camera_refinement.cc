@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-// A point of the board's plane, from one of its features, in squares.
+// Returns the target point at an offset from a feature, in squares.
 Eigen::Vector3d Beside(const Board& board, const Feature& feature,
                        const Eigen::Vector2d& offset) {
   Eigen::Vector3d point =
@@ -86,7 +86,7 @@ std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
     return camera.Project(camera_from_board * Beside(board, feature, offset),
                           &feature.pixel, window_px);
   };
-  // The linear part first: it tells how many squares the window spans.
+  // The linear part first, to determine how many squares the window covers.
   constexpr double kStep = 0.05;
   const auto x0 = project({-kStep, 0}), x1 = project({kStep, 0});
   const auto y0 = project({0, -kStep}), y1 = project({0, kStep});

@@ -12,9 +12,9 @@
 
 namespace raygrid {
 
-/// Computes the local mapping around a target point within the window, from the
-/// estimated camera and pose, centred at the feature's pixel. nullopt outside
-/// the calibrated area.
+/// Computes the local mapping around a target point within the window from the
+/// estimated camera and pose, centred at the feature's pixel. Returns nullopt
+/// outside the calibrated area.
 std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
                                                  const Pose& camera_from_board,
                                                  const Board& board,
@@ -28,12 +28,11 @@ struct EstimatedScene {
   std::vector<BoardPose> poses;
 };
 
-/// Refines the features of images with mappings computed from the camera:
-/// unlike mappings fitted to neighbouring features, they are free of noise, and
-/// equally accurate at the board's edge. Features of boards without a pose, and
-/// features for which refinement fails, are unchanged. Images are read again
-/// from paths, those of the dataset's images. Throws InputError for an image
-/// that is no longer readable.
+/// Refines the features of images with mappings computed from the camera.
+/// Unlike mappings fitted to neighbouring features, these are free of noise,
+/// and equally accurate at the board's edge. Features of boards without a pose,
+/// and features whose refinement fails, are unchanged. paths: one per image of
+/// the dataset, which is read again. Throws InputError for unreadable images.
 Dataset RefineFeaturesWithCamera(const std::vector<std::string>& paths,
                                  const Dataset& dataset,
                                  const EstimatedScene& scene,

@@ -17,25 +17,27 @@ namespace raygrid {
 namespace {
 
 constexpr int kRoughSamplesPerPixel = 1, kSamplesPerPixel = 8;
-constexpr int kRefinementReach = 3;  // neighbours that tell the mapping
+constexpr int kRefinementReach = 3;  // columns and rows of neighbours in
+                                     // Predicted()
 constexpr int kRefinementDegree = 3;
 
-// Bounds of what is plausible.
+// Thresholds for rejecting features.
 constexpr double kMinWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
-constexpr double kMaxMoveSquares = 0.03;  // of large ones
-constexpr double kMaxAsymmetry = 0.6;     // of the contrast
-constexpr double kMaxUnlikeness = 0.35;   // likewise, of tags' corners
+constexpr double kMaxMoveSquares = 0.03;  // for large squares
+constexpr double kMaxAsymmetry = 0.6;     // fraction of the contrast
+constexpr double kMaxUnlikeness = 0.35;   // fraction of the contrast, for tag
+                                          // corners
 constexpr double kMinTagCornerInsidePx = 2;
 constexpr double kMinRefinedContrast = 0.5;  // grey levels
-// Standard deviation along the less certain direction: 0.5 px are eight of
-// them.
+// Maximum standard deviation along the less certain direction: an error of 0.5
+// px would be eight standard deviations.
 constexpr double kMaxDeviationPx = 0.06;
-constexpr int kMaxStrayOutliers = 2;  // more of them are no accident
+constexpr int kMaxStrayOutliers = 2;  // more indicate misnumbered features
 
 constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 
-// Predicts the place of a feature from its neighbours.
+// Predicts the position of a feature from its neighbours.
 bool Predicted(const FeatureLattice& lattice, const Feature& feature,
                LocalMapping* mapping) {
   return FitLocalMapping(lattice.Around(feature.column, feature.row,
@@ -59,14 +61,14 @@ bool Has(const FeatureLattice& lattice, const Place& p) {
   return lattice.Has(p.x(), p.y());
 }
 
-// The way from a feature to the next one in a row or column.
+// The next detected feature in a row or column.
 struct Way {
   Place to;
-  bool is_sound;  // as long as the steps before and after it tell
+  bool is_sound;  // consistent with the adjacent steps
 };
 
-// Nothing if there is no feature near, or none that tells how long it ought to
-// be.
+// Returns nullopt if there is no feature within kMaxSteps, or if the length of
+// a gap cannot be verified by steps on both sides.
 std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
                             const Place& step) {
   constexpr int kMaxSteps = 3;
@@ -93,7 +95,8 @@ std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
 const std::array<Place, 4> kSteps = {Place(1, 0), Place(-1, 0), Place(0, 1),
                                      Place(0, -1)};
 
-// Features that sound ways lead to from each other, the largest group first.
+// Returns the connected components of features that are linked by consistent
+// steps, in descending order of size.
 std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
   std::vector<std::vector<Place>> groups;
   FeatureLattice left = lattice;
@@ -126,12 +129,13 @@ bool IsAtDiscontinuity(const FeatureLattice& lattice, const Place& p) {
   });
 }
 
-// Rejects groups of features apart from the others. Where features were not in
-// line, the growth may have come upon other stars than it thought: those on one
-// side, all in line with each other, are not the ones that they are taken for.
+// Rejects features that are not connected to the largest group. Inconsistent
+// steps indicate that lattice growth skipped or repeated a row or column: the
+// features on one side are then consistent with each other, but misnumbered.
 void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
                           ImageDetection* detection) {
-  // An AprilGrid's corners are not evenly spaced, and known by their own tags.
+  // The corners of an AprilGrid are not evenly spaced and are identified by
+  // their own tags.
   if (board.IsTagGrid()) return;
   const auto groups = Groups(*lattice);
   bool is_in_doubt =
@@ -149,13 +153,14 @@ void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
 
 }  // namespace
 
-// All features once, each with what its neighbours tell before.
+// One refinement pass over all features. Mappings are fitted to the positions
+// before the pass.
 struct Round {
   const SymmetrySamples* samples;
-  double max_move_px, max_move_squares;  // whichever is more
-  double noise;                          // of the image, grey levels
+  double max_move_px, max_move_squares;  // the larger one applies
+  double noise;                          // standard deviation, grey levels
   bool is_last;
-  double tone = 0;  // of the image, for tags' corners
+  double tone = 0;  // see TagCornerOptions
 };
 
 struct FeatureRefiner::Data {
@@ -163,7 +168,7 @@ struct FeatureRefiner::Data {
   DetectionOptions options;
   std::vector<SymmetryMask> masks;
   SymmetrySamples rough_samples, samples;
-  // Only for boards whose features are not point-symmetric.
+  // Null for boards with point-symmetric features.
   std::unique_ptr<TagCornerRefiner> tag_corners;
 
   double MaxMovePx(const LocalMapping& start, const Round& round) const;
@@ -200,7 +205,7 @@ FeatureRefiner::FeatureRefiner(const Board& board,
               : std::make_unique<TagCornerRefiner>(board)}) {}
 FeatureRefiner::~FeatureRefiner() = default;
 
-// Half a window away there is nothing to go by.
+// At most a third of the window, so that the window contains the feature.
 double FeatureRefiner::Data::MaxMovePx(const LocalMapping& start,
                                        const Round& round) const {
   return std::clamp(round.max_move_squares * start.SpacingPx(),
@@ -257,7 +262,7 @@ double FeatureRefiner::Data::Tone(const GreyImage& image,
   return tag_corners->EstimateTone(image, corners, corner);
 }
 
-// center_only: the rest of the mapping is known as well as symmetry needs it.
+// center_only: the mapping is accurate except for its centre.
 WindowFit FeatureRefiner::Data::Fit(const GreyImage& image,
                                     const Feature& feature,
                                     const LocalMapping& start, bool center_only,
@@ -270,7 +275,7 @@ const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
   return data_->masks;
 }
 
-// Empty, or the reason to reject the feature.
+// Returns an empty string, or the reason for rejecting the feature.
 std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
                                             const Feature& feature,
                                             const Round& round,
@@ -289,13 +294,14 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
     result = Fit(image, feature, predicted, center_only, round);
   if (!result.is_converged)
     return tag_corners ? "no corner nearby" : "no centre of symmetry nearby";
-  // A corner that the image's edge cuts is known by one side of its edges.
+  // At the image's edge, a tag corner is constrained from one side only.
   if (tag_corners &&
       !WholeImage(image.size)
            .Contains(result.mapping.center, -kMinTagCornerInsidePx))
     return "at the image border";
   if (result.contrast < kMinRefinedContrast) return "no contrast";
-  // Noise is in each value, and in both values of a difference.
+  // The RMS includes the noise of one value (tag corners), or of both values of
+  // a difference (symmetry).
   const double noise2 = round.noise * round.noise;
   const double signal2 = std::pow(result.contrast, 2) - noise2;
   if (tag_corners &&
@@ -334,14 +340,15 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
                  detection);
 }
 
-// Roughly, to make the neighbours accurate; then with the curvature they tell.
+// First a coarse pass to make the neighbours accurate, then a fine pass with
+// the curvature estimated from them.
 void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
                                             FeatureLattice* lattice,
                                             ImageDetection* detection) const {
   const double noise = EstimateNoise(image);
   RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
              lattice, detection);
-  // Their tone moves tags' corners.
+  // Tag corners may move farther, since the tone is applied only now.
   RefineOnce(image,
              {&samples, tag_corners ? kMaxMovePx / 2 : kMaxMovePx / 4, 0, noise,
               true, Tone(image, *lattice, noise)},

@@ -1,5 +1,5 @@
-/// Vectors of four floats, with the compiler's vector extensions: operations
-/// and their order are equal on every machine.
+/// Vectors of four floats with the compiler's vector extensions, so that
+/// operations and their order are the same on all machines.
 #ifndef RAYGRID_FEATURES_REFINEMENT_FLOAT_LANES_H
 #define RAYGRID_FEATURES_REFINEMENT_FLOAT_LANES_H
 
@@ -27,8 +27,8 @@ struct SampledLanes {
   FloatLanes value, dx, dy;
 };
 
-/// Interpolates at x and y, which must not be negative, relative to the value
-/// with index origin; width: of rows. Reads the right and lower neighbours.
+/// Interpolates at non-negative x and y relative to values[origin]. width: row
+/// length. Reads the right and lower neighbours.
 inline SampledLanes Bilinear(const float* values, int width, int origin,
                              FloatLanes x, FloatLanes y) {
   const auto ix = __builtin_convertvector(x, IntLanes);

@@ -15,18 +15,20 @@ namespace {
 
 constexpr int kSupersampling = 4;  // along each axis
 constexpr size_t kMinSamples = 40;
-constexpr double kMaxShiftPx = 1.5;  // after the search
-constexpr double kNearPx = 2;        // searched first
-constexpr double kSurely = 0.7;      // a star, with this correlation
-constexpr double kMatchedPx = 0.03;  // symmetry goes on from there
+constexpr double kMaxShiftPx = 1.5;  // after the search at integer pixels
+constexpr double kNearPx = 2;        // radius of the first search
+constexpr double kSurely = 0.7;      // minimum correlation to skip the larger
+                                     // search
+constexpr double kMatchedPx = 0.03;  // convergence threshold; symmetry refines
+                                     // further
 
-// Offsets from the centre, and how white the rendering is there.
+// Pixel offsets from the centre, and the rendered intensities (1: white).
 struct Rendering {
   std::vector<float> x, y, white;
   size_t size() const { return x.size(); }
 };
 
-// Random places in the window, the same for all features.
+// Random sample offsets in the window, the same for all features.
 struct Places {
   std::vector<float> x, y;
 };
@@ -47,7 +49,7 @@ Places MakePlaces(int window_px) {
   return places;
 }
 
-// Made anew only where the window is another one.
+// Cached; recomputed only if the window size changes.
 const Places& GetWindowSamples(int window_px) {
   thread_local int made_for = 0;
   thread_local Places places;
@@ -84,7 +86,7 @@ Rendering Render(const StarTexture& texture, const SymmetryMask& mask,
   return rendering;
 }
 
-// The samples that stay in the image when the centre moves by margin_px.
+// Returns the samples that stay in the image if the centre moves by margin_px.
 Rendering Inside(const Rendering& rendering, const ImageSize& size,
                  const Eigen::Vector2d& center, double margin_px) {
   Rendering inside;
@@ -103,8 +105,8 @@ Rendering Inside(const Rendering& rendering, const ImageSize& size,
   return inside;
 }
 
-// Sums over image p and rendering q, for the best f and b, and for the
-// correlation.
+// Sums over image intensities p and rendered intensities q, from which the
+// optimal f and b and the correlation are computed.
 struct Moments {
   double n = 0, p = 0, q = 0, pp = 0, pq = 0, qq = 0;
 
@@ -117,8 +119,8 @@ struct Moments {
   }
 };
 
-// The image's level at a place, from which others are counted: floats keep
-// their precision.
+// Returns the intensity at a position, which is subtracted from all samples to
+// preserve the precision of floats.
 float MiddleLevel(const GreyImage& image, const Eigen::Vector2d& at) {
   const auto index = [](double x, int count) {
     return static_cast<int>(std::clamp(x, 0.0, count - 1.0));
@@ -127,7 +129,7 @@ float MiddleLevel(const GreyImage& image, const Eigen::Vector2d& at) {
                   index(at.y(), image.size.height));
 }
 
-// Samples at nearest pixels, shifted by whole ones.
+// Samples the nearest pixels, at integer shifts.
 class ShiftedSamples {
  public:
   ShiftedSamples(const GreyImage& image, const Rendering& rendering,
@@ -148,8 +150,8 @@ class ShiftedSamples {
     all_.n = static_cast<double>(white_.size());
   }
 
-  // The correlation of the samples that a shift leaves in the image; -1 if
-  // they are too few.
+  // Returns the correlation of the samples that are in the image after a shift;
+  // -1 if there are too few.
   double Correlation(int x, int y) const {
     const Moments moments =
         stay_inside_ ? ComputeMoments(x, y) : ComputeMomentsInside(x, y);
@@ -196,10 +198,10 @@ class ShiftedSamples {
   std::vector<int> indices_;
   std::vector<float> white_;
   bool stay_inside_ = true;
-  Moments all_;  // what is the same for all shifts
+  Moments all_;  // terms that do not depend on the shift
 };
 
-// The whole-pixel shift with the highest correlation.
+// Returns the position with the highest correlation among integer shifts.
 Eigen::Vector2d EstimateShift(const GreyImage& image,
                               const Rendering& rendering,
                               const Eigen::Vector2d& start, int reach) {
@@ -217,7 +219,7 @@ Eigen::Vector2d EstimateShift(const GreyImage& image,
   return best;
 }
 
-// C_match near one place.
+// Evaluates C_match near one position.
 class Matching {
  public:
   Matching(const GreyImage& image, const Rendering& rendering,
@@ -233,8 +235,8 @@ class Matching {
 
   bool HasEnough() const { return samples_.size() >= kMinSamples; }
 
-  // One step of Gauss and Newton's method for shift, factor and bias; the
-  // moments are those before the step.
+  // Computes one Gauss-Newton step for shift, factor and bias. moments: values
+  // before the step.
   bool Step(const Eigen::Vector2d& center, double f, double b,
             Eigen::Vector4d* step, Moments* moments) const {
     const auto x0 = static_cast<float>(center.x() - base_.x());
@@ -268,7 +270,8 @@ class Matching {
     *moments = {
         n,           SumLanes(sp), SumLanes(sq), SumLanes(pp), SumLanes(pq),
         SumLanes(qq)};
-    // Rows of (f dp/dx, f dp/dy, p, 1), with f p + b - q at their right.
+    // Normal equations of the Jacobian rows (f dp/dx, f dp/dy, p, 1) and the
+    // residuals f p + b - q.
     Eigen::Matrix4d hessian;
     hessian << f * f * SumLanes(xx), f * f * SumLanes(xy), f * SumLanes(xp),
         f * SumLanes(sx), f * f * SumLanes(xy), f * f * SumLanes(yy),
@@ -285,7 +288,7 @@ class Matching {
   }
 
  private:
-  // Windows are at most 101 px.
+  // Keeps coordinates relative to base_ positive: windows are at most 101 px.
   static constexpr int kBasePx = 64;
 
   const GreyImage& image_;
@@ -294,7 +297,7 @@ class Matching {
   Eigen::Vector2i base_;
 };
 
-// Whole pixels first, then Gauss and Newton's method.
+// Searches integer shifts first, then applies the Gauss-Newton method.
 MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
                            const Eigen::Vector2d& start, double search_px) {
   MatchingResult result;
@@ -312,12 +315,12 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
     result.correlation = moments.Correlation();
     result.factor = moments.Factor();
     if (result.factor <= 0 || !std::isfinite(result.factor)) return result;
-    if (i == 0) {  // only now are f and b known
+    if (i == 0) {  // initializes f and b
       f = result.factor;
       b = moments.Bias();
       continue;
     }
-    // A star's correlation falls off within a pixel or two.
+    // A star's correlation decreases within a pixel or two.
     constexpr double kMaxStepPx = 1;
     const Eigen::Vector2d move = step.head<2>();
     result.center += move * std::min(1.0, kMaxStepPx / move.norm());

@@ -10,8 +10,7 @@
 
 namespace raygrid {
 
-/// A star that fills its square, repeated for the stars around it, finely
-/// sampled: 1 is ink.
+/// Texture of a star that fills its square, repeated periodically: 1 is ink.
 class StarTexture {
  public:
   explicit StarTexture(int segments);
@@ -36,15 +35,15 @@ struct MatchingResult {
   double correlation = 0;  ///< between rendering and image, -1 to 1
 };
 
-/// Aligns a star's rendering (16 samples per pixel, one pixel at a random
-/// position in each pixel of the window) with the image by minimizing
+/// Aligns a rendered star with the image by minimizing
 ///   C_match(x, f, b) = sum_i (f p_i(x) + b - q_i)^2
-/// (paper's supplement, "Feature detection"): p_i the image, q_i the rendering.
-/// The initial position is the best one near start; if no star is found there,
-/// the best within search_px.
+/// (paper's supplement, "Feature detection"). p_i: image, q_i: rendering, at
+/// one random position in each pixel of the window, with 16-fold supersampling.
+/// The initial position is the best one near `start`, or within search_px if no
+/// star is found there.
 ///
-/// Not converged: moved by more than search_px, or too little of the window is
-/// in the image and the symmetric area.
+/// is_converged is false if the colours are inverted, the centre moves too far,
+/// or too little of the window is in the image and the symmetric area.
 MatchingResult MatchStar(const GreyImage& image, const StarTexture& texture,
                          const SymmetryMask& mask, const LocalMapping& start,
                          int window_px, double search_px);

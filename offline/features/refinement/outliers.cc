@@ -9,22 +9,23 @@
 namespace raygrid {
 namespace {
 
-// How much farther from where its neighbours say a feature may be whose square
-// holds the whole window, in which nothing else is symmetric: as far as they
-// are in doubt, and others are not near.
+// Returns an additional tolerance for features whose square is larger than the
+// window, which contains no other feature: the uncertainty of the prediction,
+// estimated by its difference from that of a lower degree.
 double ComputeToleratedErrorPx(const std::vector<Correspondence>& around,
                                const LocalMapping& predicted, int degree,
                                int window_px) {
   constexpr double kMaxSquares = 0.3;
   const double most_px = kMaxSquares * predicted.SpacingPx();
   if (predicted.SpacingPx() < window_px) return 0;
-  if (degree == 1) return most_px;  // no curvature is known
+  if (degree == 1) return most_px;  // curvature unknown
   LocalMapping lower;
   if (FitLocalMapping(around, degree - 1, &lower) == 0) return 0;
   return std::min(most_px, (lower.center - predicted.center).norm());
 }
 
-// Judges the features of one lattice, which others are removed from meanwhile.
+// Computes the relative deviations of features of one lattice, from which
+// outliers are removed meanwhile.
 class LineOutlierFilter {
  public:
   LineOutlierFilter(const Board& board, const ImageSize& size,
@@ -36,8 +37,8 @@ class LineOutlierFilter {
         window_px_(window_px),
         lattice_(lattice) {}
 
-  // How far a feature lies from where the others say, over what is tolerated; 0
-  // where they say nothing.
+  // Returns the distance of a feature from its prediction by the neighbours,
+  // relative to the tolerance; 0 if there are too few neighbours.
   double RelativeDeviation(int column, int row) {
     LocalMapping predicted;
     const auto around = lattice_.Around(column, row, 2, false);
@@ -45,7 +46,7 @@ class LineOutlierFilter {
     if (around.size() < 4 || degree == 0) return 0;
     const double tolerance_px =
         tolerance_.px + tolerance_.squares * predicted.SpacingPx();
-    // Fewer neighbours, on one side only, predict less well.
+    // Fewer neighbours, often on one side only, predict less accurately.
     const double slack = around.size() >= 12 ? 1 : around.size() >= 8 ? 2 : 4;
     const Eigen::Vector2d& pixel = lattice_.at(column, row);
     const double deviation =
@@ -67,7 +68,7 @@ class LineOutlierFilter {
 
  private:
   std::optional<Eigen::Vector2d> PredictByLens(int column, int row) {
-    // The tags' corners of an AprilGrid are not evenly spaced.
+    // Tag corners of an AprilGrid are not evenly spaced.
     if (!is_lens_made_ && !board_.IsTagGrid())
       lens_ = LatticeLens::Fit(lattice_.Features(), size_);
     is_lens_made_ = true;

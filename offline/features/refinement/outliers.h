@@ -18,10 +18,10 @@ struct Tolerance {
 void Reject(const Board& board, int column, int row, const std::string& reason,
             FeatureLattice* lattice, ImageDetection* detection);
 
-/// Repeatedly removes the feature farthest from its prediction by neighbours,
-/// with the reason kNotInLine. Features are predicted by a polynomial, with
-/// perspective, and by a lens model of the whole lattice: a feature is an
-/// inlier if one of the predictions is within the tolerance.
+/// Repeatedly removes the feature with the largest deviation, with the reason
+/// kNotInLine. Features are predicted from their neighbours by a polynomial and
+/// by a mapping with perspective, and by a lens model of the whole lattice: a
+/// feature is an inlier if one prediction is within the tolerance.
 void RejectOutliers(const Board& board, const ImageSize& size,
                     const Tolerance& tolerance, int window_px,
                     FeatureLattice* lattice, ImageDetection* detection);

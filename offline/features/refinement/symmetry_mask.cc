@@ -10,16 +10,17 @@ namespace {
 
 constexpr double kCellSquares = 2 * SymmetryMask::kReach / SymmetryMask::kCells;
 
-// How near to what is not symmetric blur may reach, in squares; half of what
-// lies between a corner's edges and a marker's cells at most, or the edges
-// would be lost.
+// Returns the distance from asymmetric cells that is excluded because of blur,
+// in squares. Limited to about half of the gap between a corner's edges and the
+// cells of markers; otherwise the edges would be excluded, too.
 double MarginSquares(const Board& board) {
   constexpr double kMargin = 0.15;
   const double between = KindOf(board).MarkerDistance(board);
   return std::min(kMargin, std::max(0.57 * between, 1.1 * kCellSquares));
 }
 
-// Off the lattice of cells, so that no sample falls on the edge of a segment.
+// Returns the board offset of a cell; not its exact centre, so that no sample
+// lies on the edge of a segment.
 Eigen::Vector2d CellOffset(int i, int j) {
   return {(i + 0.51) * kCellSquares - SymmetryMask::kReach,
           (j + 0.507) * kCellSquares - SymmetryMask::kReach};
@@ -42,7 +43,7 @@ std::vector<char> AsymmetricCells(const BoardAppearance& appearance,
   return is_asymmetric;
 }
 
-// Whether a cell within the margin is set.
+// Whether a marked cell is closer than the margin.
 bool IsNear(const std::vector<char>& cells, double margin, int i, int j) {
   constexpr int n = SymmetryMask::kCells;
   const int reach = static_cast<int>(margin / kCellSquares);

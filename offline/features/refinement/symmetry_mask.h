@@ -7,9 +7,9 @@
 
 namespace raygrid {
 
-/// The area around a feature in which its board is point-symmetric: cells over
-/// offsets of -kReach to kReach squares. Excludes tags, markers, the board's
-/// edge, and their surroundings within the reach of blur.
+/// The area around a feature in which the board is point-symmetric, as cells
+/// with offsets of -kReach to kReach squares. Excludes tags, markers and the
+/// board's edge, with a margin for blur.
 class SymmetryMask {
  public:
   static constexpr double kReach = 1.5;
@@ -25,7 +25,7 @@ class SymmetryMask {
            cells_[j * kCells + i] != 0;
   }
 
-  /// Returns one mask for each feature of the board, by PointIndex().
+  /// Returns one mask per feature of the board, indexed by PointIndex().
   static std::vector<SymmetryMask> MakeBoardMasks(const Board& board);
 
  private:

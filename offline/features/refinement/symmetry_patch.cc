@@ -6,8 +6,8 @@
 namespace raygrid {
 namespace {
 
-// The value between two pixels from the four on each side: sin(pi x) / (pi x)
-// in a window of the same form, four times as wide (Lanczos).
+// Lanczos coefficients (a = 4) of the four pixels on each side of the midpoint
+// between two pixels.
 constexpr float kHalfway[4] = {0.61892f, -0.16603f, 0.05972f, -0.01261f};
 constexpr int kTaps = 4;
 
@@ -17,7 +17,7 @@ inline float Halfway(float a0, float a1, float a2, float a3, float b0, float b1,
          kHalfway[2] * (a2 + b2) + kHalfway[3] * (a3 + b3);
 }
 
-// A square of the image, row by row; its last pixels are repeated beyond it.
+// Copies a square of the image, row-major; edge pixels are replicated.
 void CopySquare(const GreyImage& image, const Eigen::Vector2i& first, int side,
                 float* square) {
   const int width = image.size.width, height = image.size.height;
@@ -34,8 +34,8 @@ void CopySquare(const GreyImage& image, const Eigen::Vector2i& first, int side,
   }
 }
 
-// Twice as many values in each row: those of in, from the kTaps-th on, and
-// between them halfway ones.
+// Upsamples a row by a factor of 2: values of `in` from index kTaps - 1 on, and
+// interpolated values between them.
 void EnlargeRow(const float* in, int count, float* halfway, float* out) {
   in += kTaps - 1;
   for (int x = 0; x < count; ++x)
@@ -47,7 +47,7 @@ void EnlargeRow(const float* in, int count, float* halfway, float* out) {
   }
 }
 
-// The row halfway between rows[0] and the one after it.
+// Interpolates the row halfway between `row` and the following one.
 void HalfwayRow(const float* row, int width, float* out) {
   const auto at = [row, width](int y) { return row + y * width; };
   const float *a0 = at(0), *a1 = at(-1), *a2 = at(-2), *a3 = at(-3);
@@ -56,7 +56,8 @@ void HalfwayRow(const float* row, int width, float* out) {
     out[x] = Halfway(a0[x], a1[x], a2[x], a3[x], b0[x], b1[x], b2[x], b3[x]);
 }
 
-// A square of 2 * count values to a side, from one of count + 2 * kTaps - 1.
+// Returns a square with a side of 2 count values, upsampled from one with a
+// side of count + 2 kTaps - 1 values.
 std::vector<float> Enlarged(const std::vector<float>& square, int count) {
   const int side = count + 2 * kTaps - 1, width = 2 * count;
   std::vector<float> rows(static_cast<size_t>(side) * width);

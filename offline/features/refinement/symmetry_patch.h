@@ -8,20 +8,20 @@
 
 namespace raygrid {
 
-/// The image patch around a feature used for symmetry: intensities, gradient
-/// magnitudes, or both gradient components. Upsampled twice by a long filter,
-/// so that the error of bilinear interpolation is a quarter of that in the
-/// original image.
+/// The image patch around a feature for symmetry refinement: intensities,
+/// gradient magnitudes, or both gradient components. Upsampled by a factor of 2
+/// with a Lanczos filter, which reduces the error of bilinear interpolation to
+/// a quarter.
 class SymmetryPatch {
  public:
   static constexpr int kEnlargement = 2;
 
-  /// Contains all pixels within reach_px of pixel (x, y) of center; the image's
-  /// edge pixels are repeated beyond it.
+  /// Contains all pixels within reach_px of the centre pixel; edge pixels are
+  /// replicated outside the image.
   SymmetryPatch(const GreyImage& image, Refinement refinement,
                 const Eigen::Vector2i& center, int reach_px);
 
-  /// Number of rows, and of values per row.
+  /// Returns the number of rows, and of values per row.
   int side() const { return side_; }
   /// Converts pixel (x, y) to a position in the channels.
   Eigen::Vector2d FromPixel(const Eigen::Vector2d& pixel) const {
@@ -29,13 +29,14 @@ class SymmetryPatch {
   }
   const std::vector<std::vector<float>>& channels() const { return channels_; }
 
-  /// Effect of the pattern's point reflection on the channels: it keeps values
-  /// (1) or negates them (-1), relative to an unknown mean if has_middle.
+  /// Effect of the pattern's point reflection on the channels: values are kept
+  /// (sign 1) or negated (-1), relative to an unknown mean if has_middle.
   struct Reflection {
     float sign;
     bool has_middle;
   };
-  /// Returns the reflection for a pattern whose colours it keeps or inverts.
+  /// Returns the reflection for patterns whose colours are kept or inverted by
+  /// point reflection.
   Reflection ComputeReflection(bool inverts_colors) const;
 
  private:

@@ -14,23 +14,24 @@
 namespace raygrid {
 namespace {
 
-// Parameters: center, perspective, linear; or center alone.
+// Parameters: center, perspective, linear (N = 8), or center only (N = 2).
 template <int N>
 using ParameterVector = Eigen::Matrix<float, N, 1>;
 template <int N>
 using ParameterMatrix = Eigen::Matrix<float, N, N>;
 
 constexpr float kScale = SymmetryPatch::kEnlargement;
-// How far the curved mapping may carry a sample out of the window.
+// Maximum distance of samples from the window due to curvature.
 constexpr float kSlackPx = 3;
-constexpr float kBorderPx = 1.5f;  // of the image, not used
+constexpr float kBorderPx = 1.5f;  // unused border of the image
 
-// The pairs of one feature, as structure of arrays; lengths in enlarged pixels.
+// Sample pairs of one feature as structure of arrays; lengths in upsampled
+// pixels.
 struct Pairs {
-  std::vector<float> u, v;            // offset on the board, squares
+  std::vector<float> u, v;            // board offset s in squares
   std::vector<float> even_x, even_y;  // W m(s): even part
-  std::vector<float> odd_x, odd_y;    // and its odd part
-  std::vector<float> ax, ay, bx, by;  // x(s) and x(-s), from the centre
+  std::vector<float> odd_x, odd_y;    // odd part
+  std::vector<float> ax, ay, bx, by;  // x(s), x(-s) relative to the centre
   size_t size() const { return u.size(); }
 
   void Resize(size_t size) {
@@ -45,7 +46,7 @@ inline FloatLanes Absolute(FloatLanes x) {
                                       0x7fffffff);
 }
 
-// How samples' pairs are made from the start's mapping.
+// Computes sample pairs from the initial mapping.
 class PairMaker {
  public:
   PairMaker(const ImageSize& size, int window_px, const LocalMapping& start)
@@ -58,9 +59,9 @@ class PairMaker {
         y1_(size.height - 1 - kBorderPx),
         reach_(kScale * (window_px / 2 + kSlackPx)) {}
 
-  // Makes the pairs of the first num_lanes of some samples, from place i on,
-  // but for those of which one is outside the image, or off symmetric ground.
-  // Returns how many there are. (u, v) = A^-1 (dx, dy).
+  // Appends the pairs of the first num_lanes samples at index i. Omits pairs
+  // with a sample outside the image or the symmetric area. Returns the number
+  // of pairs. (u, v) = A^-1 (dx, dy).
   size_t Make(FloatLanes dx, FloatLanes dy, int num_lanes,
               const SymmetryMask& mask, size_t i, Pairs* pairs) const {
     const FloatLanes ex = Absolute(dx), ey = Absolute(dy);
@@ -112,7 +113,7 @@ class PairMaker {
   float x1_, y1_, reach_;
 };
 
-// Makes as many pairs as fill whole vectors.
+// The number of pairs is truncated to a multiple of the vector size.
 void MakePairs(const ImageSize& size, const SymmetrySamples& samples,
                const SymmetryMask& mask, const LocalMapping& start,
                Pairs* pairs) {
@@ -136,11 +137,12 @@ struct System {
   ParameterMatrix<N> hessian = ParameterMatrix<N>::Zero();
   ParameterVector<N> gradient = ParameterVector<N>::Zero();
   double cost = 0;
-  double sum = 0, sum_squares = 0;  // of the values
+  double sum = 0, sum_squares = 0;  // sums over sampled values
   int count = 0;
 };
 
-// The places of some pairs in the patch, and what they depend on.
+// Positions of sample pairs in the patch, and intermediate terms of the
+// Jacobian.
 struct MirroredPlaces {
   FloatLanes ax, ay, bx, by;
   FloatLanes nx, ny;  // A s
@@ -168,7 +170,7 @@ class Problem {
   }
 
  private:
-  // The parameters of a LocalMapping, in enlarged pixels.
+  // The parameters of a LocalMapping in upsampled pixels.
   struct Parameters {
     float a00, a01, a10, a11, h0, h1, cx, cy;
   };
@@ -179,7 +181,8 @@ class Problem {
     return {a(0, 0), a(0, 1), a(1, 0), a(1, 1), h.x(), h.y(), c.x(), c.y()};
   }
 
-  // Into the patch: the eight parameters may carry samples beyond it.
+  // Clamps positions to the patch, because optimizing all eight parameters may
+  // move samples outside.
   FloatLanes Clamped(FloatLanes x) const {
     const float last = static_cast<float>(patch_.side() - 2);
     for (int k = 0; k < kLanes; ++k) x[k] = std::clamp(x[k], 0.f, last);
@@ -294,9 +297,10 @@ LocalMapping MapToPoints(LocalMapping mapping,
   return mapping;
 }
 
-// Levenberg and Marquardt's method; the state after it. False if it left the
-// neighbourhood of start. Steps shrink many times over from one to the next, so
-// that little is left to go after one as small as kConvergedPx.
+// Levenberg-Marquardt. Returns false if the centre moves by more than
+// max_move_px; otherwise the mapping and the system evaluated there.
+// Convergence is superlinear, so the error after a step below kConvergedPx is
+// negligible.
 template <int N>
 bool Minimize(const Problem<N>& problem, double max_move_px,
               LocalMapping* mapping, System<N>* system) {
@@ -307,7 +311,7 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
   *system = problem.Evaluate(*mapping);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     ParameterMatrix<N> damped = system->hessian;
-    constexpr float kFloor = 1e-6f;  // of the largest diagonal element
+    constexpr float kFloor = 1e-6f;  // times the largest diagonal element
     damped.diagonal() *= 1 + lambda;
     damped.diagonal().array() += kFloor * damped.diagonal().maxCoeff();
     const ParameterVector<N> step = -damped.ldlt().solve(system->gradient);
@@ -328,11 +332,13 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
   return true;
 }
 
-// The standard deviation of the centre: s^2 H^-1, where s^2 is the mean square
-// of the differences as far as noise explains it, twice as strong as it seems:
-// what is not symmetric adds to them too. A pixel's noise is in all its samples
-// alike, which count as one. Noise has gradients, which tell nothing of the
-// centre: H is without them. The two factors are measured on white noise.
+// Returns the standard deviation of the centre along its less certain
+// direction, from the covariance s^2 H^-1. s^2 is the mean squared difference,
+// but at most 4 times its expectation for the given noise, because asymmetry
+// contributes to it, too. The noise of a pixel affects all its samples equally,
+// so they count as one. Gradients due to noise contain no information about the
+// centre and are subtracted from H. Both factors were measured with white
+// noise.
 template <int N>
 double DeviationPx(const System<N>& system, int samples_per_pixel,
                    double noise) {
@@ -379,7 +385,7 @@ SymmetrySamples MakeSymmetrySamples(int window_px, int samples_per_pixel) {
   const auto uniform = [&engine] {
     return static_cast<float>(engine() >> 8) * 0x1p-24f - 0.5f;
   };
-  // Half of the window: the other half are the mirrored partners.
+  // Half of the window; the other half contains the mirrored samples.
   const int half = window_px / 2;
   for (int k = 0; k < samples_per_pixel; ++k) {
     for (int y = 0; y <= half; ++y) {
@@ -398,12 +404,14 @@ WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
                          const SymmetryOptions& options) {
   WindowFit result;
   result.mapping = start;
-  // Kept for the next feature: new ones would be filled with zeros first.
+  // Reused for the next feature, to avoid zero-initialization.
   thread_local Pairs pairs;
   MakePairs(image.size, samples, mask, start, &pairs);
-  constexpr size_t kMinPart = 7;  // of the window, 30 of 220 pixels
+  constexpr size_t kMinPart = 7;  // at least 1/7 of the window (30 of 220
+                                  // pixels)
   if (pairs.size() * kMinPart < samples.x.size()) return result;
-  // One more for the start's fraction of a pixel, one for interpolation.
+  // One more pixel for the fraction of the start position, one for
+  // interpolation.
   const int reach_px = samples.window_px / 2 +
                        static_cast<int>(kSlackPx + options.max_move_px) + 2;
   const SymmetryPatch patch(image, options.refinement, start.center.cast<int>(),

@@ -9,10 +9,10 @@
 
 namespace raygrid {
 
-/// Sample offsets in the window, in pixels, one of each mirrored pair: several
-/// random ones per pixel, equal for all features (paper, "Feature Extraction":
-/// random positions avoid artefacts of bilinear interpolation on a regular
-/// lattice).
+/// Sample offsets in the window in pixels, one of each mirrored pair: several
+/// per pixel at random positions, the same for all features (paper, "Feature
+/// Extraction": random positions avoid artefacts of bilinear interpolation on a
+/// regular grid).
 struct SymmetrySamples {
   int window_px = 0, per_pixel = 0;
   std::vector<float> x, y;
@@ -24,29 +24,29 @@ struct SymmetryOptions {
   /// Point reflection keeps the colours of stars of 4, 8, 12 ... segments, and
   /// inverts the colours of stars of 6, 10, 14 ... segments.
   bool inverts_colors = false;
-  /// Optimize only the centre, if the rest of the mapping is accurate.
+  /// Optimize the centre only, if the mapping is accurate otherwise.
   bool center_only = false;
   double max_move_px = 2;
   double noise = 0;  ///< standard deviation, grey levels
 };
 
-/// The result of refining the window around a feature.
+/// Result of refining the window around a feature.
 struct WindowFit {
   bool is_converged = false;
-  LocalMapping mapping;  ///< refined mapping
-  double rms = 0;        ///< RMS difference, grey levels
-  double contrast = 0;   ///< RMS deviation from the mean, grey levels
-  /// Standard deviation of the centre due to image noise, in its less certain
-  /// direction; for intensities only.
+  LocalMapping mapping;  ///< refined
+  double rms = 0;        ///< RMS residual, grey levels
+  double contrast = 0;   ///< standard deviation of the samples, grey levels
+  /// Standard deviation of the centre due to image noise, along its less
+  /// certain direction; valid for intensities only.
   double deviation_px = 0;
 };
 
 /// Minimizes C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's
-/// eight parameters by Levenberg-Marquardt (paper, eq. of C_sym), with fixed
-/// curvature; or over its centre only.
+/// eight parameters, or over its centre only, by Levenberg-Marquardt (paper,
+/// eq. of C_sym). The curvature is fixed.
 ///
-/// Not converged: too few samples in the image and the symmetric area, or moved
-/// by more than max_move_px.
+/// is_converged is false if there are too few samples in the image and the
+/// symmetric area, or if the centre moves by more than max_move_px.
 WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
                          const SymmetryMask& mask, const LocalMapping& start,
                          const SymmetryOptions& options);

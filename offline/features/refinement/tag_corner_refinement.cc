@@ -18,8 +18,8 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-// The black cells of a tag, turned clockwise by quarters. Cells of a row that
-// touch are one rectangle: no edge is drawn between them.
+// Adds the black cells of a tag rotated clockwise by multiples of 90 degrees.
+// Adjacent cells of a row are merged into one rectangle.
 void AddCells(const PlacedMarker& tag, int quarter_turns,
               const Vector2d& corner_m, double square_m,
               std::vector<InkRectangle>* ink) {
@@ -46,15 +46,15 @@ void AddCells(const PlacedMarker& tag, int quarter_turns,
   }
 }
 
-// A pixel of the window: from its middle in half windows, on the board in
-// squares, and its level.
+// A pixel of the window: offset from its centre in half windows, board offset
+// in squares, and grey level.
 struct WindowPixel {
   double x, y;
   Vector2d place;
   double level;
 };
 
-// The offset on the board that is seen at a pixel.
+// Returns the board offset that is projected to a pixel.
 Vector2d OffsetAt(const LocalMapping& mapping, const Matrix2d& inverse,
                   const Vector2d& pixel) {
   Vector2d offset = inverse * (pixel - mapping.center);
@@ -84,18 +84,17 @@ using CornerHessian =
 struct CornerSystem {
   CornerHessian hessian = CornerHessian::Zero();
   CornerParameters gradient = CornerParameters::Zero();
-  double cost = 0;                  // with the priors
-  double squares = 0;               // without
-  double sum = 0, sum_squares = 0;  // of the image's levels
+  double cost = 0;                  // including priors
+  double squares = 0;               // without priors
+  double sum = 0, sum_squares = 0;  // sums over grey levels
 };
 
-// How far estimates may be from what is expected before the image says more,
-// standard deviations.
+// Standard deviations of the priors.
 constexpr double kEdgeTurn = 0.05;  // radians
 constexpr double kBlurPx = 0.9, kLogSigmaDeviation = 0.7;
-constexpr double kWhiteSlope = 0.1;  // of the contrast
+constexpr double kWhiteSlope = 0.1;  // fraction of the contrast
 
-// The level that light from 0 to 1 is seen as, and its derivatives.
+// Recorded intensity for light from 0 to 1, and its derivatives.
 struct SeenLight {
   double seen, by_light, by_tone;
 };
@@ -129,7 +128,8 @@ class CornerProblem {
     turn_v_ = inverse_ * turned(start.linear.col(1));
   }
 
-  // The levels that fit best where everything else is as expected.
+  // Returns the initial values: grey levels by linear least squares, other
+  // parameters near their prior means.
   CornerParameters Start() const {
     CornerParameters p = CornerParameters::Zero();
     p[kLogSigma] = std::log(1.5 * kBlurPx);
@@ -221,10 +221,12 @@ class CornerProblem {
   double tone_, tone_deviation_;
   double prior_scale_;
   Matrix2d inverse_;
-  Vector2d turn_u_, turn_v_;  // what a turn of an edge moves, in squares
+  Vector2d turn_u_, turn_v_;  // displacement per radian of edge rotation, in
+                              // squares
 };
 
-// Levenberg and Marquardt's method. False if it left the neighbourhood.
+// Levenberg-Marquardt. Returns false if the corner moves by more than
+// max_move_px.
 bool MinimizeCorner(const CornerProblem& problem, double max_move_px,
                     CornerParameters* p, CornerSystem* system) {
   constexpr int kMaxIterations = 20;
@@ -256,7 +258,8 @@ bool MinimizeCorner(const CornerProblem& problem, double max_move_px,
   return true;
 }
 
-// The standard deviation of the corner along its less certain direction.
+// Returns the standard deviation of the corner along its less certain
+// direction.
 double CornerDeviationPx(const CornerSystem& system, size_t count,
                          double noise) {
   const double s2 = std::max(
@@ -308,8 +311,9 @@ std::vector<InkRectangle> TagCornerRefiner::Data::InkAround(
   return ink;
 }
 
-// The pixels near the corner's two edges: inwards as far as the border goes,
-// outwards as far as paper may be expected.
+// Returns the pixels near the two edges of the corner: inside up to 0.6 of the
+// width of the tag's border, outside up to half of the gap between tags, but at
+// most one cell.
 std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
     const GreyImage& image, int column, int row, const LocalMapping& start,
     int window_px) const {
@@ -317,7 +321,7 @@ std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
   const double cell = tags[0].cell_m / board.square_m;
   const double inwards = kPartOfBorder * board.border_cells * cell;
   const double outwards = std::min(kPartOfGap * board.spacing_ratio, cell);
-  // Towards the inside of the tag.
+  // Signs of the direction towards the inside of the tag.
   const Vector2d inside(column % 2 == 0 ? 1 : -1, row % 2 == 0 ? 1 : -1);
   const Matrix2d inverse = start.linear.inverse();
   const int half = window_px / 2;
@@ -341,7 +345,7 @@ std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
   return samples;
 }
 
-// The correlation of the tag's cells near the corner with the image.
+// Returns the correlation of the image with the tag's cells near the corner.
 double TagCornerRefiner::Data::ComputeTemplateCorrelation(
     const GreyImage& image, int column, int row, const LocalMapping& start,
     int quarter_turns) const {
@@ -384,7 +388,7 @@ TagCornerRefiner::TagCornerRefiner(const Board& board)
     : data_(std::make_unique<Data>(board)) {}
 TagCornerRefiner::~TagCornerRefiner() = default;
 
-// With the tone that the image says, if it may be another one.
+// Also estimates the tone, unless tone_deviation is negligible.
 WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
                                       const TagCorner& start,
                                       const TagCornerOptions& options,

@@ -7,20 +7,20 @@
 namespace raygrid {
 namespace {
 
-constexpr int kWindowReach = 3;  // squares, of the neighbours that are asked
+constexpr int kWindowReach = 3;  // distance of the neighbours, in squares
 constexpr int kWindowDegree = 3;
-constexpr double kSmallBendPx = 0.25;  // of no consequence
-// How far a polynomial over three squares may be wrong about a window: parts of
-// what it bends there, and of how much another over two squares bends it
-// differently. Measured behind lenses to 190 degrees.
+constexpr double kSmallBendPx = 0.25;  // negligible
+// Error of a mapping fitted within three squares, as fractions of its curvature
+// in the window, and of its difference from a mapping fitted within two
+// squares. Measured with lenses up to 190 degrees.
 constexpr double kPartOfBend = 0.07, kPartOfDifference = 0.1;
-// How far the lens may be: a part of what it bends, and of how far the
-// neighbours are from where it shows them.
+// Error of the mapping of the lens model, as fractions of its curvature and of
+// its residuals at the neighbours.
 constexpr double kPartOfLensBend = 0.02, kPartOfError = 0.15;
 
-// The most that a mapping bends a line through the feature, a radius away from
-// it in the image; or that two mappings bend it differently. These are the even
-// parts, which point symmetry is blind to.
+// Returns the maximum difference of the curvatures of two mappings: of the
+// displacement of the midpoint of two opposite points at radius_px from the
+// feature. Symmetry refinement cannot observe these even terms.
 double BendPx(const LocalMapping& a, const LocalMapping& b,
               const LocalMapping& scale, double radius_px) {
   constexpr int kDirections = 8;
@@ -43,7 +43,7 @@ double BendPx(const LocalMapping& mapping, double radius_px) {
   return BendPx(mapping, LocalMapping(), mapping, radius_px);
 }
 
-// How far features are seen from where a mapping shows them, but for a shift.
+// Returns the RMS residual of a mapping after removing the mean.
 double ScatterPx(const LocalMapping& mapping,
                  const std::vector<Correspondence>& around) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -60,7 +60,7 @@ double ScatterPx(const LocalMapping& mapping,
 }  // namespace
 
 const std::optional<LatticeLens>& WindowMappings::Lens() {
-  // The tags' corners of an AprilGrid are not evenly spaced.
+  // Tag corners of an AprilGrid are not evenly spaced.
   if (!is_lens_made_ && !board_.IsTagGrid())
     lens_ = LatticeLens::Fit(lattice_.Features(), size_);
   is_lens_made_ = true;
@@ -83,7 +83,7 @@ WindowMapping WindowMappings::At(int column, int row) {
   window.degree =
       FitLocalMapping(lattice_.Around(column, row, kWindowReach, true),
                       kWindowDegree, &window.mapping);
-  // A plane mapping is adjusted with the centre.
+  // A mapping without curvature is optimized together with the centre.
   if (window.degree <= 1) return window;
   const double radius_px = window_px_ / 3;
   const double bend_px = BendPx(window.mapping, radius_px);

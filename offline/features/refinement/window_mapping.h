@@ -12,16 +12,15 @@ namespace raygrid {
 /// The local mapping within a feature's window.
 struct WindowMapping {
   LocalMapping mapping;
-  int degree = 0;  ///< degree of its polynomial; 0: unknown
-  /// Displacement of the centre, in pixels, caused by lens curvature in
-  /// symmetry refinement: the standard deviation of the part that the mapping
-  /// does not compensate.
+  int degree = 0;  ///< degree of the polynomial; 0: no mapping
+  /// Standard deviation of the centre in symmetry refinement, in pixels, due to
+  /// lens curvature that the mapping does not compensate.
   double bend_deviation_px = 0;
 };
 
-/// Mappings of the windows of a lattice's features. They are fitted to the
-/// neighbours of each feature, or, for strong lens curvature, computed from the
-/// lens model fitted to the whole lattice.
+/// Local mappings within the windows of features: fitted to the neighbours of
+/// each feature, or, for strong lens curvature, computed from the lens model
+/// fitted to the whole lattice.
 class WindowMappings {
  public:
   /// Keeps references to the board and the lattice.

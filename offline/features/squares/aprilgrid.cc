@@ -14,8 +14,8 @@
 
 namespace raygrid {
 
-/// Finds the corners of an AprilGrid's tags, approximately: as Kalibr prints
-/// them, with black squares that touch their corners, or on white paper.
+/// Detects the tag corners of an AprilGrid approximately, with black squares at
+/// the corners (Kalibr's layout) or without.
 class AprilGridLocator {
  public:
   explicit AprilGridLocator(const Board& board);
@@ -30,12 +30,13 @@ class AprilGridLocator {
 
 namespace {
 
-// Black squares touch the corners of the tags, and blur joins them to one shape
-// that is no square. Where white has grown into black by some pixels, they are
-// apart. Cells of few pixels are distinguished only when enlarged.
+// In Kalibr's layout, black squares touch the corners of the tags, and blur
+// merges them with the tag into a shape that is not a quad. Dilating the white
+// areas by some pixels separates them. Small cells are resolved only in an
+// enlarged image.
 struct Preparation {
   int scale;
-  int growth_px;  // of the enlarged image
+  int growth_px;  // dilation in pixels of the enlarged image
 };
 constexpr Preparation kPreparations[] = {{1, 0}, {2, 1}, {1, 1},
                                          {2, 2}, {1, 2}, {1, 3}};
@@ -55,7 +56,7 @@ cv::Mat Prepared(const cv::Mat& image, const Preparation& preparation) {
   return grown;
 }
 
-// The corners in the image as it was.
+// Converts the corners to the coordinates of the original image.
 void Undo(const Preparation& preparation, DetectedTag* tag) {
   const std::array<Eigen::Vector2d, 4> c = tag->corners;
   for (int k = 0; k < 4; ++k) {
@@ -117,7 +118,8 @@ struct AprilGridLocator::Data {
 
   Board board;
   TagFamily family = GridFamily(board.tag_family, board.border_cells);
-  cv::Ptr<cv::aruco::Dictionary> dictionary;  // of ArUco markers
+  cv::Ptr<cv::aruco::Dictionary> dictionary;  // ArUco dictionary; null for
+                                              // AprilTags
   std::vector<PlacedMarker> markers;
   std::vector<Eigen::Vector3d> points_m;
   CornerGrowth growth;
@@ -146,7 +148,7 @@ std::vector<DetectedTag> AprilGridLocator::Data::FindTags(
   return tags;
 }
 
-// The board's tags, each turned on the page as often as stated.
+// Returns the board's tags, with corners rotated by multiples of 90 degrees.
 std::vector<DetectedMarker> AprilGridLocator::Data::OnBoard(
     const std::vector<DetectedTag>& tags, int quarter_turns) const {
   std::vector<DetectedMarker> seen;
@@ -164,8 +166,8 @@ std::vector<DetectedMarker> AprilGridLocator::Data::OnBoard(
   return seen;
 }
 
-// Generators of boards do not agree which side of a tag is up: the way that
-// makes neighbours fit together is the right one.
+// Generators of boards use different upright directions of tags: chooses the
+// rotation for which neighbouring tags are most consistent.
 MarkerConstellation AprilGridLocator::Data::Constellation(
     const std::vector<DetectedTag>& tags) const {
   MarkerConstellation best(markers, pitch_m(), OnBoard(tags, 0));
@@ -177,7 +179,7 @@ MarkerConstellation AprilGridLocator::Data::Constellation(
   return best;
 }
 
-// The column and row of a tag's top left corner.
+// Returns the column and row of a tag's top-left corner.
 std::pair<int, int> AprilGridLocator::Data::FirstFeature(
     const DetectedMarker& tag) const {
   const Eigen::Vector2d place = markers[tag.index].corner / pitch_m();
@@ -202,8 +204,8 @@ void AprilGridLocator::Data::FindTagCorners(const GreyImage& image,
   }
 }
 
-// On white paper corners are those of the tags' outlines. What looks like one
-// may be a cell's corner: no others are sought.
+// Without corner squares, features are the corners of the tags' outlines. No
+// others are searched, since corners of cells may look like them.
 void AprilGridLocator::Data::SetTagCorners(const DetectedMarker& tag,
                                            FeatureLattice* lattice) const {
   const auto [left, top] = FirstFeature(tag);

@@ -9,13 +9,13 @@
 
 namespace raygrid {
 
-/// Detects all tags of some families, on any board, also if black squares touch
-/// their corners. kQuick omits small or blurred tags.
+/// Detects all tags of the given families, on any board, even if black squares
+/// touch their corners. kQuick may miss small or blurred tags.
 std::vector<DetectedTag> FindGridTags(const GreyImage& image,
                                       const std::vector<TagFamily>& families,
                                       TagSearch search = TagSearch::kThorough);
 
-/// Returns the AprilTag family of an AprilGrid by name.
+/// Returns the AprilTag family (including border width) by its name.
 TagFamily GridFamily(const std::string& tag_family, int border_cells);
 
 }  // namespace raygrid

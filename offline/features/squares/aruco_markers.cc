@@ -48,7 +48,7 @@ std::vector<DetectedMarker> FindArucoMarkers(
     cv::aruco::detectMarkers(ReadableImage(image), dictionary, corners, ids,
                              parameters);
   } catch (const cv::Exception&) {
-    return {};  // images too small to hold a marker
+    return {};  // image too small for a marker
   }
   std::vector<DetectedMarker> seen;
   for (size_t i = 0; i < ids.size(); ++i) {

@@ -11,8 +11,8 @@
 
 namespace raygrid {
 
-/// Returns a dictionary of only the board's markers, in their order, so that
-/// others are not mistaken for them.
+/// Returns a dictionary that contains only the board's markers, in their order,
+/// so that other markers are not confused with them.
 cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
     const std::vector<PlacedMarker>& markers, int border_cells);
 

@@ -10,15 +10,17 @@
 
 namespace raygrid {
 
-/// Finds the chessboard corners of a ChArUco board, approximately: each through
-/// the homography of the markers around it, of which at least one touches it.
+/// Detects the chessboard corners of a ChArUco board approximately: predicts
+/// each corner adjacent to a marker with a homography fitted to the nearest
+/// markers, then extends the lattice from these corners.
 class CharucoLocator {
  public:
   explicit CharucoLocator(const Board& board);
   ~CharucoLocator();
 
-  /// Markers may be where OpenCV puts them now, or where it did before 4.6:
-  /// what the board says is tried first, and the other with a remark.
+  /// Markers may have OpenCV's current layout or that of versions before 4.6:
+  /// if the layout in the pattern fits worse than the other, uses the other and
+  /// warns.
   ImageDetection Locate(const GreyImage& image) const;
 
  private:
@@ -28,8 +30,8 @@ class CharucoLocator {
 
 namespace {
 
-// In squares: corners touch markers whose centre is 0.71 away; the next ones
-// are at 1.58.
+// Distances in squares: a corner is 0.71 from the centre of adjacent markers,
+// and 1.58 from the next ones.
 constexpr double kAdjacentDistance = 1;
 constexpr double kNearDistance = 2.3;
 constexpr int kMaxNearMarkers = 4;
@@ -40,7 +42,7 @@ Board WithOtherLayout(Board board) {
   return board;
 }
 
-// The layouts differ only where the number of rows of squares is even.
+// The layouts differ only if the number of rows of squares is even.
 bool HasTwoLayouts(const Board& board) { return (board.rows + 1) % 2 == 0; }
 
 }  // namespace
@@ -75,7 +77,7 @@ int CharucoLocator::Data::NumConsistentMarkers(const GreyImage& image) const {
       .size();
 }
 
-// First those at markers, then outwards from them.
+// Detects the corners adjacent to markers first, then extends the lattice.
 FeatureLattice CharucoLocator::Data::FindCorners(
     const GreyImage& image, const MarkerConstellation& constellation,
     const CornerGrowth& drawn) const {
@@ -142,7 +144,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   if (markers.size() < kFewMarkers &&
       data_->NumConsistentMarkers(MirrorImage(image)) > markers.size()) {
     located.warnings.push_back(fmt::format("board {} is mirrored", board.id));
-    located.features.clear();  // corners that look alike, numbered by chance
+    located.features.clear();  // ambiguous corners with arbitrary numbers
   }
   return located;
 }

@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kMaxSaddles = 3000;
 constexpr int kMaxSeeds = 400;
-// The criterion for a patch: one that the image's edge cuts off may be the
+// Stricter than the default: patches clipped by the image's edge may match the
 // corner of a single square.
 constexpr PatchCriterion kCriterion = {0.72, 0.9};
 constexpr int kMinCorners = 6;
 
-// Saddles are sought in the image at a size near this first: there, noise and
-// blur are less of an obstacle.
+// Saddles are searched first at a scale with about this number of pixels, at
+// which noise and blur matter less.
 constexpr double kSearchPixels = 1e6;
 
 std::vector<double> Scales(const ImageSize& size) {
@@ -35,8 +35,7 @@ std::vector<double> Scales(const ImageSize& size) {
   return scales;
 }
 
-// Four corners of a square in an image: at the origin, along its edges, and
-// opposite.
+// Four corners of a square in an image: origin, along the two edges, opposite.
 struct Seed {
   std::array<Eigen::Vector2d, 4> pixels;
   bool is_dark = false;
@@ -88,7 +87,7 @@ class SeedFinder {
     return std::nullopt;
   }
 
-  // Among saddles about as strong, a few.
+  // Returns up to three candidates of similar strength, nearest first.
   template <typename Condition>
   std::vector<const Saddle*> Nearest(const Saddle& origin,
                                      const Condition& is_candidate) const {
@@ -113,14 +112,14 @@ class SeedFinder {
   const std::vector<Saddle>& saddles_;
 };
 
-// A lattice that grew from a seed.
+// A lattice grown from a seed.
 struct Grown {
   FeatureLattice lattice;
   std::vector<Feature> features;
 };
 
 bool IsOn(const Grown& grown, const Eigen::Vector2d& pixel) {
-  constexpr double kNear = 0.3;  // of the distance to a neighbour
+  constexpr double kNear = 0.3;  // fraction of the distance to a neighbour
   const FeatureLattice& lattice = grown.lattice;
   for (const Feature& f : grown.features)
     for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})

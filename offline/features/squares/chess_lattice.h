@@ -10,12 +10,12 @@
 namespace raygrid {
 
 /// Detects lattices of chessboard corners of any size in images, as features of
-/// a canvas: a chessboard large enough to contain the board with any of its
-/// corners at the centre. The square to the lower right of features with even
-/// column + row is dark.
+/// a canvas: a chessboard that is large enough for the lattice to grow in any
+/// direction from its centre. The square to the lower right of features with
+/// even column + row is dark.
 class ChessLatticeFinder {
  public:
-  /// max_side: maximum number of corners along each side of boards
+  /// max_side: maximum number of corners along a side of the board.
   explicit ChessLatticeFinder(int max_side);
 
   const Board& canvas() const { return canvas_; }

@@ -16,18 +16,18 @@
 
 namespace raygrid {
 
-/// Finds the inner corners of a chessboard, approximately, in pictures that
-/// show it wholly or in part.
+/// Detects the inner corners of a chessboard approximately, in images of the
+/// complete board or a region of it.
 ///
-/// Which corner is the first follows from the colours: the square right below
-/// it is dark. That settles it if one side of the board is even and the other
-/// odd; else the first corner is the one that leaves the board upright in the
-/// image. A board that the colours show to be mirrored is numbered as it was
-/// before it was mirrored, with a remark.
+/// The first corner is determined by the colours: the square to its lower right
+/// is dark. This is unique if one side of the board is even and the other odd;
+/// otherwise the candidate for which the board is most upright in the image is
+/// chosen. A board whose colours show that it is mirrored is numbered as before
+/// mirroring, with a warning.
 ///
-/// Corners have no numbers on them: a part of a board is numbered only if where
-/// the board is seen to end, its size and its colours leave no other way. Else
-/// nothing is found, with a remark.
+/// Corners have no IDs: a partially visible board is numbered only if its
+/// visible edges, its size and its colours leave a single possibility.
+/// Otherwise no features are returned, and a warning.
 class ChessboardLocator {
  public:
   explicit ChessboardLocator(const Board& board);
@@ -44,7 +44,7 @@ namespace {
 
 bool IsEven(int value) { return value % 2 == 0; }
 
-// Places of the lattice, inclusive.
+// A rectangle of lattice positions, inclusive.
 struct Rectangle {
   int left = 0, top = 0, right = -1, bottom = -1;
 
@@ -68,8 +68,8 @@ Rectangle Bounds(const FeatureLattice& lattice) {
   return bounds;
 }
 
-// Whether a row or column of places is that of a board: most of its corners
-// that the image would show are found.
+// Whether most of the corners of a row or column that are predicted to be in
+// the image were detected.
 bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
                   const Rectangle& line) {
   constexpr int kMinFound = 2;
@@ -88,13 +88,13 @@ bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
   return num_found >= kMinFound && num_found > num_missing;
 }
 
-// The contrast of white and black squares around a corner, grey levels: on the
-// side of (to_column, to_row), and on the other one.
+// Contrast between the white and black squares around a corner, in grey levels:
+// on the side of (to_column, to_row), and on the opposite side.
 struct SideContrast {
   double outside = 0, inside = 0;
 };
 
-// Nothing where the image does not show all four squares.
+// Returns nullopt unless all four squares are in the image.
 std::optional<SideContrast> SideContrastAt(const GreyImage& image,
                                            const FeatureLattice& lattice,
                                            int column, int row, int to_column,
@@ -116,10 +116,10 @@ std::optional<SideContrast> SideContrastAt(const GreyImage& image,
   return contrast;
 }
 
-// Whether the squares continue beyond a row or column of corners, the outermost
-// one in the direction of (to_column, to_row). Where a board's last squares
-// meet a background of medium brightness, the image correlates with a corner by
-// 0.71, hardly less than what is asked of one.
+// Whether the squares continue outside the outermost row or column of corners
+// in the direction of (to_column, to_row). Where the last squares of a board
+// border on a background of medium brightness, the image correlates with a
+// corner by 0.71, nearly the required minimum.
 bool AlternatesBeyond(const GreyImage& image, const FeatureLattice& lattice,
                       const Rectangle& line, int to_column, int to_row) {
   SideContrast sum;
@@ -137,15 +137,15 @@ bool AlternatesBeyond(const GreyImage& image, const FeatureLattice& lattice,
   return sum.outside >= kMinPart * sum.inside;
 }
 
-// Whether an outermost row or column of places is that of a board.
+// Whether an outermost row or column of the lattice belongs to a board.
 bool IsBoardLine(const GreyImage& image, const FeatureLattice& lattice,
                  const Rectangle& line, int to_column, int to_row) {
   return IsWellFilled(image, lattice, line) &&
          AlternatesBeyond(image, lattice, line, to_column, to_row);
 }
 
-// The part of the lattice that is believed: a few squares beyond a board's edge
-// may happen to look like its own.
+// Returns the lattice without spurious outer rows and columns: background next
+// to a board may resemble squares.
 Rectangle SeenRectangle(const GreyImage& image, const FeatureLattice& lattice) {
   Rectangle part = Bounds(lattice);
   for (;;) {
@@ -164,12 +164,12 @@ Rectangle SeenRectangle(const GreyImage& image, const FeatureLattice& lattice) {
   }
 }
 
-// A place one square beyond an outermost corner, where the outermost squares
-// end if it is the board's.
+// The position one square outside an outermost corner, where the outermost
+// squares end if the corner is the board's last one.
 struct Beyond {
-  LocalMapping mapping;  // as predicted
+  LocalMapping mapping;  // prediction
   int to_column = 0, to_row = 0;
-  bool is_dark = false;  // right below it, if there were a corner
+  bool is_dark = false;  // to the lower right, if there were a corner
 
   bool IsOutside(const Eigen::Vector2d& offset) const {
     return offset.x() * to_column + offset.y() * to_row > 0;
@@ -180,8 +180,8 @@ struct Beyond {
   }
 };
 
-// Whether the paper around a board is as bright as its white squares: what
-// covers the board is not.
+// Whether the surroundings of a board are as bright as its white squares
+// (paper), not an occluding object.
 bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
   double black = 0, white = 0;
   std::vector<double> outside;
@@ -196,14 +196,14 @@ bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
         (place.IsBlack(offset) ? black : white) = *level;
     }
   }
-  constexpr double kTolerance = 0.15;  // of the contrast
+  constexpr double kTolerance = 0.15;  // fraction of the contrast
   return std::all_of(outside.begin(), outside.end(), [&](double level) {
     return std::fabs(level - white) < kTolerance * (white - black);
   });
 }
 
-// Whether the squares beyond the outermost corners are seen to be the last
-// ones, with paper around them.
+// Whether the squares outside the outermost corners are visibly the last ones,
+// surrounded by paper.
 bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
                  const Rectangle& part, int to_column, int to_row) {
   int num_seen = 0, num_ends = 0;
@@ -240,13 +240,13 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
   return num_ends >= kMinEnds && 3 * num_ends >= 2 * num_seen;
 }
 
-// How the places of a lattice are those of a board.
+// Assignment of lattice positions to the corners of a board.
 struct Numbering {
-  Rectangle place;        // of the board on the lattice
-  int quarter_turns = 0;  // of the board, clockwise as seen
+  Rectangle place;        // position of the board on the lattice
+  int quarter_turns = 0;  // rotation of the board, clockwise in the image
   bool is_mirrored = false;
 
-  // Column and row on the board.
+  // Converts lattice coordinates to column and row on the board.
   std::array<int, 2> Of(const Board& board, int column, int row) const {
     const int i = column - place.left, j = row - place.top;
     const int last_column = board.columns - 1, last_row = board.rows - 1;
@@ -259,7 +259,7 @@ struct Numbering {
     return upright;
   }
 
-  // On boards it is dark right below features of even column + row.
+  // The square to the lower right of features with even column + row is dark.
   bool HasRightColours(const Board& board) const {
     const auto [column, row] = Of(board, place.left, place.top);
     const bool is_dark =
@@ -268,8 +268,8 @@ struct Numbering {
   }
 };
 
-// The directions of the board's columns in the image, by numbers of quarter
-// turns.
+// Returns the image directions of a row of the board after 0 to 3 rotations by
+// 90 degrees.
 std::array<Eigen::Vector2d, 4> Directions(const FeatureLattice& lattice) {
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   Eigen::Vector2d down = Eigen::Vector2d::Zero();
@@ -297,11 +297,13 @@ const Numbering& MostUpright(const std::vector<Numbering>& numberings,
                            });
 }
 
-// The places of a board on the lattice that hold a part of it, whose ends are
-// those of the board where it is seen to end.
+// Edges of a lattice rectangle that are known to be edges of the board.
 struct Ends {
   bool left = false, top = false, right = false, bottom = false;
 };
+
+// Returns the possible positions of a board on the lattice that contain the
+// rectangle `part` of it; edges marked in `ends` must coincide.
 std::vector<Rectangle> PossiblePlaces(const Rectangle& part, const Ends& ends,
                                       int columns, int rows) {
   std::vector<Rectangle> places;
@@ -336,7 +338,7 @@ struct ChessboardLocator::Data {
                                   std::string* warning) const;
 };
 
-// All ways, whatever the colours.
+// Returns all possibilities regardless of colours.
 std::vector<Numbering> ChessboardLocator::Data::Numberings(
     const Rectangle& part, const Ends& ends, bool is_mirrored) const {
   std::vector<Numbering> numberings;
@@ -349,8 +351,8 @@ std::vector<Numbering> ChessboardLocator::Data::Numberings(
   return numberings;
 }
 
-// Numbers a part as on the board, if there is one way only; else there is a
-// remark.
+// Numbers the corners of a region of the lattice if there is a single
+// possibility; otherwise sets the warning.
 std::optional<Numbering> ChessboardLocator::Data::Number(
     const GreyImage& image, const FeatureLattice& lattice,
     const Rectangle& part, std::string* warning) const {
@@ -382,8 +384,8 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
   std::vector<Numbering> right = right_ones(all);
   if (is_one_place(right)) return MostUpright(right, lattice);
   if (right.empty()) {
-    // With both sides odd, mirroring swaps the colours; with both even nothing
-    // does but swapped ink.
+    // If both sides are odd, mirroring swaps the colours; if both are even,
+    // only inverted printing does.
     const bool is_mirrored = !IsEven(board.columns) && !IsEven(board.rows);
     *warning = fmt::format(
         is_mirrored ? "board {} is mirrored, or its colours are inverted"
@@ -431,7 +433,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
       const auto [column, row] = numbering->Of(board, f.column, f.row);
       if (lattice.IsOnBoard(column, row)) lattice.Set(column, row, f.pixel);
     }
-    if (warning.empty()) {  // else the drawing is not as seen
+    if (warning.empty()) {  // otherwise the image differs from the drawing
       for (const double min_correlation : {0.7, 0.6})
         data_->growth.Grow(image, {min_correlation}, &lattice);
       data_->growth.GrowByRatio(image, {0.7, 0.9}, &lattice);

@@ -8,8 +8,9 @@
 
 namespace raygrid {
 
-/// Number of inner corners along the sides of a chessboard in an image, as
-/// oriented there; of the first one that is detected without gaps.
+/// Numbers of inner corners along the sides of a chessboard, in its orientation
+/// in the image. EstimateChessboardSize() returns those of the first lattice
+/// without gaps.
 struct ChessboardSize {
   int columns = 0, rows = 0;
 };

@@ -13,22 +13,22 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinCornerSpacingPx = 5;
-constexpr double kNearPart = 0.4;      // of the patches' reach
-constexpr double kMinNearReachPx = 5;  // more than blur
+constexpr double kNearPart = 0.4;      // fraction of the patch radius
+constexpr double kMinNearReachPx = 5;  // larger than blur
 
-// The reach of a patch: as far as corners of black squares can be distinguished from
-// each other. An AprilGrid is like a chessboard as far as the tags' borders and
-// the black squares between them go: the tags' insides may be turned.
+// Returns the radius of a patch, in squares, within which corners are
+// unambiguous. An AprilGrid resembles a chessboard only up to the tags' borders
+// and the squares between them, since the tags may be rotated.
 double PatchReach(const Board& board) {
   constexpr double kHalfSquare = 0.5;
   return board.IsTagGrid() ? KindOf(board).MarkerDistance(board) : kHalfSquare;
 }
 
-// Whether another feature was found at a place.
+// Whether another feature was detected near the pixel.
 bool IsOccupied(const FeatureLattice& lattice, int column, int row,
                 const Eigen::Vector2d& pixel, const LocalMapping& prediction) {
   for (const Correspondence& other : lattice.Around(column, row, 3, false)) {
-    constexpr double kMinDistance = 0.6;  // of where the two should be
+    constexpr double kMinDistance = 0.6;  // fraction of the expected distance
     if ((other.pixel - pixel).norm() <
         kMinDistance * (prediction.linear * other.offset).norm())
       return true;
@@ -49,7 +49,8 @@ Step StepTo(const FeatureLattice& lattice, int column, int row, int x, int y) {
   return {step.x(), step.y()};
 }
 
-// The step from a feature to the next one across a line, if there is any.
+// Returns the step across a line at a feature: to the next feature or from the
+// previous one.
 std::optional<Step> StepAcross(const FeatureLattice& lattice, int column,
                                int row, int x, int y) {
   if (lattice.Has(column + x, row + y))
@@ -59,9 +60,8 @@ std::optional<Step> StepAcross(const FeatureLattice& lattice, int column,
   return std::nullopt;
 }
 
-// Predicts a feature from the three before it in a line, in the direction of
-// (x, y), as if the steps went on changing their length and direction at the
-// same rate.
+// Predicts a feature from the three previous ones along (x, y), assuming that
+// the ratio of successive steps (as complex numbers) is constant.
 bool PredictByRatio(const FeatureLattice& lattice, int column, int row, int x,
                     int y, LocalMapping* prediction) {
   for (int k = 1; k <= 3; ++k)
@@ -95,7 +95,7 @@ bool PredictFeature(const FeatureLattice& lattice, int column, int row,
 CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
   const BoardAppearance appearance(board);
   for (const Eigen::Vector3d& point : board.NominalPoints()) {
-    // Corners of a chessboard look as those two rows before them do.
+    // Without markers, the pattern repeats every two rows.
     const size_t index = patches_.size();
     const size_t two_rows = 2 * static_cast<size_t>(board.columns);
     if (!board.HasMarkers() && index >= two_rows) {
@@ -144,8 +144,9 @@ void CornerGrowth::Grow(const GreyImage& image, const PatchCriterion& criterion,
   }
 }
 
-// One pass over the places beside found ones, those with the most neighbours
-// first, and not again before they have more; false if nothing was found.
+// One pass over the undetected features next to detected ones, in descending
+// order of the number of neighbours; retries a feature only with more
+// neighbours than before. Returns false if none was found.
 bool CornerGrowth::Sweep(const GreyImage& image,
                          const PatchCriterion& criterion,
                          std::vector<int>* tried_with,

@@ -9,22 +9,22 @@
 
 namespace raygrid {
 
-/// Detects the features of a board with squares, approximately, where the image
-/// matches a drawing of the corner near the prediction by neighbours.
+/// Detects the features of a board with squares approximately, by correlation
+/// with a drawing of the corner near its prediction from neighbours.
 class CornerGrowth {
  public:
   explicit CornerGrowth(const Board& board);
 
-  /// Searches one feature; returns whether it is found.
+  /// Searches for one feature; returns whether it was found.
   bool Find(const GreyImage& image, int column, int row,
             const LocalMapping& prediction, double search_squares,
             const PatchCriterion& criterion, FeatureLattice* lattice) const;
-  /// Searches all other features, outwards from those already found.
+  /// Searches for all other features, outwards from those already detected.
   void Grow(const GreyImage& image, const PatchCriterion& criterion,
             FeatureLattice* lattice) const;
-  /// Extends the lattice outwards where squares shrink faster than polynomials
-  /// predict, as near a fisheye's edge. For boards with evenly spaced features.
-  /// Returns whether any feature was found.
+  /// Extends the lattice where squares shrink faster than polynomials predict,
+  /// e.g. near the edge of a fisheye image. For boards with evenly spaced
+  /// features. Returns whether any feature was found.
   bool GrowByRatio(const GreyImage& image, const PatchCriterion& criterion,
                    FeatureLattice* lattice) const;
 
@@ -36,8 +36,8 @@ class CornerGrowth {
                    FeatureLattice* lattice) const;
 
   Board board_;
-  // Patches by feature. Near ones locate a corner more accurately if neighbours
-  // predict the shape of squares poorly.
+  // One patch per feature. The smaller near_patches_ locate a corner more
+  // accurately where the shape of squares is predicted poorly.
   std::vector<DrawnPatch> patches_, near_patches_;
 };
 

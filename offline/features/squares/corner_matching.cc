@@ -27,7 +27,7 @@ float Interpolated(const GreyImage& image, float x, float y) {
   return top + fy * (bottom - top);
 }
 
-// A patch laid over an image by a mapping, to be shifted.
+// A patch projected into an image by a mapping, which can be shifted.
 class PatchOverlay {
  public:
   PatchOverlay(const GreyImage& image, const DrawnPatch& patch,
@@ -59,7 +59,8 @@ class PatchOverlay {
  private:
   using Levels = Eigen::Array<float, kNumSamples, 1>;
 
-  // The levels that lie in the image, and those drawn there.
+  // Returns the number of samples in the image, with their grey levels and
+  // those of the drawing.
   int Sample(const Eigen::Vector2f& shift, Levels* seen, Levels* drawn) const {
     const int width = image_.size.width;
     const float x1 = static_cast<float>(width - 1);
@@ -89,8 +90,8 @@ class PatchOverlay {
   const GreyImage& image_;
   const DrawnPatch& patch_;
   double min_visible_;
-  Levels x_, y_;                  // of the samples
-  Eigen::Vector2f first_, last_;  // least and greatest x and y
+  Levels x_, y_;                  // positions of the samples
+  Eigen::Vector2f first_, last_;  // bounding box of the samples
 };
 
 }  // namespace
@@ -99,7 +100,7 @@ DrawnPatch::DrawnPatch(
     double reach,
     const std::function<bool(const Eigen::Vector2d& offset)>& is_black)
     : reach_(reach) {
-  // Each sample is the mean over its cell.
+  // Each sample is the mean of kParts x kParts points of its cell.
   constexpr int kParts = 3;
   const double part = 2 * reach / kSamples / kParts;
   for (const Eigen::Vector2d& offset : Offsets()) {

@@ -11,13 +11,13 @@
 
 namespace raygrid {
 
-/// A drawing of the surroundings of a point on a board, up to `reach` in each
-/// direction: brightness, sampled row by row.
+/// A drawing of the surroundings of a board point, up to `reach` squares in
+/// each direction: brightness, row-major.
 class DrawnPatch {
  public:
   static constexpr int kSamples = 12;  // along each axis
 
-  /// is_black returns whether there is ink at an offset. All in squares.
+  /// is_black: whether there is ink at an offset from the point, in squares.
   DrawnPatch(
       double reach,
       const std::function<bool(const Eigen::Vector2d& offset)>& is_black);
@@ -36,21 +36,22 @@ struct PatchCorrelation {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
-/// Returns the mean grey level of an image around an offset of a mapping;
-/// nullopt outside the image.
+/// Returns the mean grey level of the image around a board offset; nullopt
+/// outside the image.
 std::optional<double> MeanLevel(const GreyImage& image,
                                 const LocalMapping& mapping,
                                 const Eigen::Vector2d& offset);
 
-/// Minimum similarity of a drawing and the image.
+/// Criterion for accepting a match of drawing and image.
 struct PatchCriterion {
   double min_correlation = 0.7;
-  /// Minimum fraction of the patch in the image; only this part is compared.
+  /// Minimum fraction of the patch that is inside the image; only this region
+  /// is compared.
   double min_visible = 0.55;
 };
 
-/// Returns the position within search_px of a prediction at which the image
-/// matches a patch best, to a quarter of a pixel.
+/// Returns the position within search_px of the prediction with the highest
+/// correlation of image and patch, to a quarter of a pixel.
 PatchCorrelation FindPatch(const GreyImage& image, const DrawnPatch& patch,
                            const LocalMapping& prediction, double search_px,
                            double min_visible);

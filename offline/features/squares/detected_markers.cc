@@ -10,10 +10,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kNumWitnesses = 6;
-// How far from a marker its witnesses may be, and how well one predicts
-// another's centre; in distances between markers. A prediction gets worse
-// further away, through lens distortion and the error of a small marker's
-// corners.
+// Maximum distance of a marker's neighbours, and tolerances for predicting its
+// centre from one of them, in distances between markers. Predictions degrade
+// with distance, due to lens distortion and errors of a small marker's corners.
 constexpr double kWitnessDistance = 3.3;
 constexpr double kMarkerTolerance = 0.15;
 constexpr double kTolerancePerDistance = 0.12;
@@ -102,7 +101,7 @@ LocalMapping MarkerConstellation::MappingAt(
   return mapping;
 }
 
-// The homography from the board's plane to the image.
+// Estimates the homography from the board's plane to the image.
 Eigen::Matrix3d MarkerConstellation::ImageFromBoard(
     const std::vector<DetectedMarker>& markers) const {
   std::vector<cv::Point2d> board, image;
@@ -145,7 +144,8 @@ int MarkerConstellation::Confirmations(const DetectedMarker& marker) const {
   return confirmations;
 }
 
-// The witness knows where the board is; it looks there for the marker.
+// Compares the marker's centre, mapped to the board by the homography of the
+// neighbour, with its nominal position.
 bool MarkerConstellation::Confirms(const DetectedMarker& witness,
                                    const DetectedMarker& marker) const {
   const Eigen::Matrix3d board_from_image = ImageFromBoard({witness}).inverse();
@@ -153,8 +153,7 @@ bool MarkerConstellation::Confirms(const DetectedMarker& witness,
       (board_from_image * marker.center_px().homogeneous()).hnormalized();
   const Eigen::Vector2d expected = CenterOnBoard(marker);
   const double distance = (expected - CenterOnBoard(witness)).norm();
-  // The comparison is false, too, where a degenerate witness makes the position
-  // not a number.
+  // The comparison is false also if a degenerate homography yields NaN.
   return (found - expected).norm() <
          kMarkerTolerance * pitch_m_ + kTolerancePerDistance * distance;
 }

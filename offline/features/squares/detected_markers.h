@@ -1,5 +1,5 @@
-/// Square markers detected in an image, including false detections: common code
-/// for ChArUco boards and AprilGrids.
+/// Square markers detected in an image, including false detections: code shared
+/// by ChArUco boards and AprilGrids.
 #ifndef RAYGRID_FEATURES_SQUARES_DETECTED_MARKERS_H
 #define RAYGRID_FEATURES_SQUARES_DETECTED_MARKERS_H
 
@@ -16,40 +16,41 @@ namespace raygrid {
 
 struct DetectedMarker {
   int index = 0;  ///< index among the board's markers
-  /// Corners of the marker's outermost cells: from the top left, clockwise as
-  /// printed.
+  /// Corners of the outermost cells, clockwise from the top left in upright
+  /// orientation.
   std::array<Eigen::Vector2d, 4> corners_px;
 
   Eigen::Vector2d center_px() const;
 };
 
-/// Converts the image for marker detectors: brightens dark images.
+/// Converts an image to 8 bits for marker detectors; amplifies low contrast.
 cv::Mat ReadableImage(const GreyImage& image);
 
-/// Markers in an image and their positions on the board.
+/// Detected markers and their nominal positions on the board.
 class MarkerConstellation {
  public:
-  /// pitch_m: distance between adjacent markers. Markers detected twice are
-  /// omitted.
+  /// pitch_m: distance between adjacent markers. Omits markers that were
+  /// detected more than once.
   MarkerConstellation(const std::vector<PlacedMarker>& placed, double pitch_m,
                       const std::vector<DetectedMarker>& seen);
 
-  /// Returns the constellation without markers that are inconsistent with most
-  /// of their neighbours, or have no consistent neighbour.
+  /// Returns only the markers that are consistent with most of their
+  /// neighbours.
   MarkerConstellation Consistent() const;
-  /// Returns the number of consistent pairs of neighbours less the others.
+  /// Returns the number of consistent pairs of neighbours minus that of
+  /// inconsistent ones.
   int Agreement() const;
 
   const std::vector<DetectedMarker>& seen() const { return seen_; }
   int size() const { return static_cast<int>(seen_.size()); }
-  /// Returns the distance from a point to a marker's centre, metres.
+  /// Returns the distance from a board point to a marker's centre, in metres.
   double Distance(const DetectedMarker& marker,
                   const Eigen::Vector2d& point_m) const;
   /// Returns at most `count` markers within a distance, nearest first.
   std::vector<DetectedMarker> Nearest(const Eigen::Vector2d& point_m,
                                       double distance_m, int count) const;
-  /// Fits the local mapping around a point to all corners of some markers, in
-  /// squares of the given length.
+  /// Returns the local mapping around a board point, from a homography fitted
+  /// to the corners of the given markers. square_m: unit of offsets.
   LocalMapping MappingAt(const Eigen::Vector2d& point_m, double square_m,
                          const std::vector<DetectedMarker>& markers) const;
 

@@ -44,7 +44,7 @@ Derivatives DerivativesAt(const cv::Mat& image, int x, int y) {
   return d;
 }
 
-// Minus the determinant of the Hessian, everywhere.
+// Returns minus the determinant of the Hessian at each pixel.
 cv::Mat Strengths(const cv::Mat& image) {
   cv::Mat strengths = cv::Mat::zeros(image.size(), CV_32F);
   for (int y = 1; y + 1 < image.rows; ++y) {
@@ -78,7 +78,7 @@ bool IsLargestAround(const cv::Mat& values, int x, int y) {
 
 std::array<Eigen::Vector2d, 2> Saddle::Edges() const {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian);
-  // Along the eigenvectors it falls and rises most.
+  // Eigenvectors: directions of the most negative and most positive curvature.
   const double falling = std::sqrt(std::max(0.0, -solver.eigenvalues()[0]));
   const double rising = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
   const Eigen::Vector2d valley = falling * solver.eigenvectors().col(1);
@@ -102,7 +102,8 @@ std::vector<Saddle> FindSaddles(const GreyImage& image, double scale,
         continue;
       const Derivatives d = DerivativesAt(smooth, x, y);
       const Eigen::Vector2d step = -d.hessian.inverse() * d.gradient;
-      // Corners of a single square bend as much, but on a slope.
+      // Corners of single squares have similar determinants, but larger
+      // gradients.
       constexpr double kMaxStepPx = 1;
       if (step.norm() > kMaxStepPx) continue;
       Saddle saddle;

@@ -15,17 +15,17 @@ struct Saddle {
   Eigen::Matrix2d hessian;
   double strength = 0;  ///< square root of minus the Hessian's determinant
 
-  /// Directions, of unit length, along which the intensity is constant to
-  /// second order: a corner's edges. The second is clockwise from the first.
+  /// Returns the unit directions along which the second directional derivative
+  /// is 0: the edges of a corner. The second one is clockwise from the first.
   std::array<Eigen::Vector2d, 2> Edges() const;
-  /// Whether it is dark between two edges.
+  /// Whether the sector between two edges is dark.
   bool IsDarkBetween(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
     return a.dot(hessian * b) < 0;
   }
 };
 
-/// Returns the strongest saddles of an image, strongest first; in pixels of the
-/// image, of which a version scaled by scale (2, 1, 1/2, 1/4 ...) is searched.
+/// Returns the strongest saddles in descending order of strength, in pixels of
+/// the image. Searches the image resized by `scale` (2, 1, 1/2, 1/4 ...).
 std::vector<Saddle> FindSaddles(const GreyImage& image, double scale,
                                 int max_count);
 

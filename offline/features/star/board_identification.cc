@@ -12,25 +12,26 @@
 namespace raygrid {
 namespace {
 
-// The probability, at most, that a board of none of the tags looks so: nine
-// cells, as far as the stars leave one placement.
+// Maximum probability that the visible tag cells match by chance: 9 cells, if
+// the stars are consistent with a single placement.
 constexpr double kMaxByChance = 2e-3;
-// Another placement is no rival if it looks so by chance with at least this
-// probability, where there is doubt.
+// Another placement makes the identification ambiguous if its probability of
+// matching by chance is below kMaxRivalByChance and below kRivalOverBest times
+// that of the best placement.
 constexpr double kMaxRivalByChance = 5e-2;
-constexpr double kRivalOverBest = 1e4;  // will do too
+constexpr double kRivalOverBest = 1e4;
 constexpr double kMaxWrongFrame = 0.1;
-constexpr int kMinFrameCells = 4;   // of each colour
+constexpr int kMinFrameCells = 4;   // per colour
 constexpr double kMinContrast = 8;  // grey levels
 
-// A tag's cell on its board, in squares.
+// A cell of a tag in board coordinates, in squares.
 struct Cell {
   Eigen::Vector2d center;
   double side;
   bool is_black;
 };
 
-// The cells of all tags: white margins and black borders, and codes.
+// The cells of all tags of a board. frames: white margins and black borders.
 struct Cells {
   std::vector<Cell> frames, codes;
 };
@@ -54,9 +55,9 @@ Cells CellsOf(const TaggedBoard& tagged) {
   return cells;
 }
 
-// Reads cells' grey levels. The mappings around a lattice's places, made when
-// first asked for, tell where cells are seen, or else the lens that explains
-// the whole lattice.
+// Reads the mean grey levels of tag cells. Cells are projected by local
+// mappings, which are fitted to the stars around lattice positions on first use
+// and cached, or by a lens model fitted to the whole lattice.
 class CellReader {
  public:
   CellReader(const GreyImage& image, const FeatureLattice& lattice, int reach,
@@ -68,14 +69,15 @@ class CellReader {
 
   bool has_lens() const { return lens_.has_value(); }
 
-  // Adds that a place on the lattice is seen at a pixel.
+  // Adds a correspondence between a lattice position and a pixel.
   void Add(const Eigen::Vector2d& place, const Eigen::Vector2d& pixel) {
     known_.push_back({place, pixel, 1});
     mappings_.clear();
   }
 
-  // The mean grey level of a cell's inner half; nothing if most of it is not
-  // seen, or if no stars tell where it is.
+  // Returns the mean grey level of the inner half of a cell; nullopt if most of
+  // it is outside the image, or if there are too few stars nearby for a local
+  // mapping.
   std::optional<double> Read(const LatticePlacement& placement,
                              const Cell& cell) {
     const Eigen::Vector2d center = placement.OnLattice(cell.center);
@@ -92,7 +94,7 @@ class CellReader {
       if (lens_) return lens_->Project(place);
       return (*mapping)(place - Eigen::Vector2d(column, row));
     };
-    constexpr int kMinSamples = 6;  // of nine
+    constexpr int kMinSamples = 6;  // out of nine
     double sum = 0;
     int count = 0;
     for (const double v : {-0.25, 0.0, 0.25}) {
@@ -131,11 +133,12 @@ class CellReader {
   const FeatureLattice& lattice_;
   int reach_ = 0, degree_ = 0;
   std::optional<LatticeLens> lens_;
-  std::vector<Correspondence> known_;  // offsets from the place (0, 0)
+  std::vector<Correspondence> known_;  // offsets from lattice (0, 0)
   std::map<std::pair<int, int>, std::optional<LocalMapping>> mappings_;
 };
 
-// The probability that at most num_wrong of count fair coins fall wrong.
+// Returns P(k <= num_wrong) for k ~ Binomial(count, 1/2): the probability that
+// random cells match as well.
 double ByChance(int num_wrong, int count) {
   double term = std::pow(0.5, count), sum = 0;
   for (int k = 0; k <= num_wrong; ++k) {
@@ -145,17 +148,19 @@ double ByChance(int num_wrong, int count) {
   return std::min(1.0, sum);
 }
 
-// A cell and its distance from the nearest star, in squares.
+// A cell with its grey level, and its distance from the nearest star in
+// squares.
 struct SeenCell {
   double distance, level;
   bool is_black;
 };
 
-// The visible frame of a tag, as far from the stars as its cells are as they
-// must be: cells farther away do not tell where the frame is, or lie behind the
-// image's rim.
+// The frame of a visible tag: grey-level threshold, and the maximum distance
+// from the stars (in squares) up to which the colours of its cells are as
+// expected. Farther cells are not used: their predicted positions are
+// inaccurate, or the image's edge hides them.
 struct DetectedFrame {
-  double threshold = 0;  // between black and white
+  double threshold = 0;  // between black and white cells
   double max_distance = -1;
 };
 
@@ -166,7 +171,7 @@ DetectedFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
                    });
   DetectedFrame frame;
   for (size_t count = cells.size(); count >= 2 * kMinFrameCells; --count) {
-    double sums[2] = {0, 0};  // of white ones, of black ones
+    double sums[2] = {0, 0};  // white, black
     int counts[2] = {0, 0};
     for (size_t i = 0; i < count; ++i) {
       sums[cells[i].is_black] += cells[i].level;
@@ -195,9 +200,10 @@ DetectedFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
   return frame;
 }
 
-// Removes stars that the lens does not explain: beyond a board's steep edge, a
-// lattice may have gone on along what looks like halves of stars; squares there
-// are not as wide as the lens says.
+// Removes stars that are not consistent with the lens model: past the edge of a
+// strongly foreshortened board, the lattice may have been extended by
+// structures that resemble half stars, whose spacing differs from the
+// prediction.
 void RemoveUnexplained(const LatticeLens& lens, std::vector<Feature>* stars) {
   constexpr double kMaxErrorSquares = 0.15;
   stars->erase(
@@ -223,7 +229,7 @@ class Identification {
       for (const BoardTag& tag : board->board.tags)
         tag_squares = std::max(tag_squares, tag.squares);
     }
-    // Beyond the stars a quadratic polynomial may predict better.
+    // Quadratic polynomials may extrapolate better than cubic ones.
     for (const int degree : {3, 2})
       readers_.emplace_back(image, lattice, tag_squares / 2 + 3, degree);
     if (const auto lens = LatticeLens::Fit(stars_, image.size)) {
@@ -248,8 +254,9 @@ class Identification {
   }
 
  private:
-  // The corners of detected tags that the placement puts among stars that are
-  // beside them in the image: they tell how the lattice goes on there.
+  // Returns the corners of detected tags that, in this placement, are adjacent
+  // to stars that are also near the tag in the image; they improve the local
+  // mappings.
   std::vector<Correspondence> CornersBesideStars(
       const LatticePlacement& placement) const {
     constexpr double kReachSquares = 3;
@@ -293,8 +300,9 @@ class Identification {
     return seen;
   }
 
-  // How likely the code's cells would agree as well by chance; 1 if what is
-  // seen is no tag. Where its corners are known, its frame is whole.
+  // Returns the probability that the code cells match as well by chance; 1 if
+  // no tag frame is found. has_corners: the tag's corners are known, so the
+  // complete frame must match.
   double ChanceOf(const LatticePlacement& placement, bool has_corners,
                   CellReader* reader) const {
     const Cells& cells = cells_[placement.board];
@@ -333,7 +341,7 @@ class Identification {
 
   const std::vector<DetectedTag>& detected_;
   const std::vector<const TaggedBoard*>& boards_;
-  std::vector<Cells> cells_;  // by board
+  std::vector<Cells> cells_;  // one per board
   std::vector<CellReader> readers_;
   std::vector<Feature> stars_;
   LatticePlacement best_;

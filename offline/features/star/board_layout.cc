@@ -11,21 +11,21 @@
 namespace raygrid {
 namespace {
 
-// The area around each place of a lattice, a square wide, in parts.
+// The square around each lattice position is sampled at 8 x 8 points.
 constexpr int kPartsPerSquare = 8;
 constexpr int kNumParts = kPartsPerSquare * kPartsPerSquare;
-constexpr int kLayoutReach = 4;  // stars that tell where a place is seen
-constexpr int kMaxBeyond = 2;    // squares from a star
+constexpr int kLayoutReach = 4;  // in squares: stars used for local mappings
+constexpr int kMaxBeyond = 2;    // in squares from the nearest star
 constexpr double kMinLayoutContrast = 8;  // grey levels
-// The share of the parts told by a placement that may be wrong; and of those
-// not on stars.
+// Maximum fractions of mismatches among all samples, and among samples at
+// positions without a detected star.
 constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
-// The number of parts, and of squares, in which a placement must be right where
-// another is wrong.
+// Minimum number of samples, and of squares containing them, at which the best
+// placement matches and a rival does not.
 constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
 constexpr double kMaxWrongWhereRivalIsRight = 0.15;
 
-// The middle of a part, from that of its square.
+// Returns the offset of a sample from the centre of its square.
 Eigen::Vector2d PartOffset(int part) {
   return Eigen::Vector2d(part % kPartsPerSquare + 0.5,
                          part / kPartsPerSquare + 0.5) /
@@ -46,7 +46,8 @@ Shade ShadeOf(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
   return is_black ? Shade::kBlack : Shade::kWhite;
 }
 
-// The look of a board, in parts; unsure where an edge passes.
+// The expected appearance of a board at all sample points; kUnsure near edges
+// between black and white.
 class ExpectedParts {
  public:
   explicit ExpectedParts(const Board& board)
@@ -63,7 +64,7 @@ class ExpectedParts {
                       }));
   }
 
-  // A square beyond the outermost features, too; farther away nothing is known.
+  // The appearance is defined up to one square outside the outermost features.
   bool Knows(const Eigen::Vector2i& place) const {
     return place.x() >= -1 && place.y() >= -1 && place.x() < columns_ - 1 &&
            place.y() < rows_ - 1;
@@ -84,9 +85,9 @@ class ExpectedParts {
   std::vector<Shade> shades_;
 };
 
-// A part that is clearly black or white.
+// A sample that is clearly black or white.
 struct SeenPart {
-  Eigen::Vector2i place;  // on the lattice
+  Eigen::Vector2i place;  // lattice position
   Eigen::Vector2d offset;
   bool is_black, is_on_star;
 };
@@ -136,7 +137,7 @@ class PartReader {
                      static_cast<int>(std::lround(pixel.y())));
   }
 
-  // The grey levels of the nearest star's segments.
+  // Estimates the black and white levels from the segments of the nearest star.
   std::optional<Levels> LevelsNear(const Eigen::Vector2i& place) const {
     const Feature& star = *std::min_element(
         stars_.begin(), stars_.end(), [&](const Feature& a, const Feature& b) {
@@ -197,12 +198,13 @@ class PartReader {
   std::vector<Feature> stars_;
 };
 
-// The verdicts of a placement on each part that is seen: 1 if it is right, -1
-// if it is wrong, 0 if it says nothing.
+// The result of comparing each sample with a placement: 1 match, -1 mismatch, 0
+// undefined.
 struct Verdicts {
   std::vector<signed char> of_parts;
   int num_right = 0, num_wrong = 0;
-  int num_right_beside = 0, num_wrong_beside = 0;  // where no star is found
+  int num_right_beside = 0, num_wrong_beside = 0;  // at positions without a
+                                                   // star
 
   bool IsPlausible() const {
     return num_wrong <= kMaxWrong * (num_right + num_wrong) &&
@@ -281,7 +283,8 @@ std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
 bool AreOnBoard(const std::vector<Feature>& others,
                 const FeatureLattice& lattice,
                 const LatticePlacement& placement, const Board& board) {
-  constexpr double kMaxSquaresAway = 6;  // as far as a lattice tells
+  constexpr double kMaxSquaresAway = 6;  // maximum extrapolation of the local
+                                         // mapping
   constexpr int kMaxOnBoard = 2;
   const std::vector<Feature> stars = lattice.Features();
   int num_on_board = 0;

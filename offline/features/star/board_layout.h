@@ -10,15 +10,17 @@
 
 namespace raygrid {
 
-/// Determines the placement of a lattice of stars on a known board from all its
-/// visible parts: edges, positions of tags, and parts of them. nullopt unless
-/// the image matches the board in this placement, and contradicts every other
+/// Determines the placement of a lattice of stars on a known board from the
+/// visible pattern: edges and (parts of) tags. Returns nullopt unless the image
+/// matches the board in this placement, and contradicts every other placement
+/// for which the board would look different.
 /// one where the board would look different.
 std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
                                                const FeatureLattice& lattice,
                                                const Board& board);
 
-/// Whether stars of another board would be on the board in this placement.
+/// Returns whether more than two stars of another board would lie on the board
+/// in this placement.
 bool AreOnBoard(const std::vector<Feature>& others,
                 const FeatureLattice& lattice,
                 const LatticePlacement& placement, const Board& board);

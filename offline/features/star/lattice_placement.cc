@@ -7,12 +7,11 @@
 namespace raygrid {
 namespace {
 
-// The largest parts of the stars that may lie where the board has none: on its
-// tags, and beyond its edges, where paper may look like half a star of few
-// segments.
+// Maximum fractions of stars at board positions without a star: on tags, and
+// outside the board, where paper may resemble half of a star with few segments.
 constexpr double kMaxPartOnTags = 0.2, kMaxPartBeyond = 0.4;
 
-// (column, row) turned by quarters, clockwise on the board.
+// Rotates (column, row) by multiples of 90 degrees, clockwise on the board.
 Eigen::Vector2d Rotated(int quarter_turns, const Eigen::Vector2d& p) {
   switch (quarter_turns & 3) {
     case 0:

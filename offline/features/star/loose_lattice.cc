@@ -10,8 +10,8 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinCorrelation = 0.5;
-constexpr int kMinStars = 12;   // of a lattice, or it is not believed
-constexpr int kMaxTrials = 40;  // candidates
+constexpr int kMinStars = 12;   // minimum size of an accepted lattice
+constexpr int kMaxTrials = 40;  // number of candidates
 constexpr size_t kNumNearest = 12, kNumNeighbors = 40;
 // Stars of few segments have junctions along the edges of their squares too.
 constexpr int kFewSegments = 6, kMoreJunctions = 2;
@@ -25,14 +25,16 @@ Board LooseBoard(int segments, int side) {
   return board;
 }
 
-// The columns are the offsets to the stars to the right and below.
+// Columns: offsets in pixels to the next star to the right and to the one
+// below.
 using Basis = Eigen::Matrix2d;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// Offsets from a place to the candidates around it, nearest first.
+// Returns the offsets from a position to the surrounding candidates, nearest
+// first.
 std::vector<Eigen::Vector2d> OffsetsAround(
     const std::vector<StarCandidate>& candidates, const Eigen::Vector2d& center,
     size_t max_count) {
@@ -52,7 +54,7 @@ std::vector<Eigen::Vector2d> OffsetsAround(
   return offsets;
 }
 
-// How many of the eight neighbours are candidates too.
+// Returns the number of the eight neighbours that coincide with candidates.
 int Support(const Basis& linear, const std::vector<Eigen::Vector2d>& offsets) {
   constexpr double kTolerance = 0.2;
   const double tolerance_px =
@@ -70,8 +72,8 @@ int Support(const Basis& linear, const std::vector<Eigen::Vector2d>& offsets) {
   return support;
 }
 
-// Pairs of neighbours that span a lattice that other candidates are on; the
-// smallest first.
+// Returns pairs of neighbours that span a lattice on which there are other
+// candidates, in ascending order of the cell area.
 std::vector<Basis> FindBases(const std::vector<Eigen::Vector2d>& offsets,
                              size_t num_nearest) {
   constexpr double kMinSine = 0.4, kMaxStretch = 5;
@@ -81,7 +83,7 @@ std::vector<Basis> FindBases(const std::vector<Eigen::Vector2d>& offsets,
   for (size_t i = 0; i < count; ++i) {
     for (size_t j = 0; j < count; ++j) {
       const Eigen::Vector2d &a = offsets[i], &b = offsets[j];
-      // One of the four quarter turns of a basis is enough.
+      // Bases that differ by a rotation of 90 degrees are equivalent.
       if (a.x() <= std::abs(b.x())) continue;
       const double product = a.norm() * b.norm();
       if (Cross(a, b) < kMinSine * product ||
@@ -124,7 +126,8 @@ LooseLatticeFinder::LooseLatticeFinder(int segments, int max_side,
       masks_(SymmetryMask::MakeBoardMasks(LooseBoard(segments, 1))),
       options_(options) {}
 
-// The basis with which a star and its four neighbours look most like stars.
+// Returns the basis that maximizes the summed correlation of a star and its
+// four neighbours; nullopt if too low.
 std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
     const GreyImage& image, const std::vector<StarCandidate>& candidates,
     const Eigen::Vector2d& center) const {
@@ -160,7 +163,8 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
   return best;
 }
 
-// Some, the best first; removes the candidates that were tried.
+// Returns up to kEnough seeds in descending order of the correlation; removes
+// the candidates that were tried.
 std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
     const GreyImage& smaller, double scale,
     std::vector<StarCandidate>* candidates) const {
@@ -169,8 +173,8 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
   for (StarCandidate& candidate : all)
     candidate.pixel = ToDownscaled(candidate.pixel, scale);
   std::vector<Seed> seeds;
-  // Not in order: the corners of squares may all have less scatter than the
-  // stars.
+  // In random order, because corners of squares may all have less scatter than
+  // the stars.
   std::mt19937 random(1);
   for (int trial = 0;
        trial < kMaxTrials && !candidates->empty() && seeds.size() < kEnough;
@@ -186,8 +190,9 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
   return seeds;
 }
 
-// Stars of four segments make a chessboard, on which corners of squares, and
-// the middles of their sides after a quarter turn, look like stars.
+// Stars of four segments form a chessboard, in which the corners of squares,
+// and after a rotation of 90 degrees the midpoints of their sides, also match a
+// star.
 std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSimilarStars(
     const Seed& seed) const {
   if (board_.segments != 4) return {};
@@ -218,8 +223,8 @@ FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
 std::vector<FeatureLattice> LooseLatticeFinder::Find(
     const GreyImage& image, const GreyImage& smaller, double scale,
     std::vector<StarCandidate>* candidates) const {
-  // Half stars along the board's edges are less like stars than those beside;
-  // so are stars where the image gets coarse.
+  // Half stars along the board's edges correlate less than their neighbours, as
+  // do stars where the resolution decreases.
   constexpr double kAlike = 0.6, kLessAlike = 0.5;
   for (Seed seed : FindSeeds(smaller, scale, candidates)) {
     seed.mapping.center = FromDownscaled(seed.mapping.center, scale);
@@ -244,7 +249,7 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
 
 void RemoveExplained(const FeatureLattice& lattice,
                      std::vector<StarCandidate>* candidates) {
-  constexpr double kNear = 0.75;  // of the distance to the next star
+  constexpr double kNear = 0.75;  // fraction of the spacing
   for (const Feature& f : lattice.Features()) {
     double spacing_px = 0;
     for (const Correspondence& other :

@@ -10,15 +10,15 @@
 
 namespace raygrid {
 
-/// Returns the number of quarter turns under which a lattice of such stars is
-/// invariant: 4 for all, 2 for 0 and 2, 1 for none but 0.
+/// Returns the number of rotations by multiples of 90 degrees under which a
+/// lattice of such stars is invariant: 4 (all), 2 (0 and 180 degrees) or 1.
 int FindStarSymmetries(int segments);
 
 /// Detects lattices of stars from candidates, for unknown boards and positions
 /// on them.
 class LooseLatticeFinder {
  public:
-  /// For boards of such stars with at most max_side columns and rows.
+  /// segments: of each star. max_side: maximum number of columns and rows.
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 
@@ -35,7 +35,7 @@ class LooseLatticeFinder {
       std::vector<StarCandidate>* candidates) const;
 
  private:
-  Board board_;  // large enough for any first star
+  Board board_;  // large enough for a seed at its centre
   StarTexture texture_;
   std::vector<SymmetryMask> masks_;  // one for all stars
   DetectionOptions options_;

@@ -10,26 +10,27 @@
 namespace raygrid {
 namespace {
 
-// Edges count by a Gaussian around the place, of this standard deviation: a
-// quarter of the smallest star's side.
+// Standard deviation of the Gaussian weights of edges around a pixel: a quarter
+// of the side of the smallest star.
 constexpr double kSigmaPx = 2.6;
 constexpr int kRadiusPx = 6;
-constexpr int kNumScales = 3;  // each half as large as the one before
+constexpr int kNumScales = 3;  // factor 2 between successive scales
 constexpr double kMaxScatter = 0.35;
-// Edges must point at the place from several sides.
+// Minimum isotropy of the gradients: edges must have different directions.
 constexpr double kMinIsotropy = 0.25;
 constexpr size_t kMaxCandidates = 3000;
-constexpr double kMinGradient = 2;  // RMS, grey levels a pixel; in dark images
-constexpr double kMinGradientOverNoise = 1;  // will do
+constexpr double kMinGradient = 2;  // RMS, in grey levels per pixel, for images
+                                    // with noise; see FindStarCandidates()
+constexpr double kMinGradientOverNoise = 1;  // for images with little noise
 
-// Products of gradients, and what of them is scattered around each pixel.
+// Products of gradients, and their scatter around each pixel.
 struct GradientMaps {
   cv::Mat xx, xy, yy;
   cv::Mat scatter;  // S / T
-  cv::Mat energy;   // T, over the sum of its weights
+  cv::Mat energy;   // T, normalized by the sum of weights
 };
 
-// w(d) d^power for d = -kRadiusPx ... kRadiusPx.
+// Returns the 1-D kernel w(d) d^power for d = -kRadiusPx ... kRadiusPx.
 cv::Mat Kernel(int power) {
   cv::Mat kernel(2 * kRadiusPx + 1, 1, CV_32F);
   double sum = 0;
@@ -44,14 +45,15 @@ cv::Mat Kernel(int power) {
 
 cv::Mat Filtered(const cv::Mat& image, int power_x, int power_y) {
   cv::Mat filtered;
-  // The filter is a correlation, so that odd powers keep their sign.
+  // sepFilter2D() computes a correlation, so odd powers keep their sign.
   cv::sepFilter2D(image, filtered, CV_32F, Kernel(power_x), Kernel(power_y),
                   cv::Point(-1, -1), 0, cv::BORDER_REFLECT);
   return filtered;
 }
 
-// S(c) = sum w (g . (x - c))^2 and T(c) = sum w |g|^2 |x - c|^2 / 2, the same
-// for gradients g of any direction.
+// Computes, for each pixel c, S(c) = sum w (g . (x - c))^2, normalized by T(c)
+// = sum w |g|^2 |x - c|^2 / 2, the expected S(c) for gradients g of random
+// directions.
 GradientMaps MakeMaps(const cv::Mat& image) {
   cv::Mat gx, gy;
   cv::Scharr(image, gx, CV_32F, 1, 0, 1 / 32.0);
@@ -77,7 +79,7 @@ bool IsLeastAround(const cv::Mat& map, int x, int y) {
   return true;
 }
 
-// How the edges' directions are spread, 0 to 1; and where they meet.
+// Isotropy of the gradient directions (0 to 1), and intersection of the edges.
 struct Junction {
   double isotropy = 0;
   Eigen::Vector2d offset = {0, 0};
@@ -127,8 +129,8 @@ void FindAtScale(const cv::Mat& image, double scale, double min_gradient,
   }
 }
 
-// The candidates without those that are found at another scale with less
-// scatter.
+// Returns the candidates without duplicates: of those closer than 3 px (found
+// at several scales), the one with the least scatter is kept.
 std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
   constexpr double kSamePx = 3;
   std::stable_sort(candidates.begin(), candidates.end(),

@@ -11,12 +11,13 @@ namespace raygrid {
 /// A point towards which many edges are directed.
 struct StarCandidate {
   Eigen::Vector2d pixel;
-  double scatter = 1;  ///< of surrounding edges; 0: all meet here
+  double scatter = 1;  ///< scatter of surrounding edges; 0: all intersect here
 };
 
-/// Returns possible star centres, for any size and pose, least scatter first:
-/// junctions as in Foerstner and Guelch (1987). Edges are directed towards a
-/// star's centre, however lens and perspective deform its outline.
+/// Returns possible star centres for any size and pose, in ascending order of
+/// scatter: junctions as in Foerstner and Guelch (1987). Lens distortion and
+/// perspective deform a star's outline, but its edges still point at the
+/// centre.
 std::vector<StarCandidate> FindStarCandidates(const GreyImage& image);
 
 }  // namespace raygrid

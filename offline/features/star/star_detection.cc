@@ -17,11 +17,12 @@
 namespace raygrid {
 namespace {
 
-// Fewer places that look like stars are no board.
+// Minimum number of star candidates for which a board is searched.
 constexpr size_t kMinCandidates = 8;
 constexpr int kMaxLooseLattices = 3;
-// Places where a star was sought in vain, for each that was found: with more it
-// is not believed; with fewer it may still have lost its way at an image's rim.
+// Maximum numbers of unsuccessful searches per detected star: above kMaxInVain
+// a lattice is rejected; above kMaxInVainIfFound it may have been extended
+// wrongly near the image's edge, and the search for its board continues.
 constexpr double kMaxInVain = 0.25, kMaxInVainIfFound = 0.05;
 
 struct StarBoard {
@@ -44,7 +45,7 @@ bool IsOnABoard(const DetectedTag& tag, const StarBoardList& boards) {
   });
 }
 
-// One image: what is found on each board, by ever more effort.
+// Searches the boards in one image with methods of increasing cost.
 class Search {
  public:
   Search(const GreyImage& image, const StarBoardList& boards,
@@ -67,9 +68,9 @@ class Search {
   }
 
   const std::vector<DetectedTag>& tags() const { return tags_; }
-  // nullptr where nothing of a board is seen.
+  // Returns nullptr if the board was not detected.
   const StarGrowth* growth(size_t board) const { return growths_[board].get(); }
-  // True if there are stars of which nothing tells the board.
+  // Whether there are stars whose board could not be identified.
   bool sees_unnamed_stars() const { return sees_unnamed_stars_; }
 
  private:
@@ -89,7 +90,7 @@ class Search {
       if (!IsFound(b)) return false;
     return true;
   }
-  // Whether there may be more than what is found.
+  // Whether boards are missing and enough star candidates remain.
   bool SeesOtherStars() const {
     return !IsComplete() && candidates_.size() >= kMinCandidates;
   }
@@ -98,7 +99,7 @@ class Search {
       return !IsOnABoard(tag, boards_);
     });
   }
-  // Puts a growth in place of one with fewer stars: the one with more is right.
+  // Keeps the growth with more stars for a board.
   void Put(size_t board, std::unique_ptr<StarGrowth> growth) {
     if (!growths_[board] ||
         growth->lattice().num_found() > growths_[board]->lattice().num_found())
@@ -120,7 +121,8 @@ class Search {
           FindVisibleTags(boards_[b]->board(), tags_);
       if (seen.empty()) continue;
       GrowFrom(b, seen);
-      // At an image's rim a tag may lead astray.
+      // Tags near the image's edge may be inaccurate: tries each tag
+      // separately.
       for (size_t k = 0; seen.size() > 1 && k < seen.size() && !IsFound(b); ++k)
         GrowFrom(b, {seen[k]});
     }
@@ -133,7 +135,7 @@ class Search {
     if (growth->AgreesWithTags()) Put(b, std::move(growth));
   }
 
-  // Looks for loose lattices in an image of 1 / scale of the size.
+  // Searches lattices of unidentified boards in an image downscaled by `scale`.
   void LookForLooseLattices(const GreyImage& smaller, double scale) {
     candidates_ = FindStarCandidates(smaller);
     for (StarCandidate& candidate : candidates_)
@@ -144,7 +146,8 @@ class Search {
       GrowFromLooseLattices(segments, *finder, smaller, scale);
   }
 
-  // Within a large star's square there is much that looks like small ones.
+  // Large stars are searched in downscaled images, because their interiors
+  // contain many structures that resemble small stars.
   void LookInSmallerImages() {
     constexpr double kSmallestScale = 4;
     GreyImage smaller = image_;
@@ -172,11 +175,13 @@ class Search {
     }
   }
 
-  // Whether one of the lattices, which are of the same stars, has a name.
+  // Grows from the first identifiable lattice; returns false if there is none.
+  // The lattices are alternatives for the same stars.
   bool GrowFromFirstNamed(const std::vector<FeatureLattice>& lattices,
                           const std::vector<size_t>& missing,
                           const std::vector<const TaggedBoard*>& tagged) {
-    // The layout does not tell a chessboard's lattices from those between.
+    // The layout of a chessboard does not distinguish its lattice from the
+    // shifted ones.
     const bool is_chessboard = tagged[0]->board.segments == 4;
     for (const FeatureLattice& lattice : lattices) {
       auto placement = IdentifyBoard(image_, lattice, tags_, tagged);
@@ -189,8 +194,8 @@ class Search {
     return false;
   }
 
-  // Beside all others of its stars a board of theirs is the one that is left,
-  // whatever is seen of its tags.
+  // If exactly one board of this kind is missing and all others are detected,
+  // the lattice must belong to it, even if none of its tags is visible.
   std::optional<LatticePlacement> AssignRemainingBoard(
       const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
     const auto is_left = [&](size_t b) { return !IsSeen(b); };
@@ -235,7 +240,7 @@ class Search {
   const LooseFinders& finders_;
   const DetectionOptions& options_;
   std::vector<DetectedTag> tags_;
-  std::vector<std::unique_ptr<StarGrowth>> growths_;  // by board
+  std::vector<std::unique_ptr<StarGrowth>> growths_;  // one per board
   std::vector<StarCandidate> candidates_;
   bool sees_unnamed_stars_ = false;
 };
@@ -249,7 +254,7 @@ void Append(const std::vector<RejectedFeature>& from,
 
 struct StarDetector::Data {
   StarBoardList boards;
-  LooseFinders loose_finders;  // by the number of segments
+  LooseFinders loose_finders;  // key: number of segments
   DetectionOptions options;
 
   void Refine(const GreyImage& image, const StarBoard& star,

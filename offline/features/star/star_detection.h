@@ -8,10 +8,10 @@
 namespace raygrid {
 
 /// Detects the star boards of a pattern in images (paper's supplement, "Feature
-/// detection"): AprilTags, local mappings from pattern to image, growth
-/// outwards, one star at a time. If boards are missing but there are further
-/// stars, grows lattices from any star and identifies them by the visible parts
-/// of tags. Thread-safe.
+/// detection"): detects AprilTags, fits local mappings from pattern to image,
+/// and extends the lattice outwards, one star at a time. If boards are missing
+/// and unexplained stars remain, grows lattices from arbitrary stars and
+/// identifies the boards from the visible parts of tags. Thread-safe.
 class StarDetector {
  public:
   StarDetector(const Pattern& pattern, const DetectionOptions& options);

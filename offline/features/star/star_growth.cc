@@ -8,16 +8,15 @@
 namespace raygrid {
 namespace {
 
-// The least spacing of stars: in smaller ones the segments run together, and
-// rows of them are mistaken for each other.
+// Minimum spacing of stars: below it, segments are not resolved, and rows are
+// confused with adjacent ones.
 constexpr double kMinStarSpacingPx = 8;
 constexpr double kMaxSearchPx = 9;
-// The scale of the smallest images in which stars that may be farther away are
-// sought.
+// Maximum downscaling factor when the search radius exceeds kMaxSearchPx.
 constexpr double kSmallestScale = 8;
 
-// The homography of four correspondences; its denominator is 1 in the middle of
-// them.
+// Computes the homography from four correspondences, scaled such that its
+// denominator is 1 at the centre of `from`.
 std::optional<Eigen::Matrix3d> Homography(
     const std::array<Eigen::Vector2d, 4>& from,
     const std::array<Eigen::Vector2d, 4>& to) {
@@ -40,8 +39,8 @@ std::optional<Eigen::Matrix3d> Homography(
   return homography * from_center;
 }
 
-// A homography as a mapping of offsets from a place; nothing where it does not
-// reach, at the horizon and behind it.
+// Converts a homography to a local mapping around a position; nullopt near or
+// behind the horizon.
 std::optional<LocalMapping> MappingAt(const Eigen::Matrix3d& homography,
                                       const Eigen::Vector2d& place) {
   const Eigen::Vector3d origin = homography * place.homogeneous();
@@ -62,8 +61,8 @@ bool IsInside(const ImageSize& size, const Eigen::Vector2d& pixel,
          pixel.y() <= size.height - 1 - margin;
 }
 
-// Whether the star's square lies in the image, as far as it reaches to each
-// side of the star; or would, if the image were wider by slack_px all around.
+// Whether a star's square, clipped to reach_px in each direction, lies within
+// the image extended by slack_px on each side.
 bool IsVisible(const ImageSize& size, const LocalMapping& mapping,
                double reach_px, double slack_px) {
   constexpr double kMarginPx = -0.5;
@@ -116,7 +115,7 @@ StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
       tried_with_(board.num_points(), 0) {}
 
 void StarGrowth::Grow() {
-  // The sure ones first: they tell where the others must be.
+  // Reliable stars first, so that they predict the positions of the others.
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
     std::fill(tried_with_.begin(), tried_with_.end(), -1);
     for (const VisibleTag& seen : tags_)
@@ -135,7 +134,8 @@ void StarGrowth::GrowAcrossGaps() {
   }
 }
 
-// At places that no others are beside; false if nothing was found.
+// Searches stars that have no direct neighbours, at the positions predicted by
+// the lens model; returns false if none was found.
 bool StarGrowth::TryByLens(const LatticeLens& lens, double min_correlation) {
   constexpr double kSearchSquares = 0.1;
   const int before = lattice_.num_found();
@@ -196,8 +196,9 @@ bool StarGrowth::HasAdjacentStar(const BoardTag& tag) const {
   return false;
 }
 
-// The surest of the stars around a tag, one square away from it: the others,
-// which a homography may miss behind a fisheye, are found beside it.
+// Adds only the star with the highest correlation around a tag, at most one
+// square away. The others are found from it: with a fisheye, the tag's
+// homography may predict them poorly.
 void StarGrowth::StartAtNeighbour(const VisibleTag& seen,
                                   double min_correlation) {
   constexpr double kSearchSquares = 0.3;
@@ -230,8 +231,8 @@ void StarGrowth::StartAtNeighbour(const VisibleTag& seen,
   correlations_[board_.PointIndex(best.first, best.second)] = best_correlation;
 }
 
-// One pass over the places beside found ones, those with the most neighbours
-// first; false if nothing was found.
+// One pass over the undetected features next to detected ones, in descending
+// order of the number of neighbours; returns false if none was found.
 bool StarGrowth::Sweep(double min_correlation) {
   std::vector<std::array<int, 3>> candidates;
   for (int row = 0; row < board_.rows; ++row) {
@@ -260,7 +261,8 @@ bool StarGrowth::Sweep(double min_correlation) {
             kElsewhere * other.SpacingPx() &&
         Try(column, row, other, 0.12, min_correlation))
       continue;
-    // Between a tag and the board's edge a lattice goes on by a row or two.
+    // Between a tag and the board's edge there are only one or two rows of
+    // stars.
     constexpr int kFew = 10;
     if (-count <= kFew &&
         PredictFromTag(column, row, lattice_.Around(column, row, 3, false),
@@ -270,8 +272,8 @@ bool StarGrowth::Sweep(double min_correlation) {
   return lattice_.num_found() > before;
 }
 
-// Whether a place is beside a tag that was seen: such a tag tells where the
-// star is, whatever lies between.
+// Whether a feature is adjacent to a detected tag, whose homography predicts
+// it.
 bool StarGrowth::IsAdjacentToTag(int column, int row) const {
   return std::any_of(tags_.begin(), tags_.end(), [&](const VisibleTag& seen) {
     const BoardTag& tag = seen.tag;
@@ -297,8 +299,8 @@ bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
          PredictFromTag(column, row, around, mapping);
 }
 
-// Predicts a star by the homography of the nearest tag, moved as the nearest
-// star is, if there is one.
+// Predicts a star with the homography of the nearest tag, corrected by the
+// prediction error at the nearest detected star, if any.
 bool StarGrowth::PredictFromTag(int column, int row,
                                 const std::vector<Correspondence>& around,
                                 LocalMapping* mapping) const {
@@ -334,12 +336,13 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   const double spacing_px = mapping.SpacingPx();
   const double search_px =
       std::min(search_squares * spacing_px, kMaxSearchPx * kSmallestScale);
-  // The part of a star beyond the window may be cut off.
+  // Only the part of a star within the window must be in the image.
   const double window_reach_px = options_.window_px / 2;
   if (!IsVisible(image_.size, mapping, window_reach_px, search_px))
-    return false;  // nothing to be seen
+    return false;  // star outside the image
   const auto refuse = [&](const char* reason) {
-    // A star that the image's edge may hide is not sought in vain.
+    // Stars that the image's edge may hide do not count as unsuccessful
+    // searches.
     if (IsVisible(image_.size, mapping, INFINITY, 0))
       attempts_[{row, column}] = {mapping.center, reason};
     return false;
@@ -366,8 +369,8 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   return true;
 }
 
-// A star that may be farther away is sought in a smaller image, where the
-// window holds more of it.
+// If the search radius is large, searches in a downscaled image first, in which
+// the window covers more of the star.
 MatchingResult StarGrowth::Match(const SymmetryMask& mask,
                                  const LocalMapping& mapping,
                                  double search_px) {
@@ -398,14 +401,14 @@ MatchingResult StarGrowth::Match(const SymmetryMask& mask,
   return far.is_converged && far.correlation > near.correlation ? far : near;
 }
 
-// Halved so many times.
+// Returns the image halved `level` times.
 const GreyImage& StarGrowth::Smaller(int level) {
   while (static_cast<int>(smaller_.size()) < level)
     smaller_.push_back(Halved(smaller_.empty() ? image_ : smaller_.back()));
   return smaller_[level - 1];
 }
 
-// The mean of the neighbours'; 0 if there are none.
+// Returns the mean correlation of the detected neighbours; 0 if there are none.
 double StarGrowth::CorrelationAround(int column, int row) const {
   double sum = 0;
   int count = 0;
@@ -419,11 +422,11 @@ double StarGrowth::CorrelationAround(int column, int row) const {
   return sum / std::max(1, count);
 }
 
-// Whether another star was found there. Where squares are sheared, a diagonal
-// neighbour may be nearer than the next one in a row.
+// Whether another star was detected near the pixel. With sheared squares, a
+// diagonal neighbour may be closer than the next one in the row.
 bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
                             const LocalMapping& mapping) const {
-  constexpr double kMinDistance = 0.6;  // of where the two should be
+  constexpr double kMinDistance = 0.6;  // fraction of the expected distance
   for (const Correspondence& other : lattice_.Around(column, row, 3, false)) {
     const double expected_px =
         std::min(mapping.SpacingPx(), (mapping.linear * other.offset).norm());
@@ -432,11 +435,11 @@ bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
   return false;
 }
 
-// Whether a row or column of stars would not go on there as it does before: a
-// polynomial may fold beyond the last of them.
+// Whether the step from the previous star in a row or column is reversed or
+// much shorter than the step before: an extrapolated polynomial may fold.
 bool StarGrowth::TurnsBack(int column, int row,
                            const Eigen::Vector2d& pixel) const {
-  constexpr double kMinPart = 0.3;  // of the step before
+  constexpr double kMinPart = 0.3;  // fraction of the previous step
   for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
     if (!lattice_.Has(column + u, row + v) ||
         !lattice_.Has(column + 2 * u, row + 2 * v))

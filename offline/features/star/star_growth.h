@@ -17,10 +17,10 @@
 
 namespace raygrid {
 
-/// The minimum number of stars of a credible board.
+/// Minimum number of stars of an accepted board.
 constexpr int kMinStarsOnBoard = 5;
 
-/// A tag of a board that is detected in the image.
+/// A detected tag that belongs to the board.
 struct VisibleTag {
   BoardTag tag;
   std::array<Eigen::Vector2d, 4> corners;
@@ -47,17 +47,19 @@ class StarGrowth {
   void Set(int column, int row, const Eigen::Vector2d& pixel) {
     lattice_.Set(column, row, pixel);
   }
-  /// Requires the correlation of stars with their rendering to be at least this
-  /// fraction of their neighbours'.
+  /// Requires the correlation of a star with the rendered star to be at least
+  /// this fraction of its neighbours' mean correlation.
   void RequireAlike(double part) { alike_ = part; }
-  /// Searches a star within search_squares of its predicted position; returns
-  /// whether it is found.
+  /// Searches for a star within search_squares of its predicted position;
+  /// returns whether it was found.
   bool Try(int column, int row, const LocalMapping& mapping,
            double search_squares, double min_correlation);
-  /// Searches around tags, then beside each star, until no more are found.
+  /// Searches around tags, then next to each detected star, until no more are
+  /// found.
   void Grow();
-  /// Searches stars that the lens model fitted to the lattice predicts beyond
-  /// gaps, as behind a tag at the image's edge; and beside these stars.
+  /// Searches for stars that the lens model fitted to the lattice predicts
+  /// across gaps, such as a tag at the image's edge, and then for their
+  /// neighbours.
   void GrowAcrossGaps();
 
   /// Whether the stars around each tag are consistent with its corners.
@@ -100,8 +102,8 @@ class StarGrowth {
   FeatureLattice lattice_;
   double alike_ = 0;
   std::vector<double> correlations_;  // by feature
-  std::vector<int> tried_with_;       // number of neighbours, by feature; or -1
-  // Unsuccessful searches by column and row: position and reason.
+  std::vector<int> tried_with_;       // one per feature
+  // number of neighbours at the last attempt, one per feature; -1: none
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       attempts_;
 };
