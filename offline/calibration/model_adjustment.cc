@@ -13,6 +13,7 @@
 #include "calibration/divergence.h"
 #include "calibration/outlier_removal.h"
 #include "calibration/unobserved_control_points.h"
+#include "camera/fixed_camera.h"
 #include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/board_flatness.h"
@@ -62,6 +63,10 @@ void InitializeGrids(const std::string& model, const InitialValues& starts,
   adjusted->prior = {};
   adjusted->prior.points_mean = problem.nominal;
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    if (IsFixed(*starts.lenses[c])) {
+      adjusted->prior.cameras.emplace_back();
+      continue;
+    }
     const CentralGeneric grid = MakeInitialGrid(problem, c, starts);
     const std::vector<Eigen::Vector2d> observed_px =
         ObservedPixels(problem, static_cast<int>(c));

@@ -20,6 +20,7 @@ namespace raygrid {
 struct CameraExtras {
   std::string blob = {};  ///< empty: none
   std::string view = {};  ///< view of its table as a camera file, or empty
+  std::string camera_yaml = {};  ///< camera.yaml of known intrinsics, or empty
   std::optional<PackingMetrics> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};
