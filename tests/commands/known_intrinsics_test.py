@@ -6,14 +6,14 @@ import os
 
 from command_test import CommandTest, SIMULATED_PATTERN, main, read, run, write
 
-SIZE = ("--image-size", "640x480")
+SIZE = ("--image-size", "160x120")
 
 
 class KnownIntrinsics(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--lens", "pinhole", "--cameras", 2, "--baseline-m", 0.08, "--images", 8,
+        result = run("simulate", "--lens", "pinhole", "--size", "160x120", "--cameras", 2, "--baseline-m", 0.08, "--images", 8,
                      "--pattern", write(cls.path("board.yaml"), SIMULATED_PATTERN), "-o", cls.path("sim"))
         assert result.returncode == 0, result.stderr
         cls.truth = cls.path("sim/true_camera.yaml")
@@ -45,23 +45,20 @@ class KnownIntrinsics(CommandTest):
     def test_the_relative_pose_has_a_covariance(self):
         pair = json.loads(read(self.path("out/result.json")))["baselines"][0]
         self.assertLess(abs(pair["distance_m"] - 0.08), 4 * pair["distance_sd_m"])
-        self.assertLess(pair["distance_sd_m"], 1e-4)
+        self.assertLess(pair["distance_sd_m"], 1e-3)
         variance = sum(pair["covariance"][k][k] for k in range(3))
         self.assertAlmostEqual(pair["rotation_sd_rad"], math.sqrt(variance), delta=1e-9)
         rig = read(self.path("out/rig.yaml")).decode()
         self.assertIn('  - cameras: ["cam0", "cam1"]\n    covariance:\n      - [', rig)
         inspected = json.loads(run("inspect", self.path("out/rig.yaml"), "--json").stdout)["relative_poses"][0]
-        result = run("rectify", self.path("out/rig.yaml"), "--left", "cam0", "--right", "cam1", "--json", "-o",
-                     self.path("pair"))
+        result = run("rectify", self.path("out/rig.yaml"), "--left", "cam0", "--right", "cam1", "--max-error-px", 0.25,
+                     "--json", "-o", self.path("pair"))
         self.assert_done(result)
         rectified = json.loads(result.stdout)
         for name, baseline in (("distance_sd_m", "baseline_sd_m"), ("rotation_sd_rad", "rotation_sd_rad")):
             for found in (inspected[name], rectified[baseline]):
                 self.assertAlmostEqual(found / pair[name], 1, delta=1e-6)
         self.assertIn("baseline_sd: ", read(self.path("pair/rectified.yaml")).decode())
-        # Exported without the covariance, which no format has; refused if it is none.
-        self.assert_done(run("export", self.path("out/rig.yaml"), "--to", "kalibr", "--max-fit-error-px", 1, "-o",
-                             self.path("chain.yaml")))
         broken = write(self.path("broken.yaml"), rig.replace("      - [", "      - [-1, ", 1))
         self.assert_refused(run("inspect", broken), 2, "broken.yaml", "6 rows of 6 numbers")
 
@@ -91,7 +88,7 @@ class KnownIntrinsics(CommandTest):
                 (["--intrinsics", "cam0=" + self.path("none.yaml")], 2, ("none.yaml",)),
                 (["--intrinsics", "cam0=" + self.path("blob.raygrid")], 1, ("is a blob",)),
                 (["--intrinsics", "cam0=" + self.path("sim/features.csv")], 2, ("features.csv",)),
-                (["--intrinsics", "cam0=" + self.simulated_camera("pinhole")], 1, ("cam0", "640 x 480")),
+                (["--intrinsics", "cam0=" + self.simulated_camera("pinhole", "128x96")], 1, ("cam0", "128 x 96", "160 x 120")),
                 (both + ["--model", "opencv"], 1, ("--model", "no effect")),
                 (both + ["--knot-spacing-px", 40], 1, ("--knot-spacing-px", "no effect"))):
             self.assert_refused(self.calibrate(*arguments), code, *words)
