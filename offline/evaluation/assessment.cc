@@ -384,10 +384,10 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
       systematic_px > kMattersPx ? Severity::kWarning : Severity::kNote;
   if (metrics.has_known_intrinsics)
     findings->Add(severity,
-                  fmt::format("{}: the known intrinsics do not fit these "
-                              "images (another camera, focus or temperature); "
-                              "check the camera with raygrid check, or "
-                              "calibrate without --intrinsics",
+                  fmt::format("{}, caused by known intrinsics that do not fit "
+                              "these images (another focus, temperature or "
+                              "camera), by the target or by the detector; "
+                              "compare with a calibration without --intrinsics",
                               found));
   else if (metrics.limit.IsCause())
     findings->Add(severity,
