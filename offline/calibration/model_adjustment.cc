@@ -208,7 +208,11 @@ void EstimateDeformation(const Pattern& pattern,
 double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted) {
-  if (AreParametric(CopyCameras(adjusted.state))) return 0;
+  const auto& cameras = adjusted.state.cameras;
+  if (std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) {
+        return IsParametricModel(camera->Name()) && !IsFixed(*camera);
+      }))
+    return 0;
   AdjustmentOptions free = options;
   free.fix_points = false;
   EstimateStaticDeformation(&adjusted);

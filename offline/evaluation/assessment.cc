@@ -250,9 +250,10 @@ void AssessAmbiguousRotations(const CalibrationMetrics& metrics,
 void AssessFlatTarget(const CalibrationMetrics& metrics, Findings* findings) {
   if (metrics.flatness_error_m > 0)
     findings->Warn(
-        fmt::format("the target's deformation biases the camera: the estimated "
+        fmt::format("the target's deformation biases the {}: the estimated "
                     "out-of-plane deformation of a board is {:.3f} mm RMS; "
                     "calibrate without --fix-target-geometry",
+                    metrics.has_known_intrinsics ? "poses" : "camera",
                     1e3 * metrics.flatness_error_m));
 }
 
@@ -482,8 +483,8 @@ Assessment AssessKnownCamera(const CalibrationMetrics& metrics) {
   if (metrics.interrupted) return findings.Conclude();
   for (const auto assess :
        {AssessTimestamps, AssessOutlyingImages, AssessAmbiguousRotations,
-        AssessCorrelation, AssessHeldOutError, AssessHeldOutCopies,
-        AssessOverfit, AssessMisreadImages})
+        AssessFlatTarget, AssessCorrelation, AssessHeldOutError,
+        AssessHeldOutCopies, AssessOverfit, AssessMisreadImages})
     assess(metrics, &findings);
   return findings.Conclude();
 }

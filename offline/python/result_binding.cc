@@ -136,9 +136,9 @@ is the only camera. An unknown name raises KeyError.)")
           "the first camera, to camera axes.")
       .def_property_readonly(
           "relative_pose_covariances", &CovariancesOf,
-          "Dict of the covariances (6, 6) by (first, second) camera of a rig: "
-          "rotation vector r (rad), then translation d (m) of exp(r) R, t + d "
-          "for second_from_first.")
+          "Dict of the covariances (6, 6) by (first, second) camera of a rig, "
+          "of the rotation vector r (rad) and the translation d (m) of "
+          "exp(r) R, t + d for second_from_first.")
       .def_property_readonly(
           "verdict",
           [](const PyCalibration& c) { return c.result.assessment.word; },
