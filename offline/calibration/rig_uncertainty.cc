@@ -1,5 +1,6 @@
 #include "calibration/rig_uncertainty.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -73,6 +74,22 @@ Eigen::Matrix<double, 6, 1> ComputeScales(
   return scales;
 }
 
+// Makes a matrix symmetric and removes negative eigenvalues of its correlation:
+// solutions of large equations are not exact.
+PoseCovariance MakeCovariance(const PoseCovariance& matrix) {
+  const PoseCovariance symmetric = (matrix + matrix.transpose()) / 2;
+  const Eigen::Matrix<double, 6, 1> deviations =
+      symmetric.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const PoseCovariance correlation = deviations.cwiseInverse().asDiagonal() *
+                                     symmetric *
+                                     deviations.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<PoseCovariance> solver(correlation);
+  if (solver.eigenvalues()[0] >= 0) return symmetric;
+  const PoseCovariance root = deviations.asDiagonal() * solver.eigenvectors();
+  return root * solver.eigenvalues().cwiseMax(0).asDiagonal() *
+         root.transpose();
+}
+
 // Adds the covariances of the relative poses, and the standard deviations that
 // follow from them; leaves them empty if the equations are singular.
 void AddCovariances(const AdjustmentResult& adjusted, AdjustmentOptions options,
@@ -109,9 +126,9 @@ void AddCovariances(const AdjustmentResult& adjusted, AdjustmentOptions options,
         scales.asDiagonal();
     baseline.distance_sd_m = std::sqrt(scaled(3, 3));
     baseline.rotation_sd_rad = std::sqrt(scaled.topLeftCorner<3, 3>().trace());
-    const PoseCovariance covariance =
-        directions * scaled * directions.transpose();
-    baseline.covariance = (covariance + covariance.transpose()) / 2;
+    if (scaled.allFinite())
+      baseline.covariance =
+          MakeCovariance(directions * scaled * directions.transpose());
   }
 }
 
