@@ -222,11 +222,12 @@ void CompleteResult(const std::vector<Measurements>& cameras,
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::vector<RejectedImage>& left_out = cameras[c].left_out;
     CalibrationResult& camera = result->cameras[c];
+    camera.rejected_images.insert(camera.rejected_images.end(),
+                                  left_out.begin(), left_out.end());
+    if (camera.has_known_intrinsics) continue;
     camera.camera.serial = arguments.serial;
     if (c < arguments.captures.size() && arguments.captures[c].HasAny())
       camera.camera.capture = arguments.captures[c];
-    camera.rejected_images.insert(camera.rejected_images.end(),
-                                  left_out.begin(), left_out.end());
   }
 }
 
@@ -294,6 +295,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const bool is_rig = given.size() > 1 || arguments.HasCameraImages();
   RequireOfSingleCamera(arguments, is_rig);
   RequireOperatingPointOptions(arguments, is_rig);
+  const IntrinsicsByCamera intrinsics = ReadKnownIntrinsics(arguments, given);
   const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
   RequireWritableFolder(arguments.output);
@@ -310,13 +312,14 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
         CollectMeasurements(arguments, common, given, pattern, &bar);
     const CaptureConditions circumstances =
         ReadCaptureConditions(arguments, cameras);
-    inputs =
-        SerializeInputs(arguments, common, cameras, circumstances, pattern);
+    inputs = SerializeInputs(arguments, common, cameras, circumstances,
+                             intrinsics, pattern);
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
     InstallInterruptHandler();
-    const std::vector<CalibrationInput> calibration_inputs = CalibrationInputs(
-        cameras, circumstances, arguments, common.threads, &checkpoints);
+    const std::vector<CalibrationInput> calibration_inputs =
+        CalibrationInputs(cameras, circumstances, arguments, intrinsics,
+                          common.threads, &checkpoints);
     const auto& conditions = circumstances.conditions;
     if (conditions)
       warnings = {
@@ -330,6 +333,10 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
     extras = MakeExtras(cameras, result, arguments, circumstances, common);
+    for (size_t c = 0; c < cameras.size(); ++c)
+      if (const auto known = intrinsics.find(cameras[c].camera);
+          known != intrinsics.end())
+        extras.cameras[c].camera_yaml = known->second.yaml;
   }
   const std::vector<Checkpoint> checkpoints = GetCheckpoints(result);
   PreserveFinishedResult(arguments.output, checkpoints, inputs);
@@ -382,6 +389,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
 
 void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
   BeginGroup(command, help_group::kModel);
+  AddIntrinsicsOption(command, &arguments->intrinsics);
   command
       ->add_option("--model", arguments->model,
                    fmt::format("{}, or auto: chosen by cross-validation",

@@ -446,18 +446,48 @@ std::vector<Measurements> CollectMeasurements(
   return cameras;
 }
 
+IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
+                                       const FeaturesByCamera& given) {
+  std::vector<std::string> names;
+  for (const auto& [name, dataset] : given) names.push_back(name);
+  if (given.empty())
+    for (const NamedImages& camera : ParseCameras(arguments))
+      names.push_back(camera.camera);
+  IntrinsicsByCamera known = ReadKnownIntrinsics(arguments.intrinsics, names);
+  if (known.empty()) return known;
+  if (arguments.rolling_shutter)
+    throw Error(ExitCode::kUsage,
+                "--intrinsics cannot be combined with --rolling-shutter");
+  const char* unused = arguments.model != "auto" ? "--model"
+                       : arguments.knot_spacing_px != "auto"
+                           ? "--knot-spacing-px"
+                       : arguments.allow_noncentral ? "--allow-noncentral"
+                                                    : nullptr;
+  if (known.size() == names.size() && unused)
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} has no effect, since the intrinsics of all "
+                            "cameras are known; omit it",
+                            unused));
+  return known;
+}
+
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
     const CaptureConditions& circumstances, const CalibrateArguments& arguments,
-    int num_threads, CheckpointFile* checkpoints) {
+    const IntrinsicsByCamera& intrinsics, int num_threads,
+    CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
-  for (size_t c = 0; c < cameras.size(); ++c)
+  for (size_t c = 0; c < cameras.size(); ++c) {
     inputs.push_back(
         {arguments.name.empty() ? cameras[c].camera : arguments.name,
          cameras[c].dataset, MakeRefinement(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Save(c, done); },
          cameras[c].image_circle, cameras[c].skipped, circumstances.times[c]});
+    if (const auto known = intrinsics.find(cameras[c].camera);
+        known != intrinsics.end())
+      inputs.back().intrinsics = known->second.file;
+  }
   return inputs;
 }
 
@@ -503,6 +533,13 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   inputs.push_back(arguments.times);
   inputs.push_back(arguments.conditions);
   inputs.push_back(arguments.like);
+  for (const std::string& text : arguments.intrinsics) {
+    const NamedValue known = ParseNamedValue(text);
+    inputs.push_back(known.value);
+    outputs.push_back(
+        (std::filesystem::path(arguments.output) / known.name / "camera.yaml")
+            .string());
+  }
   for (const char* name :
        {"camera.raygrid", "camera.yaml", "example_after.png",
         "example_before.png", "features.csv", "pattern.yaml", "poses.csv",
@@ -517,6 +554,7 @@ std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
                             const CaptureConditions& circumstances,
+                            const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern) {
   ContentHash hash;
   hash.Add(RAYGRID_VERSION);
@@ -550,6 +588,10 @@ std::string SerializeInputs(const CalibrateArguments& arguments,
   for (const auto& times : circumstances.times)
     if (times) hash.Add(FormatImageTimes(*times));
   if (!arguments.like.empty()) hash.Add(ReadFile(arguments.like));
+  for (const auto& [name, known] : intrinsics) {
+    hash.Add(name);
+    hash.Add(FormatCameraFile(*known.file));
+  }
   return hash.Text();
 }
 

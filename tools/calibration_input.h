@@ -14,6 +14,7 @@
 #include "dataset/camera_file.h"
 #include "dataset/capture.h"
 #include "dataset/repeated_images.h"
+#include "known_intrinsics.h"
 #include "progress_bar.h"
 
 namespace raygrid {
@@ -26,6 +27,7 @@ struct NamedImages {
 
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
+  std::vector<std::string> intrinsics;  ///< NAME=FILE, --intrinsics
   std::string features, pattern, output, name, serial, like;
   std::string model = "auto", knot_spacing_px = "auto";
   std::string duplicate_px = "auto", valid_px = "auto";
@@ -126,7 +128,13 @@ void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
 std::vector<CalibrationInput> CalibrationInputs(
     const std::vector<Measurements>& cameras,
     const CaptureConditions& circumstances, const CalibrateArguments& arguments,
-    int num_threads, CheckpointFile* checkpoints);
+    const IntrinsicsByCamera& intrinsics, int num_threads,
+    CheckpointFile* checkpoints);
+
+/// Reads --intrinsics for the cameras of --camera, --features or a session.
+/// Throws Error(kUsage), also for options that known intrinsics exclude.
+IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
+                                       const FeaturesByCamera& given);
 
 /// Throws Error(kOutput) if the result would overwrite the pattern, the
 /// features or an image.
@@ -138,6 +146,7 @@ std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
                             const CaptureConditions& circumstances,
+                            const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern);
 
 /// Converts command-line options. Throws Error(kUsage).

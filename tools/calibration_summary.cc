@@ -29,8 +29,11 @@ void PrintMetrics(const char* name, const ErrorMetrics& metrics) {
 
 // Prints the first line of a camera, after its model's name.
 void PrintSize(const CalibrationResult& result) {
-  fmt::print("{} parameters, {} images", result.num_parameters,
-             result.features.images.size());
+  if (result.has_known_intrinsics)
+    fmt::print("known intrinsics");
+  else
+    fmt::print("{} parameters", result.num_parameters);
+  fmt::print(", {} images", result.features.images.size());
   if (result.knot_spacing_px > 0)
     fmt::print(", knot spacing {:.0f} px", result.knot_spacing_px);
   fmt::print("\n");

@@ -348,13 +348,33 @@ Json CenterInRig(const Pose& camera_from_rig) {
   return {center.x(), center.y(), center.z()};
 }
 
-Json MakeRigFacts(const std::vector<RigFileCamera>& cameras) {
+Json MakeRelativePoseFacts(const std::vector<RigFileCamera>& cameras,
+                           const RelativePoseCovariance& pair) {
+  Pose poses[2];
+  for (const RigFileCamera& camera : cameras) {
+    if (camera.name == pair.first) poses[0] = camera.camera_from_rig;
+    if (camera.name == pair.second) poses[1] = camera.camera_from_rig;
+  }
+  const Pose second_from_first = poses[1] * poses[0].Inverse();
+  const Eigen::Vector3d& translation = second_from_first.translation;
+  return {{"cameras", {pair.first, pair.second}},
+          {"distance_m", translation.norm()},
+          {"distance_sd_m", pair.DistanceStdDev(translation)},
+          {"angle_rad", second_from_first.rotation.angularDistance(
+                            Eigen::Quaterniond::Identity())},
+          {"rotation_sd_rad", pair.RotationStdDev()}};
+}
+
+Json MakeRigFacts(const std::vector<RigFileCamera>& cameras,
+                  const std::vector<RelativePoseCovariance>& relative_poses) {
   Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
   for (const RigFileCamera& camera : cameras)
     json["cameras"].push_back(
         {{"name", camera.name},
          {"file", camera.file},
          {"center_in_rig_m", CenterInRig(camera.camera_from_rig)}});
+  for (const RelativePoseCovariance& pair : relative_poses)
+    json["relative_poses"].push_back(MakeRelativePoseFacts(cameras, pair));
   return json;
 }
 
@@ -471,7 +491,8 @@ Json MakeBudgetFacts(const std::string& path,
   if (bytes.find("raygrid_camera:") != std::string::npos)
     return MakeCameraFacts(ParseCameraFile(path, bytes));
   if (bytes.find("raygrid_rig:") != std::string::npos)
-    return MakeRigFacts(ParseRigFile(path, bytes));
+    return MakeRigFacts(ParseRigFile(path, bytes),
+                        ParseRelativePoseCovariances(path, bytes));
   if (bytes.find("raygrid_pattern:") != std::string::npos)
     return MakePatternFacts(ParsePattern(path, bytes));
   if (const Format* format = RecognizeFormat(bytes))

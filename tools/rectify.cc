@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "camera/camera_frame.h"
 #include "camera/equivalent_central_camera.h"
@@ -12,6 +14,7 @@
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
+#include "evaluation/rounded_text.h"
 #include "help_formatter.h"
 #include "image_size_option.h"
 #include "json_output.h"
@@ -98,20 +101,55 @@ void SetDistance(const std::optional<double>& distance_m,
                 "--distance is for non-central cameras only; omit it");
 }
 
-std::array<PairCamera, 2> ReadPair(const RectifyArguments& arguments) {
+// The relative pose of the pair, with standard deviations if rig.yaml has its
+// covariance.
+struct PairGeometry {
+  double angle_rad = 0;
+  std::optional<double> baseline_sd_m, rotation_sd_rad;
+};
+
+PairGeometry MakeGeometry(
+    const RigFileCamera& left, const RigFileCamera& right,
+    const std::vector<RelativePoseCovariance>& relative_poses) {
+  PairGeometry geometry;
+  geometry.angle_rad = left.camera_from_rig.rotation.angularDistance(
+      right.camera_from_rig.rotation);
+  const RelativePoseCovariance* pair =
+      FindRelativePose(relative_poses, left.name, right.name);
+  if (!pair) return geometry;
+  const bool is_left_first = pair->first == left.name;
+  const Pose& first = (is_left_first ? left : right).camera_from_rig;
+  const Pose& second = (is_left_first ? right : left).camera_from_rig;
+  geometry.baseline_sd_m =
+      pair->DistanceStdDev((second * first.Inverse()).translation);
+  geometry.rotation_sd_rad = pair->RotationStdDev();
+  return geometry;
+}
+
+struct RectifiedPair {
+  std::array<PairCamera, 2> cameras;
+  PairGeometry geometry;
+};
+
+RectifiedPair ReadPair(const RectifyArguments& arguments) {
   if (arguments.left == arguments.right)
     throw Error(
         ExitCode::kUsage,
         fmt::format(
             "--left and --right are both {}; specify two different cameras",
             arguments.left));
-  const auto cameras = ReadRigFile(arguments.rig);
-  std::array<PairCamera, 2> pair = {
-      ReadPairCamera(arguments.rig, FindInRig(arguments.rig, cameras, "--left",
-                                              arguments.left)),
-      ReadPairCamera(arguments.rig, FindInRig(arguments.rig, cameras, "--right",
-                                              arguments.right))};
-  SetDistance(arguments.distance_m, &pair);
+  const std::string text = ReadFile(arguments.rig);
+  const auto cameras = ParseRigFile(arguments.rig, text);
+  const RigFileCamera& left =
+      FindInRig(arguments.rig, cameras, "--left", arguments.left);
+  const RigFileCamera& right =
+      FindInRig(arguments.rig, cameras, "--right", arguments.right);
+  RectifiedPair pair = {
+      {ReadPairCamera(arguments.rig, left),
+       ReadPairCamera(arguments.rig, right)},
+      MakeGeometry(left, right,
+                   ParseRelativePoseCovariances(arguments.rig, text))};
+  SetDistance(arguments.distance_m, &pair.cameras);
   return pair;
 }
 
@@ -169,6 +207,7 @@ Eigen::Matrix3d RotationOfPair(const Rectification& rectified,
 
 std::string FormatPair(const Rectification& rectified,
                        const std::array<PairCamera, 2>& pair,
+                       const PairGeometry& geometry,
                        const RectifyArguments& arguments) {
   const ImageSize& size = rectified.views[0].size;
   std::string text =
@@ -178,6 +217,14 @@ std::string FormatPair(const Rectification& rectified,
                 "lines are columns\n"
               : "orientation: horizontal  # epipolar lines are rows\n";
   text += fmt::format("baseline: {}  # metres\n", rectified.baseline_m);
+  if (geometry.baseline_sd_m)
+    text += fmt::format("baseline_sd: {:.3g}  # metres, 1 sigma\n",
+                        *geometry.baseline_sd_m);
+  text += fmt::format("angle: {:.9g}  # radians, relative rotation\n",
+                      geometry.angle_rad);
+  if (geometry.rotation_sd_rad)
+    text += fmt::format("rotation_sd: {:.3g}  # radians, 1 sigma\n",
+                        *geometry.rotation_sd_rad);
   if (arguments.distance_m)
     text += fmt::format("distance: {}  # metres, distance of the scene\n",
                         *arguments.distance_m);
@@ -205,12 +252,17 @@ PairPaths PathsOf(const std::string& folder, const std::string& name) {
 
 nlohmann::ordered_json MakePairJson(const Rectification& rectified,
                                     const std::array<PairCamera, 2>& pair,
+                                    const PairGeometry& geometry,
                                     const std::array<PackedCamera, 2>& packed,
                                     const RectifyArguments& arguments) {
   nlohmann::ordered_json json = {
       {"orientation", rectified.is_vertical ? "vertical" : "horizontal"},
-      {"baseline_m", rectified.baseline_m},
-      {"overlap_fraction", rectified.overlap}};
+      {"baseline_m", rectified.baseline_m}};
+  if (geometry.baseline_sd_m) json["baseline_sd_m"] = *geometry.baseline_sd_m;
+  json["angle_rad"] = geometry.angle_rad;
+  if (geometry.rotation_sd_rad)
+    json["rotation_sd_rad"] = *geometry.rotation_sd_rad;
+  json["overlap_fraction"] = rectified.overlap;
   for (const int c : {0, 1}) {
     const PairPaths paths = PathsOf(arguments.output, pair[c].name);
     nlohmann::ordered_json own = {{"name", pair[c].name},
@@ -230,12 +282,22 @@ nlohmann::ordered_json MakePairJson(const Rectification& rectified,
 
 void PrintPair(const Rectification& rectified,
                const std::array<PairCamera, 2>& pair,
+               const PairGeometry& geometry,
                const std::array<PackedCamera, 2>& packed,
                const RectifyArguments& arguments) {
   fmt::print(
-      "{} in {}: baseline {:.6g} m, epipolar lines are {}s; {:.0f} % of {}'s "
-      "image overlaps with {} at infinity\n",
-      kPairFile, arguments.output, rectified.baseline_m,
+      "{} in {}: baseline {}, rotation {}, epipolar lines are {}s; {:.0f} % of "
+      "{}'s image overlaps with {} at infinity\n",
+      kPairFile, arguments.output,
+      geometry.baseline_sd_m ? FormatWithStdDev(1e3 * rectified.baseline_m,
+                                                1e3 * *geometry.baseline_sd_m) +
+                                   " mm"
+                             : fmt::format("{:.6g} m", rectified.baseline_m),
+      geometry.rotation_sd_rad
+          ? FormatWithStdDev(geometry.angle_rad * 180 / M_PI,
+                             *geometry.rotation_sd_rad * 180 / M_PI) +
+                " degrees"
+          : fmt::format("{:.3g} degrees", geometry.angle_rad * 180 / M_PI),
       rectified.is_vertical ? "column" : "row", 100 * rectified.overlap,
       pair[0].name, pair[1].name);
   for (const int c : {0, 1})
@@ -251,7 +313,9 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
     request.size = ParseImageSize("--size", arguments.size);
   request.alpha = arguments.alpha;
   request.hfov_deg = arguments.hfov_deg;
-  const std::array<PairCamera, 2> pair = ReadPair(arguments);
+  const RectifiedPair read = ReadPair(arguments);
+  const std::array<PairCamera, 2>& pair = read.cameras;
+  const PairGeometry& geometry = read.geometry;
   std::vector<std::string> inputs = {arguments.rig}, outputs;
   outputs.push_back(
       (std::filesystem::path(arguments.output) / kPairFile).string());
@@ -266,7 +330,7 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
       Rectify(pair[0].MakeStereoCamera(), pair[1].MakeStereoCamera(), request);
   std::array<PackedCamera, 2> packed;
   OutputFiles files;
-  files.Add(outputs[0], FormatPair(rectified, pair, arguments));
+  files.Add(outputs[0], FormatPair(rectified, pair, geometry, arguments));
   for (const int c : {0, 1}) {
     const VirtualView& view = rectified.views[c];
     packed[c] = PackForPair(pair[c], view, arguments, common);
@@ -279,9 +343,10 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
     for (const std::string& warning : packed[c].warnings)
       fmt::print(stderr, "raygrid: {}: {}\n", pair[c].path, warning);
   if (common.json)
-    PrintCommandJson(MakePairJson(rectified, pair, packed, arguments));
+    PrintCommandJson(
+        MakePairJson(rectified, pair, geometry, packed, arguments));
   else if (!common.quiet)
-    PrintPair(rectified, pair, packed, arguments);
+    PrintPair(rectified, pair, geometry, packed, arguments);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ void Calibration::SelectKnotSpacings() {
                                                     const auto& report) {
     camera->folds = MakeFolds({camera->split}, {&camera->lens.state.camera()});
     camera->folds.base_model = camera->lens.problem.base_model;
+    if (camera->HasKnownIntrinsics()) return;
     SelectKnotSpacing(pattern_, options_, report, camera);
     SelectDeformation(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
@@ -37,6 +38,7 @@ void Calibration::SelectKnotSpacings() {
   options_.model = selection.model;
   model_trials_ = std::move(selection.trials);
   for (CameraInProgress& camera : cameras_) {
+    if (camera.HasKnownIntrinsics()) continue;
     camera.grid_knot_spacing_px = camera.result.knot_spacing_px;
     if (IsParametricModel(options_.model)) {
       camera.result.knot_spacing_px = 0;
@@ -142,6 +144,8 @@ void Calibration::FillResults() {
     result.poses.clear();
     FillResult(pattern_, adjusted_, static_cast<int>(c),
                cameras_[c].input->image_circle, options_.num_threads, &result);
+    if (cameras_[c].HasKnownIntrinsics())
+      KeepKnownCamera(*cameras_[c].input->intrinsics, &result);
   }
   result_.pattern = MakeEstimatedPattern(pattern_, adjusted_);
   result_.pattern.rigid_targets = result_.rigid_targets;

@@ -78,6 +78,7 @@ void Calibration::CheckForMixedCameras() {
 
 void Calibration::ReportUncertainty(CameraInProgress* camera,
                                     int num_threads) const {
+  if (camera->HasKnownIntrinsics()) return;
   FillUncertainty(adjusted_, static_cast<int>(camera - cameras_.data()),
                   camera->input->image_circle, options_.valid_px, num_threads,
                   &camera->result);
@@ -101,6 +102,7 @@ void Calibration::CompareModels() {
   if (options.fix_target_geometry != options_.fix_target_geometry)
     model_trials_.assign(cameras_.size(), {});
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
+    if (camera->HasKnownIntrinsics()) return;
     CalibrationResult& result = camera->result;
     const ModelTrials& done = model_trials_[camera - cameras_.data()];
     result.parametric_models = CompareParametricModels(
@@ -126,8 +128,9 @@ void Calibration::CompareWithOthers() {
 void Calibration::SplitResiduals() {
   const Stopwatch stopwatch(&result_.seconds["residual_budget"]);
   for (CameraInProgress& camera : cameras_)
-    camera.result.budget = ComputeResidualBudget(MakeBudgetInput(
-        camera.result, MakeBudgetFacts(camera.result, options_)));
+    if (!camera.HasKnownIntrinsics())
+      camera.result.budget = ComputeResidualBudget(MakeBudgetInput(
+          camera.result, MakeBudgetFacts(camera.result, options_)));
 }
 
 // Estimates board poses in near-duplicate images with the calibrated cameras.
@@ -171,7 +174,7 @@ RigResult Calibration::Assess() {
       FillFleetDistance(*options_.like, *options_.prior_spread, &camera.result);
     ListUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     ReportExcludedImages(camera, pattern_, &camera.result.rejected_images);
-    if (!is_interrupted)
+    if (!is_interrupted && !camera.HasKnownIntrinsics())
       FindUniqueCoverageImages(adjusted_,
                                static_cast<int>(&camera - cameras_.data()),
                                options_.num_threads, &camera.result);

@@ -6,6 +6,7 @@
 
 #include "calibration/camera_adjustment.h"
 #include "calibration/even_selection.h"
+#include "camera/fixed_camera.h"
 
 namespace raygrid {
 namespace {
@@ -44,9 +45,11 @@ FittedLenses FitLenses(const std::string& model,
       MakeInitializationOptions(options), &prior, &fitted.state);
   fitted.median_px = ComputeMedianErrorPx(summary.residuals);
   for (size_t c = 0; c < prior.cameras.size() && summary.noise_px > 0; ++c)
-    fitted.lenses.push_back(MakeBaseModel(prior.cameras[c],
-                                          *fitted.state.cameras[c],
-                                          std::pow(summary.noise_px, 2)));
+    fitted.lenses.push_back(IsFixed(*fitted.state.cameras[c])
+                                ? BaseModel()
+                                : MakeBaseModel(prior.cameras[c],
+                                                *fitted.state.cameras[c],
+                                                std::pow(summary.noise_px, 2)));
   return fitted;
 }
 

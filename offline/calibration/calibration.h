@@ -9,6 +9,7 @@
 
 #include "camera/lens_spread.h"
 #include "camera/model_names.h"
+#include "dataset/camera_file.h"
 #include "dataset/dataset.h"
 #include "dataset/image_times.h"
 #include "evaluation/rig_result.h"
@@ -46,6 +47,8 @@ struct CalibrationInput {
   std::vector<RejectedImage> skipped = {};
   /// Times of the images, for the line delay; nullopt: not estimated.
   std::optional<ImageTimes> times = {};
+  /// Known intrinsics, which are kept; null: estimated.
+  std::shared_ptr<const CameraFile> intrinsics = {};
 };
 
 /// Returns the names of the supported models, in descending order of their
@@ -91,8 +94,10 @@ struct CalibrationOptions {
 
 /// Calibrates a single camera, or the cameras of a rig and their poses, from
 /// features. Images of the same name belong to one frame. The rig's frame of
-/// reference is the first camera's. Throws Error: kTooFew or kInitialization;
-/// kUsage if boards are implausibly far away.
+/// reference is the first camera's. With known intrinsics of all cameras, only
+/// poses and the target geometry are estimated. Throws Error: kTooFew or
+/// kInitialization; kUsage if boards are implausibly far away, or if known
+/// intrinsics are for images of another size.
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options);
 

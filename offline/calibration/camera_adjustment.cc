@@ -10,6 +10,7 @@
 #include "calibration/extrapolated_grid.h"
 #include "calibration/polynomial_grid.h"
 #include "calibration/prior_grid.h"
+#include "camera/fixed_camera.h"
 #include "camera/model_fitting.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
@@ -55,6 +56,7 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 // Makes a camera prior that is centred on the current parameters.
 CameraPrior PriorAround(const CameraModel& camera,
                         const CalibrationProblem& problem, int index) {
+  if (IsFixed(camera)) return {};
   if (const ParametricModel* lens = camera.Parametric())
     return MakeDistortionPrior(*lens, ComputeCalibratedArea(problem, index),
                                NumFeatures(problem, index));
@@ -122,6 +124,10 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   OptimizeGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    if (IsFixed(*starts.lenses[c])) {
+      prior->cameras.emplace_back();
+      continue;
+    }
     prior->cameras.push_back(MakeNonCentralPrior(
         ExpectedGrid(problem, *starts.lenses[c],
                      MakeInitialGrid(problem, c, starts)),
@@ -231,6 +237,7 @@ AdjustmentSummary OptimizeParametricCameras(const std::string& model,
                                             AdjustmentState* state) {
   for (size_t c = 0; c < lenses.size(); ++c) {
     state->cameras[c] = lenses[c]->Clone();
+    if (IsFixed(*lenses[c])) continue;
     // The radial model is refitted even if the name matches, since it may have
     // been initialized with fewer control points.
     if (lenses[c]->Name() != model || model == models::kCentralRadial)
@@ -248,6 +255,11 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
   if (problem.like && problem.prior_spread)
     spread = problem.prior_spread->Surfaces(problem.like->area());
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    if (IsFixed(*starts.lenses[c])) {
+      prior->cameras.emplace_back();
+      state->cameras[c] = starts.lenses[c]->Clone();
+      continue;
+    }
     const CentralGeneric base = MakeInitialGrid(problem, c, starts);
     prior->cameras.push_back(
         MakeSmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),

@@ -8,6 +8,9 @@
 
 namespace raygrid {
 
+/// The model whose steps are run for cameras with known intrinsics.
+constexpr const char* kModelOfKnownCameras = models::kOpenCv;
+
 /// State of a camera during its calibration.
 struct CameraInProgress {
   const CalibrationInput* input = nullptr;
@@ -25,6 +28,7 @@ struct CameraInProgress {
   Checkpoint checkpoint;              ///< completed steps
   CalibrationResult result;           ///< results so far
 
+  bool HasKnownIntrinsics() const { return input->intrinsics != nullptr; }
   void Save() const {
     if (input->keep) input->keep(checkpoint);
   }

@@ -7,8 +7,10 @@
 #include <numeric>
 #include <set>
 
+#include "calibration/board_rotations.h"
 #include "calibration/camera_adjustment.h"
 #include "calibration/even_selection.h"
+#include "camera/fixed_camera.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "evaluation/residual_statistics.h"
@@ -328,6 +330,21 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
       Localized(trials.Best().state.camera(), all, options.num_threads);
   RemoveGrossOutliers(pattern, options.num_threads, &adjusted);
   return adjusted;
+}
+
+AdjustmentResult InitializeKnownCamera(const CameraModel& camera,
+                                       const Dataset& dataset,
+                                       const Pattern& pattern, AreaChoice area,
+                                       int num_threads) {
+  AdjustmentResult known =
+      LocalizeDatasetViews(FixedCamera(camera), dataset, pattern, num_threads);
+  if (known.problem.views.empty())
+    throw Error(ExitCode::kTooFew,
+                "no target pose could be estimated with the known intrinsics; "
+                "check that they belong to this camera, and the pattern");
+  known.problem.area = area;
+  known.rejected_features.resize(1);
+  return known;
 }
 
 }  // namespace raygrid

@@ -19,6 +19,14 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
                                   AreaChoice area = AreaChoice::kWholeImage,
                                   const CameraModel* known = nullptr);
 
+/// Estimates the target poses of a camera with known intrinsics, which the
+/// returned state holds as FixedCamera, in place of InitializeCamera(). Throws
+/// Error(kTooFew) if there are none.
+AdjustmentResult InitializeKnownCamera(const CameraModel& camera,
+                                       const Dataset& dataset,
+                                       const Pattern& pattern, AreaChoice area,
+                                       int num_threads);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_CALIBRATION_CAMERA_INITIALIZATION_H

@@ -349,6 +349,7 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   CalibrationMetrics metrics;
   metrics.ambiguous_rotation_images = result.ambiguous_rotation_images;
   metrics.converged = result.converged;
+  metrics.has_known_intrinsics = result.has_known_intrinsics;
   metrics.interrupted = result.checkpoint.has_value();
   metrics.image_size = result.camera.camera->image_size();
   metrics.features_area = GetFeatureArea(result.features);
@@ -443,6 +444,15 @@ void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
     result->line_spread = MeasureLineSpread(*result->camera.camera);
 }
 
+void KeepKnownCamera(const CameraFile& known, CalibrationResult* result) {
+  CameraFile camera = known;
+  camera.name = result->camera.name;
+  camera.training = result->camera.training;
+  camera.held_out.reset();
+  result->camera = std::move(camera);
+  result->has_known_intrinsics = true;
+}
+
 void FillUncertainty(const AdjustmentResult& adjusted, int camera,
                      const std::optional<ImageCircle>& image_circle,
                      const std::optional<double>& valid_limit_px,
@@ -523,7 +533,8 @@ void AssessResult(int num_threads, CalibrationResult* result) {
   const std::set<std::string> apart = FindOutlierImages(residuals);
   result->residual_autocorrelation =
       ComputeNeighborCorrelation(WithoutImages(residuals, apart));
-  if (result->camera.uncertainty && !result->held_out.empty())
+  if (result->camera.uncertainty && !result->held_out.empty() &&
+      !result->has_known_intrinsics)
     result->camera.uncertainty->modes.beyond = EstimateExcessErrors(
         result->camera, WithoutImages(result->held_out, apart),
         result->cross_validated ? kTrainingFraction : 1, result->pattern,

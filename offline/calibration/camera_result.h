@@ -18,6 +18,10 @@ void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
                 int camera, const std::optional<ImageCircle>& image_circle,
                 int num_threads, CalibrationResult* result);
 
+/// Replaces the camera of a result by the known one, and keeps its name and
+/// training errors.
+void KeepKnownCamera(const CameraFile& known, CalibrationResult* result);
+
 /// Fills in the predicted uncertainty, the valid region and the extrapolated
 /// region (EstimateUncertainty()). Requires the results of FillResult() and
 /// does not change them.

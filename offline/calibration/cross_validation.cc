@@ -14,6 +14,7 @@
 #include "calibration/near_duplicates.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_initialization.h"
+#include "camera/fixed_camera.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
@@ -94,8 +95,12 @@ AdjustmentResult StartCameras(const std::vector<Split>& cameras,
   std::vector<AdjustmentResult> lenses;
   for (size_t c = 0; c < cameras.size(); ++c) {
     names.push_back(cameras[c].camera);
-    lenses.push_back(InitializeCamera(cameras[c].training, pattern, options,
-                                      area, known[c].get()));
+    lenses.push_back(IsFixed(*known[c])
+                         ? InitializeKnownCamera(*known[c], cameras[c].training,
+                                                 pattern, area,
+                                                 options.num_threads)
+                         : InitializeCamera(cameras[c].training, pattern,
+                                            options, area, known[c].get()));
   }
   std::vector<std::vector<RejectedImage>> rejected;
   return InitializeRig(names, lenses, rigid_targets, options, &rejected);

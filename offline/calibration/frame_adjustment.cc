@@ -7,6 +7,7 @@
 #include "calibration/divergence.h"
 #include "camera/camera_frame.h"
 #include "camera/central_generic.h"
+#include "camera/fixed_camera.h"
 
 namespace raygrid {
 namespace {
@@ -64,6 +65,7 @@ void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
 bool RotateCameras(AdjustmentResult* adjusted) {
   bool have_turned = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
+    if (IsFixed(*adjusted->state.cameras[c])) continue;
     const CameraFrame frame = FindCameraFrame(*adjusted->state.cameras[c]);
     if (frame.AngleRad() < kStillRad) continue;
     RotateCamera(c, frame.frame_from_camera, adjusted);

@@ -48,6 +48,13 @@ Calibration::Calibration(const std::vector<CalibrationInput>& inputs,
       model_trials_(inputs.size()) {
   if (selects_model_) options_.model = models::kCentralGeneric;
   selects_model_ &= options.knot_spacing_px == 0 && !options.like;
+  if (std::all_of(inputs.begin(), inputs.end(),
+                  [](const auto& input) { return input.intrinsics; })) {
+    // No camera has parameters: the steps of parametric models, which neither
+    // fit base models nor refit cameras, are the shortest.
+    options_.model = kModelOfKnownCameras;
+    selects_model_ = options_.compare_models = false;
+  }
   for (const CalibrationInput& input : inputs) {
     CameraInProgress& camera = cameras_.emplace_back();
     camera.input = &input;
@@ -124,9 +131,14 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
   const auto& known = camera->lens.state.cameras;
   const std::string base_model = camera->lens.problem.base_model;
   try {
-    camera->lens = InitializeCamera(
-        camera->split.training, pattern_, MakeAdjustmentOptions(options_),
-        options_.area, known.empty() ? nullptr : known.front().get());
+    camera->lens =
+        camera->HasKnownIntrinsics()
+            ? InitializeKnownCamera(*camera->input->intrinsics->camera,
+                                    camera->split.training, pattern_,
+                                    options_.area, options_.num_threads)
+            : InitializeCamera(camera->split.training, pattern_,
+                               MakeAdjustmentOptions(options_), options_.area,
+                               known.empty() ? nullptr : known.front().get());
     camera->lens.problem.base_model = base_model;
     camera->lens.problem.like = options_.like;
     camera->lens.problem.prior_spread = options_.prior_spread;
@@ -145,7 +157,7 @@ void Calibration::Start() {
   ForEachCamera(
       {"initialization", 0, 0.05}, [&](CameraInProgress* camera, auto) {
         StartFromImages(camera);
-        if (!IsParametricModel(options_.model))
+        if (!IsParametricModel(options_.model) && !camera->HasKnownIntrinsics())
           camera->lens.problem.base_model =
               ChooseBaseModel(MakeAdjustmentOptions(options_), camera->lens);
         if (!options_.allow_large_distance)

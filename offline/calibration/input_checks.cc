@@ -106,6 +106,25 @@ void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
     throw Error(ExitCode::kUsage, "--prior: the camera must be central");
 }
 
+void RequireKnownCamerasFit(const std::vector<CalibrationInput>& cameras) {
+  for (const CalibrationInput& camera : cameras) {
+    if (!camera.intrinsics) continue;
+    if (cameras.size() == 1)
+      throw Error(ExitCode::kUsage,
+                  "the intrinsics of a single camera cannot be kept in a "
+                  "calibration; estimate poses and target geometry instead");
+    const ImageSize size = camera.intrinsics->camera->image_size(),
+                    own = camera.dataset.image_size;
+    if (size == own) continue;
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}the known intrinsics are for images of {} x {} "
+                            "px, but the images have {} x {} px; use a camera "
+                            "of the same sensor mode",
+                            camera.name.empty() ? "" : camera.name + ": ",
+                            size.width, size.height, own.width, own.height));
+  }
+}
+
 }  // namespace
 
 void RequireValidInput(const std::vector<CalibrationInput>& cameras,
@@ -115,6 +134,7 @@ void RequireValidInput(const std::vector<CalibrationInput>& cameras,
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
   RequireLikeCameraFits(cameras, options);
+  RequireKnownCamerasFit(cameras);
   RequireDistinctImages(cameras);
   if (cameras.size() > 1)
     RequireConnectedCameras(cameras, pattern, options.independent_boards);

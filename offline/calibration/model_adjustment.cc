@@ -13,6 +13,7 @@
 #include "calibration/divergence.h"
 #include "calibration/outlier_removal.h"
 #include "calibration/unobserved_control_points.h"
+#include "camera/fixed_camera.h"
 #include "camera/lens_models.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/board_flatness.h"
@@ -62,6 +63,10 @@ void InitializeGrids(const std::string& model, const InitialValues& starts,
   adjusted->prior = {};
   adjusted->prior.points_mean = problem.nominal;
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
+    if (IsFixed(*starts.lenses[c])) {
+      adjusted->prior.cameras.emplace_back();
+      continue;
+    }
     const CentralGeneric grid = MakeInitialGrid(problem, c, starts);
     const std::vector<Eigen::Vector2d> observed_px =
         ObservedPixels(problem, static_cast<int>(c));
@@ -203,7 +208,11 @@ void EstimateDeformation(const Pattern& pattern,
 double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted) {
-  if (AreParametric(CopyCameras(adjusted.state))) return 0;
+  const auto& cameras = adjusted.state.cameras;
+  if (std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) {
+        return IsParametricModel(camera->Name()) && !IsFixed(*camera);
+      }))
+    return 0;
   AdjustmentOptions free = options;
   free.fix_points = false;
   EstimateStaticDeformation(&adjusted);

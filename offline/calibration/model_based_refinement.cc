@@ -12,12 +12,13 @@ namespace raygrid {
 FirstCamera EstimateFirstCamera(const Pattern& pattern,
                                 const CalibrationOptions& options,
                                 const CameraInProgress& camera) {
+  const std::string model =
+      camera.HasKnownIntrinsics() ? kModelOfKnownCameras : options.model;
   const double knot_spacing_px =
-      options.knot_spacing_px > 0
-          ? options.knot_spacing_px
-          : MediumKnotSpacingPx(camera.dataset, options.model);
+      options.knot_spacing_px > 0 ? options.knot_spacing_px
+                                  : MediumKnotSpacingPx(camera.dataset, model);
   FirstCamera first = {camera.lens, {}};
-  OptimizeModel(pattern, options.model, {knot_spacing_px},
+  OptimizeModel(pattern, model, {knot_spacing_px},
                 MakeStoppableOptions(options), &first.adjusted);
   if (options.ShouldStop()) return first;
   AlignBoards(pattern, &first.adjusted);

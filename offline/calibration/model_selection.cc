@@ -108,21 +108,24 @@ ModelSelection SelectModel(const Pattern& pattern,
   ModelSelection selection = {kCentralGeneric,
                               std::vector<ModelTrials>(cameras->size())};
   std::vector<ModelComparison> comparisons;
-  for (CameraInProgress& camera : *cameras) {
-    comparisons.emplace_back(pattern, options, &camera);
+  std::vector<size_t> estimated;
+  for (size_t c = 0; c < cameras->size(); ++c) {
+    if ((*cameras)[c].HasKnownIntrinsics()) continue;
+    estimated.push_back(c);
+    comparisons.emplace_back(pattern, options, &(*cameras)[c]);
     if (!comparisons.back().IsValid()) return selection;
   }
   // The smallest gain over all cameras decides.
   const auto gain_of = [&](const std::string& model, bool is_grid) {
     double least = std::numeric_limits<double>::infinity();
-    for (size_t c = 0; c < cameras->size(); ++c) {
-      const CameraInProgress& camera = (*cameras)[c];
+    for (size_t k = 0; k < estimated.size(); ++k) {
+      const CameraInProgress& camera = (*cameras)[estimated[k]];
       const double knot_spacing_px =
           is_grid ? std::max(camera.result.knot_spacing_px,
                              MediumKnotSpacingPx(camera.split.training, model))
                   : 0;
       least =
-          std::min(least, comparisons[c].ComputeGain(model, knot_spacing_px));
+          std::min(least, comparisons[k].ComputeGain(model, knot_spacing_px));
     }
     return least;
   };
@@ -140,8 +143,8 @@ ModelSelection SelectModel(const Pattern& pattern,
       !options.ShouldStop() &&
       gain_of(kNonCentralGeneric, true) >= kNoncentralGain)
     best = kNonCentralGeneric;
-  for (size_t c = 0; c < cameras->size(); ++c)
-    selection.trials[c] = comparisons[c].trials();
+  for (size_t k = 0; k < estimated.size(); ++k)
+    selection.trials[estimated[k]] = comparisons[k].trials();
   return selection;
 }
 

@@ -8,9 +8,9 @@
 
 namespace raygrid {
 
-/// Computes the baselines of all pairs of cameras. Their standard deviations
-/// follow from the adjustment's equations and residuals, marginalized over all
-/// other parameters; none if the equations are singular.
+/// Computes the baselines of all pairs of cameras. Their covariances and
+/// standard deviations follow from the adjustment's equations and residuals,
+/// marginalized over all other parameters; none if the equations are singular.
 std::vector<Baseline> EstimateBaselines(const AdjustmentResult& adjusted,
                                         const AdjustmentOptions& options);
 

@@ -28,8 +28,8 @@ class CameraWrapper : public CameraModel {
 
   /// Removes the wrapped camera's parameters from its linearized projection.
   static void ForgetParameters(LinearizedProjection* projection) {
-    projection->num_nodes = 0;
-    projection->num_global = 0;
+    projection->num_nodes = projection->num_per_node = 0;
+    projection->num_global = projection->first_global = 0;
   }
 
  private:

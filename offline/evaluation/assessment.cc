@@ -251,9 +251,10 @@ void AssessAmbiguousRotations(const CalibrationMetrics& metrics,
 void AssessFlatTarget(const CalibrationMetrics& metrics, Findings* findings) {
   if (metrics.flatness_error_m > 0)
     findings->Warn(
-        fmt::format("the target's deformation biases the camera: the estimated "
+        fmt::format("the target's deformation biases the {}: the estimated "
                     "out-of-plane deformation of a board is {:.3f} mm RMS; "
                     "calibrate without --fix-target-geometry",
+                    metrics.has_known_intrinsics ? "poses" : "camera",
                     1e3 * metrics.flatness_error_m));
 }
 
@@ -383,7 +384,14 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
       FormatPx(systematic_px), correlation);
   const Severity severity =
       systematic_px > kMattersPx ? Severity::kWarning : Severity::kNote;
-  if (metrics.limit.IsCause())
+  if (metrics.has_known_intrinsics)
+    findings->Add(severity,
+                  fmt::format("{}, caused by known intrinsics that do not fit "
+                              "these images (another focus, temperature or "
+                              "camera), by the target or by the detector; "
+                              "compare with a calibration without --intrinsics",
+                              found));
+  else if (metrics.limit.IsCause())
     findings->Add(severity,
                   fmt::format("{}: {}; {}", found, metrics.limit.sentence,
                               metrics.limit.advice));
@@ -398,6 +406,9 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
 
 // Names the cause and the remedy, unless AssessCorrelation() reported them.
 std::string AdviseOnError(const CalibrationMetrics& metrics) {
+  if (metrics.has_known_intrinsics)
+    return "; check that the known intrinsics belong to this camera and its "
+           "focus, and use sharp images";
   if (!metrics.limit.IsDetermined())
     return "; use sharper images or a flatter target";
   if (HasCorrelatedResiduals(metrics) && metrics.limit.limit != "noise")
@@ -462,7 +473,27 @@ double ComputeImageShare(const Area& area, const ImageSize& size) {
          (static_cast<double>(size.width) * size.height);
 }
 
+namespace {
+
+// Assesses poses and errors, but not the camera.
+Assessment AssessKnownCamera(const CalibrationMetrics& metrics) {
+  Findings findings;
+  for (const auto assess :
+       {AssessConvergence, AssessSides, AssessRejectedImages})
+    assess(metrics, &findings);
+  if (metrics.interrupted) return findings.Conclude();
+  for (const auto assess :
+       {AssessTimestamps, AssessOutlyingImages, AssessAmbiguousRotations,
+        AssessFlatTarget, AssessCorrelation, AssessHeldOutError,
+        AssessHeldOutCopies, AssessOverfit, AssessMisreadImages})
+    assess(metrics, &findings);
+  return findings.Conclude();
+}
+
+}  // namespace
+
 Assessment AssessCalibration(const CalibrationMetrics& metrics) {
+  if (metrics.has_known_intrinsics) return AssessKnownCamera(metrics);
   Findings findings;
   for (const auto assess :
        {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,

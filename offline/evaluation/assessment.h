@@ -36,6 +36,7 @@ struct MisreadImage {
 /// The metrics from which the status is derived.
 struct CalibrationMetrics {
   bool converged = false, interrupted = false;
+  bool has_known_intrinsics = false;  ///< the camera itself is not assessed
   ImageSize image_size;
   Area features_area;  ///< bounding rectangle of the features
   int images_used = 0, images_rejected = 0;

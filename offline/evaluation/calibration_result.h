@@ -113,6 +113,8 @@ struct CalibrationResult {
   std::vector<KnotSpacingCandidate> knot_spacing_candidates;
   std::vector<ModelCandidate> model_candidates;  ///< candidates of model "auto"
   double knot_spacing_px = 0;  ///< knot spacing; 0 for a parametric model
+  /// The camera was given: its intrinsics and uncertainty are kept.
+  bool has_known_intrinsics = false;
   int num_parameters = 0;
   bool converged = false;
   /// The checkpoint of a calibration that was interrupted.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera/pose.h"
+#include "dataset/target_pose.h"
 #include "evaluation/calibration_result.h"
 #include "evaluation/rigid_target_text.h"
 
@@ -21,6 +22,9 @@ struct Baseline {
   /// Standard deviations of the distance, from the residuals and the normal
   /// equations, and of the rotation (RMS angle).
   std::optional<double> distance_sd_m, rotation_sd_rad;
+  /// Covariance of the update of second_from_first, as of UpdatedPose():
+  /// rotation vector (rad), then translation (m), in the axes of `second`.
+  std::optional<PoseCovariance> covariance;
 };
 
 /// Two cameras whose relative pose is ambiguous by a symmetry rotation of the

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "dataset/error.h"
@@ -214,7 +215,19 @@ py::list ReadRig(const py::object& file) {
   return cameras;
 }
 
-void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras) {
+py::dict ReadRigCovariances(const py::object& file) {
+  const std::string path = PathOf(file);
+  py::dict covariances;
+  for (const RelativePoseCovariance& pose :
+       ParseRelativePoseCovariances(path, ReadFile(path)))
+    covariances[py::make_tuple(pose.first, pose.second)] =
+        ReadOnly(pose.covariance);
+  return covariances;
+}
+
+void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras,
+              const std::map<std::pair<std::string, std::string>, py::object>&
+                  covariances) {
   const std::string path = PathOf(file);
   const fs::path folder = fs::path(path).parent_path();
   OutputFiles files;
@@ -229,7 +242,19 @@ void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras) {
     files.Add((folder / rig.back().file).string(),
               ToText(camera[1].cast<const PyCamera&>()));
   }
-  files.Add(path, FormatRigFile(rig));
+  std::vector<RelativePoseCovariance> pairs;
+  for (const auto& [names, given] : covariances) {
+    const GivenVectors rows = TakeVectors(given, 6, "covariance");
+    if (rows.count != 6)
+      throw py::value_error("covariance: expected the shape (6, 6)");
+    RelativePoseCovariance& pair =
+        pairs.emplace_back(RelativePoseCovariance{names.first, names.second});
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 6; ++k) pair.covariance(i, k) = rows[i][k];
+  }
+  const std::string text = FormatRigFile(rig, pairs);
+  ParseRigFile(path, text);  // rejects what cannot be read
+  files.Add(path, text);
   files.Commit();
 }
 
@@ -248,7 +273,14 @@ void BindExchange(py::module_* module) {
               "rigs) of each format.");
   module->def("read_rig", &ReadRig, py::arg("path"),
               "(name, camera, camera_from_rig) of each camera.");
+  module->def("read_rig_covariances", &ReadRigCovariances, py::arg("path"),
+              R"(Covariances (6, 6) of the relative poses in rig.yaml.
+
+Keys are (first, second). The order is rotation vector (rad), then translation
+(m), of the update exp(r) R, t + d of second_from_first. Empty if the file has
+none.)");
   module->def("write_rig", &WriteRig, py::arg("path"), py::arg("cameras"),
+              py::arg("covariances"),
               "Write cameras returned by read_rig(), and rig.yaml.");
 }
 

@@ -63,6 +63,17 @@ py::dict CameraFromRig(const PyCalibration& self) {
   return poses;
 }
 
+py::dict CovariancesOf(const PyCalibration& self) {
+  py::dict covariances;
+  for (const Baseline& pair : self.result.baselines)
+    if (pair.covariance)
+      covariances[py::make_tuple(
+          self.result.cameras[pair.first].camera.name,
+          self.result.cameras[pair.second].camera.name)] =
+          ReadOnly(*pair.covariance);
+  return covariances;
+}
+
 // ---- Result folder ---------------------------------------------------------
 
 ResultExtras PackResult(const PyCalibration& self, const Task* task) {
@@ -123,6 +134,11 @@ is the only camera. An unknown name raises KeyError.)")
           "Dict of the poses (4, 4) by camera name, homogeneous "
           "transformations in metres from the rig's frame, which is that of "
           "the first camera, to camera axes.")
+      .def_property_readonly(
+          "relative_pose_covariances", &CovariancesOf,
+          "Dict of the covariances (6, 6) by (first, second) camera of a rig, "
+          "of the rotation vector r (rad) and the translation d (m) of "
+          "exp(r) R, t + d for second_from_first.")
       .def_property_readonly(
           "verdict",
           [](const PyCalibration& c) { return c.result.assessment.word; },

@@ -63,6 +63,17 @@ void VisitFields(Io& io, Baseline& baseline) {
   io("distance_sd_m", baseline.distance_sd_m);
   io("angle_rad", baseline.angle_rad);
   io("rotation_sd_rad", baseline.rotation_sd_rad);
+  std::optional<std::array<std::array<double, 6>, 6>> rows;
+  if (baseline.covariance) {
+    rows.emplace();
+    for (int i = 0; i < 6; ++i)
+      for (int k = 0; k < 6; ++k) (*rows)[i][k] = (*baseline.covariance)(i, k);
+  }
+  io("covariance", rows);
+  if (!Io::kReads || !rows) return;
+  baseline.covariance.emplace();
+  for (int i = 0; i < 6; ++i)
+    for (int k = 0; k < 6; ++k) (*baseline.covariance)(i, k) = (*rows)[i][k];
 }
 
 template <class Io>
@@ -278,6 +289,8 @@ void VisitUncertainty(Io& io, CalibrationResult& result) {
 template <class Io>
 void VisitCamera(Io& io, CalibrationResult& result) {
   io.Computed([&](auto* json) { AddGeometry(*result.camera.camera, json); });
+  io.When(result.has_known_intrinsics, "known_intrinsics",
+          result.has_known_intrinsics);
   io("parameters", result.num_parameters);
   io.When(result.knot_spacing_px > 0, "knot_spacing_px",
           result.knot_spacing_px);

@@ -30,8 +30,10 @@ constexpr char kDisparityPicture[] = "rectified_disparity.png";
 void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
                     const std::string& folder, OutputFiles* files) {
   CameraFile camera = result.camera;
-  camera.assessment = result.assessment.word;
-  files->Add(In(folder, "camera.yaml"), FormatCameraFile(camera));
+  if (!result.has_known_intrinsics) camera.assessment = result.assessment.word;
+  files->Add(In(folder, "camera.yaml"), extras.camera_yaml.empty()
+                                            ? FormatCameraFile(camera)
+                                            : extras.camera_yaml);
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
                EncodePng(DrawUncertaintyPicture(*camera.uncertainty,
@@ -46,6 +48,17 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
   files->Add(In(folder, "example_before.png"),
              EncodePng(extras.example->before));
   files->Add(In(folder, "example_after.png"), EncodePng(extras.example->after));
+}
+
+std::vector<RelativePoseCovariance> CollectCovariances(
+    const RigResult& result) {
+  std::vector<RelativePoseCovariance> pairs;
+  for (const Baseline& baseline : result.baselines)
+    if (baseline.covariance)
+      pairs.push_back({result.cameras[baseline.first].camera.name,
+                       result.cameras[baseline.second].camera.name,
+                       *baseline.covariance});
+  return pairs;
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -87,9 +100,13 @@ Tables ReadTables(const std::string& folder) {
 void Complete(CameraFile camera, const Pattern& pattern,
               const std::string& name, Tables* tables,
               CalibrationResult* result) {
-  const std::string given_name = result->camera.name;
+  const CameraFile in_json = std::move(result->camera);
   result->camera = std::move(camera);
-  if (!given_name.empty()) result->camera.name = given_name;
+  if (!in_json.name.empty()) result->camera.name = in_json.name;
+  if (result->has_known_intrinsics) {  // camera.yaml has errors of its own
+    result->camera.training = in_json.training;
+    result->camera.held_out = in_json.held_out;
+  }
   result->pattern = pattern;
   result->features = std::move(tables->features[name]);
   result->features.image_size = result->camera.camera->image_size();
@@ -185,7 +202,9 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
                    In(folder, CameraFolder(result, c)), files);
   }
   const bool is_rig = result.IsRig();
-  if (is_rig) files->Add(In(folder, "rig.yaml"), FormatRigFile(rig));
+  if (is_rig)
+    files->Add(In(folder, "rig.yaml"),
+               FormatRigFile(rig, CollectCovariances(result)));
   files->Add(In(folder, "pattern.yaml"), FormatPattern(result.pattern));
   files->Add(In(folder, "features.csv"),
              is_rig ? FormatFeatures(features)

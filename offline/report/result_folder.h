@@ -21,6 +21,8 @@ struct CameraExtras {
   std::string blob = {};  ///< packed blob, or empty
   std::string view = {};  ///< view of its remap table as a camera file, or
                           ///< empty
+  /// camera.yaml of known intrinsics, or empty
+  std::string camera_yaml = {};
   std::optional<PackingMetrics> packing = {};
   std::optional<BeforeAfter> example = {};
   Thumbnails thumbnails = {};

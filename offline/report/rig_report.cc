@@ -20,12 +20,13 @@ std::string MakeCamerasTable(const RigResult& result) {
   for (const CalibrationResult& camera : result.cameras) {
     const std::string name = EscapeHtml(camera.camera.name);
     const ImageSize& size = camera.camera.camera->image_size();
-    rows.push_back({fmt::format("<a href=\"{0}/report.html\">{0}</a>", name),
-                    EscapeHtml(camera.assessment.word),
-                    camera.camera.camera->Name(),
-                    std::to_string(camera.num_parameters),
-                    std::to_string(camera.features.images.size()),
-                    fmt::format("{} &times; {}", size.width, size.height)});
+    rows.push_back(
+        {fmt::format("<a href=\"{0}/report.html\">{0}</a>", name),
+         EscapeHtml(camera.assessment.word), camera.camera.camera->Name(),
+         camera.has_known_intrinsics ? "known"
+                                     : std::to_string(camera.num_parameters),
+         std::to_string(camera.features.images.size()),
+         fmt::format("{} &times; {}", size.width, size.height)});
   }
   return "<h2>Cameras</h2>\n" +
          MakeHtmlTable(

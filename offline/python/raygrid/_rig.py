@@ -17,21 +17,28 @@ class Rig:
         cameras: dict of Camera by name.
         camera_from_rig: dict of (4, 4) by name: homogeneous transformation from the rig's frame
             to camera axes, in metres; read-only.
+        covariances: dict of (6, 6) by (first, second): covariance of the relative pose
+            second_from_first, if known, as the rotation vector r (rad) and the translation d (m)
+            of exp(r) R, t + d.
 
     Args:
         cameras: the cameras by name.
         camera_from_rig: the pose of each.
+        covariances: of some or all pairs.
 
     Raises:
         ValueError: the names differ, or a pose is not a finite (4, 4) matrix.
     """
 
     def __init__(self, cameras: Mapping[str, _raygrid.Camera],
-                 camera_from_rig: Mapping[str, npt.ArrayLike]) -> None:
+                 camera_from_rig: Mapping[str, npt.ArrayLike],
+                 covariances: Mapping[tuple[str, str], npt.ArrayLike] | None = None) -> None:
         if set(cameras) != set(camera_from_rig):
             raise ValueError("camera_from_rig: expected exactly one pose per camera")
         self.cameras = dict(cameras)
         self.camera_from_rig = {name: _pose(name, camera_from_rig[name]) for name in cameras}
+        self.covariances = {pair: np.array(matrix, dtype=np.float64)
+                            for pair, matrix in (covariances or {}).items()}
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Rig:
@@ -40,22 +47,25 @@ class Rig:
         Raises:
             Error: a file cannot be read or is malformed.
         """
-        return _rig_of(_raygrid.read_rig(path))
+        rig = _rig_of(_raygrid.read_rig(path))
+        rig.covariances = dict(_raygrid.read_rig_covariances(path))
+        return rig
 
     @staticmethod
     def of(calibration: _raygrid.Calibration) -> Rig:
         """The rig of a calibration, in the frame of its first camera."""
-        return Rig(calibration.cameras, calibration.camera_from_rig)
+        return Rig(calibration.cameras, calibration.camera_from_rig,
+                   calibration.relative_pose_covariances)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a rig.yaml, and beside it NAME/camera.yaml of each camera: all files or none.
 
         Raises:
-            Error: a file cannot be written.
+            Error: a file cannot be written, or covariances are not those of pairs of the rig.
             ValueError: a name has other characters than letters, digits, '-' and '_', or a pose
                 is not a rotation and a translation.
         """
-        _raygrid.write_rig(path, _rows(self))
+        _raygrid.write_rig(path, _rows(self), self.covariances)
 
     def project(self, points: npt.ArrayLike) -> dict[str, npt.NDArray[np.float64]]:
         """Project points (..., 3) in the rig's frame, in metres, into all cameras.

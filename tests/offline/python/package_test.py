@@ -262,7 +262,8 @@ class Rays(PackageTest):
         camera = raygrid.importers.load(self.exported_lens())
         pose = np.eye(4)
         pose[:3, 3] = [-0.1, 0.02, 0.003]
-        rig = raygrid.Rig({"left": camera, "right": camera}, {"left": np.eye(4), "right": pose})
+        pairs = {("left", "right"): np.diag([1e-8, 2e-8, 3e-8, 1e-10, 2e-10, 3e-10])}
+        rig = raygrid.Rig({"left": camera, "right": camera}, {"left": np.eye(4), "right": pose}, pairs)
         points = np.array([[0.1, 0.2, 1.5], [0, 0, 2]])
         expected = rig.project(points)
         np.testing.assert_array_equal(expected["right"], camera.project(points + pose[:3, 3]))
@@ -273,6 +274,11 @@ class Rays(PackageTest):
             for pixels, wanted in zip(other.project(points).values(), expected.values()):
                 np.testing.assert_allclose(pixels, wanted, atol=1e-9)
         self.assert_done(run("inspect", self.path("rig/rig.yaml")))
+        loaded = raygrid.Rig.load(self.path("rig/rig.yaml")).covariances
+        self.assertEqual(list(loaded), [("left", "right")])
+        np.testing.assert_allclose(loaded["left", "right"], pairs["left", "right"])
+        rig.covariances = {("left", "top"): np.eye(6)}
+        self.assert_refuses(raygrid.Error, "no camera 'top'", rig.save, self.path("no.yaml"))
         self.assert_refuses(ValueError, "a rotation", raygrid.Rig({"a": camera},
                             {"a": np.diag([1, 1, 2, 1])}).save, self.path("no.yaml"))
 
