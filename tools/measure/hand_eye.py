@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares raygrid hand-eye with OpenCV's hand-eye methods on simulated robots.
 
-    tools/measure/hand_eye.py RAYGRID [--robots 200] [--eye-to-hand] [-o table.csv]
+    tools/measure/hand_eye.py RAYGRID [--robots 200] [--eye-to-hand] [--wrong-poses 1] [-o table.csv]
 
 Each robot has its own camera (640 to 1920 px wide, 45° to 75°), target, mount, 15 to 25 poses, and noise: 0.1 to 0.5 mm
 and 0.02° to 0.1° per axis of its poses, 0.05 to 0.3 px of the features. The target is 30 % to 60 % as wide as the image, and tilted
@@ -154,6 +154,7 @@ def main():
     parser.add_argument("--robots", type=int, default=200)
     parser.add_argument("--eye-to-hand", action="store_true")
     parser.add_argument("--stated", action="store_true", help="state the robot's accuracy instead of estimating it")
+    parser.add_argument("--wrong-poses", type=int, default=0, help="poses of each robot that are off by 5 mm")
     parser.add_argument("-o", "--output", help="CSV file of the table")
     arguments = parser.parse_args()
     errors, squared, ratios, sigmas, rejected = {}, [], [], [], 0
@@ -161,6 +162,8 @@ def main():
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             robot = Robot(seed, arguments.eye_to_hand)
+            for k in range(arguments.wrong_poses):
+                robot.base_from_gripper[k][:3, 3] += 0.005 * robot.random.choice([-1, 1], 3) / np.sqrt(3)
             robot.write(folder)
             subprocess.run([arguments.raygrid, "localize", folder / "camera.yaml", "--features", folder / "features.csv",
                             "--pattern", robot.pattern, "-o", folder / "poses", "--quiet"], check=True)
