@@ -464,6 +464,7 @@ void AddHandEye(CLI::App* app, CommonOptions* common) {
       ->required();
   AddRobotOptions(command, arguments.get());
   AddHandEyeModelOptions(command, arguments.get());
+  BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   BeginGroup(command, help_group::kOutput);
   command
