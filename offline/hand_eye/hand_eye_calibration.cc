@@ -269,10 +269,12 @@ void AddWarnings(const StatedRobotNoise& stated, HandEyeResult* result) {
         "lengths of the robot are {:+.2g} % (sd {:.1g} %) of those of the "
         "target; measure the target's squares",
         100 * result->scale->value, 100 * result->scale->std_dev));
-  constexpr int kFewPoses = 6;
-  if (used < kFewPoses)
+  constexpr int kFewPoses = 8;
+  if (used < kFewPoses && !(stated.rotation_rad && stated.translation_m))
     result->warnings.push_back(fmt::format(
-        "{} poses hardly show their own errors; use 10 or more", used));
+        "{} poses determine the robot's accuracy poorly, so standard "
+        "deviations may be too small; use 10 or more poses",
+        used));
   if (!result->fit.converged)
     result->warnings.push_back(
         "the robot's accuracy did not converge; state it with "

@@ -319,6 +319,27 @@ TEST(HandEye, PosesAreEquivalentToReprojectionErrors) {
   std::vector<Pose> true_robot;
   for (const auto& observation : observations)
     true_robot.push_back(observation.base_from_gripper);
+  const auto state_at = [&](const Pose& robot_pose) {
+    AdjustmentState state;
+    state.SetCamera(camera);
+    state.points = problem.nominal;
+    state.rig_from_pattern = {
+        PredictTargetPose(result.fit.hand_eye, mounting, robot_pose)};
+    return state;
+  };
+  // Errors in pixels follow from the covariances.
+  for (size_t k = 0; k < observations.size(); ++k) {
+    View view = problem.views[k];
+    view.pose = 0;
+    double sum = 0;
+    const std::vector<Residual> residuals = ComputeResiduals(
+        state_at(observations[k].base_from_gripper), {view}, 1);
+    for (const Residual& residual : residuals)
+      sum += residual.error_px.squaredNorm();
+    EXPECT_NEAR(std::sqrt(sum / static_cast<double>(residuals.size())) /
+                    result.poses[k].residual.rms_px,
+                1, 0.1);
+  }
   JointProblem joint;
   // The robot poses first move to their optimum.
   for (int round = 0; round < 4; ++round) {
@@ -327,11 +348,7 @@ TEST(HandEye, PosesAreEquivalentToReprojectionErrors) {
       ASSERT_EQ(problem.images[k], observations[k].image);
       View view = problem.views[k];
       view.pose = 0;
-      AdjustmentState state;
-      state.SetCamera(camera);
-      state.points = problem.nominal;
-      state.rig_from_pattern = {
-          PredictTargetPose(result.fit.hand_eye, mounting, true_robot[k])};
+      const AdjustmentState state = state_at(true_robot[k]);
       true_robot[k] =
           UpdatedPose(true_robot[k],
                       AddImage(state, view, result.fit.hand_eye, mounting,
