@@ -24,6 +24,8 @@ class CsvReader {
   ~CsvReader();
 
   bool HasColumn(const std::string& column) const;
+  /// Returns the columns in the order of the header.
+  const std::vector<std::string>& columns() const { return header_; }
 
   /// Advances to the next row; returns false after the last one. Throws
   /// InputError if the number of fields differs from the header's or exceeds

@@ -2,15 +2,60 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <iterator>
+#include <set>
+#include <utility>
 
 #include "dataset/csv.h"
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
 
 constexpr const char* kPoseAxes[] = {"rx", "ry", "rz", "tx", "ty", "tz"};
+
+std::string CovarianceColumn(int i, int k) {
+  return fmt::format("cov_{}_{}", kPoseAxes[i], kPoseAxes[k]);
+}
+
+PoseCovariance ReadCovariance(const CsvReader& table) {
+  PoseCovariance covariance;
+  for (int i = 0; i < 6; ++i)
+    for (int k = i; k < 6; ++k)
+      covariance(i, k) = covariance(k, i) =
+          table.Number(CovarianceColumn(i, k));
+  const Eigen::Matrix<double, 6, 1> scale =
+      covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<PoseCovariance> cholesky(scale.asDiagonal() * covariance *
+                                            scale.asDiagonal());
+  if (!(covariance.diagonal().minCoeff() > 0) ||
+      cholesky.info() != Eigen::Success)
+    throw InputError(table.Place() +
+                     ": the covariance is not positive definite");
+  return covariance;
+}
+
+TargetPose ReadTargetPose(const CsvReader& table) {
+  const auto number = [&](const char* column) { return table.Number(column); };
+  const Eigen::Quaterniond rotation(number("qw"), number("qx"), number("qy"),
+                                    number("qz"));
+  constexpr double kRounding = 1e-2;
+  if (!(std::abs(rotation.norm() - 1) < kRounding))
+    throw InputError(table.Place() +
+                     ": qw, qx, qy, qz are not a unit quaternion");
+  TargetPose target;
+  target.pose = {
+      table.Text("image"),
+      table.Integer("board"),
+      {rotation.normalized(), {number("tx"), number("ty"), number("tz")}}};
+  target.num_features = table.Integer("features");
+  target.rms_px = number("rms_px");
+  target.covariance = ReadCovariance(table);
+  return target;
+}
 
 }  // namespace
 
@@ -35,8 +80,7 @@ std::string FormatTargetPoses(const std::string& camera,
   std::string text = camera.empty() ? "" : "camera,";
   text += "image,board,qw,qx,qy,qz,tx,ty,tz,features,rms_px";
   for (int i = 0; i < 6; ++i)
-    for (int k = i; k < 6; ++k)
-      text += fmt::format(",cov_{}_{}", kPoseAxes[i], kPoseAxes[k]);
+    for (int k = i; k < 6; ++k) text += "," + CovarianceColumn(i, k);
   text += "\n";
   const auto out = std::back_inserter(text);
   for (const TargetPose& target : poses) {
@@ -54,6 +98,31 @@ std::string FormatTargetPoses(const std::string& camera,
     text += "\n";
   }
   return text;
+}
+
+std::map<std::string, std::vector<TargetPose>> ParseTargetPoses(
+    const std::string& path, const std::string& text) {
+  std::vector<std::string> columns = {"image", "board",    "qw",    "qx",
+                                      "qy",    "qz",       "tx",    "ty",
+                                      "tz",    "features", "rms_px"};
+  for (int i = 0; i < 6; ++i)
+    for (int k = i; k < 6; ++k) columns.push_back(CovarianceColumn(i, k));
+  CsvReader table(path, text, columns);
+  table.LimitRows(kMaxPoses);
+  std::map<std::string, std::vector<TargetPose>> poses;
+  std::set<std::pair<std::string, int>> seen;
+  while (table.Next()) {
+    const std::string camera =
+        table.HasColumn("camera") ? table.Text("camera") : "";
+    TargetPose target = ReadTargetPose(table);
+    if (!seen.emplace(camera + "\n" + target.pose.image, target.pose.board)
+             .second)
+      throw InputError(fmt::format("{}: second pose of board {} in {}",
+                                   table.Place(), target.pose.board,
+                                   Printable(target.pose.image)));
+    poses[camera].push_back(std::move(target));
+  }
+  return poses;
 }
 
 }  // namespace raygrid

@@ -2,6 +2,7 @@
 #define RAYGRID_DATASET_TARGET_POSE_H
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,12 @@ PoseCovariance RotateCovariance(const Pose& b_from_a,
 /// name, unless it is empty.
 std::string FormatTargetPoses(const std::string& camera,
                               const std::vector<TargetPose>& poses);
+
+/// Parses such a file by camera name ("" if it has no such column); path is
+/// used in errors. Throws InputError, also for covariances that are not
+/// positive definite and for a repeated target of an image.
+std::map<std::string, std::vector<TargetPose>> ParseTargetPoses(
+    const std::string& path, const std::string& text);
 
 }  // namespace raygrid
 

@@ -75,7 +75,7 @@ def run(*arguments, program=None):
 
 def commands(*path):
     """The commands that raygrid, or one of its commands, lists."""
-    return re.findall(r"^  ([a-z]+)  ", run(*path, "--help").stdout.split("\nOptions:")[0], re.MULTILINE)
+    return re.findall(r"^  ([a-z-]+)  ", run(*path, "--help").stdout.split("\nOptions:")[0], re.MULTILINE)
 
 
 def specifications():

@@ -43,7 +43,7 @@ class Case:
         self.folder, self.base, self.count = folder, base, 0
         names = sorted(set(commands()) - {"capture"})  # which has a page to be closed
         self.name = names[index % len(names)]
-        words = getattr(self, "run_" + self.name, self.run_by_help)()
+        words = getattr(self, "run_" + self.name.replace("-", "_"), self.run_by_help)()
         self.arguments = [self.name] + [str(word) for word in words]
         if self.chance(0.03):
             self.arguments += ["--seed", self.random.choice(("-1", "7", "18446744073709551616"))]
@@ -285,6 +285,13 @@ class Case:
         return [self.camera(), *measured, *(["--refine-target"] if self.chance(0.3) else []), "--pattern",
                 self.pattern(), "-o", self.output()]
 
+    def run_hand_eye(self):
+        poses = self.good("poses", "result") or self.text("poses/poses.csv", ".csv", 1)
+        robot = self.good("true_poses.csv") or self.text("true_poses.csv", ".csv", 1)
+        return [poses, "--robot", robot, *(["--eye-to-hand"] if self.chance(0.8) else []),
+                *(["--robot-sigma-mm", self.random.choice(NUMBERS)] if self.chance(0.2) else []),
+                *(["--robot-unit", "mm"] if self.chance(0.1) else []), "-o", self.output()]
+
     def run_report(self):
         folder = self.path("")
         shutil.copytree(os.path.join(self.base, "result"), folder)
@@ -398,6 +405,8 @@ def make_base(raygrid, folder):
             ("calibrate", "--features", folder + "/sim/features.csv", "--image-size", "160x120",
              "--pattern", pattern, "--model", "opencv", "--skip-comparison", "-o",
              folder + "/sim/result"),
+            ("localize", folder + "/sim/true_camera.yaml", "--features", folder + "/sim/features.csv", "--pattern", pattern,
+             "-o", folder + "/sim/poses"),
             ("simulate", "--cameras", "2", "--baseline-m", "0.1", "--lens", "wide", "--size",
              "160x120", "--images", "2", "--pattern", pattern, "-o", folder + "/sim/pair")):
         result = subprocess.run([raygrid, *arguments], capture_output=True, text=True, check=False)
