@@ -28,9 +28,9 @@ Vec2<Scalar> ToChart(const Vec3<Scalar>& v) {
   return {scale * v.x(), scale * v.y()};
 }
 
-/// d chart / d v.
+/// Returns the chart coordinates, and d chart / d v.
 template <typename Scalar>
-Mat23<Scalar> ToChartJacobian(const Vec3<Scalar>& v) {
+Vec2<Scalar> ToChart(const Vec3<Scalar>& v, Mat23<Scalar>* J) {
   const Scalar rho2 = v.x() * v.x() + v.y() * v.y();
   const Scalar norm = std::sqrt(rho2 + v.z() * v.z());
   const Scalar scale = v.z() >= 0 ? 1 / (norm + v.z()) : (norm - v.z()) / rho2;
@@ -38,9 +38,8 @@ Mat23<Scalar> ToChartJacobian(const Vec3<Scalar>& v) {
   // d scale / d v = -scale (v / norm + (0, 0, 1)) scale
   const Scalar k = scale / norm;
   const Scalar x = k * v.x(), y = k * v.y(), z = k * v.z() + scale;
-  Mat23<Scalar> J;
-  J << scale - a * x, -a * y, -a * z, -b * x, scale - b * y, -b * z;
-  return J;
+  *J << scale - a * x, -a * y, -a * z, -b * x, scale - b * y, -b * z;
+  return {a, b};
 }
 
 template <typename Scalar>

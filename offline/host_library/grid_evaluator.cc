@@ -117,8 +117,8 @@ class GridEvaluator final : public Evaluator<Scalar> {
     *pixel = found;
     if (J_point) {
       const LineJet<Scalar> line = Evaluate(found);
-      const Mat23<Scalar> target_J =
-          ToChartJacobian<Scalar>(Sight(point, line));
+      Mat23<Scalar> target_J;
+      ToChart<Scalar>(Sight(point, line), &target_J);
       const Mat22<Scalar> J = ErrorJacobian(line, target_J);
       const Scalar determinant = J.determinant();
       for (int k = 0; k < 3; ++k)
@@ -196,36 +196,40 @@ class GridEvaluator final : public Evaluator<Scalar> {
   // the curvature of the mapping. Another one with the same Jacobian multiplies
   // the error by 2 c s, which is twice the ratio of both steps.
   Result FindPixel(const Vec3<Scalar>& point, Vec2<Scalar>* pixel) const {
-    constexpr Scalar kSlow = Scalar(0.1);
-    Vec2<Scalar> at;
-    Mat22<Scalar> parallax = Mat22<Scalar>::Zero();
-    const Result start = FindStart(point, &at);
-    if (start != Result::kDefined) return start;
-    if constexpr (!kIsCentral) parallax = CorrectStart(point, &at);
-    const Vec2<Scalar> fixed_target = ToChart(point);  // if central
+    constexpr Scalar kSlow2 = Scalar(0.1 * 0.1);
+    constexpr Scalar kShort2 =
+        Limits<Scalar>::kShortPx * Limits<Scalar>::kShortPx;
+    constexpr Scalar kError2 =
+        Limits<Scalar>::kErrorPx * Limits<Scalar>::kErrorPx;
+    Start start;
+    const Result found = FindStart(point, &start);
+    if (found != Result::kDefined) return found;
+    Vec2<Scalar> at = start.pixel, target = start.target;
     Mat22<Scalar> inverse;
-    Scalar previous = 0;  // length of the last step; 0: new Jacobian
+    Scalar previous2 = 0;  // squared length of the last step; 0: new Jacobian
     for (int k = 0; k < kMaxSteps; ++k) {
-      Vec2<Scalar> target = fixed_target, chart;
-      if constexpr (!kIsCentral) target = ToChart(SightFrom(at, point));
-      const bool is_new = previous == 0;
+      if constexpr (!kIsCentral)
+        if (k > 0) target = ToChart(SightFrom(at, point));
+      Vec2<Scalar> chart;
+      const bool is_new = previous2 == 0;
       if (is_new) {
         const LineJet<Scalar> line = DirectionJet(at);
-        if (!InvertUnfolded(line.chart_J + parallax, &inverse))
+        if (!InvertUnfolded(line.chart_J + start.parallax, &inverse))
           return Result::kUnknown;
         chart = line.chart;
       } else {
         chart = directions_.Evaluate(at);
       }
       const Vec2<Scalar> step = inverse * (target - chart);
-      const Scalar length = step.norm();
-      if (!(length < Scalar(kLongStepPx))) return Result::kUnknown;
+      const Scalar length2 = step.squaredNorm();
+      if (!(length2 < Scalar(kLongStepPx * kLongStepPx)))
+        return Result::kUnknown;
       at += step;
-      const Scalar ratio = is_new ? 0 : 2 * length / previous;
-      if (is_new ? length < Limits<Scalar>::kShortPx
-                 : ratio * length < Limits<Scalar>::kErrorPx)
+      // The parallax of a non-central camera is an approximation.
+      if (is_new ? kIsCentral && length2 < kShort2
+                 : 4 * length2 * length2 < kError2 * previous2)
         return AcceptInBounds(at, pixel);
-      previous = ratio > kSlow ? 0 : length;
+      previous2 = 4 * length2 > kSlow2 * previous2 && !is_new ? 0 : length2;
     }
     return Result::kUnknown;
   }
@@ -241,21 +245,6 @@ class GridEvaluator final : public Evaluator<Scalar> {
     return true;
   }
 
-  // Looks the point up from the origin of its approximate line. Returns the
-  // part of the error's Jacobian that is due to the origins. It is small and
-  // changes slowly, so that Newton's method takes it as constant.
-  Mat22<Scalar> CorrectStart(const Vec3<Scalar>& point,
-                             Vec2<Scalar>* start) const {
-    LineJet<Scalar> line;
-    AddOrigin(*start, &line);
-    const Vec3<Scalar> sight = point - line.origin;
-    Eigen::Vector2f found;
-    if (starts_->Find(ToChart(sight).template cast<float>(), &found) ==
-        StartTable::Place::kFound)
-      *start = found.template cast<Scalar>();
-    return ToChartJacobian(sight) * line.origin_J;
-  }
-
   Vec3<Scalar> SightFrom(const Vec2<Scalar>& pixel,
                          const Vec3<Scalar>& point) const {
     return point - origins_.Evaluate(pixel).template head<3>();
@@ -268,25 +257,64 @@ class GridEvaluator final : public Evaluator<Scalar> {
     return Result::kDefined;
   }
 
-  Result FindStart(const Vec3<Scalar>& point, Vec2<Scalar>* start) const {
-    Vec3<Scalar> sight = point;
-    if constexpr (!kIsCentral) sight -= center_;
+  // Initial values of a search.
+  struct Start {
+    Vec2<Scalar> pixel;
+    Vec2<Scalar> target;  ///< chart coordinates of the point, seen from pixel
+    /// Minus the derivative of the target by the pixel. It is small and changes
+    /// slowly, so that the search takes it as constant.
+    Mat22<Scalar> parallax;
+  };
+
+  Result FindStart(const Vec3<Scalar>& point, Start* start) const {
+    if constexpr (kIsCentral) {
+      start->target = ToChart(point);
+      start->parallax.setZero();
+      return LookUp(start->target.template cast<float>(), &start->pixel);
+    } else {
+      const Vec3<Scalar> sight = point - center_;
+      const Result found =
+          LookUp(ToChart<float>(sight.template cast<float>()), &start->pixel);
+      if (found == Result::kDefined) {
+        MoveToLine(point, start);
+        return found;
+      }
+      // Seen from other origins, a near point may be in the area: the parallax
+      // has to be less than the cell around the table.
+      return sight.norm() * Scalar(starts_->CellSize()) > 4 * radius_
+                 ? found
+                 : Result::kUnknown;
+    }
+  }
+
+  Result LookUp(const Eigen::Vector2f& chart, Vec2<Scalar>* pixel) const {
     Eigen::Vector2f found;
-    switch (starts_->Find(ToChart(sight).template cast<float>(), &found)) {
+    switch (starts_->Find(chart, &found)) {
       case StartTable::Place::kFound:
-        *start = found.template cast<Scalar>();
+        *pixel = found.template cast<Scalar>();
         return Result::kDefined;
       case StartTable::Place::kUnknown:
         return Result::kUnknown;
       case StartTable::Place::kOutside:
         break;
     }
-    if constexpr (kIsCentral) return Result::kUndefined;
-    // Seen from other origins, a near point may be in the area: the parallax
-    // has to be less than the cell around the table.
-    return sight.norm() * Scalar(starts_->CellSize()) > 4 * radius_
-               ? Result::kUndefined
-               : Result::kUnknown;
+    return Result::kUndefined;
+  }
+
+  // Looks the point up again, from the origin of the pixel that it has from the
+  // centre of the origins.
+  void MoveToLine(const Vec3<Scalar>& point, Start* start) const {
+    LineJet<Scalar> line;
+    AddOrigin(start->pixel, &line);
+    Mat23<Scalar> target_J;
+    start->target = ToChart<Scalar>(point - line.origin, &target_J);
+    start->parallax = target_J * line.origin_J;
+    Vec2<Scalar> moved;
+    if (LookUp(start->target.template cast<float>(), &moved) !=
+        Result::kDefined)
+      return;
+    start->target -= start->parallax * (moved - start->pixel);
+    start->pixel = moved;
   }
 
   // The model's search from the centre of the area.
