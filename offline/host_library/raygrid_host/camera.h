@@ -1,3 +1,4 @@
+/// @file
 /// Camera models of raygrid for C++ programs: SLAM, visual odometry, structure
 /// from motion, bundle adjustment.
 ///
@@ -21,7 +22,8 @@
 
 namespace raygrid {
 
-/// Returns the version of the library: "0.2.0".
+/// Version of the library.
+/// @return "0.2.0"
 RAYGRID_HOST_API const char* HostLibraryVersion();
 
 /// The columns of d pixel / d intrinsics that are not zero: for a grid those of
@@ -89,37 +91,46 @@ class RAYGRID_HOST_API Camera {
   /// @return nullopt if the text is malformed
   static std::optional<Camera> Parse(const std::string& text,
                                      std::string* error = nullptr);
-  /// Returns the text of a camera.yaml, from which Parse() restores the camera.
-  /// Control points of grids have 12 decimals, other parameters all digits.
+  /// Writes the camera, for Parse().
+  /// @return the text of a camera.yaml; control points of grids have 12
+  /// decimals, other parameters all digits
   std::string Format() const;
 
-  /// Returns the camera in another precision.
+  /// Converts the camera to another precision.
+  /// @return the same camera
   template <typename Other>
   Camera<Other> Cast() const;
 
-  /// Name of the model as in camera.yaml: "central-generic", "opencv".
+  /// Name of the model.
+  /// @return as in camera.yaml: "central-generic", "opencv"
   std::string Model() const;
-  /// Width of the image in pixels.
+  /// Width of the image.
+  /// @return in pixels
   int Width() const;
-  /// Height of the image in pixels.
+  /// Height of the image.
+  /// @return in pixels
   int Height() const;
-  /// Whether all observation lines start at the origin.
+  /// Whether the camera is central.
+  /// @return true if all observation lines start at the origin
   bool IsCentral() const;
-  /// The calibrated area, by default from the first pixel's centre to the last
-  /// pixel's.
+  /// The calibrated area.
+  /// @return by default from the first pixel's centre to the last pixel's
   Eigen::AlignedBox<Scalar, 2> Bounds() const;
   /// Pose of the camera of an undistorted image (view.camera.yaml) relative to
-  /// the camera of the original image; identity if the file has none.
+  /// the camera of the original image.
+  /// @return identity if the file has none
   Eigen::Isometry3d CameraFromView() const;
 
   /// Whether a pixel is in the calibrated area and, if the image circle is
   /// known, in the circle.
   /// @param pixel any pixel
+  /// @return true if it is
   bool IsIlluminated(const Vector2& pixel) const;
   /// Whether a pixel is in the valid region, in which the predicted uncertainty
   /// is below the limit of the calibration. If the file does not contain the
   /// valid region, this is IsIlluminated().
   /// @param pixel any pixel
+  /// @return true if it is
   bool IsInValidRegion(const Vector2& pixel) const;
   /// Predicted uncertainty: the standard deviation (1 sigma) per coordinate of
   /// the projection of a far point.
@@ -133,6 +144,7 @@ class RAYGRID_HOST_API Camera {
   /// @param pixel any pixel
   /// @param bearing unit vector
   /// @param J_pixel if not null, d bearing / d pixel
+  /// @return whether the bearing is defined
   bool Unproject(const Vector2& pixel, Vector3* bearing,
                  Matrix32* J_pixel = nullptr) const;
   /// Computes the observation line of a pixel: origin + t bearing, t > 0.
@@ -141,6 +153,7 @@ class RAYGRID_HOST_API Camera {
   /// @param bearing unit vector
   /// @param origin_J_pixel if not null, d origin / d pixel
   /// @param bearing_J_pixel if not null, d bearing / d pixel
+  /// @return whether the line is defined
   bool UnprojectLine(const Vector2& pixel, Vector3* origin, Vector3* bearing,
                      Matrix32* origin_J_pixel = nullptr,
                      Matrix32* bearing_J_pixel = nullptr) const;
@@ -150,6 +163,7 @@ class RAYGRID_HOST_API Camera {
   /// @param pixel in the calibrated area
   /// @param J_point if not null, d pixel / d point
   /// @param J_intrinsics if not null, d pixel / d Parameters()
+  /// @return whether the camera sees the point
   bool Project(const Vector3& point, Vector2* pixel,
                Matrix23* J_point = nullptr,
                IntrinsicsJacobian<Scalar>* J_intrinsics = nullptr) const;
@@ -177,12 +191,16 @@ class RAYGRID_HOST_API Camera {
                  Eigen::Ref<Pixels> pixels) const;
 
   /// Number of the intrinsics.
+  /// @return at least 4
   int NumParameters() const;
-  /// The intrinsics. Grids: of each control point, row by row, a and b
+  /// The intrinsics.
+  /// @return of a grid, for each control point, row by row, a and b
   /// (stereographic coordinates) and, if non-central, the point of the line in
-  /// metres. Splines of parametric models precede their named parameters.
+  /// metres; of a parametric model, its spline, if any, and its named
+  /// parameters
   Eigen::VectorXd Parameters() const;
-  /// Names of the last parameters: fx, fy, cx, cy and so on; none for grids.
+  /// Names of the last parameters.
+  /// @return fx, fy, cx, cy and so on; none for grids
   std::vector<std::string> ParameterNames() const;
   /// Replaces the intrinsics, for their optimization; not for hot loops.
   /// Uncertainty and valid region remain those of the file. Copies of this

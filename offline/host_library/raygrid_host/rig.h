@@ -1,3 +1,4 @@
+/// @file
 /// Cameras that are fixed to each other.
 #ifndef RAYGRID_HOST_RIG_H
 #define RAYGRID_HOST_RIG_H

@@ -1,7 +1,7 @@
 /// Speed and accuracy of the C++ library beside OpenCV: one table in one run,
 /// for people. Times are CPU times of one thread; the best of some repetitions.
 ///   host_library_bench camera.yaml... [--rays FILE]
-/// --rays writes the first camera's points and pixels for other programs.
+/// --rays writes the first camera's points for speed_table.py.
 #include <raygrid_host/camera.h>
 #include <time.h>
 
