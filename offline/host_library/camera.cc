@@ -1,5 +1,6 @@
 #include <raygrid_host/camera.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -122,9 +123,9 @@ Eigen::AlignedBox<Scalar, 2> Camera<Scalar>::Bounds() const {
 }
 
 template <typename Scalar>
-Eigen::Isometry3d Camera<Scalar>::CameraFromView() const {
+PoseTransform Camera<Scalar>::CameraFromView() const {
   const Pose pose = data_->file->camera_from_view.value_or(Pose());
-  return Eigen::Translation3d(pose.translation) * pose.rotation;
+  return PoseTransform(Eigen::Translation3d(pose.translation) * pose.rotation);
 }
 
 template <typename Scalar>
@@ -191,24 +192,31 @@ bool Camera<Scalar>::Project(const Vector3& point, Vector2* pixel,
 template <typename Scalar>
 int Camera<Scalar>::UnprojectAll(const Eigen::Ref<const Pixels>& pixels,
                                  Eigen::Ref<Points> bearings) const {
+  const Eigen::Index count = std::min(pixels.cols(), bearings.cols());
   return data_->evaluator->UnprojectAll(
-      pixels.data(), static_cast<int>(pixels.cols()), nullptr, bearings.data());
+      {pixels.data(), pixels.outerStride()}, static_cast<int>(count), {},
+      {bearings.data(), bearings.outerStride()});
 }
 
 template <typename Scalar>
 int Camera<Scalar>::UnprojectAllLines(const Eigen::Ref<const Pixels>& pixels,
                                       Eigen::Ref<Points> origins,
                                       Eigen::Ref<Points> bearings) const {
-  return data_->evaluator->UnprojectAll(pixels.data(),
-                                        static_cast<int>(pixels.cols()),
-                                        origins.data(), bearings.data());
+  const Eigen::Index count =
+      std::min({pixels.cols(), origins.cols(), bearings.cols()});
+  return data_->evaluator->UnprojectAll(
+      {pixels.data(), pixels.outerStride()}, static_cast<int>(count),
+      {origins.data(), origins.outerStride()},
+      {bearings.data(), bearings.outerStride()});
 }
 
 template <typename Scalar>
 int Camera<Scalar>::ProjectAll(const Eigen::Ref<const Points>& points,
                                Eigen::Ref<Pixels> pixels) const {
-  return data_->evaluator->ProjectAll(
-      points.data(), static_cast<int>(points.cols()), pixels.data());
+  const Eigen::Index count = std::min(points.cols(), pixels.cols());
+  return data_->evaluator->ProjectAll({points.data(), points.outerStride()},
+                                      static_cast<int>(count),
+                                      {pixels.data(), pixels.outerStride()});
 }
 
 template <typename Scalar>

@@ -8,6 +8,15 @@
 
 namespace raygrid::host {
 
+/// Columns of a matrix: x, y of pixels, or x, y, z.
+template <typename Number>
+struct Columns {
+  Number* data = nullptr;
+  Eigen::Index stride = 0;  ///< from a column to the next
+
+  Number* operator[](int k) const { return data + k * stride; }
+};
+
 /// Computes what Camera offers, for one kind of camera models. Results are
 /// those of the CameraModel: functions that return bool return whether they are
 /// defined, and J may be null.
@@ -29,12 +38,13 @@ class Evaluator {
   virtual bool Project(const Vec3<Scalar>& point, Vec2<Scalar>* pixel,
                        Mat23<Scalar>* J_point) const = 0;
 
-  /// Arrays of x, y and x, y, z; return the number of defined results, others
-  /// are NaN. origins may be null.
-  virtual int UnprojectAll(const Scalar* pixels, int count, Scalar* origins,
-                           Scalar* bearings) const = 0;
-  virtual int ProjectAll(const Scalar* points, int count,
-                         Scalar* pixels) const = 0;
+  /// Return the number of defined results, others are NaN. origins may have no
+  /// data.
+  virtual int UnprojectAll(Columns<const Scalar> pixels, int count,
+                           Columns<Scalar> origins,
+                           Columns<Scalar> bearings) const = 0;
+  virtual int ProjectAll(Columns<const Scalar> points, int count,
+                         Columns<Scalar> pixels) const = 0;
 };
 
 /// For all models.

@@ -212,13 +212,14 @@ class ParametricEvaluator final : public Evaluator<Scalar> {
     return found.has_value();
   }
 
-  int UnprojectAll(const Scalar* pixels, int count, Scalar* origins,
-                   Scalar* bearings) const override {
-    return UnprojectArray(*this, pixels, count, origins, bearings);
+  int UnprojectAll(Columns<const Scalar> pixels, int count,
+                   Columns<Scalar> origins,
+                   Columns<Scalar> bearings) const override {
+    return UnprojectArray<Scalar>(*this, pixels, count, origins, bearings);
   }
-  int ProjectAll(const Scalar* points, int count,
-                 Scalar* pixels) const override {
-    return ProjectArray(*this, points, count, pixels);
+  int ProjectAll(Columns<const Scalar> points, int count,
+                 Columns<Scalar> pixels) const override {
+    return ProjectArray<Scalar>(*this, points, count, pixels);
   }
 
  private:

@@ -25,7 +25,8 @@ std::vector<RigCamera<Scalar>> LoadRig(const std::string& path,
     if (!camera) return {};
     const Pose& pose = file.camera_from_rig;
     rig.push_back({file.name, *std::move(camera),
-                   Eigen::Translation3d(pose.translation) * pose.rotation});
+                   PoseTransform(Eigen::Translation3d(pose.translation) *
+                                 pose.rotation)});
   }
   return rig;
 }

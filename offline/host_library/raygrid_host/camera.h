@@ -26,6 +26,11 @@ namespace raygrid {
 /// @return "0.2.0"
 RAYGRID_HOST_API const char* HostLibraryVersion();
 
+/// A pose: point_b = b_from_a * point_a. Its layout does not depend on the
+/// instruction set that a program is compiled for.
+using PoseTransform =
+    Eigen::Transform<double, 3, Eigen::Isometry, Eigen::DontAlign>;
+
 /// The columns of d pixel / d intrinsics that are not zero: for a grid those of
 /// the 16 control points around the pixel, for a parametric model all.
 template <typename Scalar>
@@ -38,7 +43,7 @@ struct IntrinsicsJacobian {
   /// Index in Camera::Parameters() of each column.
   std::array<int, kMaxColumns> parameter;
   /// The columns: d pixel / d parameter.
-  Eigen::Matrix<Scalar, 2, kMaxColumns> values;
+  Eigen::Matrix<Scalar, 2, kMaxColumns, Eigen::DontAlign> values;
 
   /// Adds the columns to a dense Jacobian.
   /// @param J 2 x Camera::NumParameters()
@@ -119,7 +124,7 @@ class RAYGRID_HOST_API Camera {
   /// Pose of the camera of an undistorted image (view.camera.yaml) relative to
   /// the camera of the original image.
   /// @return identity if the file has none
-  Eigen::Isometry3d CameraFromView() const;
+  PoseTransform CameraFromView() const;
 
   /// Whether a pixel is in the calibrated area and, if the image circle is
   /// known, in the circle.
@@ -170,13 +175,13 @@ class RAYGRID_HOST_API Camera {
 
   /// Unproject() of many pixels, at several times its speed. Bearings of
   /// undefined pixels are NaN.
-  /// @param pixels contiguous, one per column
-  /// @param bearings of the same number of columns
+  /// @param pixels one per column
+  /// @param bearings of the same number of columns; of fewer, only these
   /// @return the number of defined bearings
   int UnprojectAll(const Eigen::Ref<const Pixels>& pixels,
                    Eigen::Ref<Points> bearings) const;
   /// UnprojectLine() of many pixels. Lines of undefined pixels are NaN.
-  /// @param pixels contiguous, one per column
+  /// @param pixels one per column
   /// @param origins of the same number of columns
   /// @param bearings of the same number of columns
   /// @return the number of defined lines
@@ -184,7 +189,7 @@ class RAYGRID_HOST_API Camera {
                         Eigen::Ref<Points> origins,
                         Eigen::Ref<Points> bearings) const;
   /// Project() of many points. Pixels of undefined projections are NaN.
-  /// @param points contiguous, one per column
+  /// @param points one per column
   /// @param pixels of the same number of columns
   /// @return the number of defined projections
   int ProjectAll(const Eigen::Ref<const Points>& points,
@@ -217,6 +222,10 @@ class RAYGRID_HOST_API Camera {
 
   std::shared_ptr<const Data> data_;
 };
+
+static_assert(alignof(IntrinsicsJacobian<double>) == alignof(double) &&
+                  alignof(PoseTransform) == alignof(double),
+              "types of the interface are not aligned to SIMD registers");
 
 extern template class Camera<double>;
 extern template class Camera<float>;

@@ -15,7 +15,7 @@ struct RigCamera {
   /// The camera.
   Camera<Scalar> camera;
   /// point_camera = camera_from_rig * point_rig.
-  Eigen::Isometry3d camera_from_rig;
+  PoseTransform camera_from_rig;
 };
 
 /// Reads a rig.yaml and the camera.yaml files that it refers to.

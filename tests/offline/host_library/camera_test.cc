@@ -233,6 +233,15 @@ TEST(HostCamera, ArraysHaveTheResultsOfSinglePixelsAndPoints) {
       if (is_defined) EXPECT_EQ(pixels.col(k), pixel);
     }
     EXPECT_EQ(num_pixels + num_defined, num_lines);
+    // Rows of larger matrices; shorter outputs are not overrun.
+    Eigen::Matrix4Xd few = Eigen::Matrix4Xd::Constant(4, 7, 7);
+    camera.UnprojectAll(pixels, few.topLeftCorner(3, 5));
+    camera.UnprojectAll(pixels, bearings);
+    for (int k = 0; k < 5; ++k)
+      EXPECT_TRUE(few.col(k).head<3>() == bearings.col(k) ||
+                  bearings.col(k).hasNaN());
+    EXPECT_EQ(few.bottomRows(1), (Eigen::MatrixXd::Constant(1, 7, 7)));
+    EXPECT_EQ(few.rightCols(2), (Eigen::MatrixXd::Constant(4, 2, 7)));
   }
 }
 
