@@ -36,7 +36,7 @@ function(raygrid_compile_as kind target)
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL "EXECUTABLE")
     raygrid_serve_modules(${target})
-  elseif(RAYGRID_HAS_PYTHON OR RAYGRID_HAS_GSTREAMER) # not -fPIE, as the headers were made
+  elseif(RAYGRID_HAS_PYTHON OR RAYGRID_HAS_GSTREAMER OR RAYGRID_HAS_HOST_LIBRARY) # not -fPIE, as the headers were made
     set_target_properties(${target} PROPERTIES
       CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     target_compile_options(${target} PRIVATE -fPIC)

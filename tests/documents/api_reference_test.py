@@ -40,6 +40,16 @@ class CReference(unittest.TestCase):
         self.assertEqual(documented, set(re.findall(r"^ (rg_\w+)@", symbols, re.MULTILINE)))
         self.assertNotIn("<script", pages)
 
+    def test_the_cpp_library_is_documented(self):
+        with tempfile.TemporaryDirectory() as folder:
+            status, output = build("cpp", Path(folder) / "html")
+            self.assertEqual((status, output), (0, ""))
+            pages = {path.name: path.read_text(encoding="utf-8") for path in Path(folder).rglob("*.html")}
+        for name in ("UnprojectLine", "ProjectAll", "SetParameters"):
+            self.assertIn(name, pages["classraygrid_1_1Camera.html"])
+        self.assertIn("LoadRig", pages["rig_8h.html"])
+        self.assertNotIn("<script", "".join(pages.values()))
+
     def test_what_is_incomplete_is_an_error(self):
         settings = (ROOT / "tools" / "api_reference" / "Doxyfile").read_text(encoding="utf-8")
         for declaration in ("int rg_new(int size);",

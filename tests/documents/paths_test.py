@@ -12,7 +12,7 @@ import sys
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Stages of the calibrator with a page on why they are as they are.
 STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
-          "fleet", "hand_eye", "initialization", "packing", "report")
+          "fleet", "hand_eye", "host_library", "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "offline/GLOSSARY.md", "tools/README.md", "tools/raygrid_camera/README.md", "formats/JSON.md",
              "tools/raygrid_capture/README.md", "offline/METHOD.md", "offline/TUTORIAL.md",
              "offline/fleet/README.md", "runtime/README.md", "runtime/DESIGN.md",
@@ -20,7 +20,7 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "offline/GLOSSARY.md", "tools/READM
              "runtime/python/README.md", "runtime/v4l2/README.md",
              "runtime/wasm/README.md", "offline/README.md",
              "benchmarks/README.md", "offline/experiments/README.md", "offline/python/README.md",
-             "offline/python/DESIGN.md",
+             "offline/python/DESIGN.md", "offline/host_library/README.md",
              *(f"offline/{stage}/DESIGN.md" for stage in STAGES))
 DOCUMENTS += ("SECURITY.md", "formats/SPEC.md", "formats/vectors/README.md",
               *(f"runtime/{folder}/README.md"

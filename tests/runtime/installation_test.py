@@ -29,6 +29,8 @@ COMPONENTS = {
                 "share/bash-completion/completions/raygrid"),
     "camera": ("bin/raygrid-camera", "share/man/man1/raygrid-camera.1"),
     "gstreamer": ("lib*/gstreamer-1.0/libgstraygrid.so",),
+    "host_library": ("include/raygrid_host/camera.h", "lib*/libraygrid_host.so.0",
+                     "lib*/cmake/raygrid_host/raygrid_host-config.cmake"),
     "python": ("lib/python*/raygrid/__init__.py", "lib/python*/raygrid/_raygrid.*.so"),
     "examples": ("share/doc/raygrid/examples/runtime/undistort_frame.c",
                  "share/doc/raygrid/examples/python/photographs_figure.py"),
