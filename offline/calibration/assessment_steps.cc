@@ -17,6 +17,7 @@
 #include "calibration/rig_evaluation.h"
 #include "calibration/rolling_shutter.h"
 #include "calibration/stopwatch.h"
+#include "calibration/transformed_images.h"
 
 namespace raygrid {
 namespace {
@@ -63,13 +64,26 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
 
 }  // namespace
 
+void Calibration::CheckForTransformedImages() {
+  if (options_.ShouldStop()) return;
+  const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
+  for (CameraInProgress& camera : cameras_) {
+    if (IsSingleCamera(camera.result) && camera.lens.rejected_images.empty())
+      continue;
+    camera.result.transformed_images =
+        DetectTransformedImages(camera.split.training, pattern_, camera.lens,
+                                MakeStoppableOptions(options_));
+    if (options_.ShouldStop()) camera.result.transformed_images.reset();
+  }
+}
+
 // Detects mixed cameras for single-camera input only; the images of a rig are
 // already grouped by camera.
 void Calibration::CheckForMixedCameras() {
   if (IsRig() || options_.ShouldStop()) return;
   const Stopwatch stopwatch(&result_.seconds["two_cameras"]);
   CameraInProgress& camera = cameras_.front();
-  if (IsSingleCamera(camera.result)) return;
+  if (IsSingleCamera(camera.result) || camera.result.transformed_images) return;
   camera.result.mixed_cameras =
       DetectMixedCameras(camera.split.training, pattern_, camera.lens,
                          MakeStoppableOptions(options_));
@@ -118,6 +132,7 @@ void Calibration::CompareModels() {
 }
 
 void Calibration::CompareWithOthers() {
+  CheckForTransformedImages();
   CheckForMixedCameras();
   CompareModels();
 }

@@ -72,6 +72,7 @@ class Calibration {
       const std::vector<std::pair<std::string, int>>& doubtful);
   void FillResults();
   void RestartFromComparison();
+  void CheckForTransformedImages();
   void CheckForMixedCameras();
   void CompareModels();
   void ReportUncertainty(CameraInProgress* camera, int num_threads) const;

@@ -366,6 +366,7 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   metrics.neighbor_correlation = SharedCorrelation(result, outlier_images);
   SeparateOutlierImages(result, outlier_images, &metrics);
   metrics.mixed_cameras = result.mixed_cameras;
+  metrics.transformed_images = result.transformed_images;
   metrics.different_views = CountDifferent(result);
   const std::vector<Eigen::Vector3d> normals = CollectBoardNormals(result);
   if (normals.size() == result.poses.size())

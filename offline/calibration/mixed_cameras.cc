@@ -1,8 +1,6 @@
 #include "calibration/mixed_cameras.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -10,7 +8,9 @@
 #include "calibration/camera_adjustment.h"
 #include "calibration/camera_evaluation.h"
 #include "calibration/camera_initialization.h"
+#include "calibration/camera_result.h"
 #include "calibration/even_selection.h"
+#include "calibration/image_splits.h"
 #include "calibration/split_gain.h"
 #include "dataset/error.h"
 
@@ -25,108 +25,7 @@ constexpr size_t kMaxFeatures = 60;   // per image, for the search
 constexpr double kMuchBetter = 0.8;
 constexpr size_t kNumChanceSplits = 2;
 
-std::vector<FeatureResidual> ResidualsOf(const Pattern& pattern,
-                                         const AdjustmentResult& adjusted,
-                                         int num_threads) {
-  std::vector<FeatureResidual> list;
-  const auto& views = adjusted.problem.views;
-  const std::vector<Residual> residuals =
-      ComputeResiduals(adjusted.state, views, num_threads);
-  size_t index = 0;
-  for (size_t v = 0; v < views.size(); ++v) {
-    for (const Observation& observation : views[v].observations) {
-      const Residual& residual = residuals[index++];
-      if (!residual.valid) continue;
-      const Feature feature = adjusted.problem.GetFeature(
-          pattern, static_cast<int>(v), observation);
-      list.push_back({adjusted.problem.images[v], feature.board, feature.column,
-                      feature.row, observation.pixel, residual.error_px});
-    }
-  }
-  return list;
-}
-
-bool HasCorrelatedErrors(const std::vector<FeatureResidual>& residuals) {
-  return !residuals.empty() &&
-         HasCorrelatedErrors(ComputeNeighborCorrelation(residuals).value_or(0),
-                             ComputeErrorMetrics(residuals));
-}
-
-// Removes the digits from a name.
-std::string Stem(const std::string& name) {
-  std::string stem;
-  for (const char c : name)
-    if (!std::isdigit(static_cast<unsigned char>(c))) stem += c;
-  return stem;
-}
-
-using Names = std::set<std::string>;
-
-std::optional<Names> FirstOfTwoStems(const Dataset& dataset) {
-  std::map<std::string, Names> by_stem;
-  for (const ImageFeatures& image : dataset.images)
-    by_stem[Stem(image.image)].insert(image.image);
-  if (by_stem.size() != 2) return std::nullopt;
-  return by_stem.begin()->second;
-}
-
-// Splits the images by the sign of their residual fields, relative to the mean
-// field, along each of the first principal directions of variation.
-std::vector<Names> SplitsByResiduals(
-    const std::vector<FeatureResidual>& residuals, const ImageSize& size) {
-  constexpr int kNumSplits = 3;
-  constexpr int kCells = 3;
-  constexpr int kNumValues = 2 * kCells * kCells;
-  std::map<std::string, std::pair<Eigen::VectorXd, Eigen::VectorXd>> fields;
-  for (const FeatureResidual& r : residuals) {
-    auto& [sum, count] =
-        fields
-            .try_emplace(r.image, Eigen::VectorXd::Zero(kNumValues),
-                         Eigen::VectorXd::Zero(kNumValues))
-            .first->second;
-    const auto cell = [](double x, int width) {
-      return std::clamp(static_cast<int>(kCells * x / width), 0, kCells - 1);
-    };
-    const int k = 2 * (cell(r.pixel.y(), size.height) * kCells +
-                       cell(r.pixel.x(), size.width));
-    sum.segment<2>(k) += r.error_px;
-    count.segment<2>(k).array() += 1;
-  }
-  Eigen::MatrixXd rows(fields.size(), kNumValues);
-  int row = 0;
-  for (const auto& [image, field] : fields)
-    rows.row(row++) =
-        (field.first.array() / field.second.array().max(1)).matrix();
-  const Eigen::RowVectorXd mean = rows.colwise().mean();
-  rows.rowwise() -= mean;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(rows.transpose() *
-                                                              rows);
-  std::vector<Names> splits(kNumSplits);
-  for (int k = 0; k < kNumSplits; ++k) {
-    const Eigen::VectorXd along =
-        rows * solver.eigenvectors().col(kNumValues - 1 - k);
-    row = 0;
-    for (const auto& [image, field] : fields)
-      if (along[row++] > 0) splits[k].insert(image);
-  }
-  return splits;
-}
-
-// Returns the first half of the sorted images, for files of two cameras in one
-// folder.
-Names FirstHalf(const Dataset& dataset) {
-  Names all;
-  for (const ImageFeatures& image : dataset.images) all.insert(image.image);
-  return {all.begin(), std::next(all.begin(), all.size() / 2)};
-}
-
-std::vector<Names> ListSplitsToTry(
-    const Dataset& dataset, const std::vector<FeatureResidual>& residuals) {
-  if (const auto stems = FirstOfTwoStems(dataset)) return {*stems};
-  std::vector<Names> splits = SplitsByResiduals(residuals, dataset.image_size);
-  splits.push_back(FirstHalf(dataset));
-  return splits;
-}
+using Names = ImageNames;
 
 struct TwoParts {
   Dataset first, second;
@@ -185,7 +84,7 @@ std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
     const CameraModel& lens = adjusted.state.camera();
     OptimizeModel(pattern, lens.Name(), {GetKnotSpacingPx(lens)}, options,
                   &adjusted);
-    return ResidualsOf(pattern, adjusted, options.num_threads);
+    return ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
   } catch (const Error&) {
     return {};
   }
@@ -218,7 +117,8 @@ class TwoFits {
       AdjustmentResult part = PartOf(joint, names, is_first);
       if (part.problem.views.size() < kMinPartImages) return;
       RefineCameras(part.problem, options, &part.state);
-      residuals_.push_back(ResidualsOf(pattern, part, options.num_threads));
+      residuals_.push_back(
+          ComputeTrainingResiduals(pattern, part, 0, options.num_threads));
       if (residuals_.back().empty()) return;
       fits_.push_back(std::move(part));
     }
@@ -361,7 +261,7 @@ std::optional<MixedCameras> DetectMixedCameras(
     const AdjustmentResult& joint, const AdjustmentOptions& options) {
   if (training.images.size() < 2 * kMinPartImages) return std::nullopt;
   const std::vector<FeatureResidual> residuals =
-      ResidualsOf(pattern, joint, options.num_threads);
+      ComputeTrainingResiduals(pattern, joint, 0, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
   // Points that are estimated separately for each subset would absorb larger
   // errors than the camera models.

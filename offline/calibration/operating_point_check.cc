@@ -248,12 +248,18 @@ std::string UncertainOperatingParameter::Text() const {
         "range of {:.2g}; the effect is too small, or the values do not belong "
         "to these images: check them, or calibrate without {}",
         name, deviation, unit, width, name);
+  const std::string detection =
+      noticed > width
+          ? "single wrong values cannot be detected"
+          : fmt::format(
+                "a single wrong value is detected only if its error "
+                "exceeds {:.2g} {}",
+                noticed, unit);
   return fmt::format(
       "the camera changes little with {}: the value estimated from a single "
       "image has a standard deviation of {:.2g} {} over a range of {:.2g}, so "
-      "that a single wrong value is detected only if its error exceeds {:.2g} "
-      "{}",
-      name, deviation, unit, width, noticed, unit);
+      "that {}",
+      name, deviation, unit, width, detection);
 }
 
 OperatingPointCheck CheckOperatingPoints(

@@ -24,6 +24,8 @@ constexpr double kMattersPx = 0.15;
 constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
 // Median uncertainties that cause a warning and a failure, respectively.
 constexpr double kUncertainPx = 1, kUselessPx = 5;
+// Fraction of images with wrong pixel coordinates that makes a camera unusable.
+constexpr double kManyMisoriented = 0.25;
 constexpr double kMaxAspect = 4;  // anamorphic lenses reach 2
 // Fractions of the image: minimum valid, maximum extrapolated.
 constexpr double kEnoughValid = 0.5, kMostExtrapolated = 0.05;
@@ -154,7 +156,6 @@ void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
 // mirrored relative to the pattern. Many such views among others bias the
 // camera, which cannot fit both.
 void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
-  constexpr double kMany = 0.25;
   if (metrics.mirrored_images.empty()) return;
   const size_t count = metrics.mirrored_images.size();
   const auto boards_seen = static_cast<size_t>(metrics.boards_seen);
@@ -164,10 +165,43 @@ void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
       "pattern or the features is reversed",
       count, metrics.boards_seen, Named(metrics.mirrored_images));
   if (count < boards_seen &&
-      static_cast<double>(count) >= kMany * static_cast<double>(boards_seen))
+      static_cast<double>(count) >=
+          kManyMisoriented * static_cast<double>(boards_seen))
     findings->Fail(text);
   else
     findings->Warn(text);
+}
+
+std::string DescribeTransform(const TransformedImages& found) {
+  switch (found.kind) {
+    case TransformedImages::Kind::kRotated:
+      return "rotated by 180 degrees";
+    case TransformedImages::Kind::kMirroredHorizontally:
+      return "mirrored horizontally";
+    case TransformedImages::Kind::kMirroredVertically:
+      return "mirrored vertically";
+    case TransformedImages::Kind::kScaled:
+      break;
+  }
+  return fmt::format("scaled by {:.2g} (another resolution)", found.scale);
+}
+
+// Transformed images bias the camera, as views from behind do.
+void AssessTransformedImages(const CalibrationMetrics& metrics,
+                             Findings* findings) {
+  if (!metrics.transformed_images) return;
+  const TransformedImages& found = *metrics.transformed_images;
+  const size_t count = found.images.size();
+  const bool are_many =
+      static_cast<double>(count) >=
+      kManyMisoriented * static_cast<double>(found.num_images);
+  findings->Add(are_many ? Severity::kFailure : Severity::kWarning,
+                fmt::format("{} of {} images ({}) {} {} relative to the "
+                            "others; undo this in the image files, or "
+                            "calibrate without {}",
+                            count, found.num_images, Named(found.images),
+                            count == 1 ? "is" : "are", DescribeTransform(found),
+                            count == 1 ? "it" : "them"));
 }
 
 void AssessRejectedImages(const CalibrationMetrics& metrics,
@@ -365,7 +399,7 @@ void AssessOtherModels(const CalibrationMetrics& metrics, Findings* findings) {
 }
 
 bool HasCorrelatedResiduals(const CalibrationMetrics& metrics) {
-  return !metrics.mixed_cameras &&
+  return !metrics.mixed_cameras && !metrics.transformed_images &&
          HasCorrelatedErrors(
              metrics.neighbor_correlation.value_or(0),
              metrics.held_out ? *metrics.held_out : metrics.training);
@@ -497,7 +531,7 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
   Findings findings;
   for (const auto assess :
        {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,
-        AssessSides, AssessRejectedImages})
+        AssessSides, AssessTransformedImages, AssessRejectedImages})
     assess(metrics, &findings);
   // Error metrics of an interrupted calibration are meaningless.
   if (metrics.interrupted) return findings.Conclude();

@@ -27,6 +27,20 @@ struct MixedCameras {
   std::vector<std::string> first, second;
 };
 
+/// Images whose pixel coordinates are transformed relative to the other images.
+struct TransformedImages {
+  enum class Kind {
+    kRotated,  ///< by 180 degrees
+    kMirroredHorizontally,
+    kMirroredVertically,
+    kScaled,
+  };
+  Kind kind = Kind::kRotated;
+  double scale = 1;  ///< relative to the other images
+  std::vector<std::string> images;
+  size_t num_images = 0;  ///< all images
+};
+
 /// An image from which many features were removed as outliers.
 struct MisreadImage {
   std::string image;
@@ -63,6 +77,7 @@ struct CalibrationMetrics {
   int num_misread_images = 0;
   MisreadImage most_misread;  ///< image with the most removed outliers, if any
   std::optional<MixedCameras> mixed_cameras;
+  std::optional<TransformedImages> transformed_images;
   int boards_seen = 0, different_views = 0;
   /// One image for each rear view of a board.
   std::vector<std::string> mirrored_images;

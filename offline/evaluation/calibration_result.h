@@ -110,6 +110,7 @@ struct CalibrationResult {
   std::vector<RejectedImage> rejected_images;
   std::vector<FeatureResidual> rejected_features;
   std::optional<MixedCameras> mixed_cameras;
+  std::optional<TransformedImages> transformed_images;
   std::vector<KnotSpacingCandidate> knot_spacing_candidates;
   std::vector<ModelCandidate> model_candidates;  ///< candidates of model "auto"
   double knot_spacing_px = 0;  ///< knot spacing; 0 for a parametric model

@@ -6,4 +6,4 @@ set(NOT_QUICK
   LargeEquations Lenses/InitializeFromThreeViewsOf Lenses/UnevenLensOf LowContrast MarkerBoards
   NextView OutputFolder PackCamera PackSupportedParts AssignByLayout PlainTagGrid PrintedFeatures
   EstimateProjectionUncertainty RegularRegion RenderImage ResidualBudget LineDelay EstimateSpread StackPacking
-  StarDetector InitializeFromThreeViews MixedCameras VirtualView)
+  StarDetector InitializeFromThreeViews MixedCameras TransformedImages VirtualView)

@@ -36,10 +36,9 @@ double Quantile(std::vector<float> values, double part) {
   return *at;
 }
 
-// Returns the range of grey levels without 1 % outliers on each side.
-double ComputeContrast(const GreyImage& image) {
-  constexpr double kFew = 0.01;
-  return Quantile(image.levels, 1 - kFew) - Quantile(image.levels, kFew);
+// Returns the range of grey levels without a fraction of outliers on each side.
+double ComputeContrast(const GreyImage& image, double few = 0.01) {
+  return Quantile(image.levels, 1 - few) - Quantile(image.levels, few);
 }
 
 cv::Mat MakeLevels(const GreyImage& image) {
@@ -169,9 +168,11 @@ GreyImage Denoise(const GreyImage& image) {
 }
 
 bool HasLowContrast(const GreyImage& image) {
-  constexpr double kMinSteps = 8, kMinDeviations = 6;
+  // A distant board covers a hundredth of the image. White noise spans 6.2
+  // deviations without a thousandth at either end.
+  constexpr double kMinSteps = 8, kMinDeviations = 8, kFew = 0.001;
   const double step = UsedLevelStep(image);
-  return ComputeContrast(image) <
+  return ComputeContrast(image, kFew) <
          std::max(kMinSteps * step,
                   kMinDeviations * EstimateNoise(image, step));
 }

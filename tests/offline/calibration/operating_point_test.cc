@@ -169,7 +169,7 @@ TEST(CalibrateOperatingPoints, NamesImagesWhoseValuesDoNotFit) {
   Sweep sweep =
       TakeSweep(OperatingParameter::kLensPosition, {0, 2, 4, 6, 8, 10}, 6);
   const std::string right = VerdictOf(sweep);
-  EXPECT_EQ(ReadCountInRange(right, "is stated at"), 0) << right;
+  EXPECT_EQ(ReadCountInRange(right, "is specified as"), 0) << right;
   EXPECT_EQ(ReadCountInRange(right, "does not explain"), 0) << right;
   // One that is wrong, and two that are swapped.
   const auto& images = sweep.input.dataset.images;
@@ -185,7 +185,7 @@ TEST(CalibrateOperatingPoints, NamesImagesWhoseValuesDoNotFit) {
   EXPECT_NEAR(PredictedIn(assessment, first), 2, 0.6) << assessment;
   EXPECT_NEAR(PredictedIn(assessment, second), 8, 0.6) << assessment;
   // No other image is blamed for it.
-  EXPECT_EQ(ReadCountInRange(assessment, "is stated at"), 3) << assessment;
+  EXPECT_EQ(ReadCountInRange(assessment, "is specified as"), 3) << assessment;
 }
 
 TEST(CalibrateOperatingPoints, SaysThatShuffledValuesDoNotExplainTheImages) {
@@ -201,10 +201,11 @@ TEST(CalibrateOperatingPoints, SaysThatShuffledValuesDoNotExplainTheImages) {
     sweep.conditions.values.at(sweep.input.dataset.images[i].image) = {
         values[i]};
   const std::string assessment = VerdictOf(sweep);
-  EXPECT_EQ(
-      ReadCountInRange(assessment, "given lens_position does not explain"), 1)
+  EXPECT_EQ(ReadCountInRange(assessment,
+                             "the specified lens_position does not explain"),
+            1)
       << assessment;
-  EXPECT_EQ(ReadCountInRange(assessment, "is stated at"), 0) << assessment;
+  EXPECT_EQ(ReadCountInRange(assessment, "is specified as"), 0) << assessment;
   EXPECT_EQ(ReadCountInRange(assessment, "bends"), 0) << assessment;
 }
 

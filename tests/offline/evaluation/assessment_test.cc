@@ -173,6 +173,20 @@ TEST(Assessment, WarnsOfImagesOfTwoCameras) {
                         "...) and 1 image (right1.png); "));
 }
 
+TEST(Assessment, ReportsTransformedImages) {
+  CalibrationMetrics metrics = GoodFigures();
+  metrics.transformed_images = {
+      TransformedImages::Kind::kScaled, 0.5, {"a.png", "b.png"}, 20};
+  Assessment assessment = AssessCalibration(metrics);
+  EXPECT_EQ(assessment.word, "warn");
+  EXPECT_TRUE(HasReason(
+      assessment,
+      "2 of 20 images (a.png, ...) are scaled by 0.5 (another resolution) "
+      "relative to the others; "));
+  metrics.transformed_images->num_images = 8;
+  EXPECT_EQ(AssessCalibration(metrics).word, "fail");
+}
+
 TEST(Assessment, SuspectsSeveralCamerasWhereNearlyAllErrorIsShared) {
   CalibrationMetrics metrics = GoodFigures();
   metrics.neighbor_correlation = 0.95;

@@ -53,9 +53,13 @@ TEST(LowContrast, HardlyAnyContrastIsSaid) {
   cv::randu(bright, 0, 255);
   cv::GaussianBlur(bright, bright, cv::Size(), 20);
   cv::normalize(bright, bright, 0, 255, cv::NORM_MINMAX);
+  // Something small, such as a distant board.
+  cv::Mat small(kSize, CV_8U, cv::Scalar(120));
+  small(cv::Rect(20, 40, 60, 60)) = 220;
+  small(cv::Rect(30, 50, 40, 40)) = 30;
   const TemporaryFolder folder;
   for (const auto& [image, is_said] :
-       {std::pair{dark, true}, {deep, true}, {bright, false}}) {
+       {std::pair{dark, true}, {deep, true}, {bright, false}, {small, false}}) {
     ASSERT_TRUE(cv::imwrite(folder / "a.png", image));
     const FolderDetection found =
         DetectFeatures({folder / "a.png"}, pattern, {}, nullptr, 1, nullptr);

@@ -1,0 +1,300 @@
+#include "calibration/transformed_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "calibration/camera_evaluation.h"
+#include "calibration/camera_initialization.h"
+#include "calibration/camera_result.h"
+#include "calibration/divergence.h"
+#include "calibration/even_selection.h"
+#include "calibration/image_splits.h"
+#include "dataset/error.h"
+
+namespace raygrid {
+namespace {
+
+using Kind = TransformedImages::Kind;
+
+// Minimum number of images that are not transformed.
+constexpr size_t kMinOthers = 3;
+
+// A transformation of the pixel coordinates of a group of images.
+struct PixelTransform {
+  Kind kind;
+  double scale = 1;  // of the group, relative to the other images
+
+  // Returns the pixel coordinates before the transformation.
+  Eigen::Vector2d Undo(const Eigen::Vector2d& pixel,
+                       const ImageSize& size) const {
+    switch (kind) {
+      case Kind::kRotated:
+        return {size.width - 1 - pixel.x(), size.height - 1 - pixel.y()};
+      case Kind::kMirroredHorizontally:
+        return {size.width - 1 - pixel.x(), pixel.y()};
+      case Kind::kMirroredVertically:
+        return {pixel.x(), size.height - 1 - pixel.y()};
+      case Kind::kScaled:
+        break;
+    }
+    return (pixel.array() + 0.5) / scale - 0.5;
+  }
+};
+
+Dataset Undo(const PixelTransform& transform, const ImageNames& group,
+             Dataset dataset) {
+  for (ImageFeatures& image : dataset.images)
+    if (group.count(image.image) > 0)
+      for (Feature& feature : image.features)
+        feature.pixel = transform.Undo(feature.pixel, dataset.image_size);
+  return dataset;
+}
+
+// A camera's squared residuals by image, each limited by ErrorCapPx(), which is
+// also the residual of features that cannot be projected.
+std::map<std::string, double> ComputeCosts(const CameraModel& camera,
+                                           const Dataset& dataset,
+                                           const Pattern& pattern,
+                                           int num_threads) {
+  const double cap = std::pow(ErrorCapPx(dataset.image_size), 2);
+  std::map<std::string, double> costs;
+  for (const ImageFeatures& image : dataset.images)
+    costs[image.image] = cap * static_cast<double>(image.features.size());
+  for (const FeatureResidual& r :
+       EvaluateCamera(camera, dataset, pattern, num_threads).residuals)
+    costs[r.image] += std::min(r.error_px.squaredNorm(), cap) - cap;
+  return costs;
+}
+
+// The costs of images as given, and with the transformation undone.
+struct CostsOfImages {
+  std::map<std::string, double> given, undone;
+
+  // Images that fit better with the transformation undone.
+  ImageNames Transformed(double ratio = 1) const {
+    return ImagesBelow(ratio, undone, given);
+  }
+  ImageNames NotTransformed(double ratio) const {
+    return ImagesBelow(ratio, given, undone);
+  }
+
+ private:
+  static ImageNames ImagesBelow(double ratio,
+                                const std::map<std::string, double>& costs,
+                                const std::map<std::string, double>& others) {
+    ImageNames names;
+    for (const auto& [name, cost] : costs)
+      if (cost < ratio * others.at(name)) names.insert(name);
+    return names;
+  }
+};
+
+// Selects enough images and features for a parametric model.
+Dataset ThinOut(const Dataset& all) {
+  constexpr size_t kManyImages = 30, kManyFeatures = 40;
+  Dataset thinned = all;
+  thinned.images = SelectEvenly(all.images, kManyImages);
+  for (ImageFeatures& image : thinned.images)
+    image.features = SelectEvenly(image.features, kManyFeatures);
+  return thinned;
+}
+
+// A group of images, and the camera for which it is transformed back.
+struct Hypothesis {
+  PixelTransform transform;
+  ImageNames group;
+  double cost = INFINITY;
+  bool has_correlated_errors = true;
+};
+
+// Estimates the group of transformed images and the camera alternately.
+class GroupSearch {
+ public:
+  GroupSearch(const Dataset& images, const Pattern& pattern,
+              const AdjustmentResult& joint, const AdjustmentOptions& options)
+      : images_(images), pattern_(pattern), joint_(joint), options_(options) {
+    options_.fix_points = true;
+  }
+
+  // The cost without any transformation; infinite if no camera fits.
+  double cost() const {
+    const auto adjusted = Fit(images_);
+    return adjusted ? Evaluate(*adjusted, images_).cost : INFINITY;
+  }
+
+  // Groups of images that each transformation may have changed.
+  std::vector<ImageNames> ListGroups(
+      const PixelTransform& transform,
+      const std::vector<ImageNames>& splits) const {
+    if (transform.kind == Kind::kScaled) return {ImagesWithin(transform.scale)};
+    std::vector<ImageNames> groups = splits;
+    groups.push_back(
+        Compare(joint_.state.camera(), transform, images_).Transformed());
+    return groups;
+  }
+
+  CostsOfImages Compare(const CameraModel& camera,
+                        const PixelTransform& transform,
+                        const Dataset& images) const {
+    const std::vector<std::string> names = NamesOf(images);
+    const Dataset undone =
+        Undo(transform, {names.begin(), names.end()}, images);
+    return {ComputeCosts(camera, images, pattern_, options_.num_threads),
+            ComputeCosts(camera, undone, pattern_, options_.num_threads)};
+  }
+
+  // Classifies all images with the camera of a hypothesis. The smaller group is
+  // described, since which one was transformed is unknown.
+  TransformedImages Describe(const Hypothesis& hypothesis,
+                             const Dataset& all) const {
+    constexpr double kClearly = 0.7;
+    TransformedImages found = {hypothesis.transform.kind,
+                               hypothesis.transform.scale,
+                               {},
+                               all.images.size()};
+    const auto adjusted =
+        Fit(Undo(hypothesis.transform, hypothesis.group, images_));
+    if (!adjusted) return found;
+    const CostsOfImages costs =
+        Compare(adjusted->state.camera(), hypothesis.transform, all);
+    ImageNames group = costs.Transformed(kClearly);
+    const ImageNames others = costs.NotTransformed(kClearly);
+    if (others.size() < group.size()) {
+      group = others;
+      found.scale = 1 / found.scale;
+    }
+    found.images.assign(group.begin(), group.end());
+    return found;
+  }
+
+  // Searches from an initial group, as long as the cost decreases from that
+  // without any transformation.
+  Hypothesis Search(const PixelTransform& transform, ImageNames group,
+                    double cost) const {
+    constexpr int kMaxRounds = 5;
+    constexpr double kWorthAnotherRound = 0.98;
+    Hypothesis best = {transform, {}, cost};
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (group.empty() || group.size() + kMinOthers > images_.images.size())
+        break;
+      const Dataset undone = Undo(transform, group, images_);
+      const auto adjusted = Fit(undone);
+      if (!adjusted) break;
+      Hypothesis now = Evaluate(*adjusted, undone);
+      const bool is_better = now.cost < kWorthAnotherRound * best.cost;
+      if (now.cost < best.cost) {
+        best.cost = now.cost;
+        best.has_correlated_errors = now.has_correlated_errors;
+        best.group = group;
+      }
+      ImageNames again =
+          Compare(adjusted->state.camera(), transform, images_).Transformed();
+      if (!is_better || again == group) break;
+      group = std::move(again);
+    }
+    return best;
+  }
+
+ private:
+  std::optional<AdjustmentResult> Fit(const Dataset& dataset) const {
+    try {
+      return InitializeCamera(dataset, pattern_, options_,
+                              AreaChoice::kWholeImage, &joint_.state.camera());
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+  }
+
+  Hypothesis Evaluate(const AdjustmentResult& adjusted,
+                      const Dataset& dataset) const {
+    Hypothesis hypothesis;
+    hypothesis.cost = 0;
+    for (const auto& [image, cost] : ComputeCosts(
+             adjusted.state.camera(), dataset, pattern_, options_.num_threads))
+      hypothesis.cost += cost;
+    hypothesis.has_correlated_errors = HasCorrelatedErrors(
+        ComputeTrainingResiduals(pattern_, adjusted, 0, options_.num_threads));
+    return hypothesis;
+  }
+
+  // Images whose features all lie within a scaled image.
+  ImageNames ImagesWithin(double scale) const {
+    ImageNames group;
+    for (const ImageFeatures& image : images_.images)
+      if (std::all_of(
+              image.features.begin(), image.features.end(),
+              [&](const Feature& feature) {
+                return feature.pixel.x() < scale * images_.image_size.width &&
+                       feature.pixel.y() < scale * images_.image_size.height;
+              }))
+        group.insert(image.image);
+    return group;
+  }
+
+  const Dataset& images_;
+  const Pattern& pattern_;
+  const AdjustmentResult& joint_;
+  AdjustmentOptions options_;
+};
+
+const std::vector<PixelTransform>& Transforms() {
+  static const std::vector<PixelTransform> transforms = {
+      {Kind::kRotated},
+      {Kind::kMirroredHorizontally},
+      {Kind::kMirroredVertically},
+      {Kind::kScaled, 0.25},
+      {Kind::kScaled, 1.0 / 3},
+      {Kind::kScaled, 0.5},
+      {Kind::kScaled, 2.0 / 3},
+      {Kind::kScaled, 0.75}};
+  return transforms;
+}
+
+// A mixture of resolutions causes errors of several pixels.
+bool MayBeScaled(double cost, const Dataset& images) {
+  constexpr double kMinPart = 1.0 / 640;  // of the image width
+  return cost > std::pow(kMinPart * images.image_size.width, 2) *
+                    static_cast<double>(images.num_features());
+}
+
+// A group of random images would reduce the cost, too, if the principal point
+// varies between images, but leave correlated residuals.
+bool IsExplanation(const Hypothesis& hypothesis, double cost) {
+  constexpr double kExplained = 0.64, kFullyExplained = 0.25;
+  return hypothesis.cost <
+         (hypothesis.has_correlated_errors ? kFullyExplained : kExplained) *
+             cost;
+}
+
+}  // namespace
+
+std::optional<TransformedImages> DetectTransformedImages(
+    const Dataset& training, const Pattern& pattern,
+    const AdjustmentResult& joint, const AdjustmentOptions& options) {
+  if (training.images.size() <= kMinOthers) return std::nullopt;
+  const std::vector<FeatureResidual> residuals =
+      ComputeTrainingResiduals(pattern, joint, 0, options.num_threads);
+  // Images of another scale may have been rejected.
+  if (!HasCorrelatedErrors(residuals) && joint.rejected_images.empty())
+    return std::nullopt;
+  const Dataset images = ThinOut(training);
+  const GroupSearch search(images, pattern, joint, options);
+  const double cost = search.cost();
+  if (!std::isfinite(cost)) return std::nullopt;
+  const std::vector<ImageNames> splits = ListSplitsToTry(images, residuals);
+  Hypothesis best;
+  for (const PixelTransform& transform : Transforms()) {
+    if (transform.kind == Kind::kScaled && !MayBeScaled(cost, images)) continue;
+    for (const ImageNames& group : search.ListGroups(transform, splits)) {
+      Hypothesis found = search.Search(transform, group, cost);
+      if (found.cost < best.cost) best = std::move(found);
+    }
+  }
+  if (!IsExplanation(best, cost)) return std::nullopt;
+  TransformedImages found = search.Describe(best, training);
+  if (found.images.empty()) return std::nullopt;
+  return found;
+}
+
+}  // namespace raygrid
