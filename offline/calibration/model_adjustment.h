@@ -44,8 +44,8 @@ void FinalizeCameras(AdjustmentResult* adjusted);
 void AlignBoards(const Pattern& pattern, AdjustmentResult* adjusted);
 
 /// Estimates the flatness error of boards assumed flat in a calibration of
-/// grids, or with known cameras: the RMS of the least flat board, in metres, if they may deform. 0
-/// unless the deformation is significant.
+/// grids, or with known cameras: the RMS of the least flat board, in metres, if
+/// they may deform. 0 unless the deformation is significant.
 double EstimateFlatnessError(const Pattern& pattern,
                              const AdjustmentOptions& options,
                              AdjustmentResult adjusted);

@@ -19,7 +19,8 @@ struct SuspectOperatingPoint {
   double predicted = 0;  ///< within the operating range
   int num_decimals = 0;  ///< decimals of the prediction
 
-  /// Returns "front_07.png is specified as 9 dioptres, but its features indicate 4.2".
+  /// Returns "front_07.png is specified as 9 dioptres, but its features
+  /// indicate 4.2".
   std::string Text() const;
 };
 
