@@ -224,8 +224,9 @@ int Camera<Scalar>::NumParameters() const {
   return data_->model->NumParameters();
 }
 template <typename Scalar>
-Eigen::VectorXd Camera<Scalar>::Parameters() const {
-  return data_->model->Parameters();
+void Camera<Scalar>::CopyParameters(double* parameters) const {
+  const Eigen::VectorXd all = data_->model->Parameters();
+  std::copy(all.begin(), all.end(), parameters);
 }
 template <typename Scalar>
 std::vector<std::string> Camera<Scalar>::ParameterNames() const {
@@ -234,7 +235,8 @@ std::vector<std::string> Camera<Scalar>::ParameterNames() const {
 }
 
 template <typename Scalar>
-bool Camera<Scalar>::SetParameters(const Eigen::VectorXd& parameters) {
+bool Camera<Scalar>::SetParameters(
+    const Eigen::Ref<const Eigen::VectorXd>& parameters) {
   if (parameters.size() != NumParameters() || !parameters.allFinite())
     return false;
   std::shared_ptr<CameraModel> model = data_->model->Clone();

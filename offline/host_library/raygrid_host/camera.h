@@ -203,7 +203,16 @@ class RAYGRID_HOST_API Camera {
   /// (stereographic coordinates) and, if non-central, the point of the line in
   /// metres; of a parametric model, its spline, if any, and its named
   /// parameters
-  Eigen::VectorXd Parameters() const;
+  template <typename Vector = Eigen::VectorXd>
+  Vector Parameters() const {
+    // Allocated by the caller, whose Eigen may align memory differently.
+    Vector parameters(NumParameters());
+    CopyParameters(parameters.data());
+    return parameters;
+  }
+  /// Copies the intrinsics.
+  /// @param parameters array of NumParameters() numbers
+  void CopyParameters(double* parameters) const;
   /// Names of the last parameters.
   /// @return fx, fy, cx, cy and so on; none for grids
   std::vector<std::string> ParameterNames() const;
@@ -212,7 +221,7 @@ class RAYGRID_HOST_API Camera {
   /// camera are not changed.
   /// @param parameters as Parameters()
   /// @return false if their number is wrong or one is not finite
-  bool SetParameters(const Eigen::VectorXd& parameters);
+  bool SetParameters(const Eigen::Ref<const Eigen::VectorXd>& parameters);
 
  private:
   template <typename>

@@ -90,8 +90,11 @@ def build_consumer(arguments, prefix, folder):
         with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
             file.write(blocks[block])
     build = os.path.join(folder, "build")
+    # Eigen allocates and aligns otherwise with AVX, which the library is not compiled for.
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        flags = "-mavx" if re.search(r"\bavx\b", file.read()) else ""
     run(arguments.cmake, "-S", folder, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}",
-        f"-DCMAKE_CXX_COMPILER={arguments.compiler}")
+        f"-DCMAKE_CXX_COMPILER={arguments.compiler}", f"-DCMAKE_CXX_FLAGS={flags}")
     run(arguments.cmake, "--build", build)
     return os.path.join(build, "consumer")
 
@@ -118,7 +121,7 @@ def main():
         check_headers(os.path.join(prefix, "include", "raygrid_host"))
         consumer = build_consumer(arguments, prefix, project)
         told = run(consumer, cameras["noncentral-generic"])
-        if not told.startswith("(319.500, 239.500) -> "):
+        if not told.startswith("noncentral-generic, 1425 intrinsics\n(319.500, 239.500) -> "):
             sys.exit(f"host_library: the README's program prints {told!r}")
 
 
