@@ -90,13 +90,17 @@ struct CostsOfImages {
   }
 };
 
-// Selects enough images and features for a parametric model.
+// Selects enough images and features for a parametric model. A constant stride
+// could select the transformed images only.
 Dataset ThinOut(const Dataset& all) {
   constexpr size_t kManyImages = 30, kManyFeatures = 40;
-  Dataset thinned = all;
-  thinned.images = SelectEvenly(all.images, kManyImages);
-  for (ImageFeatures& image : thinned.images)
-    image.features = SelectEvenly(image.features, kManyFeatures);
+  const size_t count = std::min(kManyImages, all.images.size());
+  Dataset thinned = {all.image_size, {}};
+  for (size_t k = 0; k < count; ++k) {
+    thinned.images.push_back(all.images[k * all.images.size() / count]);
+    std::vector<Feature>& features = thinned.images.back().features;
+    features = SelectEvenly(features, kManyFeatures);
+  }
   return thinned;
 }
 
@@ -118,9 +122,14 @@ class GroupSearch {
   }
 
   // The cost without any transformation; infinite if no camera fits.
-  double cost() const {
-    const auto adjusted = Fit(images_);
-    return adjusted ? Evaluate(*adjusted, images_).cost : INFINITY;
+  double cost() const { return CostFrom(joint_.state.camera()); }
+
+  // The same, with the camera of a hypothesis as the initial value: it may be
+  // better for reasons other than the transformation.
+  double CostFrom(const Hypothesis& hypothesis) const {
+    const auto adjusted =
+        Fit(Undo(hypothesis.transform, hypothesis.group, images_));
+    return adjusted ? CostFrom(adjusted->state.camera()) : INFINITY;
   }
 
   // Groups of images that each transformation may have changed.
@@ -198,9 +207,19 @@ class GroupSearch {
 
  private:
   std::optional<AdjustmentResult> Fit(const Dataset& dataset) const {
+    return Fit(dataset, joint_.state.camera());
+  }
+
+  double CostFrom(const CameraModel& start) const {
+    const auto adjusted = Fit(images_, start);
+    return adjusted ? Evaluate(*adjusted, images_).cost : INFINITY;
+  }
+
+  std::optional<AdjustmentResult> Fit(const Dataset& dataset,
+                                      const CameraModel& start) const {
     try {
       return InitializeCamera(dataset, pattern_, options_,
-                              AreaChoice::kWholeImage, &joint_.state.camera());
+                              AreaChoice::kWholeImage, &start);
     } catch (const Error&) {
       return std::nullopt;
     }
@@ -291,7 +310,8 @@ std::optional<TransformedImages> DetectTransformedImages(
       if (found.cost < best.cost) best = std::move(found);
     }
   }
-  if (!IsExplanation(best, cost)) return std::nullopt;
+  if (!IsExplanation(best, cost) || !IsExplanation(best, search.CostFrom(best)))
+    return std::nullopt;
   TransformedImages found = search.Describe(best, training);
   if (found.images.empty()) return std::nullopt;
   return found;
