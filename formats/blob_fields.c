@@ -178,7 +178,7 @@ void rg_blob_uncertainty(const rg_blob* blob,
 void rg_blob_row_time(const rg_blob* blob, rg_row_time_section* row_time) {
   const uint8_t* const section = blob->bytes + blob->row_time;
   row_time->row_time_ns_q10 = rg_load_i32(section + RG_ROW_TIME_ROW_TIME);
-  row_time->deviation_ns_q10 = rg_load_u32(section + RG_ROW_TIME_DEVIATION);
+  row_time->stddev_ns_q10 = rg_load_u32(section + RG_ROW_TIME_DEVIATION);
 }
 
 void rg_blob_capture(const rg_blob* blob, rg_capture_section* capture) {

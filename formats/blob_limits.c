@@ -405,7 +405,7 @@ const uint8_t* rg_find_section(const uint8_t* bytes, uint32_t type,
 }
 
 /* The offset of the section with this type; 0 if there is none. */
-static uint32_t offset_of(const uint8_t* bytes, uint32_t type) {
+static uint32_t get_section_offset(const uint8_t* bytes, uint32_t type) {
   const uint8_t* const entry = rg_find_entry(bytes, type, 0);
   return entry ? rg_load_u32(entry + RG_ENTRY_OFFSET) : 0;
 }
@@ -417,17 +417,17 @@ rg_status rg_blob_open(const void* bytes, uint32_t num_bytes, rg_blob* blob) {
   if (status != RG_OK) return status;
   blob->bytes = first;
   blob->size = rg_load_u32(first + RG_HEADER_TOTAL_SIZE);
-  blob->camera = offset_of(first, RG_SECTION_CAMERA);
-  blob->grid = offset_of(first, RG_SECTION_CENTRAL_GRID);
-  blob->remap = offset_of(first, RG_SECTION_REMAP);
-  blob->quality = offset_of(first, RG_SECTION_QUALITY);
-  blob->inverse = offset_of(first, RG_SECTION_INVERSE);
-  blob->line_points = offset_of(first, RG_SECTION_LINE_POINTS);
-  blob->mask = offset_of(first, RG_SECTION_MASK);
-  blob->uncertainty = offset_of(first, RG_SECTION_UNCERTAINTY);
-  blob->modes = offset_of(first, RG_SECTION_MODES);
-  blob->capture = offset_of(first, RG_SECTION_CAPTURE);
-  blob->stack = offset_of(first, RG_SECTION_STACK);
-  blob->row_time = offset_of(first, RG_SECTION_ROW_TIME);
+  blob->camera = get_section_offset(first, RG_SECTION_CAMERA);
+  blob->grid = get_section_offset(first, RG_SECTION_CENTRAL_GRID);
+  blob->remap = get_section_offset(first, RG_SECTION_REMAP);
+  blob->quality = get_section_offset(first, RG_SECTION_QUALITY);
+  blob->inverse = get_section_offset(first, RG_SECTION_INVERSE);
+  blob->line_points = get_section_offset(first, RG_SECTION_LINE_POINTS);
+  blob->mask = get_section_offset(first, RG_SECTION_MASK);
+  blob->uncertainty = get_section_offset(first, RG_SECTION_UNCERTAINTY);
+  blob->modes = get_section_offset(first, RG_SECTION_MODES);
+  blob->capture = get_section_offset(first, RG_SECTION_CAPTURE);
+  blob->stack = get_section_offset(first, RG_SECTION_STACK);
+  blob->row_time = get_section_offset(first, RG_SECTION_ROW_TIME);
   return RG_OK;
 }

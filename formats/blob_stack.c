@@ -43,7 +43,7 @@ static section_traversal start_traversal(const uint8_t* bytes) {
 
 /* The total size of the sections that have a counterpart in a sample; 0 if they
  * are not contiguous from the central grid to the operating-point model. */
-static uint32_t size_of_parts(const uint8_t* bytes, const uint8_t* stack) {
+static uint32_t sum_part_sizes(const uint8_t* bytes, const uint8_t* stack) {
   uint32_t size = 0;
   section_traversal traversal = start_traversal(bytes);
   while (go_to_next_section(&traversal)) {
@@ -105,7 +105,7 @@ static int are_values_in_order(const rg_stack_section* stack) {
 rg_status rg_validate_stack(const uint8_t* bytes, const uint8_t* section,
                             uint32_t size, const rg_sections* sections,
                             rg_part_check* check) {
-  const uint32_t parts_size = size_of_parts(bytes, section);
+  const uint32_t parts_size = sum_part_sizes(bytes, section);
   const rg_stack_section stack = read_stack(section, parts_size);
   if (stack.condition - 1u >= RG_OPERATING_PARAMETER_TEMPERATURE ||
       stack.num_samples < RG_MIN_STACK_SAMPLES ||

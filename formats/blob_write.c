@@ -67,7 +67,7 @@ static uint32_t num_remaps(const rg_blob_contents* contents) {
   return contents->remap ? 1 + contents->num_more_remaps : 0;
 }
 
-static uint32_t knot_size_of(const rg_blob_contents* contents) {
+static uint32_t get_knot_size(const rg_blob_contents* contents) {
   uint32_t sample_size = grid_size(contents) + RG_STACK_SAMPLE_VALUE_SIZE;
   if (contents->inverse) sample_size += inverse_size(contents->inverse);
   if (contents->remap) sample_size += rg_remap_section_size(contents->remap);
@@ -78,7 +78,7 @@ static uint32_t knot_size_of(const rg_blob_contents* contents) {
 
 static uint32_t stack_size(const rg_blob_contents* contents) {
   return RG_STACK_FIELDS_SIZE +
-         knot_size_of(contents) * contents->stack->num_samples;
+         get_knot_size(contents) * contents->stack->num_samples;
 }
 
 uint32_t rg_blob_size(const rg_blob_contents* contents) {
@@ -341,7 +341,7 @@ static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
 static void write_row_time(const rg_row_time_section* row_time,
                            uint8_t* section) {
   rg_store_i32(section + RG_ROW_TIME_ROW_TIME, row_time->row_time_ns_q10);
-  rg_store_u32(section + RG_ROW_TIME_DEVIATION, row_time->deviation_ns_q10);
+  rg_store_u32(section + RG_ROW_TIME_DEVIATION, row_time->stddev_ns_q10);
 }
 
 typedef struct section_writer {
@@ -443,23 +443,25 @@ static void write_sections(const rg_blob_contents* contents,
 }
 
 /* The lowest minor version that supports the features of a table. */
-static uint16_t version_of_remap(const rg_remap_section* remap) {
+static uint16_t min_version_for_remap(const rg_remap_section* remap) {
   if (remap->has_view) return 5;
   return remap->part_log2 != 0 ? 4 : 0;
 }
 
-static uint16_t version_of_remaps(const rg_blob_contents* contents) {
-  uint16_t highest = contents->remap ? version_of_remap(contents->remap) : 0;
+static uint16_t min_version_for_remaps(const rg_blob_contents* contents) {
+  uint16_t highest =
+      contents->remap ? min_version_for_remap(contents->remap) : 0;
   for (uint32_t k = 0; k < contents->num_more_remaps; ++k) {
-    const uint16_t version = version_of_remap(contents->more_remaps[k].section);
+    const uint16_t version =
+        min_version_for_remap(contents->more_remaps[k].section);
     if (version > highest) highest = version;
   }
   return highest;
 }
 
 /* The lowest minor version that supports the features of grids and tables. */
-static uint16_t version_of_parts(const rg_blob_contents* contents) {
-  const uint16_t version = version_of_remaps(contents);
+static uint16_t min_version_for_parts(const rg_blob_contents* contents) {
+  const uint16_t version = min_version_for_remaps(contents);
   return version == 0 && contents->narrow ? 2 : version;
 }
 
@@ -599,7 +601,7 @@ rg_status rg_blob_write(const rg_blob_contents* contents, void* buffer,
   const uint32_t sections = num_sections(contents);
   section_writer writer = {bytes, bytes + RG_HEADER_SIZE,
                            RG_HEADER_SIZE + RG_SECTION_ENTRY_SIZE * sections,
-                           version_of_parts(contents)};
+                           min_version_for_parts(contents)};
   write_sections(contents, &writer);
   write_header(bytes, writer.minor, size, sections);
   write_crcs(bytes, sections);

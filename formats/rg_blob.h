@@ -212,8 +212,8 @@ typedef struct rg_stack_section {
 
 /* Line delay: the readout time per row of a rolling shutter. */
 typedef struct rg_row_time_section {
-  int32_t row_time_ns_q10;   /* negative: the last row is read first */
-  uint32_t deviation_ns_q10; /* standard deviation; 0: unknown */
+  int32_t row_time_ns_q10; /* negative: the last row is read first */
+  uint32_t stddev_ns_q10;  /* standard deviation; 0: unknown */
 } rg_row_time_section;
 
 /* A validated blob. Offsets are from the first byte; 0 means absent. */

@@ -136,7 +136,7 @@ uint32_t ComputeCrc32(const std::string& bytes) {
 
 // Returns the result files of a unit, including those of a rig's cameras:
 // names, sizes and CRCs.
-BatchJson FilesOfResult(const std::string& folder) {
+BatchJson ListResultFiles(const std::string& folder) {
   std::vector<std::string> names;
   for (const auto& file : fs::recursive_directory_iterator(folder))
     if (file.is_regular_file())
@@ -155,7 +155,7 @@ BatchJson FilesOfResult(const std::string& folder) {
 
 // Throws InputError if a result file is missing or its contents have changed,
 // for example after a power loss or on a full disk.
-void RequireWhole(const std::string& folder, const BatchJson& record) {
+void RequireComplete(const std::string& folder, const BatchJson& record) {
   const BatchJson files = record.value("files", BatchJson());
   if (!files.is_array() || files.empty())
     throw InputError(folder + "/" + kUnitFile +
@@ -184,7 +184,7 @@ void RequireWhole(const std::string& folder, const BatchJson& record) {
 // no longer complete.
 UnitRow ReadResult(const UnitJob& job, const BatchJson& record,
                    const MetricLimits& limits) {
-  RequireWhole(job.folder, record);
+  RequireComplete(job.folder, record);
   UnitRow row = ReadUnitRow(job.unit.serial, job.folder, limits);
   row.seconds =
       record.value(record.contains("elapsed_s") ? "elapsed_s" : "seconds", 0.0);
@@ -222,8 +222,8 @@ bool IsRig(const BatchUnit& unit) {
   }
 }
 
-std::vector<std::string> WordsOfUnit(const UnitJob& job,
-                                     const CommonOptions& common) {
+std::vector<std::string> MakeUnitArguments(const UnitJob& job,
+                                           const CommonOptions& common) {
   const BatchUnit& unit = job.unit;
   std::vector<std::string> words = {"calibrate", "--quiet"};
   words.push_back(fmt::format("--threads={}", common.threads));
@@ -288,7 +288,7 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
   const std::string record = job.folder + "/" + kUnitFile;
   unlink(record.c_str());  // the folder's contents may now change
   const auto start = std::chrono::steady_clock::now();
-  const ChildEnd end = RunChild(WordsOfUnit(job, common));
+  const ChildEnd end = RunChild(MakeUnitArguments(job, common));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
@@ -310,7 +310,7 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
   WriteFile(record, BatchJson({{"schema_version", kUnitSchemaVersion},
                                {"inputs_hash", fingerprint},
                                {"elapsed_s", seconds},
-                               {"files", FilesOfResult(job.folder)}})
+                               {"files", ListResultFiles(job.folder)}})
                             .dump(2) +
                         "\n");
   unlink(job.failure_file.c_str());

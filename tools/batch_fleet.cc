@@ -14,7 +14,7 @@ namespace {
 
 using FleetJson = nlohmann::ordered_json;
 
-const std::string& SerialOfUnit(const FleetAnalysis& fleet, int unit) {
+const std::string& GetUnitSerial(const FleetAnalysis& fleet, int unit) {
   return fleet.rows[fleet.compared[unit]].serial;
 }
 
@@ -33,7 +33,7 @@ FleetJson MakeUnitJson(const UnitRow& row) {
 FleetJson MakeChangesJson(const FleetAnalysis& fleet, FleetJson* drifts) {
   FleetJson jumps = FleetJson::array();
   for (const MeanJump& jump : fleet.statistics.jumps)
-    jumps.push_back({{"serial", SerialOfUnit(fleet, jump.unit)},
+    jumps.push_back({{"serial", GetUnitSerial(fleet, jump.unit)},
                      {"metric", jump.name},
                      {"mean_before", jump.before},
                      {"mean_after", jump.after},
@@ -55,7 +55,7 @@ FleetJson MakeBatchesJson(const BatchComparison& batches) {
     for (size_t b = 0; b < metric.means.size(); ++b)
       json["means"][batches.batches[b]] = metric.means[b];
     if (!metric.means.empty())
-      json["within_batch_sd"] = metric.deviation_within;
+      json["within_batch_sd"] = metric.within_batch_stddev;
     metrics[metric.name] = json;
   }
   return {{"units", units}, {"metrics", metrics}};
@@ -70,9 +70,9 @@ FleetJson MakeGaugeMetricJson(const GaugeMetric& metric) {
   json["gauge_rr_sd"] = metric.gauge;
   for (const auto& [name, value] :
        {std::pair("unit_to_unit_sd", metric.fleet),
-        std::pair("gauge_rr_ratio", metric.part_of_fleet),
+        std::pair("gauge_rr_ratio", metric.fraction_of_fleet),
         std::pair("distinct_categories", metric.num_classes),
-        std::pair("precision_to_tolerance_ratio", metric.part_of_limits)})
+        std::pair("precision_to_tolerance_ratio", metric.fraction_of_limits)})
     if (value) json[name] = *value;
   if (metric.is_logarithm) json["relative"] = true;
   return json;

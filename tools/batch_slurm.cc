@@ -15,10 +15,10 @@ namespace raygrid {
 namespace {
 
 // Slurm's default limit of tasks per job array.
-constexpr size_t kMostTasks = 1000;
+constexpr size_t kMaxTasks = 1000;
 
 // Quotes an argument for the shell.
-std::string ShellWord(const std::string& text) {
+std::string QuoteForShell(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
   return word + "'";
@@ -41,19 +41,19 @@ std::string BatchCommand(const std::string& plan, const std::string& output,
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe").string();
   return fmt::format("exec {} batch {} -o {} --threads {} --seed {} --quiet",
-                     ShellWord(program), ShellWord(AbsolutePath(plan)),
-                     ShellWord(AbsolutePath(output)), threads, common.seed);
+                     QuoteForShell(program), QuoteForShell(AbsolutePath(plan)),
+                     QuoteForShell(AbsolutePath(output)), threads, common.seed);
 }
 
 // Returns the shell arithmetic for the units of task t of n: as evenly
 // distributed as possible.
-std::string UnitsOfTask(size_t num_units, size_t num_tasks) {
-  const auto begin_of = [&](const char* task) {
+std::string FormatTaskUnits(size_t num_units, size_t num_tasks) {
+  const auto format_begin = [&](const char* task) {
     return fmt::format("({}) * {} / {}", task, num_units, num_tasks);
   };
   return fmt::format("--unit $(({}))-$(({} - 1))",
-                     begin_of("SLURM_ARRAY_TASK_ID"),
-                     begin_of("SLURM_ARRAY_TASK_ID + 1"));
+                     format_begin("SLURM_ARRAY_TASK_ID"),
+                     format_begin("SLURM_ARRAY_TASK_ID + 1"));
 }
 
 // Returns the ID of the job that sbatch submitted. sbatch prints one line: the
@@ -85,7 +85,7 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
 
 void SubmitToSlurm(const std::string& plan, const std::string& output,
                    size_t num_units, const CommonOptions& common) {
-  const size_t num_tasks = std::min(num_units, kMostTasks);
+  const size_t num_tasks = std::min(num_units, kMaxTasks);
   const int threads = std::max(common.threads, 1);
   const std::string logs = AbsolutePath(output) + "/.slurm";
   RequireWritableFolder(logs);
@@ -95,7 +95,7 @@ void SubmitToSlurm(const std::string& plan, const std::string& output,
       {"--job-name=raygrid-batch", fmt::format("--array=0-{}", num_tasks - 1),
        fmt::format("--cpus-per-task={}", threads), "--requeue",
        "--open-mode=append", log + "/%a.log",
-       "--wrap=" + command + " " + UnitsOfTask(num_units, num_tasks)});
+       "--wrap=" + command + " " + FormatTaskUnits(num_units, num_tasks)});
   const std::string gather_job = SubmittedJob(
       {"--job-name=raygrid-gather", "--dependency=afterany:" + array_job,
        "--requeue", "--open-mode=append", log + "/gather.log",

@@ -10,7 +10,7 @@
 
 #include "calibration_input.h"
 #include "calibration_summary.h"
-#include "capture_conditions.h"
+#include "capture_metadata.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
@@ -22,7 +22,7 @@
 #include "packing/pack.h"
 #include "pattern_input.h"
 #include "report/checkpoint_json.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 #include "report/result_folder.h"
 #include "session_file.h"
 #include "stereo_example.h"
@@ -31,7 +31,8 @@
 namespace raygrid {
 namespace {
 
-void RequireOfSingleCamera(const CalibrateArguments& arguments, bool is_rig) {
+void RequireSingleCameraOptions(const CalibrateArguments& arguments,
+                                bool is_rig) {
   if (is_rig && arguments.image_circle != "auto" &&
       arguments.image_circle != "none")
     throw Error(ExitCode::kUsage,
@@ -62,7 +63,7 @@ void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
-                                        const CaptureConditions& circumstances,
+                                        const CaptureMetadata& circumstances,
                                         const std::string& blob) {
   constexpr int kMaxWidthPx = 800;
   const std::string& wanted = arguments.hold_out.empty()
@@ -100,7 +101,7 @@ void ExcludeNearDuplicates(const CalibrationResult& result,
 
 // Removes images of other sensor modes: the pictures drawn over images use
 // calibrated pixel coordinates.
-Measurements CalibratedPart(const Measurements& all) {
+Measurements CropToCalibrated(const Measurements& all) {
   Measurements part = all;
   part.dataset.images.resize(NumCalibratedImages(all));
   part.paths.resize(std::min(all.paths.size(), part.dataset.images.size()));
@@ -120,13 +121,13 @@ int64_t PeakMemoryBytes() {
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
-                        const CaptureConditions& circumstances,
+                        const CaptureMetadata& circumstances,
                         const CommonOptions& common) {
   ResultExtras extras = {common.seed, PeakMemoryBytes(), {}};
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CalibrationResult& camera = result.cameras[c];
     CameraExtras& own = extras.cameras.emplace_back();
-    Measurements calibrated = CalibratedPart(cameras[c]);
+    Measurements calibrated = CropToCalibrated(cameras[c]);
     ExcludeNearDuplicates(camera, &calibrated);
     if (result.IsRig() || !camera.checkpoint)
       own.thumbnails =
@@ -135,7 +136,7 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
         camera.line_delay && !camera.line_delay->are_timestamps_consistent;
     if (camera.checkpoint || has_wrong_times) continue;
     const PackedCamera packed =
-        PackSupportedParts(camera.camera, common.threads, IsInterrupted);
+        PackSupportedSections(camera.camera, common.threads, IsInterrupted);
     own.packing = ComputePackingMetrics(packed);
     if (!result.IsRig() && !packed.remaps.empty())
       own.example = ExampleImage(calibrated, camera, arguments, circumstances,
@@ -150,8 +151,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
 }
 
 // Frames recorded at several lens positions have different intrinsics.
-void WarnAboutLensMotion(const Session& session,
-                         const CalibrateArguments& arguments) {
+void WarnAboutFocusMotion(const Session& session,
+                          const CalibrateArguments& arguments) {
   constexpr double kSameDioptres = 0.1;
   double low = INFINITY, high = -INFINITY;
   for (const SessionFrame& frame : session.frames) {
@@ -193,7 +194,7 @@ void UseSession(CalibrateArguments* arguments) {
         if (const auto values = GetOperatingPoint(*arguments, frame))
           arguments->session_values[frame.image] = *values;
       }
-      WarnAboutLensMotion(session, *arguments);
+      WarnAboutFocusMotion(session, *arguments);
       if (cameras.size() == 1)
         arguments->images = images;
       else
@@ -291,9 +292,9 @@ void RequireBlobs(const RigResult& result, const ResultExtras& extras,
 }
 
 void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
-  const FeaturesByCamera given = ReadGivenFeatures(arguments);
+  const FeaturesByCamera given = ReadFeatureInputs(arguments);
   const bool is_rig = given.size() > 1 || arguments.HasCameraImages();
-  RequireOfSingleCamera(arguments, is_rig);
+  RequireSingleCameraOptions(arguments, is_rig);
   RequireOperatingPointOptions(arguments, is_rig);
   const IntrinsicsByCamera intrinsics = ReadKnownIntrinsics(arguments, given);
   const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
@@ -310,16 +311,16 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
         MakeCalibrationOptions(arguments, common, &bar);
     const std::vector<Measurements> cameras =
         CollectMeasurements(arguments, common, given, pattern, &bar);
-    const CaptureConditions circumstances =
-        ReadCaptureConditions(arguments, cameras);
+    const CaptureMetadata circumstances =
+        ReadCaptureMetadata(arguments, cameras);
     inputs = SerializeInputs(arguments, common, cameras, circumstances,
                              intrinsics, pattern);
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
     InstallInterruptHandler();
     const std::vector<CalibrationInput> calibration_inputs =
-        CalibrationInputs(cameras, circumstances, arguments, intrinsics,
-                          common.threads, &checkpoints);
+        MakeCalibrationInputs(cameras, circumstances, arguments, intrinsics,
+                              common.threads, &checkpoints);
     const auto& conditions = circumstances.conditions;
     if (conditions)
       warnings = {

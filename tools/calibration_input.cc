@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "camera_input.h"
-#include "capture_conditions.h"
+#include "camera_values.h"
+#include "capture_metadata.h"
 #include "dataset/content_hash.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -24,7 +25,6 @@
 #include "interruption.h"
 #include "mode_images.h"
 #include "mode_options.h"
-#include "named_camera.h"
 #include "operating_point_input.h"
 
 namespace raygrid {
@@ -138,9 +138,9 @@ ImageCircle ParseImageCircle(const std::string& text) {
 
 // Returns the given image circle, or otherwise the one detected from the dark
 // corners of the calibrated images.
-std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
-                                         const std::string& word,
-                                         int num_threads) {
+std::optional<ImageCircle> GetImageCircle(const Measurements& measurements,
+                                          const std::string& word,
+                                          int num_threads) {
   if (word == "none") return std::nullopt;
   if (word != "auto") return ParseImageCircle(word);
   std::vector<std::string> paths = measurements.paths;
@@ -150,12 +150,12 @@ std::optional<ImageCircle> ImageCircleOf(const Measurements& measurements,
 
 // ---- Cameras ---------------------------------------------------------------
 
-std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
+std::vector<RigCameraImages> ParseCameras(const CalibrateArguments& arguments) {
   if (!arguments.rig.empty()) return arguments.rig;
   if (arguments.cameras.empty()) return {{"", arguments.images}};
-  std::vector<NamedImages> cameras;
+  std::vector<RigCameraImages> cameras;
   const std::vector<NamedValue> folders =
-      ParseNamedCameras("--camera", "FOLDER", arguments.cameras);
+      ParseCameraValues("--camera", "FOLDER", arguments.cameras);
   RequireDifferentFolders("--camera", folders);
   for (const auto& [name, folder] : folders)
     cameras.push_back({name, {folder}});
@@ -166,7 +166,7 @@ std::vector<NamedImages> ParseCameras(const CalibrateArguments& arguments) {
   return cameras;
 }
 
-ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
+ImageSize GetSingleCameraSize(const CalibrateArguments& arguments) {
   if (arguments.image_sizes.empty())
     throw Error(ExitCode::kUsage, "--features requires --image-size WxH");
   if (arguments.image_sizes.size() > 1)
@@ -177,8 +177,8 @@ ImageSize SizeOfSingleCamera(const CalibrateArguments& arguments) {
 }
 
 // WxH applies to all cameras without their own NAME=WxH.
-ImageSize SizeOfCamera(const std::string& camera,
-                       const CalibrateArguments& arguments) {
+ImageSize GetCameraSize(const std::string& camera,
+                        const CalibrateArguments& arguments) {
   std::string size;
   for (const std::string& text : arguments.image_sizes) {
     const NamedValue given = ParseNamedValue(text);
@@ -193,8 +193,8 @@ ImageSize SizeOfCamera(const std::string& camera,
   return ParseImageSize("--image-size", size);
 }
 
-void RequireSizesOfCameras(const CalibrateArguments& arguments,
-                           const FeaturesByCamera& given) {
+void RequireCameraSizes(const CalibrateArguments& arguments,
+                        const FeaturesByCamera& given) {
   for (const std::string& text : arguments.image_sizes) {
     const std::string name = ParseNamedValue(text).name;
     if (!name.empty() && !given.count(name))
@@ -204,21 +204,21 @@ void RequireSizesOfCameras(const CalibrateArguments& arguments,
   }
 }
 
-std::vector<Measurements> ReadGivenCameras(const CalibrateArguments& arguments,
+std::vector<Measurements> ReadCameraInputs(const CalibrateArguments& arguments,
                                            const FeaturesByCamera& given,
                                            const Pattern& pattern) {
   const bool is_rig = given.size() > 1;
-  if (is_rig) RequireSizesOfCameras(arguments, given);
+  if (is_rig) RequireCameraSizes(arguments, given);
   std::vector<Measurements> cameras;
   for (const auto& [name, dataset] : given) {
     if (is_rig) RequireCameraName(name);
     Measurements& camera = cameras.emplace_back();
     if (is_rig) camera.camera = name;
     camera.dataset = dataset;
-    camera.dataset.image_size =
-        is_rig ? SizeOfCamera(name, arguments) : SizeOfSingleCamera(arguments);
+    camera.dataset.image_size = is_rig ? GetCameraSize(name, arguments)
+                                       : GetSingleCameraSize(arguments);
     ExcludeCopies(&camera, arguments.hold_out);
-    camera.image_circle = ImageCircleOf(camera, arguments.image_circle, 1);
+    camera.image_circle = GetImageCircle(camera, arguments.image_circle, 1);
     RequireUsable(arguments.features + (is_rig ? ", camera " + name : ""),
                   arguments, camera, pattern);
   }
@@ -230,7 +230,7 @@ Measurements MeasureModes(const std::vector<std::string>& images,
                           const CalibrateArguments& arguments,
                           const CommonOptions& common, const Pattern& pattern,
                           const std::function<void(double)>& progress) {
-  const FoldersByMode folders = GroupByMode(images, arguments.modes);
+  const ModeFolders folders = GroupByMode(images, arguments.modes);
   const auto measure = [&](const std::vector<std::string>& given) {
     return UsesExifValues(arguments)
                ? MeasureWithExif(given, arguments, common, pattern, progress)
@@ -245,7 +245,7 @@ Measurements MeasureModes(const std::vector<std::string>& images,
     AppendModeMeasurements(ParseMode(text, measurements.dataset.image_size),
                            folder, measure({folder}), &measurements);
   measurements.image_circle =
-      ImageCircleOf(measurements, arguments.image_circle, common.threads);
+      GetImageCircle(measurements, arguments.image_circle, common.threads);
   return measurements;
 }
 
@@ -253,12 +253,12 @@ std::vector<Measurements> MeasureCameras(const CalibrateArguments& arguments,
                                          const CommonOptions& common,
                                          const Pattern& pattern,
                                          ProgressBar* bar) {
-  const std::vector<NamedImages> named = ParseCameras(arguments);
+  const std::vector<RigCameraImages> named = ParseCameras(arguments);
   if (!arguments.modes.empty() && named.size() > 1)
     throw Error(ExitCode::kUsage,
                 "--mode supports a single camera only; calibrate the cameras "
                 "of a rig separately");
-  for (const NamedImages& camera : named)
+  for (const RigCameraImages& camera : named)
     if (!camera.images.empty())
       FindImages(camera.images);  // throws before any time-consuming step
   std::vector<Measurements> cameras;
@@ -306,8 +306,7 @@ void RequireTimes(const CalibrateArguments& arguments) {
 // Memory grows with the number of features, and time also with the square of
 // the number of images; beyond some hundred images, the accuracy hardly
 // improves.
-void RequireFewFeatures(const std::string& path,
-                        const FeaturesByCamera& given) {
+void CheckFeatureLimit(const std::string& path, const FeaturesByCamera& given) {
   constexpr size_t kMost = 500000;
   size_t num_features = 0, num_images = 0;
   for (const auto& [name, dataset] : given) {
@@ -324,7 +323,7 @@ void RequireFewFeatures(const std::string& path,
 
 }  // namespace
 
-FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
+FeaturesByCamera ReadFeatureInputs(const CalibrateArguments& arguments) {
   if (!arguments.images.empty() + !arguments.features.empty() +
           !arguments.cameras_at.empty() + arguments.HasCameraImages() !=
       1)
@@ -344,7 +343,7 @@ FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments) {
   RequireTimes(arguments);
   if (arguments.features.empty()) return {};
   FeaturesByCamera given = ReadFeatures(arguments.features);
-  RequireFewFeatures(arguments.features, given);
+  CheckFeatureLimit(arguments.features, given);
   return given;
 }
 
@@ -439,7 +438,7 @@ std::vector<Measurements> CollectMeasurements(
     const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar) {
   std::vector<Measurements> cameras =
       given.empty() ? MeasureCameras(arguments, common, pattern, bar)
-                    : ReadGivenCameras(arguments, given, pattern);
+                    : ReadCameraInputs(arguments, given, pattern);
   if (cameras.size() > 1 && arguments.sync_by == "number")
     for (Measurements& camera : cameras)
       RenameImagesByNumber("camera " + camera.camera, &camera.dataset);
@@ -451,7 +450,7 @@ IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
   std::vector<std::string> names;
   for (const auto& [name, dataset] : given) names.push_back(name);
   if (given.empty())
-    for (const NamedImages& camera : ParseCameras(arguments))
+    for (const RigCameraImages& camera : ParseCameras(arguments))
       names.push_back(camera.camera);
   IntrinsicsByCamera known = ReadKnownIntrinsics(arguments.intrinsics, names);
   if (known.empty()) return known;
@@ -471,9 +470,9 @@ IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
   return known;
 }
 
-std::vector<CalibrationInput> CalibrationInputs(
+std::vector<CalibrationInput> MakeCalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CaptureConditions& circumstances, const CalibrateArguments& arguments,
+    const CaptureMetadata& circumstances, const CalibrateArguments& arguments,
     const IntrinsicsByCamera& intrinsics, int num_threads,
     CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
@@ -507,7 +506,8 @@ CalibrationOptions MakeCalibrationOptions(const CalibrateArguments& arguments,
     const CameraFile like = ReadCamera(arguments.like).file;
     options.like = like.camera;
     if (like.spread)
-      options.prior_spread = std::make_shared<LensSpread>(*like.spread);
+      options.prior_population =
+          std::make_shared<PopulationCovariance>(*like.spread);
   }
   options.fix_target_geometry = arguments.fix_target_geometry;
   options.rigid_board = arguments.rigid_board;
@@ -553,7 +553,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
-                            const CaptureConditions& circumstances,
+                            const CaptureMetadata& circumstances,
                             const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern) {
   ContentHash hash;

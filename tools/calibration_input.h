@@ -20,7 +20,7 @@
 namespace raygrid {
 
 /// Images of a rig's camera; the name is empty for a single camera.
-struct NamedImages {
+struct RigCameraImages {
   std::string camera;
   std::vector<std::string> images;
 };
@@ -36,8 +36,9 @@ struct CalibrateArguments {
        independent_boards = false, measure_once = false, resume = false,
        allow_noncentral = false;
   bool skip_comparison = false, rolling_shutter = false;
-  std::string times;              ///< CSV file with the times of images
-  std::vector<NamedImages> rig;   ///< images of a session, instead of cameras
+  std::string times;  ///< CSV file with the times of images
+  std::vector<RigCameraImages>
+      rig;                        ///< images of a session, instead of cameras
   std::vector<Capture> captures;  ///< capture settings of a session's cameras
   /// Operating-point variables on which the intrinsics depend; may be empty.
   std::vector<std::string> condition;
@@ -57,7 +58,7 @@ using FeaturesByCamera = std::map<std::string, Dataset>;
 
 /// Images of a dataset that were captured in another sensor mode: from `first`
 /// up to the first image of the next mode.
-struct ImagesOfMode {
+struct ModeImages {
   SensorMode mode;
   size_t first = 0;
 };
@@ -67,8 +68,8 @@ struct ImagesOfMode {
 struct Measurements {
   std::string camera;  ///< name of the camera in a rig, or ""
   Dataset dataset;
-  std::vector<std::string> paths;   ///< paths of the dataset's images
-  std::vector<ImagesOfMode> modes;  ///< the last images of the dataset
+  std::vector<std::string> paths;  ///< paths of the dataset's images
+  std::vector<ModeImages> modes;   ///< the last images of the dataset
   /// Operating points by image, from --images-at or EXIF.
   std::map<std::string, OperatingPoint> condition_values;
   std::optional<ImageCircle> image_circle;
@@ -108,7 +109,7 @@ Measurements Measure(const std::vector<std::string>& images,
 
 /// Reads --features; empty if images are given instead. Throws Error(kUsage) if
 /// both or neither are given.
-FeaturesByCamera ReadGivenFeatures(const CalibrateArguments& arguments);
+FeaturesByCamera ReadFeatureInputs(const CalibrateArguments& arguments);
 
 /// Detects features in the images of each camera, or uses the given features. A
 /// single camera has no name. Throws Error: kUsage, kTooFew; InputError.
@@ -116,7 +117,7 @@ std::vector<Measurements> CollectMeasurements(
     const CalibrateArguments& arguments, const CommonOptions& common,
     const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar);
 
-struct CaptureConditions;
+struct CaptureMetadata;
 
 /// Adds --camera, --sync-by and --features, which calibrate and localize share.
 void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
@@ -125,9 +126,9 @@ void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
 /// Returns the inputs of a calibration, with the checkpoints of an interrupted
 /// one, if any. They refer to `cameras` and `checkpoints`, which must outlive
 /// them.
-std::vector<CalibrationInput> CalibrationInputs(
+std::vector<CalibrationInput> MakeCalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CaptureConditions& circumstances, const CalibrateArguments& arguments,
+    const CaptureMetadata& circumstances, const CalibrateArguments& arguments,
     const IntrinsicsByCamera& intrinsics, int num_threads,
     CheckpointFile* checkpoints);
 
@@ -145,7 +146,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
-                            const CaptureConditions& circumstances,
+                            const CaptureMetadata& circumstances,
                             const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern);
 

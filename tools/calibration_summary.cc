@@ -140,22 +140,22 @@ void PrintLineDelay(const CalibrationResult& result) {
 // of them.
 void PrintBoards(const Pattern& pattern) {
   constexpr double kTellableM = 5e-7;
-  constexpr int kMostLines = 3;
+  constexpr int kMaxLines = 3;
   int num_reported = 0;
   for (const Board& board : pattern.boards) {
     if (board.IsPointSet()) continue;  // may be three-dimensional
     const BoardFlatness shape = MeasureFlatness(board);
     if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
-    if (++num_reported > kMostLines) continue;
+    if (++num_reported > kMaxLines) continue;
     fmt::print(
         "  board {}: out-of-plane deformation {:.3f} mm RMS, {:.3f} mm max; "
         "in-plane deviation {:.3f} mm RMS\n",
         board.id, 1e3 * shape.rms_height_m, 1e3 * shape.max_height_m,
         1e3 * shape.rms_shift_m);
   }
-  if (num_reported > kMostLines)
+  if (num_reported > kMaxLines)
     fmt::print("  {} more boards are deformed; see the report\n",
-               num_reported - kMostLines);
+               num_reported - kMaxLines);
 }
 
 // Prints the limiting error source and the recommended action in one line, as
@@ -202,11 +202,11 @@ void PrintSingleCamera(const CalibrationResult& result) {
     fmt::print("  distance from the fleet: {}\n",
                result.fleet_distance->Text());
   PrintLimit(result);
-  if (result.line_spread)
+  if (result.noncentrality)
     fmt::print(
         "  distance of observation lines from their common point: {:.3f} mm "
         "RMS, {:.3f} mm max\n",
-        1000 * result.line_spread->rms_m, 1000 * result.line_spread->max_m);
+        1000 * result.noncentrality->rms_m, 1000 * result.noncentrality->max_m);
 }
 
 std::string EstimateText(double value, const std::optional<double>& deviation,
@@ -230,14 +230,14 @@ void PrintRig(const RigResult& result) {
   if (const auto held_out = ComputeHeldOutMetrics(result))
     PrintMetrics("held out", *held_out);
   for (const Baseline& baseline : result.baselines)
-    fmt::print(
-        "  {} to {}: baseline {}, rotation {}, {} common views\n",
-        result.cameras[baseline.first].camera.name,
-        result.cameras[baseline.second].camera.name,
-        EstimateText(baseline.distance_m, baseline.distance_sd_m, 1000, "mm"),
-        EstimateText(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI,
-                     "degrees"),
-        baseline.num_shared_views);
+    fmt::print("  {} to {}: baseline {}, rotation {}, {} common views\n",
+               result.cameras[baseline.first].camera.name,
+               result.cameras[baseline.second].camera.name,
+               EstimateText(baseline.distance_m, baseline.distance_stddev_m,
+                            1000, "mm"),
+               EstimateText(baseline.angle_rad, baseline.rotation_stddev_rad,
+                            180 / M_PI, "degrees"),
+               baseline.num_shared_views);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ std::vector<OperatingRange> SelectOperatingPoint(
     CameraFile* file) {
   if (!file->stack) return {};
   const std::vector<OperatingRange> ranges = file->stack->cameras.ranges();
-  if (at.IsGiven())
+  if (at.HasValues())
     *file = MakeCameraFileAt(*file, ValuesFor(path, at, reading, ranges));
   if (file->stack && reading != Reading::kRest)
     NoteReferencePoint(path, file->stack->cameras.ranges());
@@ -100,8 +100,8 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
   if (const auto range = input.blob->Range()) {
     input.ranges = {*range};
     const FixedOperatingPoint held =
-        at.IsGiven() ? ValuesFor(path, at, reading, input.ranges)
-                     : FixedOperatingPoint(1);
+        at.HasValues() ? ValuesFor(path, at, reading, input.ranges)
+                       : FixedOperatingPoint(1);
     if (held[0])
       input.blob->SetOperatingPoint(*held[0]);
     else if (reading != Reading::kRest)
@@ -128,14 +128,14 @@ CameraInput ReadCamera(const std::string& path,
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, bytes, at, Reading::kOne);
-  if (at.IsGiven() && input.ranges.empty()) throw NoOperatingPointModel(path);
+  if (at.HasValues() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
 
 CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at) {
   CameraInput input = ParseAnyCamera(path, ReadFile(path), at, Reading::kRest);
-  if (at.IsGiven() && input.ranges.empty()) throw NoOperatingPointModel(path);
+  if (at.HasValues() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
 
@@ -148,7 +148,7 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
   std::vector<OperatingRange> ranges = cameras[0].ranges;
   ranges.insert(ranges.end(), cameras[1].ranges.begin(),
                 cameras[1].ranges.end());
-  if (at.IsGiven() && ranges.empty())
+  if (at.HasValues() && ranges.empty())
     throw NoOperatingPointModel(first + ", " + second);
   if (FilterByRanges(at, ranges).named.size() < at.named.size())
     throw Error(ExitCode::kUsage,
@@ -207,7 +207,8 @@ std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
                   "option, or use a camera.yaml written by raygrid calibrate");
 }
 
-void WarnOfFailedCalibration(const std::string& path, const CameraFile& file) {
+void WarnAboutFailedCalibration(const std::string& path,
+                                const CameraFile& file) {
   if (file.assessment == "fail")
     fmt::print(stderr,
                "raygrid: {}: its calibration has verdict fail; see the report "

@@ -67,7 +67,8 @@ std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
 
 /// Warns on standard error if the camera's calibration failed, which results do
 /// not show.
-void WarnOfFailedCalibration(const std::string& path, const CameraFile& file);
+void WarnAboutFailedCalibration(const std::string& path,
+                                const CameraFile& file);
 
 /// Throws Error(kOutput) if images would be written to the folder of the images
 /// that they are generated from, and would be read as input the next time.

@@ -7,7 +7,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "word_options.h"
+#include "key_options.h"
 
 namespace raygrid {
 
@@ -22,7 +22,7 @@ const char kCaptureSyntaxHelp[] =
     "  orientation=1..8               EXIF orientation\n"
     "  temperature=C, exposure=US, gain=FACTOR\n";
 
-const char kCaptureWordsHelp[] =
+const char kCaptureKeysHelp[] =
     "crop=X,Y,W,H (sensor crop in sensor pixels), lens=DIOPTRES (LensPosition "
     "of libcamera), tolerance=DIOPTRES (default: 0.1), zoom=FACTOR (1: full "
     "field of view), orientation=1..8 (as in EXIF), temperature=CELSIUS, "
@@ -47,7 +47,7 @@ int WholeNumber(const std::string& word, double number) {
   return static_cast<int>(number);
 }
 
-void TakeWord(const std::string& word, const std::string& text,
+void ParseKey(const std::string& word, const std::string& text,
               Capture* capture) {
   if (word == "crop") {
     const std::vector<double> n =
@@ -75,9 +75,9 @@ void TakeWord(const std::string& word, const std::string& text,
 
 }  // namespace
 
-std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
-                                         const std::optional<Capture>& known,
-                                         const ImageSize& size) {
+std::optional<Capture> ParseCaptureKeys(const std::vector<std::string>& texts,
+                                        const std::optional<Capture>& known,
+                                        const ImageSize& size) {
   static const std::set<std::string> kKnown = {
       "crop",        "lens",        "tolerance", "zoom",
       "orientation", "temperature", "exposure",  "gain"};
@@ -86,15 +86,15 @@ std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
   Capture capture = known.value_or(Capture());
   std::set<std::string> taken;
   for (const std::string& text : texts) {
-    for (const std::string& part : SplitAtWords(text)) {
+    for (const std::string& part : SplitAtKeys(text)) {
       const size_t equals = part.find('=');
       const std::string word = part.substr(0, equals);
       if (equals == std::string::npos || !kKnown.count(word))
         RefuseCapture(fmt::format("expected none or {}, not '{}'",
-                                  kCaptureWordsHelp, Printable(part)));
+                                  kCaptureKeysHelp, Printable(part)));
       if (!taken.insert(word).second)
         RefuseCapture(word + " is specified twice");
-      TakeWord(word, part.substr(equals + 1), &capture);
+      ParseKey(word, part.substr(equals + 1), &capture);
     }
   }
   if (!capture.lens_position && taken.count("tolerance"))

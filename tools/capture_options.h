@@ -13,14 +13,14 @@ namespace raygrid {
 extern const char kCaptureSyntaxHelp[];
 
 /// Keys of --capture-settings, for messages.
-extern const char kCaptureWordsHelp[];
+extern const char kCaptureKeysHelp[];
 
 /// Returns the known capture settings, overridden by texts such as
 /// "crop=0,0,3280,2464,lens=2,orientation=1"; nullopt for "none". Throws
 /// Error(kUsage) for values that are impossible with images of this size.
-std::optional<Capture> ParseCaptureWords(const std::vector<std::string>& texts,
-                                         const std::optional<Capture>& known,
-                                         const ImageSize& size);
+std::optional<Capture> ParseCaptureKeys(const std::vector<std::string>& texts,
+                                        const std::optional<Capture>& known,
+                                        const ImageSize& size);
 
 }  // namespace raygrid
 

@@ -113,11 +113,10 @@ nlohmann::ordered_json ToJson(const CameraCheck& check,
       entry[movement.parameters[k] + "_sd"] = movement.deviations[k];
     }
   }
-  if (change.largest_local_px > 0)
-    json["changes"]["local"]["largest"] = {
-        {"px", change.largest_local_px},
-        {"x", change.largest_local_pixel.x()},
-        {"y", change.largest_local_pixel.y()}};
+  if (change.max_local_px > 0)
+    json["changes"]["local"]["largest"] = {{"px", change.max_local_px},
+                                           {"x", change.max_local_pixel.x()},
+                                           {"y", change.max_local_pixel.y()}};
   if (!stands.empty()) json["changed_settings"] = stands;
   json["rejected_images"] = nlohmann::ordered_json::array();
   for (const RejectedImage& image : check.rejected_images)
@@ -142,10 +141,9 @@ std::string Amount(const CameraChange& change, const Movement& movement) {
                        100 * movement.detection_limit);
   if (movement.name == "shift") return pair(1, "px");
   if (movement.name == "tilt") return pair(180 / M_PI, "degrees");
-  if (change.largest_local_px <= 0) return "";
-  return fmt::format("max {:.2g} px near ({:.0f}, {:.0f})",
-                     change.largest_local_px, change.largest_local_pixel.x(),
-                     change.largest_local_pixel.y());
+  if (change.max_local_px <= 0) return "";
+  return fmt::format("max {:.2g} px near ({:.0f}, {:.0f})", change.max_local_px,
+                     change.max_local_pixel.x(), change.max_local_pixel.y());
 }
 
 void Print(const CameraCheck& check, const std::vector<std::string>& stands) {

@@ -24,8 +24,8 @@ namespace {
                           std::strerror(error)));
 }
 
-std::vector<char*> TextsOf(std::string* name,
-                           const std::vector<std::string>& arguments) {
+std::vector<char*> MakeArgv(std::string* name,
+                            const std::vector<std::string>& arguments) {
   std::vector<char*> texts = {name->data()};
   for (const std::string& argument : arguments)
     texts.push_back(const_cast<char*>(argument.c_str()));
@@ -39,7 +39,7 @@ std::vector<char*> TextsOf(std::string* name,
 [[noreturn]] void ExecChildProgram(const std::vector<std::string>& arguments,
                                    pid_t parent, int errors) {
   std::string name = "raygrid";
-  const std::vector<char*> texts = TextsOf(&name, arguments);
+  const std::vector<char*> texts = MakeArgv(&name, arguments);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   setpgid(0, 0);
@@ -59,7 +59,7 @@ constexpr int kNotFound = 127;  // as in shells
 [[noreturn]] void ExecProgram(std::string name,
                               const std::vector<std::string>& arguments,
                               int output) {
-  const std::vector<char*> texts = TextsOf(&name, arguments);
+  const std::vector<char*> texts = MakeArgv(&name, arguments);
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
@@ -69,7 +69,7 @@ constexpr int kNotFound = 127;  // as in shells
 
 // Returns the output written to a pipe; if longer than 64 kB, its end.
 std::string ReadPipe(int pipe) {
-  constexpr size_t kKept = 1 << 16;
+  constexpr size_t kMaxKeptBytes = 1 << 16;
   std::string text;
   char buffer[4096];
   for (;;) {
@@ -77,7 +77,8 @@ std::string ReadPipe(int pipe) {
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) return text;
     text.append(buffer, static_cast<size_t>(size));
-    if (text.size() > 2 * kKept) text.erase(0, text.size() - kKept);
+    if (text.size() > 2 * kMaxKeptBytes)
+      text.erase(0, text.size() - kMaxKeptBytes);
   }
 }
 

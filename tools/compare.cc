@@ -18,7 +18,7 @@
 #include "help_formatter.h"
 #include "json_output.h"
 #include "pattern_input.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
@@ -29,7 +29,7 @@ struct CompareArguments {
 };
 
 // The approximate number of compared pixels along the longer side.
-constexpr double kPlaces = 160;
+constexpr double kMaxSamplesAlongSide = 160;
 
 struct Comparison {
   ModelDifference difference;
@@ -99,8 +99,8 @@ Comparison Compare(const CompareArguments& arguments,
         arguments.second, other.width, other.height));
   comparison.area = second.file.camera->area();
   const double step_px = std::max(
-      1.0,
-      std::max(comparison.area.width(), comparison.area.height()) / kPlaces);
+      1.0, std::max(comparison.area.width(), comparison.area.height()) /
+               kMaxSamplesAlongSide);
   comparison.difference = CompareModels(*first.file.camera, *second.file.camera,
                                         step_px, arguments.distance_m);
   if (comparison.difference.pixels.empty())
@@ -193,11 +193,11 @@ void Write(const Comparison& comparison, const std::filesystem::path& folder) {
     files.Add((folder / "predictions.csv").string(),
               FormatCsv(*comparison.prediction));
   files.Add((folder / "magnitude.png").string(),
-            EncodePng(DrawMagnitudePicture(places, comparison.size,
-                                           comparison.area, full_scale_px)));
-  files.Add((folder / "direction.png").string(),
-            EncodePng(DrawDirectionPicture(places, comparison.size,
-                                           comparison.area)));
+            EncodePng(DrawMagnitudePlot(places, comparison.size,
+                                        comparison.area, full_scale_px)));
+  files.Add(
+      (folder / "direction.png").string(),
+      EncodePng(DrawDirectionPlot(places, comparison.size, comparison.area)));
   files.Commit();
 }
 

@@ -15,7 +15,7 @@
 #include "dataset/parallel_for.h"
 #include "dataset/text_encoding.h"
 #include "features/board_guess.h"
-#include "features/detection_pictures.h"
+#include "features/detection_overlays.h"
 #include "features/pattern_detector.h"
 #include "help_formatter.h"
 #include "json_output.h"
@@ -84,7 +84,7 @@ FolderDetection Detect(const DetectArguments& arguments, const Pattern& pattern,
   return found;
 }
 
-void WarnOfSkipped(const FolderDetection& found) {
+void WarnAboutSkipped(const FolderDetection& found) {
   for (const SkippedImage& skipped : found.skipped)
     fmt::print(stderr, "raygrid: {}: skipped: {}\n", Printable(skipped.path),
                Printable(skipped.reason));
@@ -183,7 +183,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   const auto start = std::chrono::steady_clock::now();
   const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
   const FolderDetection found = Detect(arguments, pattern, common);
-  WarnOfSkipped(found);
+  WarnAboutSkipped(found);
   OutputFiles overlays;
   if (!arguments.overlay.empty()) {
     AddOverlays(arguments, found, common.threads, &overlays);

@@ -22,7 +22,7 @@ struct EvaluateArguments {
 };
 
 // Returns the pattern, without its rigid targets if boards are independent.
-Pattern PatternOf(const EvaluateArguments& arguments) {
+Pattern ReadTargetPattern(const EvaluateArguments& arguments) {
   Pattern pattern = LoadPattern(arguments.pattern);
   if (arguments.independent_boards) pattern.rigid_targets.clear();
   return pattern;
@@ -130,9 +130,9 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
 
 void Run(const EvaluateArguments& arguments, const CommonOptions& common) {
   const FixedRig rig = ReadFixedRig(arguments.camera, common.at);
-  const Pattern pattern = PatternOf(arguments);
+  const Pattern pattern = ReadTargetPattern(arguments);
   const std::vector<Dataset> datasets =
-      ReadFeaturesOf(rig, arguments.features, pattern);
+      ReadRigFeatures(rig, arguments.features, pattern);
   if (rig.is_rig)
     RunRig(rig, datasets, pattern, common);
   else

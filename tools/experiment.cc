@@ -33,12 +33,12 @@ struct ExperimentArguments {
   std::vector<std::string> cameras, rigs, images, hold_out;
   int num_images = 0;
   std::vector<double> bump_widths_px;
-  double nearest_m = 0;
+  double min_distance_m = 0;
   bool list = false;
   ExperimentOptions options;
 };
 
-std::string ListOfExperiments() {
+std::string FormatExperimentList() {
   std::string list;
   for (const Experiment& experiment : Experiments())
     list += fmt::format("  {:<20} {}\n", experiment.name, experiment.summary);
@@ -74,18 +74,18 @@ void RequireUse(const Experiment& experiment,
                 "with --features");
   if (!arguments.bump_widths_px.empty() && !arguments.options.fine)
     throw Error(ExitCode::kUsage, "--bump-px requires --fine-distortion");
-  constexpr size_t kMostWidths = 6;  // the maximum for a chart
-  if (arguments.bump_widths_px.size() > kMostWidths)
+  constexpr size_t kMaxWidths = 6;  // the maximum for a chart
+  if (arguments.bump_widths_px.size() > kMaxWidths)
     throw Error(ExitCode::kUsage,
                 fmt::format("--bump-px: {} values, at most {} are supported",
-                            arguments.bump_widths_px.size(), kMostWidths));
+                            arguments.bump_widths_px.size(), kMaxWidths));
   require("--features", !arguments.features.empty());
   require("--result", !arguments.result.empty());
   require("--camera", !arguments.cameras.empty());
   require("--colmap-model", !arguments.trajectory.empty());
   require("--rig", !arguments.rigs.empty());
   require("--image", !arguments.images.empty());
-  require("--min-depth-m", arguments.nearest_m > 0);
+  require("--min-depth-m", arguments.min_distance_m > 0);
   if (!arguments.features.empty() &&
       (arguments.pattern.empty() || arguments.image_size.empty()))
     throw Error(ExitCode::kUsage,
@@ -106,7 +106,7 @@ NamedCamera ReadNamedCamera(const std::string& path) {
                      : ComputeDefinedFraction(input.file)};
 }
 
-NamedStereo ReadStereo(const std::string& given_path) {
+StereoRig ReadStereo(const std::string& given_path) {
   const std::string path = ResolveFile(given_path, "rig.yaml");
   const std::vector<RigFileCamera> cameras = ReadRigFile(path);
   if (cameras.size() != 2)
@@ -166,7 +166,7 @@ ExperimentData ReadData(const ExperimentArguments& arguments) {
   for (const std::string& path : arguments.rigs)
     data.rigs.push_back(ReadStereo(path));
   data.images = arguments.images;
-  data.nearest_m = arguments.nearest_m;
+  data.min_distance_m = arguments.min_distance_m;
   if (!arguments.result.empty())
     data.result = ReadSingleResult(arguments.result);
   if (!arguments.trajectory.empty())
@@ -200,14 +200,14 @@ void WriteResult(const Experiment& experiment, const ExperimentResult& result,
   files.Add(base + ".csv", FormatExperimentCsv(result));
   files.Add(base + ".json", FormatExperimentJson(experiment.name, result));
   files.Add(base + ".svg", MakeChartSvg(result.chart));
-  for (const ExperimentPicture& picture : result.pictures)
+  for (const ExperimentImage& picture : result.pictures)
     files.Add(base + "-" + picture.name + ".png", EncodePng(picture.image));
   files.Commit();
 }
 
 void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
   if (arguments.list) {
-    fmt::print("{}", ListOfExperiments());
+    fmt::print("{}", FormatExperimentList());
     return;
   }
   if (arguments.name.empty() || arguments.output.empty())
@@ -254,7 +254,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
                  "Run an experiment of Schöps et al. (CVPR 2020) on simulated "
                  "or real data.",
                  "raygrid experiment pattern-segments -o results/", common);
-  command->footer("Experiments:\n" + ListOfExperiments() + "\n" +
+  command->footer("Experiments:\n" + FormatExperimentList() + "\n" +
                   command->get_footer());
   auto arguments = std::make_shared<ExperimentArguments>();
   ExperimentOptions& options = arguments->options;
@@ -291,7 +291,7 @@ void AddExperiment(CLI::App* app, CommonOptions* common) {
       ->allow_extra_args(false);
   command
       ->add_option(
-          "--min-depth-m", arguments->nearest_m,
+          "--min-depth-m", arguments->min_distance_m,
           "minimum depth of the scene in --image (default: ten baselines)")
       ->option_text("M")
       ->check(AboveZero());

@@ -37,7 +37,7 @@ struct ExportArguments {
   std::vector<std::string> image_sizes;
   std::optional<double> max_fit_error_px;
   bool lists = false, rectified = false, is_reverse = false;
-  ViewWords view;
+  ViewKeyValues view;
 };
 
 // A camera to be exported.
@@ -124,7 +124,7 @@ std::vector<Exported> ReadExported(const std::string& path,
   return cameras;
 }
 
-void TakeView(const ViewWords& words, Exported* camera) {
+void ReplaceByView(const ViewKeyValues& words, Exported* camera) {
   const VirtualView view = RectifiedView(camera->input, words);
   camera->input.file.camera = MakeViewCamera(view);
   camera->input.file.camera_from_view.reset();
@@ -141,7 +141,7 @@ void TakeView(const ViewWords& words, Exported* camera) {
 // instead, which is exact, with its field of view.
 std::string ViewAdvice(const CameraModel& camera) {
   try {
-    const VirtualView view = MakeViewOfArea(camera);
+    const VirtualView view = MakeAreaView(camera);
     return fmt::format(
         "or export the pinhole camera of undistorted images with --rectified "
         "({:.0f} x {:.0f} degrees)",
@@ -151,54 +151,54 @@ std::string ViewAdvice(const CameraModel& camera) {
   }
 }
 
-void RequireSmallError(const Exported& camera, const SelectedLens& chosen,
+void RequireSmallError(const Exported& camera, const SelectedModel& chosen,
                        const std::optional<double>& max_fit_error_px) {
   if (!max_fit_error_px || !chosen.fit) return;
-  const LensFit& fit = *chosen.fit;
-  if (fit.num_beyond == 0 && fit.max_px <= *max_fit_error_px) return;
+  const ModelFit& fit = *chosen.fit;
+  if (fit.num_unrepresentable == 0 && fit.max_px <= *max_fit_error_px) return;
   throw Error(
       ExitCode::kQuality,
       fmt::format(
           "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
           camera.path, chosen.lens.external_model->name, *max_fit_error_px,
-          FormatLensFit(fit), ViewAdvice(*camera.input.file.camera)));
+          FormatModelFit(fit), ViewAdvice(*camera.input.file.camera)));
 }
 
 // If the rig's frame is that of its first camera, makes it the frame of the
 // first lens.
 void KeepFirstFrame(const std::vector<Exported>& cameras,
-                    std::vector<WrittenLens>* lenses) {
+                    std::vector<OutputCamera>* lenses) {
   const std::optional<Pose>& first = cameras.front().camera_from_rig;
   if (!first || !first->translation.isZero(0) ||
       first->rotation.angularDistance(Eigen::Quaterniond::Identity()) > 0)
     return;
   const Pose old_from_new = lenses->front().camera_from_rig->Inverse();
-  for (WrittenLens& lens : *lenses)
+  for (OutputCamera& lens : *lenses)
     lens.camera_from_rig = *lens.camera_from_rig * old_from_new;
 }
 
-std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
-                                      const Format& format,
-                                      const std::vector<Exported>& cameras,
-                                      int num_threads) {
+std::vector<OutputCamera> SelectModels(const ExportArguments& arguments,
+                                       const Format& format,
+                                       const std::vector<Exported>& cameras,
+                                       int num_threads) {
   const std::vector<const ExternalModel*> external_models =
       format.FindModels(arguments.model);
-  std::vector<WrittenLens> lenses;
+  std::vector<OutputCamera> lenses;
   for (const Exported& camera : cameras) {
     const bool is_any_valid =
         camera.valid_region && camera.valid_region->HasValidCells();
-    SelectedLens chosen = [&] {
+    SelectedModel chosen = [&] {
       try {
-        return SelectLens(external_models, *camera.input.file.camera,
-                          is_any_valid ? &*camera.valid_region : nullptr,
-                          num_threads);
+        return SelectExternalModel(
+            external_models, *camera.input.file.camera,
+            is_any_valid ? &*camera.valid_region : nullptr, num_threads);
       } catch (const Error& error) {
         throw Error(error.code(),
                     fmt::format("{}: {}", camera.path, error.what()));
       }
     }();
     RequireSmallError(camera, chosen, arguments.max_fit_error_px);
-    WrittenLens lens;
+    OutputCamera lens;
     lens.name = camera.name;
     lens.serial = camera.input.file.serial;
     lens.lens = chosen.lens;
@@ -218,15 +218,16 @@ std::vector<WrittenLens> ChooseLenses(const ExportArguments& arguments,
 
 // Adds the matrices R and P of a rectified pair for formats that store them.
 // Warns on standard error if rectified images have no common rows.
-void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
+void RectifyPair(const Format& format, std::vector<OutputCamera>* lenses) {
   if (!format.supports_pairs || lenses->size() != 2 ||
       !lenses->front().camera_from_rig || lenses->front().rectified)
     return;
-  std::array<WrittenLens*, 2> pair = {&(*lenses)[0], &(*lenses)[1]};
+  std::array<OutputCamera*, 2> pair = {&(*lenses)[0], &(*lenses)[1]};
   if (IsOrderReversed(*pair[1]->camera_from_rig *
                       pair[0]->camera_from_rig->Inverse()))
     std::swap(pair[0], pair[1]);
-  const auto first = MakeLens(pair[0]->lens), second = MakeLens(pair[1]->lens);
+  const auto first = MakeCameraModel(pair[0]->lens),
+             second = MakeCameraModel(pair[1]->lens);
   try {
     const Rectification rectification =
         Rectify({pair[0]->name, *first, *pair[0]->camera_from_rig},
@@ -244,14 +245,14 @@ void RectifyPair(const Format& format, std::vector<WrittenLens>* lenses) {
 // Adds the poses of boards, transformed to the frames of the exported lenses.
 void AddPoses(const ExportArguments& arguments, const Format& format,
               const std::vector<Exported>& cameras, bool is_rig,
-              std::vector<WrittenLens>* lenses) {
+              std::vector<OutputCamera>* lenses) {
   if (arguments.poses.empty()) return;
   if (!format.supports_poses)
     throw Error(ExitCode::kUsage,
                 fmt::format("--poses: not supported by {}", format.name));
   auto poses = ReadPoses(arguments.poses);
   for (size_t c = 0; c < lenses->size(); ++c) {
-    WrittenLens& lens = (*lenses)[c];
+    OutputCamera& lens = (*lenses)[c];
     const auto own = poses.find(is_rig ? lens.name : "");
     if (own == poses.end()) continue;
     lens.poses = own->second;
@@ -272,9 +273,9 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
 }
 
 // Sorts cameras in the order in which the format numbers them.
-void SortByName(std::vector<WrittenLens>* lenses) {
+void SortCamerasByName(std::vector<OutputCamera>* lenses) {
   std::stable_sort(lenses->begin(), lenses->end(),
-                   [](const WrittenLens& a, const WrittenLens& b) {
+                   [](const OutputCamera& a, const OutputCamera& b) {
                      return a.name < b.name;
                    });
 }
@@ -283,24 +284,24 @@ void SortByName(std::vector<WrittenLens>* lenses) {
 // format stores one camera per file.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
-    const std::vector<WrittenLens>& lenses, bool is_rig) {
+    const std::vector<OutputCamera>& lenses, bool is_rig) {
   const bool is_folder = is_rig && !format.supports_rigs;
   return is_folder ? WriteFolder(format, {arguments.output, lenses})
                    : WriteWithCompanions(format, {arguments.output, lenses});
 }
 
-nlohmann::ordered_json FitJson(const LensFit& fit) {
+nlohmann::ordered_json FitJson(const ModelFit& fit) {
   const Eigen::Quaterniond& q = fit.lens_from_camera;
   return {{"rms_px", fit.rms_px},
           {"p99_px", fit.p99_px},
           {"max_px", fit.max_px},
           {"pixels", fit.num_pixels},
-          {"num_unrepresentable_pixels", fit.num_beyond},
+          {"num_unrepresentable_pixels", fit.num_unrepresentable},
           {"valid_region_only", fit.has_valid_region},
           {"model_from_camera_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
-void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
+void PrintExport(const Format& format, const std::vector<OutputCamera>& lenses,
                  const std::vector<std::pair<std::string, std::string>>& files,
                  const CommonOptions& common) {
   if (common.json) {
@@ -309,7 +310,7 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
         {"files", nlohmann::ordered_json::array()},
         {"cameras", nlohmann::ordered_json::array()}};
     for (const auto& file : files) json["files"].push_back(file.first);
-    for (const WrittenLens& lens : lenses) {
+    for (const OutputCamera& lens : lenses) {
       json["cameras"].push_back({{"name", lens.name},
                                  {"model", lens.lens.external_model->name},
                                  {"exact", !lens.fit.has_value()}});
@@ -320,16 +321,16 @@ void PrintExport(const Format& format, const std::vector<WrittenLens>& lenses,
   }
   if (common.quiet) return;
   for (size_t c = 0; c < lenses.size(); ++c) {
-    const WrittenLens& lens = lenses[c];
+    const OutputCamera& lens = lenses[c];
     fmt::print("{}{}: {}, {}\n", files[format.supports_rigs ? 0 : c].first,
                lens.name.empty() ? "" : " " + lens.name,
                lens.lens.external_model->name,
-               lens.fit ? FormatLensFit(*lens.fit) : "exact");
+               lens.fit ? FormatModelFit(*lens.fit) : "exact");
   }
 }
 
 // Returns the options given by the user that not every format supports.
-std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
+std::vector<std::string> ListGivenOptions(const ExportArguments& arguments) {
   std::vector<std::string> given;
   for (const auto& [name, is_given] :
        {std::pair("model", !arguments.model.empty()),
@@ -346,26 +347,28 @@ std::vector<std::string> GivenOptions(const ExportArguments& arguments) {
 }
 
 // Throws for options that the chosen kind of format does not support.
-void RequireTaken(const ExportArguments& arguments, const TableFormat* table) {
+void RequireSupportedOptions(const ExportArguments& arguments,
+                             const TableFormat* table) {
   const auto refuse = [&](const std::string& option) {
     throw Error(ExitCode::kUsage, fmt::format("--{}: not supported by --to {}",
                                               option, arguments.format));
   };
-  static const std::set<std::string> of_lenses = {"model", "max-fit-error-px",
-                                                  "rectified", "poses"};
+  static const std::set<std::string> camera_options = {
+      "model", "max-fit-error-px", "rectified", "poses"};
   if (table && table->write_poses && !arguments.poses.empty())
     throw Error(ExitCode::kUsage,
                 fmt::format("--poses: {} is written from poses.csv alone: "
                             "raygrid export poses.csv --to {}",
                             table->name, table->name));
-  for (const std::string& option : GivenOptions(arguments))
-    if (table ? !table->Takes(option) : of_lenses.count(option) == 0)
+  for (const std::string& option : ListGivenOptions(arguments))
+    if (table ? !table->AcceptsOption(option)
+              : camera_options.count(option) == 0)
       refuse(option);
-  const std::string word = FirstWord(arguments.view);
+  const std::string word = FirstToken(arguments.view);
   if (table && !table->IsOfView() && !word.empty()) refuse(word);
 }
 
-void ListLenses(bool json, nlohmann::ordered_json* all) {
+void ListCameras(bool json, nlohmann::ordered_json* all) {
   for (const Format& format : GetFormats()) {
     const char* const ways = !format.write  ? "import"
                              : !format.read ? "export"
@@ -409,7 +412,7 @@ void ListTables(bool json, nlohmann::ordered_json* all) {
 
 void List(bool json) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  ListLenses(json, &all);
+  ListCameras(json, &all);
   ListTables(json, &all);
   if (json) fmt::print("{}\n", all.dump(2));
 }
@@ -422,37 +425,38 @@ const Format& FindWrittenFormat(const std::string& name) {
 }
 
 // Prints on standard error how a stored polygon differs from the valid region.
-void PrintRegions(const std::vector<WrittenLens>& lenses) {
-  for (const WrittenLens& lens : lenses) {
+void PrintRegions(const std::vector<OutputCamera>& lenses) {
+  for (const OutputCamera& lens : lenses) {
     if (!lens.valid_region) continue;
     const RegionLoss loss =
         ComputeRegionLoss(*lens.valid_region, lens.lens.size);
     if (loss.num_left_out == 0 && loss.num_held == 0) continue;
-    const double cell_part = std::pow(lens.valid_region->knot_spacing_px, 2) /
-                             lens.lens.size.width / lens.lens.size.height;
+    const double cell_fraction =
+        std::pow(lens.valid_region->knot_spacing_px, 2) / lens.lens.size.width /
+        lens.lens.size.height;
     fmt::print(stderr,
                "raygrid: the format stores the valid region{} as one polygon "
                "without holes: it omits {:.1f} % of the image that is valid "
                "and includes {:.1f} % that is not\n",
                lens.name.empty() ? "" : " of " + Printable(lens.name),
-               100 * cell_part * loss.num_left_out,
-               100 * cell_part * loss.num_held);
+               100 * cell_fraction * loss.num_left_out,
+               100 * cell_fraction * loss.num_held);
   }
 }
 
 // Whether the output loses the relative poses of a rig's cameras. For a pair,
 // rectified views imply them; other rigs, and pairs without common views, have
 // none.
-bool DropsPoses(const Format& format, const std::vector<WrittenLens>& lenses) {
+bool DropsPoses(const Format& format, const std::vector<OutputCamera>& lenses) {
   if (format.discards_rig_poses) return true;
   return format.supports_pairs && !format.supports_rigs &&
          std::any_of(lenses.begin(), lenses.end(),
-                     [](const WrittenLens& lens) { return !lens.rectified; });
+                     [](const OutputCamera& lens) { return !lens.rectified; });
 }
 
-void ExportLenses(const ExportArguments& arguments, const Format& format,
-                  const CommonOptions& common) {
-  const std::string word = FirstWord(arguments.view);
+void ExportCameras(const ExportArguments& arguments, const Format& format,
+                   const CommonOptions& common) {
+  const std::string word = FirstToken(arguments.view);
   if (!word.empty() && !arguments.rectified)
     throw Error(ExitCode::kUsage,
                 fmt::format("--{}: requires --rectified", word));
@@ -462,14 +466,15 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
   std::vector<std::string> inputs = {arguments.input, arguments.poses};
   for (Exported& camera : cameras) {
     inputs.push_back(camera.path);
-    if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
-    if (arguments.rectified) TakeView(arguments.view, &camera);
+    if (!common.quiet)
+      WarnAboutFailedCalibration(camera.path, camera.input.file);
+    if (arguments.rectified) ReplaceByView(arguments.view, &camera);
   }
-  std::vector<WrittenLens> lenses =
-      ChooseLenses(arguments, format, cameras, common.threads);
+  std::vector<OutputCamera> lenses =
+      SelectModels(arguments, format, cameras, common.threads);
   AddPoses(arguments, format, cameras, is_rig, &lenses);
   RectifyPair(format, &lenses);
-  if (format.write_folder) SortByName(&lenses);
+  if (format.write_folder) SortCamerasByName(&lenses);
   const auto files = WriteAll(arguments, format, lenses, is_rig);
   std::vector<std::string> paths;
   OutputFiles outputs;
@@ -479,15 +484,15 @@ void ExportLenses(const ExportArguments& arguments, const Format& format,
   }
   RequireNoInputReplaced(inputs, paths);
   outputs.Commit();
-  for (const WrittenLens& lens : lenses)
-    if (lens.fit && lens.fit->num_beyond > 0)
+  for (const OutputCamera& lens : lenses)
+    if (lens.fit && lens.fit->num_unrepresentable > 0)
       fmt::print(stderr,
                  "raygrid: {} cannot represent {} of {} pixels{}, up to {:.0f} "
                  "degrees off axis\n",
-                 lens.lens.external_model->name, lens.fit->num_beyond,
-                 lens.fit->num_beyond + lens.fit->num_pixels,
+                 lens.lens.external_model->name, lens.fit->num_unrepresentable,
+                 lens.fit->num_unrepresentable + lens.fit->num_pixels,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
-                 lens.fit->widest_rad * 180 / M_PI);
+                 lens.fit->max_valid_angle_rad * 180 / M_PI);
   if (format.supports_region) PrintRegions(lenses);
   if (is_rig && DropsPoses(format, lenses))
     fmt::print(stderr,
@@ -512,7 +517,7 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
                               "--help",
                               option));
   const TableFormat* table = FindTableFormat(arguments.format);
-  RequireTaken(arguments, table);
+  RequireSupportedOptions(arguments, table);
   if (table)
     ExportTable(
         *table,
@@ -521,7 +526,7 @@ void RunExport(const ExportArguments& arguments, const CommonOptions& common) {
          arguments.is_reverse, arguments.pattern, arguments.image_sizes},
         common);
   else
-    ExportLenses(arguments, FindWrittenFormat(arguments.format), common);
+    ExportCameras(arguments, FindWrittenFormat(arguments.format), common);
 }
 
 }  // namespace

@@ -32,20 +32,20 @@ constexpr double kSamples = 160;
 // Errors over the pixels of the valid region.
 struct ValidRegionErrors {
   double rms_px = 0, p99_px = 0, max_px = 0;
-  size_t num_places = 0;
+  size_t num_samples = 0;
 };
 
 // A fitted model, and its difference from the original camera.
 struct Fit {
   CameraFile file;
   ModelDifference difference;
-  size_t num_places = 0;                          // within the calibrated area
+  size_t num_samples = 0;                         // within the calibrated area
   std::optional<ValidRegionErrors> valid_region;  // if stored
 };
 
-std::string NamesOfModels() {
+std::string FormatModelNames() {
   return fmt::format("{}, {}", kSplinedStereographic,
-                     OrList(LensNames(ModelUse::kFit)));
+                     OrList(ListModelNames(ModelUse::kFit)));
 }
 
 // Parses COLUMNSxROWS or COLUMNSxROWS,fov=DEGREES; an angle of 0 means that it
@@ -125,7 +125,7 @@ Fit FitCamera(const FitArguments& arguments, const RequestedOperatingPoint& at,
     fit.difference =
         CompareRotatedModels(camera, *fit.file.camera, step_px,
                              nearest.model_from_camera.conjugate());
-    fit.num_places = CompareModels(camera, camera, step_px).pixels.size();
+    fit.num_samples = CompareModels(camera, camera, step_px).pixels.size();
   }
   if (fit.difference.pixels.empty())
     throw Error(ExitCode::kNotConverged,
@@ -147,13 +147,13 @@ std::string FormatJson(const Fit& fit) {
       {"p99_px", d.p99_px},
       {"max_px", d.max_px},
       {"points", d.pixels.size()},
-      {"num_unrepresentable_points", fit.num_places - d.pixels.size()},
+      {"num_unrepresentable_points", fit.num_samples - d.pixels.size()},
       {"camera_from_model_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
   if (fit.valid_region)
     json["valid_region"] = {{"rms_px", fit.valid_region->rms_px},
                             {"p99_px", fit.valid_region->p99_px},
                             {"max_px", fit.valid_region->max_px},
-                            {"points", fit.valid_region->num_places}};
+                            {"points", fit.valid_region->num_samples}};
   return FormatCommandJson(json);
 }
 
@@ -171,7 +171,7 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
       arguments.model != kSplinedStereographic)
     throw Error(ExitCode::kUsage,
                 fmt::format("--model {}: cannot be fitted; use {}",
-                            arguments.model, NamesOfModels()));
+                            arguments.model, FormatModelNames()));
   if (!arguments.spline.empty() && arguments.model != kSplinedStereographic)
     throw Error(ExitCode::kUsage, fmt::format("--spline requires --model {}",
                                               kSplinedStereographic));
@@ -198,10 +198,10 @@ void Run(const FitArguments& arguments, const CommonOptions& common) {
         "in the valid region: RMS {:.3g} px, 99th percentile {:.3g} px, max "
         "{:.3g} px at {} pixels\n",
         fit.valid_region->rms_px, fit.valid_region->p99_px,
-        fit.valid_region->max_px, fit.valid_region->num_places);
-  if (fit.num_places > d.pixels.size())
+        fit.valid_region->max_px, fit.valid_region->num_samples);
+  if (fit.num_samples > d.pixels.size())
     fmt::print("{} of {} pixels cannot be represented\n",
-               fit.num_places - d.pixels.size(), fit.num_places);
+               fit.num_samples - d.pixels.size(), fit.num_samples);
 }
 
 }  // namespace
@@ -216,7 +216,7 @@ void AddFit(CLI::App* app, CommonOptions* common) {
                    "camera.yaml, blob or another tool's camera file")
       ->required();
   BeginGroup(command, help_group::kModel);
-  command->add_option("--model", arguments->model, NamesOfModels())
+  command->add_option("--model", arguments->model, FormatModelNames())
       ->option_text("NAME")
       ->required();
   command

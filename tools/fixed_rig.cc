@@ -23,7 +23,7 @@ FixedRig ReadFixedRig(const std::string& path,
     rig.cameras.push_back(ParseCamera(path, bytes, at));
     rig.model.camera_from_rig = {Pose()};
   } else {
-    if (at.IsGiven())
+    if (at.HasValues())
       throw Error(
           ExitCode::kUsage,
           fmt::format("{}: --at: the cameras of a rig have no operating "
@@ -41,9 +41,9 @@ FixedRig ReadFixedRig(const std::string& path,
   return rig;
 }
 
-std::vector<Dataset> ReadFeaturesOf(const FixedRig& rig,
-                                    const std::string& path,
-                                    const Pattern& pattern) {
+std::vector<Dataset> ReadRigFeatures(const FixedRig& rig,
+                                     const std::string& path,
+                                     const Pattern& pattern) {
   auto read = ReadFeatures(path);
   std::vector<Dataset> datasets;
   if (!rig.is_rig) {

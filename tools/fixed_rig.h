@@ -27,9 +27,9 @@ FixedRig ReadFixedRig(const std::string& path,
 /// Reads features.csv by camera; empty datasets for cameras without features.
 /// Applies UseRuntimeRays() to the features of blobs. Throws InputError if the
 /// file has another camera, or as RequireConsistent().
-std::vector<Dataset> ReadFeaturesOf(const FixedRig& rig,
-                                    const std::string& path,
-                                    const Pattern& pattern);
+std::vector<Dataset> ReadRigFeatures(const FixedRig& rig,
+                                     const std::string& path,
+                                     const Pattern& pattern);
 
 /// If a camera is a blob, replaces each pixel by that to which the model
 /// assigns the ray of the runtime, which is in fixed point.

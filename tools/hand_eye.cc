@@ -78,7 +78,7 @@ TargetPoses LocalizeResult(const std::filesystem::path& folder,
   const std::string target = (folder / "pattern.yaml").string();
   FixedRig rig = ReadFixedRig(camera, common.at);
   const Pattern pattern = LoadPattern(target);
-  const std::vector<Dataset> datasets = ReadFeaturesOf(rig, features, pattern);
+  const std::vector<Dataset> datasets = ReadRigFeatures(rig, features, pattern);
   rig.model.rigid_targets = MakeRigidTargets(pattern);
   TargetPoses targets = {
       rig.names.front(),
@@ -329,7 +329,7 @@ void PrintSuggestion(const SuggestedPose& suggestion) {
       q.y(), q.z(), 1000 * suggestion.new_translation_sd_m,
       suggestion.new_rotation_sd_rad * kToDegrees,
       1000 * suggestion.translation_sd_m,
-      suggestion.rotation_sd_rad * kToDegrees);
+      suggestion.rotation_stddev_rad * kToDegrees);
 }
 
 void Print(const HandEyeArguments& arguments, const HandEyeInput& input,

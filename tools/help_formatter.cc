@@ -53,15 +53,15 @@ std::string ValueName(const CLI::Option* option) {
 
 std::string OptionEntry(const CLI::Option* option) {
   std::string name = option->get_name(option->get_positional(), true);
-  const bool takes_value = option->get_type_size() != 0;
+  const bool has_value = option->get_type_size() != 0;
   if (option->get_positional()) {
     std::transform(name.begin(), name.end(), name.begin(), ::toupper);
     if (option->get_expected_max() > 1) name += "...";
-  } else if (takes_value) {
+  } else if (has_value) {
     name += " " + ValueName(option);
   }
   std::string description = option->get_description();
-  if (takes_value && !option->get_default_str().empty())
+  if (has_value && !option->get_default_str().empty())
     description += " (default: " + option->get_default_str() + ")";
   else if (option->get_required() && !option->get_positional())
     description += " (required)";

@@ -27,7 +27,7 @@ namespace raygrid {
 namespace {
 
 // The maximum number of corners along a side of a board.
-constexpr int kMostCorners = 1000;
+constexpr int kMaxCorners = 1000;
 
 // Parses COLUMNSxROWS.
 ImageSize ParseBoardSize(const std::string& text) {
@@ -37,13 +37,13 @@ ImageSize ParseBoardSize(const std::string& text) {
   if (first.ec == std::errc() && first.ptr != end && *first.ptr == 'x') {
     const auto second = std::from_chars(first.ptr + 1, end, rows);
     if (second.ec == std::errc() && second.ptr == end &&
-        std::min(columns, rows) >= 2 && std::max(columns, rows) <= kMostCorners)
+        std::min(columns, rows) >= 2 && std::max(columns, rows) <= kMaxCorners)
       return {columns, rows};
   }
   throw Error(ExitCode::kUsage,
               fmt::format("--board-size {}: expected COLUMNSxROWS corners, 2 "
                           "to {} each, such as 10x10",
-                          text, kMostCorners));
+                          text, kMaxCorners));
 }
 
 ExchangeContents ReadForeignFile(const ImportArguments& arguments,
@@ -196,7 +196,7 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
     }
     RequireUsed(arguments, contents);
     if (contents.cameras.empty()) return contents;
-    for (ReadLens& camera : contents.cameras) {
+    for (InputCamera& camera : contents.cameras) {
       stems.push_back(std::filesystem::path(path).stem().string());
       names.insert(camera.name);
       all.cameras.push_back(std::move(camera));
@@ -205,7 +205,7 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   AssignPairPose(all.second_from_first, of_pose, &all.cameras);
   if (arguments.files.size() == 1) {
     const auto& rectified = all.cameras.front().rectified;
-    if (all.cameras.size() == 1 && rectified && rectified->IsBeside())
+    if (all.cameras.size() == 1 && rectified && rectified->HasBaseline())
       all.warnings.push_back(arguments.files.front() +
                              ": R and P of the rectified pair are ignored; "
                              "import both files of the pair to get a rig");
@@ -224,7 +224,7 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
 }
 
 // Converts a camera's name to a file name: "Camera 001" becomes "Camera-001".
-std::string NameOfFile(std::string name) {
+std::string MakeFileName(std::string name) {
   for (char& c : name)
     if (!IsRigCameraName(std::string(1, c))) c = '-';
   return name;
@@ -235,8 +235,8 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
                                      const ExchangeContents& contents) {
   std::vector<std::string> names;
   std::set<std::string> taken;
-  for (const ReadLens& camera : contents.cameras) {
-    const std::string name = NameOfFile(camera.name);
+  for (const InputCamera& camera : contents.cameras) {
+    const std::string name = MakeFileName(camera.name);
     if (name.empty() || !taken.insert(name).second)
       throw InputError(
           fmt::format("{}: camera '{}': camera names must be unique in their "
@@ -249,8 +249,8 @@ std::vector<std::string> FolderNames(const ImportArguments& arguments,
 
 // Returns the features or the poses of all cameras in CSV, depending on the
 // name of the output file.
-std::string CsvOf(const ImportArguments& arguments,
-                  const ExchangeContents& contents) {
+std::string MakeCsvName(const ImportArguments& arguments,
+                        const ExchangeContents& contents) {
   const std::string stem =
       std::filesystem::path(arguments.output).stem().string();
   const bool wants_features = EndsWith(stem, "features");
@@ -262,13 +262,13 @@ std::string CsvOf(const ImportArguments& arguments,
   std::vector<NamedDataset> features;
   std::vector<NamedPoses> poses;
   bool has_any = false;
-  for (const ReadLens& camera : contents.cameras) {
+  for (const InputCamera& camera : contents.cameras) {
     features.push_back({camera.name, {camera.lens.size, camera.features}});
     poses.push_back({camera.name, camera.poses});
     has_any = has_any || !(wants_features ? camera.features.empty()
                                           : camera.poses.empty());
   }
-  for (const ReadLens& camera : contents.cameras)
+  for (const InputCamera& camera : contents.cameras)
     if (wants_features && !camera.missing_features_reason.empty())
       throw InputError(fmt::format("{}: {}", arguments.files.front(),
                                    camera.missing_features_reason));
@@ -285,7 +285,7 @@ std::string CsvOf(const ImportArguments& arguments,
 std::string CsvText(const std::string& output,
                     const ExchangeContents& contents) {
   size_t features = 0, images = 0, poses = 0;
-  for (const ReadLens& camera : contents.cameras) {
+  for (const InputCamera& camera : contents.cameras) {
     features += Dataset{camera.lens.size, camera.features}.num_features();
     images += camera.features.size();
     poses += camera.poses.size();
@@ -298,13 +298,13 @@ std::string CsvText(const std::string& output,
 
 // Returns the files of several cameras: those of a rig next to rig.yaml, as
 // calibrate writes them; others in the specified folder.
-std::vector<std::pair<std::string, std::string>> FilesOf(
+std::vector<std::pair<std::string, std::string>> MakeOutputFiles(
     const ImportArguments& arguments, const ExchangeContents& contents) {
-  const auto text_of = [](const ReadLens& camera) {
+  const auto text_of = [](const InputCamera& camera) {
     return FormatCameraFile(MakeCameraFile(camera), Digits::kAll);
   };
   if (std::filesystem::path(arguments.output).extension() == ".csv")
-    return {{arguments.output, CsvOf(arguments, contents)}};
+    return {{arguments.output, MakeCsvName(arguments, contents)}};
   if (contents.cameras.size() == 1)
     return {{arguments.output, text_of(contents.cameras.front())}};
   const std::vector<std::string> names = FolderNames(arguments, contents);
@@ -325,7 +325,7 @@ std::vector<std::pair<std::string, std::string>> FilesOf(
 }
 
 // Returns the camera files of puzzlepaint in a folder, sorted by number.
-std::vector<std::string> CamerasOfState(const std::filesystem::path& folder) {
+std::vector<std::string> ListStateCameras(const std::filesystem::path& folder) {
   std::vector<std::string> files;
   const auto next = [&] {
     return folder / fmt::format("intrinsics{}.yaml", files.size());
@@ -340,7 +340,7 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
   for (const char* name : {"cameras.bin", "cameras.txt"})
     if (std::filesystem::exists(folder / name))
       return {(folder / name).string()};
-  std::vector<std::string> files = CamerasOfState(folder);
+  std::vector<std::string> files = ListStateCameras(folder);
   if (files.empty())
     throw InputError(
         folder.string() +
@@ -351,7 +351,7 @@ std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
 
 // Whether to import a rig: given puzzlepaint's first camera file, all cameras
 // in its folder are imported.
-bool IsFirstOfRig(const ImportArguments& arguments) {
+bool IsFirstRigFile(const ImportArguments& arguments) {
   const std::filesystem::path first = arguments.files.front();
   return arguments.files.size() == 1 &&
          first.filename() == "intrinsics0.yaml" &&
@@ -367,9 +367,9 @@ void FindFiles(ImportArguments* arguments) {
                                        : std::vector<std::string>{path})
       files.push_back(file);
   arguments->files = files;
-  if (IsFirstOfRig(*arguments))
+  if (IsFirstRigFile(*arguments))
     arguments->files =
-        CamerasOfState(std::filesystem::path(files.front()).parent_path());
+        ListStateCameras(std::filesystem::path(files.front()).parent_path());
 }
 
 void RunImport(ImportArguments arguments, const CommonOptions& common) {
@@ -377,7 +377,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   std::vector<std::string> texts;
   for (const std::string& path : arguments.files)
     texts.push_back(ReadFile(path));
-  if (const TableFormat* table = FindTable(arguments, texts)) {
+  if (const TableFormat* table = SelectTable(arguments, texts)) {
     ImportTable(*table, arguments, texts[0], common);
     return;
   }
@@ -392,7 +392,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     ImportCorners(contents, arguments, common);
     return;
   }
-  const auto files = FilesOf(arguments, contents);
+  const auto files = MakeOutputFiles(arguments, contents);
   std::vector<std::string> paths;
   OutputFiles outputs;
   for (const auto& [path, text] : files) {
@@ -407,7 +407,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
     nlohmann::ordered_json json = {{"rig", contents.IsRig()},
                                    {"cameras", nlohmann::ordered_json::array()},
                                    {"warnings", contents.warnings}};
-    for (const ReadLens& camera : contents.cameras)
+    for (const InputCamera& camera : contents.cameras)
       json["cameras"].push_back(
           {{"name", camera.name},
            {"model", camera.lens.external_model->model},

@@ -12,7 +12,7 @@ namespace raygrid {
 struct ImportArguments {
   std::vector<std::string> files;
   std::string output, from, model, image_size, board;
-  ViewWords view;
+  ViewKeyValues view;
   bool is_reverse = false;
 };
 

@@ -47,8 +47,8 @@ void AddPixels(const char* key, uint32_t upx, Json* json) {
   AddMetric(key, upx, 1e-6, json);
 }
 
-Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
-             uint32_t count) {
+Json MakeMetricsJson(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
+                     uint32_t count) {
   Json json = Json::object();
   AddPixels("median_px", median_upx, &json);
   AddPixels("rms_px", rms_upx, &json);
@@ -57,8 +57,8 @@ Json Figures(uint32_t median_upx, uint32_t rms_upx, uint32_t max_upx,
   return json;
 }
 
-Json MakeRemapFacts(const uint8_t* section,
-                    const std::vector<SensorMode>& modes) {
+Json MakeRemapJson(const uint8_t* section,
+                   const std::vector<SensorMode>& modes) {
   rg_remap_section remap;
   rg_read_remap(section, &remap);
   Json json = {{"size", {remap.width, remap.height}},
@@ -75,7 +75,7 @@ Json MakeRemapFacts(const uint8_t* section,
   return json;
 }
 
-Json MakeModeFacts(const SensorMode& mode) {
+Json MakeModeJson(const SensorMode& mode) {
   return {{"name", Printable(mode.name)},
           {"size", {mode.size.width, mode.size.height}},
           {"offset_px", {mode.offset_px.x(), mode.offset_px.y()}},
@@ -91,18 +91,18 @@ void AddQuality(const rg_blob& blob, Json* json) {
     if (!known.empty()) (*json)[key] = known;
   };
   add("training_error",
-      Figures(quality.training_median_upx, quality.training_rms_upx,
-              quality.training_max_upx, quality.training_count));
+      MakeMetricsJson(quality.training_median_upx, quality.training_rms_upx,
+                      quality.training_max_upx, quality.training_count));
   add("held_out_error",
-      Figures(quality.held_out_median_upx, quality.held_out_rms_upx,
-              quality.held_out_max_upx, quality.held_out_count));
+      MakeMetricsJson(quality.held_out_median_upx, quality.held_out_rms_upx,
+                      quality.held_out_max_upx, quality.held_out_count));
   Json packing = Json::object();
   AddMetric("max_px", quality.packing_error_npx, 1e-9, &packing);
   AddMetric("max_rad", quality.packing_error_prad, 1e-12, &packing);
   add("packing_error", packing);
 }
 
-Json MakeUncertaintyFacts(const rg_blob& blob) {
+Json MakeUncertaintyJson(const rg_blob& blob) {
   rg_uncertainty_section uncertainty;
   rg_blob_uncertainty(&blob, &uncertainty);
   std::vector<uint32_t> values_q12;  // without unknown values
@@ -130,7 +130,7 @@ std::optional<double> ComputeMaxValidUncertainty(const rg_blob& blob,
   UncertaintyLattice lattice = {uncertainty.columns, uncertainty.rows, {}};
   for (int i = 0; i < uncertainty.columns * uncertainty.rows; ++i) {
     const uint32_t value = rg_load_u16(uncertainty.values + 2 * i);
-    lattice.deviation_px.push_back(
+    lattice.stddev_px.push_back(
         value == RG_UNKNOWN_UNCERTAINTY ? NAN : value / 4096.0);
   }
   const int knot_spacing_px = 1 << mask.cell_log2;
@@ -149,7 +149,7 @@ std::optional<double> ComputeMaxValidUncertainty(const rg_blob& blob,
   return largest_px;
 }
 
-Json MakeMaskFacts(const rg_blob& blob) {
+Json MakeMaskJson(const rg_blob& blob) {
   rg_mask_section mask;
   rg_blob_mask(&blob, &mask);
   const int count = mask.columns * mask.rows;
@@ -165,11 +165,11 @@ Json MakeMaskFacts(const rg_blob& blob) {
 
 void AddLineDelay(const LineDelay& line_delay, Json* json) {
   (*json)["line_delay_us"] = line_delay.seconds * 1e6;
-  if (line_delay.deviation_s > 0)
-    (*json)["line_delay_sd_us"] = line_delay.deviation_s * 1e6;
+  if (line_delay.stddev_s > 0)
+    (*json)["line_delay_sd_us"] = line_delay.stddev_s * 1e6;
 }
 
-Json CaptureFacts(const Capture& capture) {
+Json MakeCaptureJson(const Capture& capture) {
   Json json = Json::object();
   if (capture.lens_position) {
     json["lens_position_dpt"] = *capture.lens_position;
@@ -185,7 +185,7 @@ Json CaptureFacts(const Capture& capture) {
   return json;
 }
 
-Json MakeOperatingPointFacts(const rg_blob& blob) {
+Json MakeOperatingPointJson(const rg_blob& blob) {
   rg_stack_section stack;
   rg_blob_stack(&blob, &stack);
   const bool is_position =
@@ -199,7 +199,7 @@ Json MakeOperatingPointFacts(const rg_blob& blob) {
   return json;
 }
 
-Json MakeBlobFacts(const BlobCamera& camera) {
+Json MakeBlobJson(const BlobCamera& camera) {
   const rg_blob& blob = camera.blob();
   rg_camera_section identity;
   rg_grid_section grid;
@@ -207,7 +207,7 @@ Json MakeBlobFacts(const BlobCamera& camera) {
   rg_blob_grid(&blob, &grid);
   const uint16_t fraction_bits =
       rg_load_u16(blob.bytes + blob.grid + RG_GRID_FRACTION_BITS);
-  const bool is_narrow = fraction_bits != RG_CONTROL_POINT_BITS;
+  const bool is_int16 = fraction_bits != RG_CONTROL_POINT_BITS;
   const std::string version =
       fmt::format("{}.{}", rg_load_u16(blob.bytes + RG_HEADER_MAJOR),
                   rg_load_u16(blob.bytes + RG_HEADER_MINOR));
@@ -223,25 +223,25 @@ Json MakeBlobFacts(const BlobCamera& camera) {
                {"grid",
                 {{"values", blob.line_points ? "lines" : "directions"},
                  {"control_points", {grid.columns, grid.rows}},
-                 {"bits", is_narrow ? 16 : 32},
+                 {"bits", is_int16 ? 16 : 32},
                  {"area_px",
                   {grid.x0_q16 / 65536.0, grid.y0_q16 / 65536.0,
                    grid.x1_q16 / 65536.0, grid.y1_q16 / 65536.0}}}},
                {"remap_tables", Json::array()}};
   const std::vector<SensorMode> modes = camera.Modes();
   for (const SensorMode& mode : modes)
-    json["modes"].push_back(MakeModeFacts(mode));
+    json["modes"].push_back(MakeModeJson(mode));
   for (uint32_t k = 0;; ++k) {
     const uint8_t* remap = rg_find_section(blob.bytes, RG_SECTION_REMAP, k);
     if (!remap) break;
-    json["remap_tables"].push_back(MakeRemapFacts(remap, modes));
+    json["remap_tables"].push_back(MakeRemapJson(remap, modes));
   }
   if (blob.quality) AddQuality(blob, &json);
-  if (blob.uncertainty) json["uncertainty"] = MakeUncertaintyFacts(blob);
-  if (blob.mask) json["valid_region"] = MakeMaskFacts(blob);
+  if (blob.uncertainty) json["uncertainty"] = MakeUncertaintyJson(blob);
+  if (blob.mask) json["valid_region"] = MakeMaskJson(blob);
   if (const auto capture = camera.GetCalibrationCapture())
-    json["capture"] = CaptureFacts(*capture);
-  if (blob.stack) json["operating_points"] = MakeOperatingPointFacts(blob);
+    json["capture"] = MakeCaptureJson(*capture);
+  if (blob.stack) json["operating_points"] = MakeOperatingPointJson(blob);
   if (const auto line_delay = camera.GetRowTime())
     AddLineDelay(*line_delay, &json);
   return json;
@@ -249,7 +249,7 @@ Json MakeBlobFacts(const BlobCamera& camera) {
 
 // ---- Other files -----------------------------------------------------------
 
-Json Figures(const ErrorMetrics& metrics) {
+Json MakeMetricsJson(const ErrorMetrics& metrics) {
   return {{"median_px", metrics.median_px},
           {"rms_px", metrics.rms_px},
           {"max_px", metrics.max_px},
@@ -258,7 +258,7 @@ Json Figures(const ErrorMetrics& metrics) {
 
 // Returns the named parameters of a parametric model; of OpenCV's model, in its
 // order.
-Json MakeLensFacts(const ParametricModel& lens) {
+Json MakeParametricModelJson(const ParametricModel& lens) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   Json json = Json::object();
@@ -284,13 +284,13 @@ void AddRanges(const CameraFile& file, Json* json) {
   }
   (*json)["parameters"] = num_terms * file.camera->NumParameters();
   const auto known = ComputeMaxUncertainty(file);
-  if (!known || !known->HasDeviations()) return;
+  if (!known || !known->HasStdDevs()) return;
   Json& everywhere = (*json)["uncertainty_over_operating_range"];
   AddFinite("median_px", known->lattice.MedianPx(), &everywhere);
   everywhere["valid_fraction"] = ComputeValidShare(*file.camera, known->mask);
 }
 
-Json MakeCameraFacts(const CameraFile& file) {
+Json MakeCameraJson(const CameraFile& file) {
   const ImageSize& size = file.camera->image_size();
   const Area& area = file.camera->area();
   Json json = {{"kind", "camera"},
@@ -306,19 +306,19 @@ Json MakeCameraFacts(const CameraFile& file) {
         {"center_px", {circle->center.x(), circle->center.y()}},
         {"radius_px", circle->radii_px.x()}};
   if (const ParametricModel* lens = file.camera->Parametric())
-    json["intrinsics"] = MakeLensFacts(*lens);
-  if (file.training) json["training_error"] = Figures(*file.training);
-  if (file.held_out) json["held_out_error"] = Figures(*file.held_out);
-  if (file.uncertainty && file.uncertainty->HasDeviations()) {
+    json["intrinsics"] = MakeParametricModelJson(*lens);
+  if (file.training) json["training_error"] = MakeMetricsJson(*file.training);
+  if (file.held_out) json["held_out_error"] = MakeMetricsJson(*file.held_out);
+  if (file.uncertainty && file.uncertainty->HasStdDevs()) {
     AddFinite("median_px", file.uncertainty->lattice.MedianPx(),
               &json["uncertainty"]);
-    json["uncertainty"]["valid_limit_px"] = file.uncertainty->max_deviation_px;
+    json["uncertainty"]["valid_limit_px"] = file.uncertainty->max_stddev_px;
   }
   if (file.uncertainty)
     json["uncertainty"]["valid_fraction"] =
         ComputeValidShare(*file.camera, file.uncertainty->mask);
   if (file.stack) AddRanges(file, &json);
-  if (file.capture) json["capture"] = CaptureFacts(*file.capture);
+  if (file.capture) json["capture"] = MakeCaptureJson(*file.capture);
   if (file.line_delay) AddLineDelay(*file.line_delay, &json);
   if (file.camera_from_view) {
     const Eigen::Vector3d turned =
@@ -329,7 +329,7 @@ Json MakeCameraFacts(const CameraFile& file) {
   return json;
 }
 
-Json MakePatternFacts(const Pattern& pattern) {
+Json MakePatternJson(const Pattern& pattern) {
   Json json = {{"kind", "pattern"}, {"boards", Json::array()}};
   for (const Board& board : pattern.boards)
     json["boards"].push_back({{"id", board.id},
@@ -365,8 +365,8 @@ Json MakeRelativePoseFacts(const std::vector<RigFileCamera>& cameras,
           {"rotation_sd_rad", pair.RotationStdDev()}};
 }
 
-Json MakeRigFacts(const std::vector<RigFileCamera>& cameras,
-                  const std::vector<RelativePoseCovariance>& relative_poses) {
+Json MakeRigJson(const std::vector<RigFileCamera>& cameras,
+                 const std::vector<RelativePoseCovariance>& relative_poses) {
   Json json = {{"kind", "rig"}, {"cameras", Json::array()}};
   for (const RigFileCamera& camera : cameras)
     json["cameras"].push_back(
@@ -378,7 +378,7 @@ Json MakeRigFacts(const std::vector<RigFileCamera>& cameras,
   return json;
 }
 
-Json MakeFeaturesFacts(const std::map<std::string, Dataset>& cameras) {
+Json MakeFeaturesJson(const std::map<std::string, Dataset>& cameras) {
   Json json = {{"kind", "features"}, {"cameras", Json::array()}};
   for (const auto& [camera, dataset] : cameras)
     json["cameras"].push_back({{"name", camera},
@@ -388,8 +388,8 @@ Json MakeFeaturesFacts(const std::map<std::string, Dataset>& cameras) {
 }
 
 // Returns the facts of a file in another program's format.
-Json MakeForeignFacts(const Format& format, const std::string& path,
-                      const std::string& text) {
+Json MakeForeignJson(const Format& format, const std::string& path,
+                     const std::string& text) {
   RequireCameraFormat(format, path);
   const ExchangeContents contents =
       ReadExchangeFile(&format, {path, text, "", std::nullopt});
@@ -397,10 +397,10 @@ Json MakeForeignFacts(const Format& format, const std::string& path,
   Json json = {{"kind", contents.IsRig() ? "rig" : "camera"},
                {"format", format.name}};
   if (contents.cameras.size() == 1) {
-    json.update(MakeCameraFacts(MakeCameraFile(contents.cameras.front())));
+    json.update(MakeCameraJson(MakeCameraFile(contents.cameras.front())));
   } else {
     json["cameras"] = Json::array();
-    for (const ReadLens& read : contents.cameras) {
+    for (const InputCamera& read : contents.cameras) {
       const CameraFile file = MakeCameraFile(read);
       const ImageSize& size = file.camera->image_size();
       json["cameras"].push_back({{"name", read.name},
@@ -417,7 +417,7 @@ Json MakeForeignFacts(const Format& format, const std::string& path,
 
 // ---- Slots -----------------------------------------------------------------
 
-Json MakeSlotFacts(const std::string& path, const BlobSlot& slot) {
+Json MakeSlotJson(const std::string& path, const BlobSlot& slot) {
   if (!slot.is_whole)
     return {{"state", slot.is_erased ? "erased" : "incomplete"}};
   Json json = {{"state", slot.IsUsable() ? "valid" : "unreadable"},
@@ -436,7 +436,7 @@ Json MakeSlotFacts(const std::string& path, const BlobSlot& slot) {
   return json;
 }
 
-Json MakeSlotsFacts(const std::string& path, const std::string& bytes) {
+Json MakeSlotsJson(const std::string& path, const std::string& bytes) {
   const auto place = FindMisplacedSlot(bytes);
   if (place || bytes.size() % 8 != 0)
     throw InputError(fmt::format(
@@ -448,13 +448,13 @@ Json MakeSlotsFacts(const std::string& path, const std::string& bytes) {
   Json json = {{"kind", "slots"}, {"slot_size", bytes.size() / 2}};
   if (read.newest) json["newest"] = *read.newest;
   for (size_t k = 0; k < read.slots.size(); ++k)
-    json[fmt::format("slot_{}", k)] = MakeSlotFacts(path, read.slots[k]);
+    json[fmt::format("slot_{}", k)] = MakeSlotJson(path, read.slots[k]);
   return json;
 }
 
 // Reads the two slots at the beginning of a block device.
-std::string ReadSlotsOfDevice(const std::string& path,
-                              const std::optional<uint64_t>& slot_size) {
+std::string ReadDeviceSlots(const std::string& path,
+                            const std::optional<uint64_t>& slot_size) {
   if (!slot_size)
     throw Error(
         ExitCode::kUsage,
@@ -476,32 +476,32 @@ bool IsBlockDevice(const std::string& path) {
 
 // ---- Kinds of files --------------------------------------------------------
 
-Json MakeBudgetFacts(const std::string& path,
-                     const std::optional<uint64_t>& slot_size) {
-  if (IsBoardSpec(path)) return MakePatternFacts(ParseBoardSpec(path));
+Json MakeBudgetSummary(const std::string& path,
+                       const std::optional<uint64_t>& slot_size) {
+  if (IsBoardSpec(path)) return MakePatternJson(ParseBoardSpec(path));
   if (IsBlockDevice(path))
-    return MakeSlotsFacts(path, ReadSlotsOfDevice(path, slot_size));
+    return MakeSlotsJson(path, ReadDeviceSlots(path, slot_size));
   if (slot_size)
     throw Error(ExitCode::kUsage,
                 "--slot-size is for block devices only; a file consists of two "
                 "equal slots");
   const std::string bytes = ReadFile(path);
-  if (IsSlotFile(bytes)) return MakeSlotsFacts(path, bytes);
-  if (IsBlob(path, bytes)) return MakeBlobFacts(BlobCamera(path, bytes));
+  if (IsSlotFile(bytes)) return MakeSlotsJson(path, bytes);
+  if (IsBlob(path, bytes)) return MakeBlobJson(BlobCamera(path, bytes));
   if (bytes.find("raygrid_camera:") != std::string::npos)
-    return MakeCameraFacts(ParseCameraFile(path, bytes));
+    return MakeCameraJson(ParseCameraFile(path, bytes));
   if (bytes.find("raygrid_rig:") != std::string::npos)
-    return MakeRigFacts(ParseRigFile(path, bytes),
-                        ParseRelativePoseCovariances(path, bytes));
+    return MakeRigJson(ParseRigFile(path, bytes),
+                       ParseRelativePoseCovariances(path, bytes));
   if (bytes.find("raygrid_pattern:") != std::string::npos)
-    return MakePatternFacts(ParsePattern(path, bytes));
+    return MakePatternJson(ParsePattern(path, bytes));
   if (const Format* format = RecognizeFormat(bytes))
-    return MakeForeignFacts(*format, path, bytes);
+    return MakeForeignJson(*format, path, bytes);
   if (const TableFormat* table = RecognizeTable(bytes))
     throw InputError(
         fmt::format("{}: {}", path, table->ExplainMissingCamera()));
   if (bytes.find("board") != std::string::npos)
-    return MakeFeaturesFacts(ParseFeatures(path, bytes));
+    return MakeFeaturesJson(ParseFeatures(path, bytes));
   throw InputError(path +
                    ": not a blob, camera, rig, pattern or features file, nor "
                    "one of these formats: " +
@@ -575,7 +575,7 @@ void PrintText(const Json& facts) {
 
 void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
              const CommonOptions& common) {
-  const Json facts = MakeBudgetFacts(path, slot_size);
+  const Json facts = MakeBudgetSummary(path, slot_size);
   if (common.json)
     PrintCommandJson(facts);
   else

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "camera_input.h"
+#include "camera_values.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "named_camera.h"
 
 namespace raygrid {
 namespace {
@@ -35,7 +35,7 @@ KnownIntrinsics ReadIntrinsics(const std::string& path) {
                             "temperature; use a camera.yaml of one operating "
                             "point",
                             kOption, path));
-  WarnOfFailedCalibration(path, input.file);
+  WarnAboutFailedCalibration(path, input.file);
   return {std::make_shared<CameraFile>(std::move(input.file)),
           IsCameraYaml(bytes) ? bytes : ""};
 }
@@ -61,7 +61,7 @@ IntrinsicsByCamera ReadKnownIntrinsics(const std::vector<std::string>& texts,
                             "camera, raygrid localize --refine-target "
                             "estimates poses and the target geometry",
                             kOption));
-  for (const auto& [name, path] : ParseNamedCameras(kOption, "FILE", texts)) {
+  for (const auto& [name, path] : ParseCameraValues(kOption, "FILE", texts)) {
     if (std::count(names.begin(), names.end(), name) == 0)
       throw Error(ExitCode::kUsage,
                   fmt::format("{} {}={}: no such camera; the cameras are {}",

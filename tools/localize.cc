@@ -10,6 +10,7 @@
 #include "calibration/rigid_targets.h"
 #include "calibration/target_localization.h"
 #include "calibration_input.h"
+#include "camera_values.h"
 #include "commands.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -18,7 +19,6 @@
 #include "fixed_rig.h"
 #include "help_formatter.h"
 #include "json_output.h"
-#include "named_camera.h"
 #include "pattern_input.h"
 #include "report/pose_sheet.h"
 #include "report/residual_file.h"
@@ -33,10 +33,10 @@ struct LocalizeArguments {
   bool independent_boards = false, estimate_target = false;
 };
 
-constexpr const char* kPosesPicture = "poses.png";
+constexpr const char* kPosesImage = "poses.png";
 constexpr const char* kEstimatedPattern = "estimated_pattern.yaml";
 constexpr const char* kLocalizationFiles[] = {kEstimatedPattern, "poses.csv",
-                                              kPosesPicture, "residuals.csv"};
+                                              kPosesImage, "residuals.csv"};
 
 // The detections in the images of a camera.
 struct CameraImages {
@@ -84,7 +84,7 @@ std::vector<CameraImages> DetectInRig(const FixedRig& rig,
                                       const LocalizeArguments& arguments,
                                       const CommonOptions& common) {
   const std::vector<NamedValue> folders =
-      ParseNamedCameras("--camera", "DIR", arguments.folders);
+      ParseCameraValues("--camera", "DIR", arguments.folders);
   RequireDifferentFolders("--camera", folders);
   std::vector<CameraImages> cameras(rig.names.size());
   for (const auto& [name, folder] : folders) {
@@ -109,7 +109,7 @@ std::vector<CameraImages> GatherFeatures(const FixedRig& rig,
                                          const CommonOptions& common) {
   std::vector<CameraImages> cameras;
   if (!arguments.features.empty()) {
-    for (Dataset& dataset : ReadFeaturesOf(rig, arguments.features, pattern))
+    for (Dataset& dataset : ReadRigFeatures(rig, arguments.features, pattern))
       cameras.push_back({std::move(dataset), {}, {}});
   } else if (rig.is_rig) {
     if (arguments.folders.empty())
@@ -234,7 +234,7 @@ double RmsDifference(const Pattern& pattern, const Pattern& other) {
 struct LocalizationSummary {
   ErrorMetrics errors;
   int num_frames = 0, outside_area = 0;
-  double rotation_sd_rad = 0, translation_sd_m = 0;
+  double rotation_stddev_rad = 0, translation_stddev_m = 0;
   std::vector<std::optional<double>> systematic_px;  // of each camera
   std::optional<double> target_change_m;             // RMS
   std::vector<std::string> files;
@@ -257,9 +257,9 @@ LocalizationSummary Summarize(const RigModel& model,
   for (const TargetPose& target : localization.poses)
     frames.insert(target.pose.image);
   summary.num_frames = static_cast<int>(frames.size());
-  summary.rotation_sd_rad =
+  summary.rotation_stddev_rad =
       MedianOf(localization.poses, &TargetPose::RotationStdDev);
-  summary.translation_sd_m =
+  summary.translation_stddev_m =
       MedianOf(localization.poses, &TargetPose::TranslationStdDev);
   return summary;
 }
@@ -295,8 +295,8 @@ nlohmann::ordered_json ToJson(const FixedRig& rig, const Pattern& pattern,
                                  {"num_frames", summary.num_frames}};
   json.update(nlohmann::ordered_json(summary.errors));
   json["noise_px"] = localization.noise_px;
-  json["rotation_sd_rad"] = summary.rotation_sd_rad;
-  json["translation_sd_m"] = summary.translation_sd_m;
+  json["rotation_sd_rad"] = summary.rotation_stddev_rad;
+  json["translation_sd_m"] = summary.translation_stddev_m;
   json["outside_area_features"] = summary.outside_area;
   if (summary.target_change_m)
     json["target_change_m"] = *summary.target_change_m;
@@ -324,8 +324,8 @@ void Print(const FixedRig& rig, const Pattern& pattern,
   fmt::print(
       "\nnoise {:.2g} px per axis; standard deviation of a pose (median): "
       "{:.2g}°, {:.2g} mm\n",
-      localization.noise_px, summary.rotation_sd_rad * 180 / M_PI,
-      1000 * summary.translation_sd_m);
+      localization.noise_px, summary.rotation_stddev_rad * 180 / M_PI,
+      1000 * summary.translation_stddev_m);
   if (summary.target_change_m)
     fmt::print("estimated target geometry: points moved by {:.3f} mm RMS\n",
                1000 * *summary.target_change_m);
@@ -420,7 +420,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
       {{"poses.csv", FormatTargetPoses(rig.names.front(), localization.poses)},
        {"residuals.csv", FormatHeldOutResiduals(rig, localization)},
        {kEstimatedPattern, target_change_m ? FormatPattern(pattern) : ""},
-       {kPosesPicture,
+       {kPosesImage,
         EncodePoseSheet(rig, model, cameras, pattern, localization)}});
   for (size_t c = 0; c < cameras.size(); ++c)
     WarnAboutIntrinsics(rig.is_rig ? rig.names[c] : "",

@@ -22,7 +22,7 @@ void MovePixels(const SensorMode& mode, MovePixel move, size_t first,
 }
 
 // Refines the features of images [first, end) in frames of their own mode.
-void RefineMode(const Measurements& measurements, const ImagesOfMode& of_mode,
+void RefineMode(const Measurements& measurements, const ModeImages& of_mode,
                 size_t end, const EstimatedScene& scene, int num_threads,
                 const std::function<void(double)>& go_on, Dataset* refined) {
   const ModeCamera camera(*scene.camera, of_mode.mode);
@@ -64,9 +64,9 @@ void RequireOtherNames(const Measurements& measurements,
 
 }  // namespace
 
-FoldersByMode GroupByMode(const std::vector<std::string>& images,
-                          const std::vector<std::string>& modes) {
-  FoldersByMode folders = {images, {}};
+ModeFolders GroupByMode(const std::vector<std::string>& images,
+                        const std::vector<std::string>& modes) {
+  ModeFolders folders = {images, {}};
   for (const std::string& text : modes) {
     const std::string folder = text.substr(0, text.rfind(':'));
     const auto found = std::find_if(
@@ -105,7 +105,7 @@ void AppendModeMeasurements(const SensorMode& mode, const std::string& folder,
 Dataset RefineModes(const Measurements& measurements,
                     const EstimatedScene& scene, int num_threads,
                     const std::function<void(double)>& go_on) {
-  const std::vector<ImagesOfMode>& modes = measurements.modes;
+  const std::vector<ModeImages>& modes = measurements.modes;
   const size_t count = measurements.paths.size();
   const auto num_calibrated =
       static_cast<std::ptrdiff_t>(NumCalibratedImages(measurements));

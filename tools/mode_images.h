@@ -14,15 +14,15 @@ namespace raygrid {
 
 /// Image folders of a camera: as calibrated, and of each --mode with its text
 /// FOLDER:WORDS.
-struct FoldersByMode {
+struct ModeFolders {
   std::vector<std::string> calibrated;
   std::vector<std::pair<std::string, std::string>> modes;
 };
 
 /// Groups folders by sensor mode. Throws Error(kUsage) if a mode's folder is
 /// not among the images, or no images have the calibrated mode.
-FoldersByMode GroupByMode(const std::vector<std::string>& images,
-                          const std::vector<std::string>& modes);
+ModeFolders GroupByMode(const std::vector<std::string>& images,
+                        const std::vector<std::string>& modes);
 
 /// Appends measurements in frames of a mode, converted to calibrated pixels.
 /// Throws InputError if the image size or an image name conflicts.

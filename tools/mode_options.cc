@@ -10,8 +10,8 @@
 #include "camera_input.h"
 #include "dataset/error.h"
 #include "image_size_option.h"
+#include "key_options.h"
 #include "packing/pack.h"
-#include "word_options.h"
 
 namespace raygrid {
 
@@ -23,7 +23,7 @@ const char kModeSyntaxHelp[] =
     "                                 size in px\n"
     "  flip=h|v|hv, rotate=180\n";
 
-const char kModeWordsHelp[] =
+const char kModeKeysHelp[] =
     "NAME: and a comma-separated list of crop=X,Y,W,H (sensor crop in "
     "calibrated pixels), bin=N (N x N binning), scale=S (0.5: half "
     "resolution), size=WxH (frame size, instead of bin and scale), "
@@ -31,29 +31,29 @@ const char kModeWordsHelp[] =
 
 namespace {
 
-using Words = std::map<std::string, std::string>;
+using KeyValues = std::map<std::string, std::string>;
 
 [[noreturn]] void Refuse(const std::string& mode, const std::string& fault) {
   throw Error(ExitCode::kUsage, fmt::format("--mode {}: {}", mode, fault));
 }
 
 // Parses the key=value pairs after the colon.
-Words ParseWords(const std::string& mode, const std::string& text) {
+KeyValues ParseKeyValues(const std::string& mode, const std::string& text) {
   static const std::set<std::string> kKnown = {"crop", "bin",  "scale",
                                                "size", "flip", "rotate"};
-  Words words;
-  for (const std::string& part : SplitAtWords(text)) {
+  KeyValues words;
+  for (const std::string& part : SplitAtKeys(text)) {
     const size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
     if (equals == std::string::npos || !kKnown.count(name))
-      Refuse(mode, fmt::format("expected {}, not '{}'", kModeWordsHelp, part));
+      Refuse(mode, fmt::format("expected {}, not '{}'", kModeKeysHelp, part));
     if (!words.emplace(name, part.substr(equals + 1)).second)
       Refuse(mode, name + " is specified twice");
   }
   return words;
 }
 
-std::vector<double> Numbers(const std::string& mode, const Words& words,
+std::vector<double> Numbers(const std::string& mode, const KeyValues& words,
                             const std::string& word, size_t count,
                             const char* example) {
   return ParseNumbers(fmt::format("--mode {}: {}", mode, word), words.at(word),
@@ -61,8 +61,8 @@ std::vector<double> Numbers(const std::string& mode, const Words& words,
 }
 
 // Returns the calibrated pixels that the mode's frames contain.
-Area ShownArea(const std::string& mode, const Words& words,
-               const ImageSize& calibrated) {
+Area ComputeDisplayedArea(const std::string& mode, const KeyValues& words,
+                          const ImageSize& calibrated) {
   const auto crop = words.find("crop");
   if (crop == words.end())
     return {0, 0, double(calibrated.width), double(calibrated.height)};
@@ -78,7 +78,7 @@ Area ShownArea(const std::string& mode, const Words& words,
 }
 
 // Sets size and scale.
-void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
+void SetSize(const KeyValues& words, const Area& shown, SensorMode* mode) {
   const Eigen::Vector2d span(shown.width(), shown.height());
   if (words.count("size") + words.count("bin") + words.count("scale") > 1)
     Refuse(mode->name, "size, bin and scale are mutually exclusive");
@@ -114,7 +114,7 @@ void SetSize(const Words& words, const Area& shown, SensorMode* mode) {
     Refuse(mode->name, "its scale must be 1/64 to 64");
 }
 
-void SetFlips(const Words& words, SensorMode* mode) {
+void SetFlips(const KeyValues& words, SensorMode* mode) {
   if (const auto flip = words.find("flip"); flip != words.end()) {
     const std::string& text = flip->second;
     if (text != "h" && text != "v" && text != "hv" && text != "vh")
@@ -141,11 +141,11 @@ SensorMode ParseMode(const std::string& text,
                      const ImageSize& calibrated_size) {
   const size_t colon = text.rfind(':');
   if (colon == 0 || colon == std::string::npos)
-    Refuse(text, fmt::format("expected {}", kModeWordsHelp));
+    Refuse(text, fmt::format("expected {}", kModeKeysHelp));
   SensorMode mode;
   mode.name = text.substr(0, colon);
-  const Words words = ParseWords(mode.name, text.substr(colon + 1));
-  const Area shown = ShownArea(mode.name, words, calibrated_size);
+  const KeyValues words = ParseKeyValues(mode.name, text.substr(colon + 1));
+  const Area shown = ComputeDisplayedArea(mode.name, words, calibrated_size);
   mode.offset_px = {shown.x0, shown.y0};
   SetSize(words, shown, &mode);
   SetFlips(words, &mode);

@@ -9,7 +9,7 @@
 namespace raygrid {
 
 /// Help for the keys of a mode.
-extern const char kModeWordsHelp[];
+extern const char kModeKeysHelp[];
 /// Help block with the syntax of pack --mode.
 extern const char kModeSyntaxHelp[];
 

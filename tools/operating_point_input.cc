@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "camera_values.h"
 #include "dataset/csv.h"
 #include "dataset/dataset.h"
 #include "dataset/error.h"
@@ -19,7 +20,6 @@
 #include "dataset/image_files.h"
 #include "dataset/image_header.h"
 #include "dataset/text_encoding.h"
-#include "named_camera.h"
 #include "session_file.h"
 
 namespace raygrid {
@@ -67,7 +67,7 @@ std::vector<OperatingParameter> GetOperatingParameters(
 }
 
 // Returns "lens_position", "lens_position,temperature".
-std::string NamesOf(const std::vector<OperatingParameter>& conditions) {
+std::string CollectNames(const std::vector<OperatingParameter>& conditions) {
   std::vector<std::string> names;
   for (const OperatingParameter condition : conditions)
     names.push_back(OperatingParameterName(condition));
@@ -98,10 +98,10 @@ void ReadValues(const std::string& path,
   CsvReader table(path, text, required);
   table.LimitRows(kMaxTableImages);
   while (table.Next()) {
-    OperatingPoint of_image;
+    OperatingPoint image_values;
     for (const std::string& column : columns)
-      of_image.push_back(table.Number(column));
-    if (!values->emplace(table.Text("image"), of_image).second)
+      image_values.push_back(table.Number(column));
+    if (!values->emplace(table.Text("image"), image_values).second)
       throw InputError(fmt::format("{}: duplicate row for image {}",
                                    table.Place(), table.Text("image")));
   }
@@ -114,7 +114,7 @@ std::string DescribeValueSources(
     return "--images-at VALUE=FOLDER for each value, or --operating-points "
            "FILE.csv";
   return fmt::format("--operating-points FILE.csv with the columns image,{}",
-                     NamesOf(conditions));
+                     CollectNames(conditions));
 }
 
 OperatingPoint ExifValues(const std::string& path, const std::string& bytes,
@@ -205,7 +205,7 @@ void RequireOperatingPointOptions(const CalibrateArguments& arguments,
         ExitCode::kUsage,
         fmt::format(
             "--vary-with {}: the images have no operating point; specify {}",
-            NamesOf(conditions), DescribeValueSources(conditions)));
+            CollectNames(conditions), DescribeValueSources(conditions)));
 }
 
 bool UsesExifValues(const CalibrateArguments& arguments) {

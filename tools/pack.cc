@@ -27,8 +27,8 @@ struct PackArguments {
   std::vector<std::string> remaps, modes, capture;
   std::string outside = "fill";
   double max_error_px = 0.05;
-  bool is_bound_given = false;
-  bool wide_grid = false;
+  bool is_max_error_given = false;
+  bool use_32_bit_grid = false;
 };
 
 // Returns the file of a table's view: front.camera.yaml next to front.raygrid;
@@ -75,18 +75,19 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
           {"valid_region", MakeFoundJson(packed.projection->valid_region)},
           {"outside_valid_region", MakeFoundJson(packed.projection->others)}};
     }
-    result["uncovered_fraction"] = packed.left_out_part;
+    result["uncovered_fraction"] = packed.excluded_fraction;
     result["warnings"] = packed.warnings;
     result["remaps"] = nlohmann::ordered_json::array();
     for (const PackedRemap& remap : packed.remaps) {
       nlohmann::ordered_json entry = MakeViewJson(remap.view);
       if (!remap.mode.empty()) entry["mode"] = remap.mode;
       if (remap.distorts) entry["direction"] = "distort";
-      if (remap.far_error_px) entry["far_error_px"] = *remap.far_error_px;
+      if (remap.distant_error_px)
+        entry["far_error_px"] = *remap.distant_error_px;
       entry.update({{"error_px", remap.error_px},
                     {"chroma_error_px", remap.chroma_error_px},
                     {"block_px", remap.block_size},
-                    {"tile_px", remap.part_size}});
+                    {"tile_px", remap.tile_size}});
       result["remaps"].push_back(entry);
     }
     PrintCommandJson(result);
@@ -105,10 +106,10 @@ void Print(const PackArguments& arguments, const PackedCamera& packed,
         k, remap.mode.empty() ? "" : fmt::format(" of mode {}", remap.mode),
         remap.distorts ? "inverse, from" : "to", remap.view.size.width,
         remap.view.size.height, remap.error_px, remap.chroma_error_px,
-        remap.block_size, remap.part_size);
-    if (remap.far_error_px)
+        remap.block_size, remap.tile_size);
+    if (remap.distant_error_px)
       fmt::print(", error up to {:.2g} px for distant scenes",
-                 *remap.far_error_px);
+                 *remap.distant_error_px);
   }
   fmt::print("\n");
   for (size_t k = 0; k < packed.remaps.size(); ++k)
@@ -127,8 +128,8 @@ std::string RotationWarning(const Eigen::Quaterniond& q) {
 
 // Returns the requested views; with sensor modes, at least the camera's default
 // view.
-std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
-  std::vector<RemapWords> views;
+std::vector<RemapKeys> ParseViews(const PackArguments& arguments) {
+  std::vector<RemapKeys> views;
   for (const std::string& remap : arguments.remaps)
     views.push_back(ParseRemap("--remap", remap));
   if (views.empty() && !arguments.modes.empty()) views.emplace_back();
@@ -136,7 +137,7 @@ std::vector<RemapWords> ParseViews(const PackArguments& arguments) {
 }
 
 // Throws for keys that do not apply to this camera.
-void RequirePossible(const CameraModel& camera, const RemapWords& words) {
+void RequirePossible(const CameraModel& camera, const RemapKeys& words) {
   if (words.scene && camera.IsCentral())
     throw Error(
         ExitCode::kUsage,
@@ -147,10 +148,10 @@ void RequirePossible(const CameraModel& camera, const RemapWords& words) {
                 "the distance of the scene, at=METRES");
 }
 
-RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
+RemapRequest MakeRemap(const CameraModel& camera, const RemapKeys& words,
                        const std::optional<SensorMode>& mode) {
   try {
-    RemapRequest request(mode ? MakeViewOfMode(camera, *mode, words.view)
+    RemapRequest request(mode ? MakeModeView(camera, *mode, words.view)
                               : MakeView(camera, words.view),
                          mode);
     request.scene = words.scene;
@@ -166,10 +167,10 @@ RemapRequest MakeRemap(const CameraModel& camera, const RemapWords& words,
 // Returns, for each view, a table for frames as calibrated, followed by one for
 // each mode.
 std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
-                                     const std::vector<RemapWords>& views,
+                                     const std::vector<RemapKeys>& views,
                                      const std::vector<SensorMode>& modes) {
   std::vector<RemapRequest> remaps;
-  for (const RemapWords& words : views) {
+  for (const RemapKeys& words : views) {
     RequirePossible(camera, words);
     remaps.push_back(MakeRemap(camera, words, std::nullopt));
     for (const SensorMode& mode : modes)
@@ -181,21 +182,21 @@ std::vector<RemapRequest> MakeRemaps(const CameraModel& camera,
 void Run(const PackArguments& arguments, const CommonOptions& common) {
   RequireBlobText("--name", arguments.name);
   RequireBlobText("--serial", arguments.serial);
-  const std::vector<RemapWords> views = ParseViews(arguments);
+  const std::vector<RemapKeys> views = ParseViews(arguments);
   const size_t num_tables = views.size() * (1 + arguments.modes.size());
   std::vector<std::string> outputs = {arguments.output};
   for (size_t k = 0; k < num_tables; ++k)
     outputs.push_back(ViewPath(arguments.output, k, num_tables));
   RequireNoInputReplaced({arguments.camera}, outputs);
   CameraInput input = ReadCameraOrModel(arguments.camera, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(arguments.camera, input.file);
   if (input.blob)
     throw Error(ExitCode::kUsage,
                 arguments.camera + ": is already a blob; pack a camera.yaml");
   if (!arguments.name.empty()) input.file.name = arguments.name;
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
-  input.file.capture = ParseCaptureWords(arguments.capture, input.file.capture,
-                                         input.file.camera->image_size());
+  input.file.capture = ParseCaptureKeys(arguments.capture, input.file.capture,
+                                        input.file.camera->image_size());
   const auto blob_from_camera = AlignToCameraFrame(&input.file.camera);
   // The cameras of the other operating points would have to be rotated as well.
   if (blob_from_camera && input.file.stack)
@@ -205,15 +206,15 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
             ": its optical axis is not the z axis and it was calibrated over a "
             "range; pack one operating point with --at");
   PackOptions options;
-  options.remaps =
-      MakeRemaps(*ExtractRegularPart(*input.file.camera, common.threads), views,
-                 ParseModes(arguments.modes, input.file.camera->image_size()));
+  options.remaps = MakeRemaps(
+      *ExtractRegularRegion(*input.file.camera, common.threads), views,
+      ParseModes(arguments.modes, input.file.camera->image_size()));
   options.max_error_px = arguments.max_error_px;
-  options.is_table_bound_soft = !arguments.is_bound_given;
-  if (arguments.is_bound_given)
+  options.is_table_bound_soft = !arguments.is_max_error_given;
+  if (arguments.is_max_error_given)
     options.max_ray_error_px = arguments.max_error_px;
   options.shown = SelectVisibleMask(arguments.outside, arguments.camera, input);
-  options.is_narrow_allowed = !arguments.wide_grid;
+  options.is_int16_allowed = !arguments.use_32_bit_grid;
   options.num_threads = common.threads;
   PackedCamera packed = PackCamera(input.file, options);
   if (blob_from_camera)
@@ -246,7 +247,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->required();
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
-  command->add_flag("--grid-32bit", arguments->wide_grid,
+  command->add_flag("--grid-32bit", arguments->use_32_bit_grid,
                     "store 32-bit control points: twice the size, unprojection "
                     "in 75 % of the time on microcontrollers");
   BeginGroup(command, help_group::kView);
@@ -287,7 +288,7 @@ void AddPack(CLI::App* app, CommonOptions* common) {
       ->allow_extra_args(false);
   AddHugeOption(command);
   command->callback([arguments, command, common] {
-    arguments->is_bound_given = command->count("--max-error-px") > 0;
+    arguments->is_max_error_given = command->count("--max-error-px") > 0;
     Run(*arguments, *common);
   });
 }

@@ -9,22 +9,22 @@
 namespace raygrid {
 namespace {
 
-constexpr double kLeastSquareM = 0.001, kLargestSquareM = 1;
-constexpr double kLargestBoardM = 5;
+constexpr double kMinSquareM = 0.001, kMaxSquareM = 1;
+constexpr double kMaxBoardM = 5;
 
 bool IsLikelySquare(double square_m) {
-  return square_m >= kLeastSquareM && square_m <= kLargestSquareM;
+  return square_m >= kMinSquareM && square_m <= kMaxSquareM;
 }
 
-std::string SquaresOf(double square_m) {
+std::string GetSquares(double square_m) {
   return fmt::format("squares of {:g} {}",
                      square_m < 1 ? 1000 * square_m : square_m,
                      square_m < 1 ? "mm" : "m");
 }
 
 // Returns the length of a square as given by the option, or in words.
-std::string Given(double square_m, const std::string& mm_option) {
-  return mm_option.empty() ? SquaresOf(square_m)
+std::string FormatSquareOption(double square_m, const std::string& mm_option) {
+  return mm_option.empty() ? GetSquares(square_m)
                            : fmt::format("{} {:g}", mm_option, 1000 * square_m);
 }
 
@@ -33,11 +33,11 @@ std::string Suggestion(double square_m, const std::string& mm_option) {
   for (const double factor : {1e-3, 1e3})
     if (IsLikelySquare(factor * square_m))
       return fmt::format(" (did you mean {}?)",
-                         Given(factor * square_m, mm_option));
+                         FormatSquareOption(factor * square_m, mm_option));
   return "";
 }
 
-double WidestM(const Board& board) {
+double ComputeMaxExtentM(const Board& board) {
   if (board.points.empty()) return 0;
   Eigen::Vector3d low = board.points.front(), high = low;
   for (const Eigen::Vector3d& point : board.points) {
@@ -52,21 +52,22 @@ std::string Question(const Board& board, const std::string& mm_option) {
   const bool has_squares = !board.IsPointSet();
   if (has_squares && !IsLikelySquare(board.square_m))
     return fmt::format(
-        "{}{} implausible{}", Given(board.square_m, mm_option),
+        "{}{} implausible{}", FormatSquareOption(board.square_m, mm_option),
         mm_option.empty()
             ? " are"
-            : " gives " + SquaresOf(board.square_m) + ", which is",
+            : " gives " + GetSquares(board.square_m) + ", which is",
         Suggestion(board.square_m, mm_option));
-  const double widest_m = std::max(
-      WidestM(board),
+  const double max_extent_m = std::max(
+      ComputeMaxExtentM(board),
       has_squares ? board.square_m * (std::max(board.columns, board.rows) - 1)
                   : 0);
-  if (widest_m > kLargestBoardM)
-    return fmt::format("a board of {:.3g} m is implausible: {}", widest_m,
-                       has_squares ? Given(board.square_m, mm_option) +
-                                         fmt::format(" with {} x {} features",
-                                                     board.columns, board.rows)
-                                   : "xyz must be in metres");
+  if (max_extent_m > kMaxBoardM)
+    return fmt::format("a board of {:.3g} m is implausible: {}", max_extent_m,
+                       has_squares
+                           ? FormatSquareOption(board.square_m, mm_option) +
+                                 fmt::format(" with {} x {} features",
+                                             board.columns, board.rows)
+                           : "xyz must be in metres");
   return "";
 }
 

@@ -14,10 +14,10 @@ namespace raygrid {
 namespace {
 
 std::vector<std::string> FormatGridWarnings(const RayGrid& grid) {
-  if (grid.part_without_rays == 0) return {};
+  if (grid.fraction_without_rays == 0) return {};
   return {
       fmt::format("{:.1f} % of the pixels have no ray; gaps are interpolated",
-                  100 * grid.part_without_rays)};
+                  100 * grid.fraction_without_rays)};
 }
 
 nlohmann::ordered_json MakeGridJson(const RayGrid& grid,

@@ -52,9 +52,9 @@ struct PairCamera {
   }
 };
 
-const RigFileCamera& FindInRig(const std::string& path,
-                               const std::vector<RigFileCamera>& cameras,
-                               const char* option, const std::string& name) {
+const RigFileCamera& GetRigCamera(const std::string& path,
+                                  const std::vector<RigFileCamera>& cameras,
+                                  const char* option, const std::string& name) {
   std::string names;
   for (const RigFileCamera& camera : cameras) {
     if (camera.name == name) return camera;
@@ -105,7 +105,7 @@ void SetDistance(const std::optional<double>& distance_m,
 // covariance.
 struct PairGeometry {
   double angle_rad = 0;
-  std::optional<double> baseline_sd_m, rotation_sd_rad;
+  std::optional<double> baseline_sd_m, rotation_stddev_rad;
 };
 
 PairGeometry MakeGeometry(
@@ -122,7 +122,7 @@ PairGeometry MakeGeometry(
   const Pose& second = (is_left_first ? right : left).camera_from_rig;
   geometry.baseline_sd_m =
       pair->DistanceStdDev((second * first.Inverse()).translation);
-  geometry.rotation_sd_rad = pair->RotationStdDev();
+  geometry.rotation_stddev_rad = pair->RotationStdDev();
   return geometry;
 }
 
@@ -141,9 +141,9 @@ RectifiedPair ReadPair(const RectifyArguments& arguments) {
   const std::string text = ReadFile(arguments.rig);
   const auto cameras = ParseRigFile(arguments.rig, text);
   const RigFileCamera& left =
-      FindInRig(arguments.rig, cameras, "--left", arguments.left);
+      GetRigCamera(arguments.rig, cameras, "--left", arguments.left);
   const RigFileCamera& right =
-      FindInRig(arguments.rig, cameras, "--right", arguments.right);
+      GetRigCamera(arguments.rig, cameras, "--right", arguments.right);
   RectifiedPair pair = {
       {ReadPairCamera(arguments.rig, left),
        ReadPairCamera(arguments.rig, right)},
@@ -200,8 +200,9 @@ nlohmann::ordered_json MakeMatrixJson(const Matrix& matrix) {
 
 // Returns the rotation of a camera into the rectified frame, from the frame of
 // the camera's file.
-Eigen::Matrix3d RotationOfPair(const Rectification& rectified,
-                               const std::array<PairCamera, 2>& pair, int c) {
+Eigen::Matrix3d ComputePairRotation(const Rectification& rectified,
+                                    const std::array<PairCamera, 2>& pair,
+                                    int c) {
   return rectified.R(c) * pair[c].blob_from_camera.toRotationMatrix();
 }
 
@@ -222,17 +223,17 @@ std::string FormatPair(const Rectification& rectified,
                         *geometry.baseline_sd_m);
   text += fmt::format("angle: {:.9g}  # radians, relative rotation\n",
                       geometry.angle_rad);
-  if (geometry.rotation_sd_rad)
+  if (geometry.rotation_stddev_rad)
     text += fmt::format("rotation_sd: {:.3g}  # radians, 1 sigma\n",
-                        *geometry.rotation_sd_rad);
+                        *geometry.rotation_stddev_rad);
   if (arguments.distance_m)
     text += fmt::format("distance: {}  # metres, distance of the scene\n",
                         *arguments.distance_m);
   text += fmt::format("image_size: [{}, {}]\n", size.width, size.height);
   text += "# As in OpenCV's stereoRectify; lengths in metres.\n";
   for (const int c : {0, 1})
-    text +=
-        FormatMatrix(c == 0 ? "R1" : "R2", RotationOfPair(rectified, pair, c));
+    text += FormatMatrix(c == 0 ? "R1" : "R2",
+                         ComputePairRotation(rectified, pair, c));
   for (const int c : {0, 1})
     text += FormatMatrix(c == 0 ? "P1" : "P2", rectified.P(c));
   text += FormatMatrix("Q", rectified.Q());
@@ -244,7 +245,7 @@ std::string FormatPair(const Rectification& rectified,
 struct PairPaths {
   std::string blob, view;
 };
-PairPaths PathsOf(const std::string& folder, const std::string& name) {
+PairPaths MakePairPaths(const std::string& folder, const std::string& name) {
   const std::filesystem::path path = folder;
   return {(path / (name + ".raygrid")).string(),
           (path / (name + ".camera.yaml")).string()};
@@ -260,11 +261,11 @@ nlohmann::ordered_json MakePairJson(const Rectification& rectified,
       {"baseline_m", rectified.baseline_m}};
   if (geometry.baseline_sd_m) json["baseline_sd_m"] = *geometry.baseline_sd_m;
   json["angle_rad"] = geometry.angle_rad;
-  if (geometry.rotation_sd_rad)
-    json["rotation_sd_rad"] = *geometry.rotation_sd_rad;
+  if (geometry.rotation_stddev_rad)
+    json["rotation_sd_rad"] = *geometry.rotation_stddev_rad;
   json["overlap_fraction"] = rectified.overlap;
   for (const int c : {0, 1}) {
-    const PairPaths paths = PathsOf(arguments.output, pair[c].name);
+    const PairPaths paths = MakePairPaths(arguments.output, pair[c].name);
     nlohmann::ordered_json own = {{"name", pair[c].name},
                                   {"blob", paths.blob},
                                   {"bytes", packed[c].blob.size()},
@@ -272,7 +273,7 @@ nlohmann::ordered_json MakePairJson(const Rectification& rectified,
     own.update(MakeViewJson(rectified.views[c]));
     own["error_px"] = packed[c].remaps[0].error_px;
     own["warnings"] = packed[c].warnings;
-    own["R"] = MakeMatrixJson(RotationOfPair(rectified, pair, c));
+    own["R"] = MakeMatrixJson(ComputePairRotation(rectified, pair, c));
     own["P"] = MakeMatrixJson(rectified.P(c));
     json[c == 0 ? "left" : "right"] = own;
   }
@@ -293,9 +294,9 @@ void PrintPair(const Rectification& rectified,
                                                 1e3 * *geometry.baseline_sd_m) +
                                    " mm"
                              : fmt::format("{:.6g} m", rectified.baseline_m),
-      geometry.rotation_sd_rad
+      geometry.rotation_stddev_rad
           ? FormatWithStdDev(geometry.angle_rad * 180 / M_PI,
-                             *geometry.rotation_sd_rad * 180 / M_PI) +
+                             *geometry.rotation_stddev_rad * 180 / M_PI) +
                 " degrees"
           : fmt::format("{:.3g} degrees", geometry.angle_rad * 180 / M_PI),
       rectified.is_vertical ? "column" : "row", 100 * rectified.overlap,
@@ -321,9 +322,10 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
       (std::filesystem::path(arguments.output) / kPairFile).string());
   for (const PairCamera& camera : pair) {
     inputs.push_back(camera.path);
-    const PairPaths paths = PathsOf(arguments.output, camera.name);
+    const PairPaths paths = MakePairPaths(arguments.output, camera.name);
     outputs.insert(outputs.end(), {paths.blob, paths.view});
-    if (!common.quiet) WarnOfFailedCalibration(camera.path, camera.input.file);
+    if (!common.quiet)
+      WarnAboutFailedCalibration(camera.path, camera.input.file);
   }
   RequireNoInputReplaced(inputs, outputs);
   const Rectification rectified =
@@ -334,7 +336,7 @@ void Run(const RectifyArguments& arguments, const CommonOptions& common) {
   for (const int c : {0, 1}) {
     const VirtualView& view = rectified.views[c];
     packed[c] = PackForPair(pair[c], view, arguments, common);
-    const PairPaths paths = PathsOf(arguments.output, pair[c].name);
+    const PairPaths paths = MakePairPaths(arguments.output, pair[c].name);
     files.Add(paths.blob, packed[c].blob);
     files.Add(paths.view, ViewCameraFile(view, pair[c].name));
   }

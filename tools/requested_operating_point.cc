@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "camera_values.h"
 #include "dataset/error.h"
-#include "named_camera.h"
-#include "word_options.h"
+#include "key_options.h"
 
 namespace raygrid {
 namespace {
@@ -46,7 +46,7 @@ RequestedOperatingPoint ParseRequestedOperatingPoint(const std::string& text) {
     at.alone = ParseValueAt(text);
     return at;
   }
-  for (const std::string& part : SplitAtWords(text)) {
+  for (const std::string& part : SplitAtKeys(text)) {
     const NamedValue given = ParseNamedValue(part);
     const auto condition = FindOperatingParameter(given.name);
     if (!condition)

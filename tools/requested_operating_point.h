@@ -17,7 +17,7 @@ struct RequestedOperatingPoint {
   std::optional<double> alone;
   std::map<OperatingParameter, double> named;
 
-  bool IsGiven() const { return alone || !named.empty(); }
+  bool HasValues() const { return alone || !named.empty(); }
   /// Formats it as "--at 3.2" or "--at lens_position=3.2,temperature=40".
   std::string Text() const;
 };

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "camera_values.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
-#include "named_camera.h"
 
 namespace raygrid {
 namespace {
@@ -37,7 +37,7 @@ constexpr SessionNumber kNumbers[] = {
     {"sensor_temperature_c", &SessionFrame::sensor_temperature_c},
     {"edge_width_px", &SessionFrame::edge_spread_px},
     {"white_level", &SessionFrame::white},
-    {"variance_reduction", &SessionFrame::variance_taken}};
+    {"variance_reduction", &SessionFrame::variance_reduction}};
 
 Json FormatFrame(const SessionFrame& frame) {
   Json json = {{"image", frame.image}};
@@ -93,9 +93,9 @@ Session ParseCamera(const Json& json) {
 }
 
 // Returns the value common to all frames, within a tolerance.
-std::optional<double> ValueOfAll(const Session& session,
-                                 std::optional<double> SessionFrame::*value,
-                                 double tolerance) {
+std::optional<double> GetCommonValue(const Session& session,
+                                     std::optional<double> SessionFrame::*value,
+                                     double tolerance) {
   std::vector<double> values;
   for (const SessionFrame& frame : session.frames) {
     if (!(frame.*value)) return std::nullopt;
@@ -209,17 +209,17 @@ std::vector<Session> ReadSession(const std::string& folder) {
 
 Capture GetCaptureSettings(const Session& session) {
   Capture capture;
-  capture.lens_position =
-      ValueOfAll(session, &SessionFrame::lens_position, kDefaultLensTolerance);
-  capture.zoom = ValueOfAll(session, &SessionFrame::zoom, kZoomTolerance);
+  capture.lens_position = GetCommonValue(session, &SessionFrame::lens_position,
+                                         kDefaultLensTolerance);
+  capture.zoom = GetCommonValue(session, &SessionFrame::zoom, kZoomTolerance);
   constexpr double kWarmingC = 10;  // the temperature rise during a session
   capture.sensor_temperature_c =
-      ValueOfAll(session, &SessionFrame::sensor_temperature_c, kWarmingC);
+      GetCommonValue(session, &SessionFrame::sensor_temperature_c, kWarmingC);
   constexpr double kExposureToleranceUs = 100, kGainTolerance = 0.01;
   capture.exposure_us =
-      ValueOfAll(session, &SessionFrame::exposure_us, kExposureToleranceUs);
+      GetCommonValue(session, &SessionFrame::exposure_us, kExposureToleranceUs);
   capture.analogue_gain =
-      ValueOfAll(session, &SessionFrame::analogue_gain, kGainTolerance);
+      GetCommonValue(session, &SessionFrame::analogue_gain, kGainTolerance);
   capture.crop = SameInAll(session, &SessionFrame::crop);
   capture.orientation = SameInAll(session, &SessionFrame::orientation);
   return capture;

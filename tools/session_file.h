@@ -26,7 +26,7 @@ struct SessionFrame {
   std::optional<int> focus_steps;          ///< focus without a unit
   std::optional<std::array<int, 4>> crop;  ///< x, y, width, height
   std::optional<double> edge_spread_px, white;
-  std::optional<double> variance_taken;  ///< relative reduction
+  std::optional<double> variance_reduction;  ///< relative reduction
 };
 
 /// The frames of one camera.

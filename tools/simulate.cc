@@ -22,11 +22,11 @@
 #include "pattern_input.h"
 #include "progress_bar.h"
 #include "simulate_options.h"
-#include "simulation/board_bend.h"
+#include "simulation/board_curvature.h"
 #include "simulation/image_rendering.h"
 #include "simulation/moving_observations.h"
 #include "simulation/observation_lines.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "simulation/simulated_rig.h"
 
@@ -40,7 +40,7 @@ constexpr double kTruthCells = 80;
 constexpr double kGapSquares = 2;
 
 // Returns the conditions that affect a simulated lens; empty for most lenses.
-std::vector<OperatingRange> RangesOfLens(const std::string& name) {
+std::vector<OperatingRange> GetModelRanges(const std::string& name) {
   const OperatingRange position = {OperatingParameter::kLensPosition, 0, 10};
   const OperatingRange temperature = {OperatingParameter::kTemperature, 20, 70};
   if (name == "focusing") return {position};
@@ -49,18 +49,18 @@ std::vector<OperatingRange> RangesOfLens(const std::string& name) {
   return {};
 }
 
-std::unique_ptr<CameraModel> LensNamed(const std::string& name,
-                                       const RequestedOperatingPoint& at,
-                                       const ImageSize& size) {
-  const std::vector<OperatingRange> ranges = RangesOfLens(name);
-  if (at.IsGiven() && ranges.empty())
+std::unique_ptr<CameraModel> MakeNamedCamera(const std::string& name,
+                                             const RequestedOperatingPoint& at,
+                                             const ImageSize& size) {
+  const std::vector<OperatingRange> ranges = GetModelRanges(name);
+  if (at.HasValues() && ranges.empty())
     throw Error(
         ExitCode::kUsage,
         fmt::format("--at: --lens {} has no operating point; use --lens "
                     "focusing (dioptres), warming (°C) or focusing-warming",
                     name));
-  if (ranges.empty()) return MakeSimulatedLens(name, size);
-  LensState state;
+  if (ranges.empty()) return MakeSimulatedCamera(name, size);
+  SimulatedOperatingPoint state;
   const FixedOperatingPoint held =
       FixRequestedPoint(at, ranges, "--lens " + name);
   for (size_t r = 0; r < ranges.size(); ++r) {
@@ -78,7 +78,7 @@ std::unique_ptr<CameraModel> LensNamed(const std::string& name,
     else
       state.temperature = *held[r];
   }
-  return MakeChangingLens(state, size);
+  return MakeVaryingCamera(state, size);
 }
 
 std::shared_ptr<const CameraModel> MakeCamera(
@@ -91,7 +91,8 @@ std::shared_ptr<const CameraModel> MakeCamera(
     return camera;
   }
   const ImageSize size = ParseImageSize("--size", arguments.size);
-  std::shared_ptr<CameraModel> camera = LensNamed(arguments.lens, at, size);
+  std::shared_ptr<CameraModel> camera =
+      MakeNamedCamera(arguments.lens, at, size);
   if (arguments.image_circle_px > 0)
     camera->SetImageCircle(
         ImageCircle{WholeImage(size).center(),
@@ -149,7 +150,7 @@ struct Arrangement {
   Eigen::Vector3d center_m;
 };
 
-Arrangement SideBySide(const Pattern& pattern) {
+Arrangement ConcatenateHorizontally(const Pattern& pattern) {
   Arrangement arrangement;
   double x_m = 0, height_m = 0;
   for (const Board& board : pattern.boards) {
@@ -174,13 +175,13 @@ class Photographer {
     Pattern& pattern = truth_.true_pattern;
     pattern = MakePattern(arguments);
     truth_.dataset.image_size = camera_->image_size();
-    const double bend_m = arguments.simulation.board_bend_m;
+    const double bend_m = arguments.simulation.board_sagitta_m;
     for (Board& board : pattern.boards) {
       surfaces_.emplace_back(board, bend_m);
       board.points = board.NominalPoints();
-      board = BendBoard(board, bend_m);
+      board = CurveBoard(board, bend_m);
     }
-    arrangement_ = SideBySide(pattern);
+    arrangement_ = ConcatenateHorizontally(pattern);
   }
 
   void TakeAll() {
@@ -375,7 +376,7 @@ void RequireInputsStay(const SimulateArguments& arguments) {
 
 void Run(SimulateArguments arguments, const CommonOptions& common) {
   arguments.poses.max_tilt_rad = arguments.max_tilt_deg * M_PI / 180;
-  arguments.simulation.board_bend_m = arguments.board_bend_mm / 1000;
+  arguments.simulation.board_sagitta_m = arguments.board_bend_mm / 1000;
   arguments.simulation.board_deformation_m =
       arguments.board_deformation_mm / 1000;
   if (arguments.poses.min_square_px > arguments.poses.max_square_px)

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMaxPictureWidthPx = 640;
+constexpr int kMaxPreviewWidthPx = 640;
 
 // A feature observed by both cameras in the same frame.
 struct SharedFeature {
@@ -23,15 +23,17 @@ struct SharedFeature {
 using SharedByFrame = std::map<std::string, std::vector<SharedFeature>>;
 
 SharedByFrame ShareFeatures(const Dataset& left, const Dataset& right) {
-  std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d> J_place;
+  std::map<std::tuple<std::string, int, int, int>, Eigen::Vector2d>
+      J_board_pose;
   for (const ImageFeatures& image : right.images)
     for (const Feature& f : image.features)
-      J_place[{image.image, f.board, f.column, f.row}] = f.pixel;
+      J_board_pose[{image.image, f.board, f.column, f.row}] = f.pixel;
   SharedByFrame shared;
   for (const ImageFeatures& image : left.images)
     for (const Feature& f : image.features) {
-      const auto found = J_place.find({image.image, f.board, f.column, f.row});
-      if (found != J_place.end())
+      const auto found =
+          J_board_pose.find({image.image, f.board, f.column, f.row});
+      if (found != J_board_pose.end())
         shared[image.image].push_back({f.pixel, found->second});
     }
   return shared;
@@ -87,17 +89,17 @@ std::unique_ptr<CameraModel> CentralCamera(const CalibrationResult& camera,
 }
 
 // An image undistorted by the runtime, and the mask of pixels with a source.
-struct ShownImage {
+struct MaskedImage {
   Image image, shown;
 };
 
 // Returns a camera's image of the frame, rectified; nullopt if the file no
 // longer exists.
-std::optional<ShownImage> RectifiedImage(const Measurements& measured,
-                                         const CameraFile& camera,
-                                         const VirtualView& view,
-                                         const ExamplePair& pair,
-                                         int num_threads) {
+std::optional<MaskedImage> RectifiedImage(const Measurements& measured,
+                                          const CameraFile& camera,
+                                          const VirtualView& view,
+                                          const ExamplePair& pair,
+                                          int num_threads) {
   PackOptions options;
   options.remaps = {view};
   if (pair.distance_m)
@@ -111,7 +113,7 @@ std::optional<ShownImage> RectifiedImage(const Measurements& measured,
     Image image = ReadImage(measured.paths[i], true);
     const Image rectified = blob.Undistort(image, 0);
     std::fill(image.pixels.begin(), image.pixels.end(), uint8_t{255});
-    return ShownImage{rectified, blob.Undistort(image, 0)};
+    return MaskedImage{rectified, blob.Undistort(image, 0)};
   }
   return std::nullopt;
 }
@@ -142,10 +144,10 @@ double MeasureRows(const ExamplePair& pair, const Rectification& rectified,
   return largest;
 }
 
-ImageSize PictureSize(const ImageSize& size) {
-  if (size.width <= kMaxPictureWidthPx) return size;
-  return {kMaxPictureWidthPx,
-          std::max(1, size.height * kMaxPictureWidthPx / size.width)};
+ImageSize ComputePreviewSize(const ImageSize& size) {
+  if (size.width <= kMaxPreviewWidthPx) return size;
+  return {kMaxPreviewWidthPx,
+          std::max(1, size.height * kMaxPreviewWidthPx / size.width)};
 }
 
 // Returns slightly more than the disparities of the boards, but at most the
@@ -160,11 +162,11 @@ int NumDisparities(double largest_px, int length_px) {
 }
 
 // Shows all of both images (alpha = 1) unless that stretches them too much.
-Rectification RectifyForPicture(const StereoCamera& first,
+Rectification RectifyForPreview(const StereoCamera& first,
                                 const StereoCamera& second) {
   constexpr double kMaxDeg = 120;
   RectificationRequest request;
-  request.size = PictureSize(first.camera.image_size());
+  request.size = ComputePreviewSize(first.camera.image_size());
   try {
     request.alpha = 1;
     const Rectification all = Rectify(first, second, request);
@@ -176,7 +178,7 @@ Rectification RectifyForPicture(const StereoCamera& first,
   return Rectify(first, second, request);
 }
 
-std::optional<StereoExample> ExampleOfPair(
+std::optional<StereoExample> MakePairExample(
     const std::vector<Measurements>& cameras, const RigResult& result,
     const ExamplePair& pair, int num_threads) {
   const CalibrationResult& left = result.cameras[pair.left];
@@ -194,21 +196,21 @@ std::optional<StereoExample> ExampleOfPair(
   metrics.frame = pair.frame;
   const double largest = MeasureRows(pair, Rectify(first, second, {}),
                                      *central_left, *central_right, &metrics);
-  const Rectification small = RectifyForPicture(first, second);
+  const Rectification small = RectifyForPreview(first, second);
   metrics.is_vertical = small.is_vertical;
   const VirtualView& view = small.views[0];
   metrics.num_disparities =
       NumDisparities(largest * view.focal_px.x(),
                      small.is_vertical ? view.size.height : view.size.width);
-  const auto shown_left =
+  const auto masked_left =
       RectifiedImage(cameras[pair.left], left.camera, view, pair, num_threads);
-  const auto shown_right = RectifiedImage(cameras[pair.right], right.camera,
-                                          small.views[1], pair, num_threads);
-  if (!shown_left || !shown_right) return std::nullopt;
-  const RectifiedImages images = {shown_left->image, shown_right->image,
-                                  shown_left->shown, small.is_vertical};
-  example.rows = DrawRowsPicture(images);
-  example.disparity = DrawDisparityPicture(images, metrics.num_disparities);
+  const auto masked_right = RectifiedImage(cameras[pair.right], right.camera,
+                                           small.views[1], pair, num_threads);
+  if (!masked_left || !masked_right) return std::nullopt;
+  const RectifiedImages images = {masked_left->image, masked_right->image,
+                                  masked_left->shown, small.is_vertical};
+  example.rows = DrawRectifiedRows(images);
+  example.disparity = DrawDisparityMap(images, metrics.num_disparities);
   return example;
 }
 
@@ -229,7 +231,7 @@ std::optional<StereoExample> MakeStereoExample(
     const auto pair = ChoosePair(result, baseline);
     if (!pair) continue;
     try {
-      if (auto example = ExampleOfPair(cameras, result, *pair, num_threads))
+      if (auto example = MakePairExample(cameras, result, *pair, num_threads))
         return example;
     } catch (const Error&) {
       // The pair cannot be rectified, packed or read: there is no example.

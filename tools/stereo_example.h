@@ -6,7 +6,7 @@
 
 #include "calibration_input.h"
 #include "evaluation/rig_result.h"
-#include "report/stereo_pictures.h"
+#include "report/stereo_figures.h"
 
 namespace raygrid {
 

@@ -42,12 +42,12 @@ uint32_t ParseAddress(const std::string& text) {
   return address;
 }
 
-BlobTable TableOfBlob(const TableFormat& format,
-                      const TableArguments& arguments) {
+BlobTable MakeBlobTable(const TableFormat& format,
+                        const TableArguments& arguments) {
   BlobTable table;
   if (!arguments.address.empty())
     table.address = ParseAddress(arguments.address);
-  else if (format.Takes("address"))
+  else if (format.AcceptsOption("address"))
     throw Error(ExitCode::kUsage,
                 fmt::format("--to {}: specify the flash address of the blob, "
                             "such as --address 0x08080000",
@@ -91,23 +91,23 @@ std::unique_ptr<CameraModel> Central(const std::string& path,
 }
 
 // A view and its central camera.
-struct SeenView {
+struct ExportedView {
   VirtualView view;
   std::unique_ptr<CameraModel> camera;
 };
 
-SeenView ReadView(const TableArguments& arguments,
-                  const CommonOptions& common) {
+ExportedView ReadView(const TableArguments& arguments,
+                      const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.input, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(arguments.input, input.file);
   if (!input.blob) AlignToCameraFrame(&input.file.camera);
   const VirtualView view = RectifiedView(input, arguments.view);
   return {view, Central(arguments.input, *input.file.camera)};
 }
 
-ViewTable TableOfView(const TableFormat& format,
-                      const TableArguments& arguments, const SeenView& seen,
-                      int num_threads) {
+ViewTable MakeViewTable(const TableFormat& format,
+                        const TableArguments& arguments,
+                        const ExportedView& seen, int num_threads) {
   ViewTable table;
   table.model = ModelOf(format, arguments.model);
   table.path = arguments.output;
@@ -141,11 +141,11 @@ int ParseEvery(const std::string& text) {
   return every;
 }
 
-RayTable TableOfRays(const TableArguments& arguments,
-                     const CommonOptions& common) {
+RayTable MakeRayTable(const TableArguments& arguments,
+                      const CommonOptions& common) {
   const int every = arguments.every.empty() ? 1 : ParseEvery(arguments.every);
   const CameraInput input = ReadCamera(arguments.input, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(arguments.input, input.file);
   const CameraModel& camera = *input.file.camera;
   RayTable table;
   table.path = arguments.output;
@@ -196,7 +196,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
   table.path = arguments.output;
   table.model = ModelOf(format, arguments.model);
   const CameraInput input = ReadCamera(arguments.input, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.input, input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(arguments.input, input.file);
   const std::optional<ValidityMask> valid_region = LoadValidityMask(input);
   const auto camera = Central(arguments.input, *input.file.camera);
   table.camera = camera.get();
@@ -224,9 +224,9 @@ TableOutput MakeCameraTable(const TableFormat& format,
 
 // Returns the source positions of required vertices; NaN for the others, and
 // where the camera does not project.
-std::vector<Eigen::Vector2d> PlacesOfVertices(const SeenView& seen,
-                                              const MeshTable& mesh,
-                                              int num_threads) {
+std::vector<Eigen::Vector2d> ComputeVertexPositions(const ExportedView& seen,
+                                                    const MeshTable& mesh,
+                                                    int num_threads) {
   const MeshLattice& lattice = mesh.lattice;
   // Vertices outside the output image are within one cell of it.
   const double margin_px = 64 + 4 * std::max(lattice.x[1], lattice.y[1]);
@@ -257,8 +257,9 @@ bool IsBent(const TableFormat& format, const MeshLattice& lattice) {
   return format.mesh_unit->spans.size() > 1 && lattice.x[1] > 1;
 }
 
-MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
-                     const SeenView& seen, int num_threads) {
+MeshTable MakeMeshTable(const TableFormat& format,
+                        const TableArguments& arguments,
+                        const ExportedView& seen, int num_threads) {
   MeshRequest request = {seen.view.size, seen.camera->image_size(), {}};
   if (!arguments.every.empty()) request.step = ParseEvery(arguments.every);
   MeshTable mesh;
@@ -266,13 +267,13 @@ MeshTable MeshOfView(const TableFormat& format, const TableArguments& arguments,
   mesh.size = request.size;
   mesh.source_size = request.source_size;
   mesh.lattice = format.mesh_unit->lattice(request);
-  mesh.sources = TableOfView(format, arguments, seen, num_threads).sources;
+  mesh.sources = MakeViewTable(format, arguments, seen, num_threads).sources;
   mesh.is_needed = FindRequiredVertices(mesh.lattice, mesh.size, mesh.sources);
   // Quadratic interpolation involves more vertices, and its errors already have
   // both signs.
   const bool is_bent = IsBent(format, mesh.lattice);
   if (is_bent) mesh.is_needed.assign(mesh.is_needed.size(), true);
-  mesh.vertices = PlacesOfVertices(seen, mesh, num_threads);
+  mesh.vertices = ComputeVertexPositions(seen, mesh, num_threads);
   ExtrapolateVertices(mesh.lattice, &mesh.vertices);
   if (!is_bent) BalanceVertices(&mesh);
   return mesh;
@@ -301,8 +302,8 @@ struct MeshErrors {
   nlohmann::ordered_json json;
 };
 
-MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
-                        const UnitMesh& unit) {
+MeshErrors ComputeMeshErrors(const TableFormat& format, const MeshTable& mesh,
+                             const UnitMesh& unit) {
   MeshErrors errors;
   for (const MeshSpan span : format.mesh_unit->spans) {
     const MeshError own = ComputeMeshError(mesh, unit, span);
@@ -320,11 +321,11 @@ MeshErrors ErrorsOfMesh(const TableFormat& format, const MeshTable& mesh,
 }
 
 TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
-                     const SeenView& seen, int num_threads,
+                     const ExportedView& seen, int num_threads,
                      nlohmann::ordered_json* json) {
-  const MeshTable mesh = MeshOfView(format, arguments, seen, num_threads);
+  const MeshTable mesh = MakeMeshTable(format, arguments, seen, num_threads);
   const UnitMesh unit = format.mesh_unit->write(mesh);
-  const MeshErrors errors = ErrorsOfMesh(format, mesh, unit);
+  const MeshErrors errors = ComputeMeshErrors(format, mesh, unit);
   const MeshError& error = errors.largest;
   RequireSmallMeshError(format, arguments, error);
   (*json)["mesh"] = {
@@ -335,7 +336,7 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
       {"max_error_position_px", {error.x, error.y}},
       {"pixels", error.num_pixels},
       {"num_filled_pixels", error.num_filled},
-      {"num_clamped_vertices", error.num_moved},
+      {"num_clamped_vertices", error.num_inaccurate},
       {"configuration", unit.configuration}};
   if (!errors.text.empty()) (*json)["mesh"]["by_interpolation"] = errors.json;
   return {unit.files,
@@ -345,8 +346,8 @@ TableOutput MakeMesh(const TableFormat& format, const TableArguments& arguments,
 }
 
 // Reads the poses of poses.csv, which must be those of a single camera.
-PoseTable TableOfPoses(const TableFormat& format,
-                       const TableArguments& arguments) {
+PoseTable MakePoseTable(const TableFormat& format,
+                        const TableArguments& arguments) {
   const std::string& path = arguments.input;
   if (std::filesystem::path(path).extension() != ".csv")
     throw InputError(
@@ -365,8 +366,8 @@ PoseTable TableOfPoses(const TableFormat& format,
 
 // Returns the image size given for a camera; WxH applies to all cameras without
 // their own NAME=WxH.
-ImageSize SizeOfFeatures(const TableArguments& arguments,
-                         const std::string& camera) {
+ImageSize GetFeatureImageSize(const TableArguments& arguments,
+                              const std::string& camera) {
   std::string size;
   for (const std::string& text : arguments.image_sizes) {
     const size_t at = text.find('=');
@@ -394,8 +395,8 @@ void RequireKnownCameras(const TableArguments& arguments,
   }
 }
 
-FeatureTable TableOfFeatures(const TableFormat& format,
-                             const TableArguments& arguments) {
+FeatureTable MakeFeatureTable(const TableFormat& format,
+                              const TableArguments& arguments) {
   if (std::filesystem::path(arguments.input).extension() != ".csv")
     throw InputError(fmt::format("{}: {} requires features.csv",
                                  arguments.input, format.name));
@@ -410,7 +411,7 @@ FeatureTable TableOfFeatures(const TableFormat& format,
   RequireKnownCameras(arguments, cameras);
   FeatureTable table = {arguments.input, arguments.output, {}, pattern.boards};
   for (auto& [name, dataset] : cameras) {
-    dataset.image_size = SizeOfFeatures(arguments, name);
+    dataset.image_size = GetFeatureImageSize(arguments, name);
     RequireConsistent(arguments.input, dataset, pattern);
     table.cameras.push_back({name, std::move(dataset)});
   }
@@ -422,13 +423,13 @@ TableOutput MakeTable(const TableFormat& format,
                       const CommonOptions& common,
                       nlohmann::ordered_json* json) {
   if (format.write_rays) {
-    const RayTable table = TableOfRays(arguments, common);
+    const RayTable table = MakeRayTable(arguments, common);
     (*json)["pixels"] = {table.x.size(), table.y.size()};
     (*json)["central"] = table.origins.empty();
     return format.write_rays(table);
   }
   if (format.write_features) {
-    const FeatureTable table = TableOfFeatures(format, arguments);
+    const FeatureTable table = MakeFeatureTable(format, arguments);
     for (const NamedDataset& camera : table.cameras)
       (*json)["cameras"].push_back(camera.camera);
     return format.write_features(table);
@@ -436,25 +437,25 @@ TableOutput MakeTable(const TableFormat& format,
   if (format.write_camera)
     return MakeCameraTable(format, arguments, common, json);
   if (format.write_poses) {
-    const PoseTable table = TableOfPoses(format, arguments);
+    const PoseTable table = MakePoseTable(format, arguments);
     (*json)["poses"] = table.poses.size();
     return format.write_poses(table);
   }
   if (format.IsOfView()) {
-    const SeenView seen = ReadView(arguments, common);
+    const ExportedView seen = ReadView(arguments, common);
     (*json)["view"] = MakeViewJson(seen.view);
     TableOutput output =
         format.mesh_unit
             ? MakeMesh(format, arguments, seen, common.threads, json)
             : format.write_view(
-                  TableOfView(format, arguments, seen, common.threads));
+                  MakeViewTable(format, arguments, seen, common.threads));
     output.configuration +=
         (arguments.is_reverse ? "; from the undistorted view: "
                               : "; output view: ") +
         FormatView(seen.view);
     return output;
   }
-  const BlobTable table = TableOfBlob(format, arguments);
+  const BlobTable table = MakeBlobTable(format, arguments);
   (*json)["bytes"] = table.bytes.size();
   (*json)["crc32"] = table.crc32;
   return format.write_blob(table);

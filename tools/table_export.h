@@ -17,7 +17,7 @@ struct TableArguments {
   std::string address;  ///< "0x08080000", or "" if not specified
   std::string every;    ///< "8", or ""
   std::optional<double> max_fit_error_px;
-  ViewWords view;
+  ViewKeyValues view;
   bool is_reverse = false;               ///< inverse: sources in the view
   std::string pattern;                   ///< pattern of features.csv
   std::vector<std::string> image_sizes;  ///< "640x480" or "left=640x480"

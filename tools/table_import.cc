@@ -20,7 +20,8 @@ namespace raygrid {
 namespace {
 
 // Throws for options that require a camera, for tables without one.
-void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
+void RequireNoCameraOption(const ImportArguments& arguments,
+                           const std::string& what) {
   for (const auto& [option, value] : {std::pair("--model", arguments.model),
                                       {"--image-size", arguments.image_size}})
     if (!value.empty())
@@ -31,8 +32,8 @@ void RequireNoLens(const ImportArguments& arguments, const std::string& what) {
 
 // Returns the features of all cameras, or the boards, depending on the name of
 // the output file.
-std::string TextOfFeatures(const FeatureTable& features,
-                           const ImportArguments& arguments) {
+std::string FormatFeatureTable(const FeatureTable& features,
+                               const ImportArguments& arguments) {
   const std::filesystem::path output = arguments.output;
   if (output.extension() == ".yaml") {
     if (features.boards.empty())
@@ -81,9 +82,9 @@ void PrintFeatures(const FeatureTable& features,
 
 void ImportFeatures(const TableFormat& table, const ImportArguments& arguments,
                     const std::string& bytes, const CommonOptions& common) {
-  RequireNoLens(arguments, "features and boards");
+  RequireNoCameraOption(arguments, "features and boards");
   const FeatureTable features = table.read_features(arguments.files[0], bytes);
-  const std::string text = TextOfFeatures(features, arguments);
+  const std::string text = FormatFeatureTable(features, arguments);
   RequireNoInputReplaced(arguments.files, {arguments.output});
   WriteFile(arguments.output, text);
   PrintFeatures(features, arguments, common);
@@ -92,7 +93,7 @@ void ImportFeatures(const TableFormat& table, const ImportArguments& arguments,
 void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
                  const std::string& bytes, const CommonOptions& common) {
   const std::string& path = arguments.files[0];
-  RequireNoLens(arguments, "poses");
+  RequireNoCameraOption(arguments, "poses");
   if (std::filesystem::path(arguments.output).extension() != ".csv")
     throw Error(
         ExitCode::kUsage,
@@ -110,8 +111,8 @@ void ImportPoses(const TableFormat& table, const ImportArguments& arguments,
 
 }  // namespace
 
-const TableFormat* FindTable(const ImportArguments& arguments,
-                             const std::vector<std::string>& texts) {
+const TableFormat* SelectTable(const ImportArguments& arguments,
+                               const std::vector<std::string>& texts) {
   const TableFormat* table = RecognizeTable(texts[0]);
   if (!table) return nullptr;
   if (!arguments.from.empty() && arguments.from != table->name)
@@ -133,7 +134,7 @@ const TableFormat* FindTable(const ImportArguments& arguments,
 
 void RequireNoView(const ImportArguments& arguments) {
   const std::string word =
-      arguments.is_reverse ? "inverse" : FirstWord(arguments.view);
+      arguments.is_reverse ? "inverse" : FirstToken(arguments.view);
   if (!word.empty())
     throw Error(
         ExitCode::kUsage,

@@ -13,8 +13,8 @@ namespace raygrid {
 
 /// Returns the format of a table that is imported alone; NULL if the first text
 /// is not a table. Throws Error for arguments that are invalid for tables.
-const TableFormat* FindTable(const ImportArguments& arguments,
-                             const std::vector<std::string>& texts);
+const TableFormat* SelectTable(const ImportArguments& arguments,
+                               const std::vector<std::string>& texts);
 
 /// Throws Error(kUsage) for options that are valid only for tables of a view.
 void RequireNoView(const ImportArguments& arguments);

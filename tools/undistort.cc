@@ -34,10 +34,10 @@ struct UndistortArguments {
   std::string camera, output, frames;
   std::string rectify = "pinhole", outside = "fill";
   std::vector<std::string> images;
-  ViewWords view;
+  ViewKeyValues view;
   std::string mode;
   double max_error_px = 0.05;
-  bool is_bound_given = false;
+  bool is_max_error_given = false;
   uint32_t remap_index = 0;
   bool is_reverse = false;
 };
@@ -66,8 +66,8 @@ void RequireSize(const std::string& path, const ImageSize& size,
 }
 
 // Maps by a remap table of a blob.
-ImageMapper ByTable(BlobCamera blob, const VirtualView& view,
-                    uint32_t remap_index) {
+ImageMapper MapWithTable(BlobCamera blob, const VirtualView& view,
+                         uint32_t remap_index) {
   const auto camera = std::make_shared<BlobCamera>(std::move(blob));
   return {view, [=](const std::string& path, const Image& image) {
             RequireSize(path, image.size, camera->FrameSize(remap_index),
@@ -96,8 +96,8 @@ ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
 
 // Whether each pixel of the camera's frames, as calibrated or of a sensor mode,
 // is in the valid region.
-std::vector<bool> FindValidPixels(const ValidityMask& valid_region,
-                                  const SensorMode& mode) {
+std::vector<bool> ComputeValidPixels(const ValidityMask& valid_region,
+                                     const SensorMode& mode) {
   std::vector<bool> pixels;
   for (int y = 0; y < mode.size.height; ++y)
     for (int x = 0; x < mode.size.width; ++x)
@@ -111,7 +111,7 @@ std::vector<bool> FindValidPixels(const ValidityMask& valid_region,
 ImageMapper ValidOnly(ImageMapper mapper, const std::string& path,
                       const ValidityMask& valid_region,
                       const SensorMode& mode) {
-  const std::vector<bool> pixels = FindValidPixels(valid_region, mode);
+  const std::vector<bool> pixels = ComputeValidPixels(valid_region, mode);
   if (std::find(pixels.begin(), pixels.end(), true) == pixels.end())
     throw Error(
         ExitCode::kUsage,
@@ -145,8 +145,8 @@ void RequireCentral(const UndistortArguments& arguments,
 
 // Returns the requested sensor mode: one of the blob's modes, or the one
 // specified by the option.
-std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
-                                   const CameraInput& input) {
+std::optional<SensorMode> SelectMode(const UndistortArguments& arguments,
+                                     const CameraInput& input) {
   if (arguments.mode.empty()) return std::nullopt;
   if (!input.blob || AsksForAView(arguments))
     return ParseModes({arguments.mode}, input.file.camera->image_size())[0];
@@ -165,8 +165,8 @@ std::optional<SensorMode> FindMode(const UndistortArguments& arguments,
 }
 
 // Returns the remap table of the blob selected by index or sensor mode.
-uint32_t FindTable(const BlobCamera& blob,
-                   const UndistortArguments& arguments) {
+uint32_t SelectRemapTable(const BlobCamera& blob,
+                          const UndistortArguments& arguments) {
   return arguments.mode.empty()
              ? arguments.remap_index
              : blob.FindModeTable(arguments.mode).value_or(RG_NO_TABLE);
@@ -195,22 +195,22 @@ struct UndistortRequest {
 // Uses the blob's table if no other view is requested.
 void CompleteRequest(const UndistortArguments& arguments,
                      const CameraInput& input, UndistortRequest* request) {
-  request->mode = FindMode(arguments, input);
+  request->mode = SelectMode(arguments, input);
   request->valid_region =
       SelectVisibleMask(arguments.outside, arguments.camera, input);
   if (!input.blob || !input.blob->has_remap() || AsksForAView(arguments))
     return;
-  const uint32_t table = FindTable(*input.blob, arguments);
+  const uint32_t table = SelectRemapTable(*input.blob, arguments);
   RequireDirection(arguments, table, input.blob->IsInverseRemap(table));
   if (!request->mode) request->mode = input.blob->GetRemapMode(table);
   request->table = table;
 }
 
-VirtualView FindView(const CameraInput& input,
-                     const UndistortRequest& request) {
+VirtualView SelectView(const CameraInput& input,
+                       const UndistortRequest& request) {
   if (request.table) return input.blob->GetRemapView(*request.table);
   const CameraModel& camera = *input.file.camera;
-  return request.mode ? MakeViewOfMode(camera, *request.mode, request.view)
+  return request.mode ? MakeModeView(camera, *request.mode, request.view)
                       : MakeView(camera, request.view);
 }
 
@@ -220,14 +220,14 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
                               const UndistortRequest& request,
                               CameraInput input, int num_threads) {
   if (request.table && input.blob->IsInverseRemap(*request.table)) {
-    const VirtualView view = FindView(input, request);
-    return ByTable(*std::move(input.blob), view, *request.table);
+    const VirtualView view = SelectView(input, request);
+    return MapWithTable(*std::move(input.blob), view, *request.table);
   }
   RequireCentral(arguments, *input.file.camera);
   if (!input.blob) AlignToCameraFrame(&input.file.camera);
-  input.file.camera = ExtractRegularPart(*input.file.camera, num_threads);
+  input.file.camera = ExtractRegularRegion(*input.file.camera, num_threads);
   const CameraModel& camera = *input.file.camera;
-  const VirtualView view = FindView(input, request);
+  const VirtualView view = SelectView(input, request);
   return request.mode
              ? Distortion(ModeCamera(camera, *request.mode), view, num_threads)
              : Distortion(camera, view, num_threads);
@@ -239,15 +239,15 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
                                 const UndistortRequest& request,
                                 CameraInput input, int num_threads) {
   if (request.table && !request.valid_region) {
-    const VirtualView view = FindView(input, request);
-    return ByTable(*std::move(input.blob), view, *request.table);
+    const VirtualView view = SelectView(input, request);
+    return MapWithTable(*std::move(input.blob), view, *request.table);
   }
   if (!input.blob) AlignToCameraFrame(&input.file.camera);
-  const VirtualView view = FindView(input, request);
+  const VirtualView view = SelectView(input, request);
   PackOptions options;
   options.remaps.emplace_back(view, request.mode);
   options.max_error_px = arguments.max_error_px;
-  options.is_table_bound_soft = !arguments.is_bound_given;
+  options.is_table_bound_soft = !arguments.is_max_error_given;
   options.shown = request.valid_region;
   options.num_threads = num_threads;
   const PackedCamera packed = PackCamera(input.file, options);
@@ -256,7 +256,7 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
                "raygrid: {}: remap error up to {:.2g} px; reduce the field of "
                "view for a smaller error\n",
                arguments.camera, packed.remaps[0].error_px);
-  return ByTable(BlobCamera("packed camera", packed.blob), view, 0);
+  return MapWithTable(BlobCamera("packed camera", packed.blob), view, 0);
 }
 
 ImageMapper Prepare(const UndistortArguments& arguments,
@@ -264,7 +264,7 @@ ImageMapper Prepare(const UndistortArguments& arguments,
   UndistortRequest request;
   request.view = ParseViewOptions(arguments.view);
   CameraInput input = ReadCamera(arguments.camera, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(arguments.camera, input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(arguments.camera, input.file);
   if (arguments.is_reverse) RequireNoFrames(arguments);
   CompleteRequest(arguments, input, &request);
   if (!arguments.is_reverse)
@@ -296,13 +296,13 @@ std::string Target(const std::string& folder, const std::string& path,
 std::vector<Targets> MakeTargets(const UndistortArguments& arguments,
                                  const std::vector<std::string>& paths) {
   std::vector<Targets> targets;
-  std::map<std::string, std::string> path_of_target;
+  std::map<std::string, std::string> path_by_target;
   for (const std::string& path : paths) {
     targets.push_back({Target(arguments.output, path, ".png"), ""});
     if (!arguments.frames.empty())
       targets.back().frame = Target(arguments.frames, path, ".raw");
     const std::string& target = targets.back().image;
-    const auto [place, is_new] = path_of_target.emplace(target, path);
+    const auto [place, is_new] = path_by_target.emplace(target, path);
     if (!is_new)
       throw InputError(
           fmt::format("{} and {} would both be written to {}; rename one, or "
@@ -428,7 +428,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
       ->option_text("DIR");
   AddHugeOption(command);
   command->callback([arguments, command, common] {
-    arguments->is_bound_given = command->count("--max-error-px") > 0;
+    arguments->is_max_error_given = command->count("--max-error-px") > 0;
     Run(*arguments, *common);
   });
 }

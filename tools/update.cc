@@ -31,7 +31,7 @@ struct UpdateArguments {
 };
 
 // Returns the bytes of a complete blob, without trailing data.
-std::string ReadWholeBlob(const std::string& path) {
+std::string ReadBlob(const std::string& path) {
   std::string bytes = ReadFile(path);
   bytes.resize(BlobCamera(path, bytes).blob().size);
   return bytes;
@@ -118,7 +118,8 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
 }
 
 // Returns the size of the existing slots.
-uint64_t SizeOfSlots(const SlotStore& store, const UpdateArguments& arguments) {
+uint64_t GetSlotsSize(const SlotStore& store,
+                      const UpdateArguments& arguments) {
   const uint64_t size = store.Size();
   if (store.is_device() && !arguments.slot_size)
     throw Error(
@@ -178,7 +179,7 @@ void MakeSlots(const UpdateArguments& arguments, const CommonOptions& common,
 void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
                  const std::string& blob) {
   const SlotStore store(arguments.slots);
-  const uint64_t slot_size = SizeOfSlots(store, arguments);
+  const uint64_t slot_size = GetSlotsSize(store, arguments);
   RequireSlotSize(slot_size, arguments, blob);
   const std::string bytes = store.Read(2 * slot_size);
   if (const auto place = FindMisplacedSlot(bytes); place && !arguments.is_new)
@@ -201,7 +202,7 @@ void UpdateSlots(const UpdateArguments& arguments, const CommonOptions& common,
 }
 
 void RunUpdate(const UpdateArguments& arguments, const CommonOptions& common) {
-  const std::string blob = ReadWholeBlob(arguments.blob);
+  const std::string blob = ReadBlob(arguments.blob);
   RequireNoInputReplaced({arguments.blob}, {arguments.slots});
   struct stat status = {};
   if (stat(arguments.slots.c_str(), &status) != 0 && errno == ENOENT)

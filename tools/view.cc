@@ -22,8 +22,8 @@
 namespace raygrid {
 namespace {
 
-constexpr uint8_t kNothingSeen = 58;  // grey level of pixels without a source
-constexpr double kThin = 1.3;         // line width in pixels of the sheet
+constexpr uint8_t kNoSourceGrey = 58;  // grey level of pixels without a source
+constexpr double kThin = 1.3;          // line width in pixels of the sheet
 
 struct ViewArguments {
   std::vector<std::string> files, images, remaps;
@@ -54,7 +54,7 @@ struct ViewTables {
 
 // Returns the path as typed; of absolute paths, only the file name, so that a
 // published sheet does not reveal folders.
-std::string ShownName(const std::string& path) {
+std::string GetDisplayName(const std::string& path) {
   const std::filesystem::path typed(path);
   return Printable(typed.is_absolute() ? typed.filename().string() : path);
 }
@@ -74,8 +74,8 @@ Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
 }
 
 // Returns the requested tables, those of the blob, or the camera's default.
-ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
-                    const CommonOptions& common) {
+ViewTables MakeViewTables(ViewedCamera* viewed, const ViewArguments& arguments,
+                          const CommonOptions& common) {
   ViewTables tables;
   std::optional<BlobCamera>& blob = viewed->input.blob;
   if (blob && blob->has_remap() && arguments.remaps.empty()) {
@@ -90,7 +90,7 @@ ViewTables TablesOf(ViewedCamera* viewed, const ViewArguments& arguments,
   }
   PackedCamera packed;
   if (arguments.remaps.empty()) {
-    packed = PackSupportedParts(viewed->input.file, common.threads);
+    packed = PackSupportedSections(viewed->input.file, common.threads);
   } else {
     PackOptions options;
     for (const std::string& remap : arguments.remaps)
@@ -177,7 +177,7 @@ SheetTile TileBefore(const ViewedCamera& viewed,
                                 100 * ValidFraction(*viewed.mask, camera))
                   : "no valid region in the file",
       viewed.image.empty() ? "a rendered checkered room, seen by this camera"
-                           : ShownName(viewed.image)};
+                           : GetDisplayName(viewed.image)};
   tile.picture = viewed.before;
   for (size_t k = 0; k < views.size(); ++k) {
     SheetCurves edge;
@@ -200,18 +200,19 @@ SheetCurves StraightCurves(const ViewedCamera& viewed,
   drawn.curves =
       viewed.image.empty()
           ? MakeRoomLines(view, Eigen::Matrix3d::Identity(), viewed.square)
-          : MakeRoomLines(view, view.camera_from_view, SquareOfView(view));
+          : MakeRoomLines(view, view.camera_from_view,
+                          ComputeViewSquareSize(view));
   return drawn;
 }
 
-SheetTile TileOfView(const ViewedCamera& viewed, const ViewTables& tables,
-                     size_t k) {
+SheetTile MakeViewTile(const ViewedCamera& viewed, const ViewTables& tables,
+                       size_t k) {
   const VirtualView& view = tables.views[k];
   SheetTile tile;
   tile.title = fmt::format("{}: view {}", viewed.name, tables.indices[k]);
   tile.caption = ViewCaption(view);
   tile.picture =
-      tables.blob->Undistort(viewed.before, kNothingSeen, tables.indices[k]);
+      tables.blob->Undistort(viewed.before, kNoSourceGrey, tables.indices[k]);
   tile.curves = {StraightCurves(viewed, view)};
   for (SheetCurves& known : KnownCurves(viewed)) {
     known.curves = ProjectCurves(viewed.camera(), view, known.curves);
@@ -228,40 +229,40 @@ struct ViewedRow {
 };
 
 // The file of a view has no image before undistortion: only the view is shown.
-ViewedRow RowOfView(const VirtualView& view, ViewedCamera viewed,
-                    const CommonOptions& common) {
+ViewedRow MakeViewRow(const VirtualView& view, ViewedCamera viewed,
+                      const CommonOptions& common) {
   SheetTile tile;
-  viewed.square = SquareOfView(view);
+  viewed.square = ComputeViewSquareSize(view);
   tile.picture =
       viewed.image.empty()
           ? RenderStraightScene(*MakeRotatedViewCamera(view), viewed.square,
-                                kNothingSeen, common.threads)
+                                kNoSourceGrey, common.threads)
           : ReadPhotograph(viewed.image, view.size);
   tile.title = viewed.name + ": a view";
   tile.caption = ViewCaption(view);
   tile.caption.push_back(viewed.image.empty()
                              ? "a rendered checkered room, in this view"
-                             : ShownName(viewed.image));
+                             : GetDisplayName(viewed.image));
   tile.curves = {StraightCurves(viewed, view)};
   return {{{std::move(tile)}},
           {{"views", nlohmann::ordered_json::array({MakeViewJson(view)})}}};
 }
 
-ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
-                      const CommonOptions& common) {
+ViewedRow MakeCameraRow(ViewedCamera viewed, const ViewArguments& arguments,
+                        const CommonOptions& common) {
   if (!viewed.input.blob) AlignToCameraFrame(&viewed.input.file.camera);
   viewed.mask = LoadValidityMask(viewed.input);
-  viewed.square = SquareOfStraightScene(viewed.camera());
+  viewed.square = ComputeSceneSquareSize(viewed.camera());
   viewed.before =
       viewed.image.empty()
-          ? RenderStraightScene(viewed.camera(), viewed.square, kNothingSeen,
+          ? RenderStraightScene(viewed.camera(), viewed.square, kNoSourceGrey,
                                 common.threads)
           : ReadPhotograph(viewed.image, viewed.camera().image_size());
-  const ViewTables tables = TablesOf(&viewed, arguments, common);
+  const ViewTables tables = MakeViewTables(&viewed, arguments, common);
   ViewedRow result;
   result.row.tiles.push_back(TileBefore(viewed, tables.views));
   for (size_t k = 0; k < tables.views.size(); ++k)
-    result.row.tiles.push_back(TileOfView(viewed, tables, k));
+    result.row.tiles.push_back(MakeViewTile(viewed, tables, k));
   if (tables.views.empty()) {
     SheetTile tile;
     tile.title = viewed.name + ": no view";
@@ -278,26 +279,26 @@ ViewedRow RowOfCamera(ViewedCamera viewed, const ViewArguments& arguments,
   return result;
 }
 
-ViewedRow RowOfFile(const std::string& path, const std::string& image,
-                    const ViewArguments& arguments,
-                    const CommonOptions& common) {
+ViewedRow MakeFileRow(const std::string& path, const std::string& image,
+                      const ViewArguments& arguments,
+                      const CommonOptions& common) {
   ViewedCamera viewed;
-  viewed.name = ShownName(path);
+  viewed.name = GetDisplayName(path);
   viewed.image = image;
   viewed.input = ReadCamera(path, common.at);
-  if (!common.quiet) WarnOfFailedCalibration(path, viewed.input.file);
+  if (!common.quiet) WarnAboutFailedCalibration(path, viewed.input.file);
   auto view = MakeCameraView(viewed.camera());
   const auto& pose = viewed.input.file.camera_from_view;
   if (!view || viewed.input.blob || !arguments.remaps.empty())
-    return RowOfCamera(std::move(viewed), arguments, common);
+    return MakeCameraRow(std::move(viewed), arguments, common);
   if (pose) view->camera_from_view = pose->rotation.toRotationMatrix();
-  return RowOfView(*view, std::move(viewed), common);
+  return MakeViewRow(*view, std::move(viewed), common);
 }
 
 // ---- The command -----------------------------------------------------------
 
 // Returns the marks that occur in a sheet, and their meanings.
-std::vector<SheetMark> MarksOf(const std::vector<SheetRow>& rows) {
+std::vector<SheetMark> ListMarks(const std::vector<SheetRow>& rows) {
   const SheetMark all[] = {
       {kValidColor, false, "valid region"},
       {kAreaColor, false, "calibrated area"},
@@ -338,14 +339,14 @@ void Run(const ViewArguments& arguments, const CommonOptions& common) {
     std::string image;
     if (!arguments.images.empty())
       image = arguments.images[arguments.images.size() == 1 ? 0 : k];
-    ViewedRow row = RowOfFile(arguments.files[k], image, arguments, common);
+    ViewedRow row = MakeFileRow(arguments.files[k], image, arguments, common);
     nlohmann::ordered_json entry = {{"file", arguments.files[k]}};
     if (!image.empty()) entry["image"] = image;
     entry.update(row.json);
     files.push_back(std::move(entry));
     rows.push_back(std::move(row.row));
   }
-  const Image sheet = ContactSheet(rows, MarksOf(rows));
+  const Image sheet = ContactSheet(rows, ListMarks(rows));
   WriteFile(arguments.output, EncodePng(sheet));
   if (common.json) {
     const nlohmann::ordered_json result = {

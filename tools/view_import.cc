@@ -18,8 +18,10 @@ namespace {
 }
 
 // Returns the view of a table, as specified by the option.
-VirtualView ViewOfWords(const TableFormat& format, const ViewImport& import,
-                        const ViewRequest& request, const ImageSize& size) {
+VirtualView ParseImportedView(const TableFormat& format,
+                              const ViewImport& import,
+                              const ViewRequest& request,
+                              const ImageSize& size) {
   try {
     return MakeViewWithoutCamera(size, request);
   } catch (const Error& error) {
@@ -59,7 +61,7 @@ RayTable EmptyRays(const ViewTable& table) {
 
 // The camera's pixels are those of the table; their directions are those of the
 // table's positions in the view.
-RayTable RaysOfCameraPixels(const ViewTable& table, const VirtualView& view) {
+RayTable MakeCameraPixelRays(const ViewTable& table, const VirtualView& view) {
   RayTable rays = EmptyRays(table);
   rays.image_size = table.size;
   for (size_t k = 0; k < table.sources.size(); ++k) {
@@ -72,7 +74,7 @@ RayTable RaysOfCameraPixels(const ViewTable& table, const VirtualView& view) {
 
 // The camera's pixels are the positions in the table; their directions are
 // those of the view's pixels.
-RayTable RaysOfViewPixels(const ViewTable& table, const VirtualView& view) {
+RayTable MakeViewPixelRays(const ViewTable& table, const VirtualView& view) {
   constexpr double kRoundingPx = 1e-3;
   const Area image = WholeImage(table.source_size);
   RayTable rays = EmptyRays(table);
@@ -113,9 +115,9 @@ RayTable ReadViewTableRays(const TableFormat& format,
   if (import.is_reverse && image_size)
     RequireSize("--image-size", import, table.size, *image_size);
   if (!import.is_reverse) RequireSize("the view", import, table.size, size);
-  const VirtualView view = ViewOfWords(format, import, request, size);
-  return import.is_reverse ? RaysOfCameraPixels(table, view)
-                           : RaysOfViewPixels(table, view);
+  const VirtualView view = ParseImportedView(format, import, request, size);
+  return import.is_reverse ? MakeCameraPixelRays(table, view)
+                           : MakeViewPixelRays(table, view);
 }
 
 }  // namespace raygrid

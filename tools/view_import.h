@@ -12,7 +12,7 @@ namespace raygrid {
 /// the file does not contain it.
 struct ViewImport {
   std::string path, bytes;
-  ViewWords view;  ///< options with which it was exported
+  ViewKeyValues view;  ///< options with which it was exported
   bool is_reverse = false;
   std::string image_size;  ///< --image-size of the camera's image, or ""
 };

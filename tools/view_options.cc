@@ -10,18 +10,18 @@
 #include "dataset/error.h"
 #include "help_formatter.h"
 #include "image_size_option.h"
-#include "word_options.h"
+#include "key_options.h"
 
 namespace raygrid {
 namespace {
 
-struct ViewWord {
+struct ViewKey {
   const char* name;
   const char* value;  // placeholder of the option's value
   const char* help;
 };
 
-constexpr ViewWord kViewWords[] = {
+constexpr ViewKey kViewKeys[] = {
     {"hfov", "DEG",
      "horizontal field of view (default: same resolution as the image at its "
      "centre)"},
@@ -62,8 +62,8 @@ ViewProjection ParseProjection(const std::string& place,
                           place, text));
 }
 
-void AddWord(const std::string& place, const std::string& name,
-             const std::string& value, ViewRequest* request) {
+void AddKey(const std::string& place, const std::string& name,
+            const std::string& value, ViewRequest* request) {
   if (name == "view") {
     request->like = ReadView(place, value);
     return;
@@ -90,9 +90,9 @@ void AddWord(const std::string& place, const std::string& name,
   if (name == "alpha") request->alpha = number;
 }
 
-bool IsViewWord(const std::string& name) {
-  for (const ViewWord& word : kViewWords)
-    if (name == word.name) return true;
+bool IsViewKey(const std::string& name) {
+  for (const ViewKey& key : kViewKeys)
+    if (name == key.name) return true;
   return false;
 }
 
@@ -112,7 +112,7 @@ const char kViewSyntaxHelp[] =
     "  at=M or plane=NX,NY,NZ,M       distance or plane of the scene, for\n"
     "                                 non-central cameras\n";
 
-const char kViewWordsHelp[] =
+const char kViewKeysHelp[] =
     "hfov=DEG, vfov=DEG, focal=PX, alpha=0..1 (0: valid pixels only; 1: all "
     "pixels), center=X,Y (principal point), rotate=YAW,PITCH,ROLL (degrees "
     "right, up, clockwise), "
@@ -121,8 +121,8 @@ const char kViewWordsHelp[] =
 
 ViewRequest ParseView(const std::string& option, const std::string& text) {
   ViewRequest request;
-  ViewWords seen;
-  for (const std::string& part : SplitAtWords(text)) {
+  ViewKeyValues seen;
+  for (const std::string& part : SplitAtKeys(text)) {
     const size_t equals = part.find('=');
     if (equals == std::string::npos && seen.empty() &&
         request.size.width == 0) {
@@ -131,21 +131,21 @@ ViewRequest ParseView(const std::string& option, const std::string& text) {
     }
     std::string name = part.substr(0, equals);
     if (name == "like") name = "view";  // former name
-    if (equals == std::string::npos || !IsViewWord(name))
+    if (equals == std::string::npos || !IsViewKey(name))
       throw Error(ExitCode::kUsage,
                   fmt::format("{} {}: expected WIDTHxHEIGHT and {}, not '{}'",
-                              option, text, kViewWordsHelp, part));
+                              option, text, kViewKeysHelp, part));
     if (!seen.emplace(name, "").second)
       throw Error(ExitCode::kUsage, fmt::format("{} {}: {} is specified twice",
                                                 option, text, name));
-    AddWord(fmt::format("{} {}: {}", option, text, name), name,
-            part.substr(equals + 1), &request);
+    AddKey(fmt::format("{} {}: {}", option, text, name), name,
+           part.substr(equals + 1), &request);
   }
   RequireValidView(request);
   return request;
 }
 
-const char kTableWordsHelp[] =
+const char kTableKeysHelp[] =
     "direction=distort (inverse remap, from undistorted images to frames), and "
     "for non-central cameras at=METRES (distance of the scene) or "
     "plane=NX,NY,NZ,METRES (plane of the scene, in camera axes)";
@@ -178,8 +178,8 @@ SceneSurface ParseScene(const std::string& place, const std::string& name,
 
 // Parses a key that applies to remap tables only; returns false if it is a key
 // of views.
-bool AddTableWord(const std::string& option, const std::string& text,
-                  const std::string& part, RemapWords* words) {
+bool AddTableKey(const std::string& option, const std::string& text,
+                 const std::string& part, RemapKeys* words) {
   const size_t equals = part.find('=');
   if (equals == std::string::npos) return false;
   const std::string name = part.substr(0, equals);
@@ -205,28 +205,27 @@ bool AddTableWord(const std::string& option, const std::string& text,
 
 }  // namespace
 
-RemapWords ParseRemap(const std::string& option, const std::string& text) {
-  RemapWords words;
+RemapKeys ParseRemap(const std::string& option, const std::string& text) {
+  RemapKeys words;
   std::string view;
-  for (const std::string& part : SplitAtWords(text))
-    if (!AddTableWord(option, text, part, &words))
+  for (const std::string& part : SplitAtKeys(text))
+    if (!AddTableKey(option, text, part, &words))
       view += (view.empty() ? "" : ",") + part;
   if (!view.empty() || text.empty()) words.view = ParseView(option, view);
   return words;
 }
 
-void AddViewOptions(CLI::App* command, ViewWords* words) {
+void AddViewOptions(CLI::App* command, ViewKeyValues* words) {
   BeginGroup(command, help_group::kView);
   command
       ->add_option(
           "--size", (*words)["size"],
           "size of the undistorted view in px (default: that of the images)")
       ->option_text("WxH");
-  for (const ViewWord& word : kViewWords)
+  for (const ViewKey& key : kViewKeys)
     command
-        ->add_option(std::string("--") + word.name, (*words)[word.name],
-                     word.help)
-        ->option_text(word.value);
+        ->add_option(std::string("--") + key.name, (*words)[key.name], key.help)
+        ->option_text(key.value);
 }
 
 void AddOutsideOption(CLI::App* command, std::string* outside) {
@@ -243,33 +242,34 @@ void AddOutsideOption(CLI::App* command, std::string* outside) {
       ->capture_default_str();
 }
 
-ViewRequest ParseViewOptions(const ViewWords& words) {
+ViewRequest ParseViewOptions(const ViewKeyValues& words) {
   ViewRequest request;
   for (const auto& [name, value] : words) {
     if (value.empty()) continue;
     if (name == "size")
       request.size = ParseImageSize("--size", value);
     else
-      AddWord("--" + name, name, value, &request);
+      AddKey("--" + name, name, value, &request);
   }
   RequireValidView(request);
   return request;
 }
 
-std::string FirstWord(const ViewWords& words) {
+std::string FirstToken(const ViewKeyValues& words) {
   for (const auto& [name, value] : words)
     if (!value.empty()) return name;
   return "";
 }
 
-VirtualView RectifiedView(const CameraInput& input, const ViewWords& words) {
-  const bool is_given = !FirstWord(words).empty();
+VirtualView RectifiedView(const CameraInput& input,
+                          const ViewKeyValues& words) {
+  const bool is_given = !FirstToken(words).empty();
   const std::vector<uint32_t> tables =
       input.blob ? input.blob->ListCalibratedTables() : std::vector<uint32_t>();
   if (!is_given && !tables.empty())
     return input.blob->GetRemapView(tables.front());
   return is_given ? MakeView(*input.file.camera, ParseViewOptions(words))
-                  : MakeViewOfArea(*input.file.camera);
+                  : MakeAreaView(*input.file.camera);
 }
 
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view) {

@@ -14,10 +14,10 @@
 namespace raygrid {
 
 /// Keys and values of a requested view, such as "hfov" and "90".
-using ViewWords = std::map<std::string, std::string>;
+using ViewKeyValues = std::map<std::string, std::string>;
 
 /// Keys of a view, for messages.
-extern const char kViewWordsHelp[];
+extern const char kViewKeysHelp[];
 /// Help block with the syntax of --remap.
 extern const char kViewSyntaxHelp[];
 
@@ -26,30 +26,30 @@ extern const char kViewSyntaxHelp[];
 ViewRequest ParseView(const std::string& option, const std::string& text);
 
 /// A requested remap table: a view, and keys for tables only.
-struct RemapWords {
+struct RemapKeys {
   ViewRequest view;
   std::optional<SceneSurface> scene;
   bool distorts = false;
 };
 
 /// Keys for tables only, for messages.
-extern const char kTableWordsHelp[];
+extern const char kTableKeysHelp[];
 
 /// Like ParseView(), but also accepts the keys direction, at and plane.
-RemapWords ParseRemap(const std::string& option, const std::string& text);
+RemapKeys ParseRemap(const std::string& option, const std::string& text);
 
 /// Adds --size and an option for each key of a view.
-void AddViewOptions(CLI::App* command, ViewWords* words);
+void AddViewOptions(CLI::App* command, ViewKeyValues* words);
 /// Adds --outside: "fill" or "border".
 void AddOutsideOption(CLI::App* command, std::string* outside);
 /// Parses the options of AddViewOptions(). Throws Error(kUsage).
-ViewRequest ParseViewOptions(const ViewWords& words);
+ViewRequest ParseViewOptions(const ViewKeyValues& words);
 
 /// Returns the name of a key that was specified, or "".
-std::string FirstWord(const ViewWords& words);
+std::string FirstToken(const ViewKeyValues& words);
 /// Returns the view of a camera's undistorted images: of the blob's table, as
 /// requested, or the default view of calibrate.
-VirtualView RectifiedView(const CameraInput& input, const ViewWords& words);
+VirtualView RectifiedView(const CameraInput& input, const ViewKeyValues& words);
 
 /// Formats a view: "640 x 480 px, fx 300.5, fy 300.5, cx 319.5, cy 239.5, sees
 /// 93.6 x 77.2 degrees", plus the projection if not pinhole, and the angles.

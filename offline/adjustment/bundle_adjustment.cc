@@ -58,22 +58,23 @@ double TotalCost(const std::vector<Residual>& residuals, double huber_px) {
 
 // Effect of an accepted step.
 struct StepEffect {
-  double decrease = 0;          // relative decrease of the cost
-  double moved_deviations = 0;  // see ComputeStepInDeviations()
+  double decrease = 0;      // relative decrease of the cost
+  double step_stddevs = 0;  // see ComputeStepInStdDevs()
 };
 
 // Returns the RMS displacement of the projections by a step, per parameter and
 // relative to the standard deviation of the noise (D. Bates, D. Watts, "A
 // Relative Offset Orthogonality Convergence Criterion for Nonlinear Least
 // Squares", 1981).
-double ComputeStepInDeviations(const std::vector<Residual>& before,
-                               const std::vector<Residual>& after,
-                               double huber_px, double num_parameters) {
-  double moved = 0;
+double ComputeStepInStdDevs(const std::vector<Residual>& before,
+                            const std::vector<Residual>& after, double huber_px,
+                            double num_parameters) {
+  double sum_squared_change = 0;
   for (size_t i = 0; i < before.size(); ++i)
     if (before[i].valid && after[i].valid)
-      moved += (after[i].error_px - before[i].error_px).squaredNorm();
-  return std::sqrt(moved / num_parameters /
+      sum_squared_change +=
+          (after[i].error_px - before[i].error_px).squaredNorm();
+  return std::sqrt(sum_squared_change / num_parameters /
                    ResidualVariance(after, huber_px, num_parameters));
 }
 
@@ -91,15 +92,16 @@ enum class Losses { kAllowed, kRefused };
 
 // Steps that move more than this fraction of the observations out of the
 // calibrated area are rejected: the cost of the remaining ones is meaningless.
-constexpr double kMaxLostPart = 0.5;
+constexpr double kMaxLostFraction = 0.5;
 
 // Tries steps with increasing damping until one reduces the cost; leaves the
 // state unchanged if none does.
-StepEffect TakeStep(const NormalEquations& equations,
-                    const std::vector<View>& views, const GaussianPrior& prior,
-                    const AdjustmentOptions& options, Losses losses,
-                    double* lambda, AdjustmentState* state,
-                    std::vector<Residual>* residuals) {
+StepEffect TryDampedSteps(const NormalEquations& equations,
+                          const std::vector<View>& views,
+                          const GaussianPrior& prior,
+                          const AdjustmentOptions& options, Losses losses,
+                          double* lambda, AdjustmentState* state,
+                          std::vector<Residual>* residuals) {
   const double prior_cost = PriorCost(prior, *state, options);
   for (; *lambda < kMaxLambda; *lambda *= 10) {
     AdjustmentStep step;
@@ -113,16 +115,16 @@ StepEffect TakeStep(const NormalEquations& equations,
     const double after = costs.second + PriorCost(prior, next, options);
     if (!(after < before) || costs.num_common == 0) continue;
     const int num_before = NumValid(*residuals);
-    if (costs.num_common < (1 - kMaxLostPart) * num_before) continue;
+    if (costs.num_common < (1 - kMaxLostFraction) * num_before) continue;
     if (losses == Losses::kRefused && costs.num_common < num_before) continue;
     const ParameterLayout layout(*state,
                                  {options.fix_cameras, options.fix_points});
-    const double moved = ComputeStepInDeviations(*residuals, next_residuals,
-                                                 options.huber_px, layout.size);
+    const double sum_squared_change = ComputeStepInStdDevs(
+        *residuals, next_residuals, options.huber_px, layout.size);
     *state = std::move(next);
     *residuals = std::move(next_residuals);
     *lambda = std::max(*lambda / 10, kMinLambda);
-    return {(before - after) / before, moved};
+    return {(before - after) / before, sum_squared_change};
   }
   return {};
 }
@@ -139,7 +141,7 @@ void Report(const AdjustmentOptions& options, int iteration,
 
 // Successive small steps required for convergence: in a flat valley, a short
 // step may precede longer ones.
-constexpr int kEnoughStanding = 3;
+constexpr int kMinStandstillSteps = 3;
 constexpr double kStandstillDecrease = 1e-5;
 // Observations may be lost in the first steps only. Most optimizations have
 // converged by then.
@@ -160,15 +162,15 @@ AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
     const Losses losses = summary.num_iterations <= kStepsWithLosses
                               ? Losses::kAllowed
                               : Losses::kRefused;
-    const StepEffect effect = TakeStep(
+    const StepEffect effect = TryDampedSteps(
         *builder->Build(prior, {options.fix_cameras, options.fix_points},
                         *state),
         views, prior, options, losses, &lambda, state, &summary.residuals);
     const bool stands = effect.decrease < kStandstillDecrease &&
-                        effect.moved_deviations < options.standstill;
+                        effect.step_stddevs < options.standstill;
     num_standing = stands ? num_standing + 1 : 0;
     summary.converged = effect.decrease < options.relative_tolerance ||
-                        num_standing >= kEnoughStanding;
+                        num_standing >= kMinStandstillSteps;
     Report(options, summary.num_iterations, summary.residuals);
   }
   summary.final_cost = TotalCost(summary.residuals, options.huber_px);
@@ -185,24 +187,24 @@ void MoveMeanDeformation(const std::vector<View>& views, GaussianPrior* prior,
                          AdjustmentState* state) {
   const DeformationModes& modes = state->modes;
   if (!state->HasPerViewDeformation()) return;
-  std::vector<int> board_of_pose(state->flex.size(), -1);
+  std::vector<int> board_by_pose(state->flex.size(), -1);
   for (const View& view : views)
     if (!view.observations.empty())
-      board_of_pose[view.pose] = modes.boards[view.observations[0].point];
+      board_by_pose[view.pose] = modes.boards[view.observations[0].point];
   for (int board = 0; board < modes.num_boards(); ++board) {
     DeformationModes::Coefficients mean =
         DeformationModes::Coefficients::Zero(modes.count());
     const double count = static_cast<double>(
-        std::count(board_of_pose.begin(), board_of_pose.end(), board));
+        std::count(board_by_pose.begin(), board_by_pose.end(), board));
     for (size_t i = 0; i < state->flex.size(); ++i)
-      if (board_of_pose[i] == board) mean += state->flex[i] / count;
+      if (board_by_pose[i] == board) mean += state->flex[i] / count;
     for (size_t i = 0; i < state->flex.size(); ++i)
-      if (board_of_pose[i] == board) state->flex[i] -= mean;
+      if (board_by_pose[i] == board) state->flex[i] -= mean;
     for (size_t i = 0; i < state->points.size(); ++i) {
       if (modes.boards[i] != board) continue;
-      const Eigen::Vector3d moved = modes.by_point[i] * mean;
-      state->points[i] += moved;
-      prior->points_mean[i] += moved;
+      const Eigen::Vector3d sum_squared_change = modes.by_point[i] * mean;
+      state->points[i] += sum_squared_change;
+      prior->points_mean[i] += sum_squared_change;
     }
   }
 }
@@ -287,7 +289,7 @@ class PrecisionUpdater {
                    double square_metres_per_pixel)
       : groups_(groups),
         negligible_m2_(kNegligiblePx2 * square_metres_per_pixel),
-        of_groups_(groups.size()) {}
+        group_updates_(groups.size()) {}
 
   double UpdateCameras(const PriorEvidence& evidence, double variance) {
     double change = 0;
@@ -296,8 +298,8 @@ class PrecisionUpdater {
       double weight = group.weight;
       change = std::max(
           change,
-          of_groups_[g].Update(evidence.groups[g], variance, kNegligiblePx2,
-                               group.precision_floor * variance, &weight));
+          group_updates_[g].Update(evidence.groups[g], variance, kNegligiblePx2,
+                                   group.precision_floor * variance, &weight));
       group.SetPrecision(weight, variance);
     }
     return change;
@@ -308,15 +310,15 @@ class PrecisionUpdater {
                       GaussianPrior* prior) {
     double change = 0;
     if (!fix_points)
-      change = of_points_.Update(evidence.points, variance, negligible_m2_,
-                                 &prior->points_precision);
+      change = point_update_.Update(evidence.points, variance, negligible_m2_,
+                                    &prior->points_precision);
     for (int k = 0; k < kNumDeformationOrders; ++k)
       if (evidence.flex[k].count > 0)
         change = std::max(
             change,
-            of_flex_[k].Update(evidence.flex[k], variance, negligible_m2_,
-                               MinDeformationPrecision(state, variance),
-                               &prior->deformation_precisions[k]));
+            flex_updates_[k].Update(evidence.flex[k], variance, negligible_m2_,
+                                    MinDeformationPrecision(state, variance),
+                                    &prior->deformation_precisions[k]));
     return change;
   }
 
@@ -329,14 +331,14 @@ class PrecisionUpdater {
   static double MinDeformationPrecision(const AdjustmentState& state,
                                         double variance) {
     if (state.deformation_scope == DeformationScope::kBoard) return 0;
-    return variance / std::pow(state.modes.MaxDeviationM(), 2);
+    return variance / std::pow(state.modes.MaxStdDevM(), 2);
   }
 
   const std::vector<CameraGroup>& groups_;
   double negligible_m2_;
-  std::vector<PrecisionUpdate> of_groups_;
-  VarianceUpdate of_points_;
-  std::array<PrecisionUpdate, kNumDeformationOrders> of_flex_;
+  std::vector<PrecisionUpdate> group_updates_;
+  VarianceUpdate point_update_;
+  std::array<PrecisionUpdate, kNumDeformationOrders> flex_updates_;
 };
 
 }  // namespace
@@ -373,7 +375,7 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
   double variance = 0, num_effective = 0;
   EquationsBuilder builder(views, options.huber_px, options.num_threads);
   double lambda = kEvidenceLambda;
-  bool is_asked = !options.should_accept, should_accept = false;
+  bool acceptance_checked = !options.should_accept, should_accept = false;
   for (int round = 0; round < kMaxRounds && !ShouldStop(options); ++round) {
     // Takes one step, then computes the evidence from the same normal
     // equations.
@@ -384,8 +386,8 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
         builder.Build(*prior, fixed_parameters, *state);
     const double tried_lambda = lambda;
     const double decrease =
-        TakeStep(*equations, views, *prior, fixed, Losses::kAllowed, &lambda,
-                 state, &residuals)
+        TryDampedSteps(*equations, views, *prior, fixed, Losses::kAllowed,
+                       &lambda, state, &residuals)
             .decrease;
     if (!fixed.fix_points) MoveMeanDeformation(views, prior, state);
     Report(options, round, residuals);
@@ -403,8 +405,9 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
     change =
         std::max(change, update.UpdateBoards(*evidence, variance,
                                              fixed.fix_points, *state, prior));
-    if (!is_asked && change <= kRoughChange && decrease <= kRoughDecrease) {
-      is_asked = true;
+    if (!acceptance_checked && change <= kRoughChange &&
+        decrease <= kRoughDecrease) {
+      acceptance_checked = true;
       should_accept = options.should_accept(residuals);
       if (should_accept) break;
     }

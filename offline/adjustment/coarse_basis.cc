@@ -10,8 +10,8 @@ namespace {
 
 // Returns the board index of each point: points observed with a common pose
 // share a board.
-std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
-                               int num_points) {
+std::vector<int> FindBoardIndices(const std::vector<ViewJacobian>& jacobians,
+                                  int num_points) {
   std::vector<int> parent(num_points);
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&parent](int i) {
@@ -28,8 +28,8 @@ std::vector<int> BoardOfPoints(const std::vector<ViewJacobian>& jacobians,
 
 // Quadratic polynomials along the two longest principal axes of the points,
 // normalized to magnitudes of about 1.
-constexpr int kNumBends = 6;
-Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
+constexpr int kNumQuadraticTerms = 6;
+Eigen::MatrixXd EvaluateQuadratics(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i) centered.col(i) = points[i];
   centered.colwise() -= Eigen::Vector3d(centered.rowwise().mean());
@@ -40,9 +40,9 @@ Eigen::MatrixXd Bends(const std::vector<Eigen::Vector3d>& points) {
       scale * (axes.eigenvectors().col(2).transpose() * centered).array();
   const Eigen::ArrayXd y =
       scale * (axes.eigenvectors().col(1).transpose() * centered).array();
-  Eigen::MatrixXd bends(points.size(), kNumBends);
-  bends << Eigen::ArrayXd::Ones(x.size()), x, y, x * x, x * y, y * y;
-  return bends;
+  Eigen::MatrixXd quadratics(points.size(), kNumQuadraticTerms);
+  quadratics << Eigen::ArrayXd::Ones(x.size()), x, y, x * x, x * y, y * y;
+  return quadratics;
 }
 
 }  // namespace
@@ -83,22 +83,23 @@ CoarseBasis MakeCoarseBasis(const ParameterLayout& layout,
   for (int i = layout.first_camera.back(); i < layout.first_point; ++i)
     triplets.emplace_back(i, num_columns++, 1);
   if (layout.num_points > 0) {
-    const std::vector<int> board = BoardOfPoints(jacobians, layout.num_points);
+    const std::vector<int> board =
+        FindBoardIndices(jacobians, layout.num_points);
     for (int b = 0; b < layout.num_points; ++b) {
       std::vector<int> members;
-      std::vector<Eigen::Vector3d> places;
+      std::vector<Eigen::Vector3d> board_points;
       for (int i = 0; board[b] == b && i < layout.num_points; ++i) {
         if (board[i] != b) continue;
         members.push_back(i);
-        places.push_back(points[i]);
+        board_points.push_back(points[i]);
       }
-      if (members.size() < kNumBends) continue;
-      const Eigen::MatrixXd bends = Bends(places);
+      if (members.size() < kNumQuadraticTerms) continue;
+      const Eigen::MatrixXd quadratics = EvaluateQuadratics(board_points);
       for (size_t i = 0; i < members.size(); ++i)
-        for (int k = 0; k < 3 * kNumBends; ++k)
+        for (int k = 0; k < 3 * kNumQuadraticTerms; ++k)
           triplets.emplace_back(layout.Point(members[i]) + k % 3,
-                                num_columns + k, bends(i, k / 3));
-      num_columns += 3 * kNumBends;
+                                num_columns + k, quadratics(i, k / 3));
+      num_columns += 3 * kNumQuadraticTerms;
     }
   }
   Eigen::SparseMatrix<double, Eigen::RowMajor> basis(layout.size, num_columns);

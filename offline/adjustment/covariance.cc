@@ -14,7 +14,7 @@ constexpr int kMinObservations = 3;  // minimum for a pixel to count as observed
 // Jacobians of the projections of the lattice's rays, two rows per pixel, with
 // respect to the camera parameters and to a rotation of the camera.
 struct LatticeDerivatives {
-  Eigen::MatrixXd by_parameters;
+  Eigen::MatrixXd J_parameters;
   Eigen::MatrixX3d J_rotation;
 };
 
@@ -22,13 +22,13 @@ struct LatticeDerivatives {
 // there.
 bool AddPixel(const CameraModel& camera, const Eigen::Vector2d& pixel,
               Eigen::Index row, LatticeDerivatives* derivatives) {
-  constexpr double kFarM = 1e4;
+  constexpr double kDistanceM = 1e4;
   const auto line = camera.Line(pixel);
   LinearizedProjection linear;
   if (!line) return false;
-  const Eigen::Vector3d point = line->origin + kFarM * line->direction;
+  const Eigen::Vector3d point = line->origin + kDistanceM * line->direction;
   if (!camera.Linearize(point, &pixel, 1, &linear)) return false;
-  auto rows = derivatives->by_parameters.middleRows<2>(row);
+  auto rows = derivatives->J_parameters.middleRows<2>(row);
   for (int k = 0; k < linear.num_nodes; ++k)
     rows.middleCols(linear.node_parameter[k], linear.num_per_node) +=
         linear.node_weight[k] * linear.J_node.leftCols(linear.num_per_node);
@@ -80,17 +80,17 @@ void CountObservations(const std::vector<View>& views, int camera,
 // Returns the Jacobian D after removing the rotation, which is fitted by least
 // squares with weights by the number of observations. With equal weights, the
 // most uncertain pixels, at the edge, would rotate all others.
-Eigen::MatrixXd WithoutRotation(const LatticeDerivatives& derivatives,
-                                const std::vector<PixelUncertainty>& pixels) {
+Eigen::MatrixXd RemoveRotation(const LatticeDerivatives& derivatives,
+                               const std::vector<PixelUncertainty>& pixels) {
   const Eigen::MatrixX3d& rotation = derivatives.J_rotation;
-  Eigen::MatrixX3d seen = rotation;
+  Eigen::MatrixX3d weighted_rotation = rotation;
   for (size_t i = 0; i < pixels.size(); ++i)
-    seen.middleRows<2>(2 * static_cast<Eigen::Index>(i)) *=
+    weighted_rotation.middleRows<2>(2 * static_cast<Eigen::Index>(i)) *=
         pixels[i].num_observations;
-  const Eigen::Matrix3d square = seen.transpose() * rotation;
-  return derivatives.by_parameters -
-         rotation *
-             square.ldlt().solve(seen.transpose() * derivatives.by_parameters);
+  const Eigen::Matrix3d square = weighted_rotation.transpose() * rotation;
+  return derivatives.J_parameters -
+         rotation * square.ldlt().solve(weighted_rotation.transpose() *
+                                        derivatives.J_parameters);
 }
 
 // Joint covariances of the x and y coordinates of all lattice pixels.
@@ -118,7 +118,8 @@ class Lattice {
   int first() const { return first_; }
 
   // Returns the pixel displacements for the parameter changes in each column.
-  Eigen::MatrixXd Moves(const Eigen::MatrixXd& parameters) const {
+  Eigen::MatrixXd ComputeDisplacements(
+      const Eigen::MatrixXd& parameters) const {
     return derivatives_ * parameters.middleRows(first_, derivatives_.cols());
   }
   // D^T as right-hand sides, over all parameters that precede the poses.
@@ -144,7 +145,8 @@ bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
   if (!response.Solve(lattice.Right(response.layout()), &x)) return false;
   const Eigen::MatrixXd by_prior = x.transpose() * prior.Times(x);
   covariances->by_prior = std::pow(noise_px, 2) * by_prior;
-  covariances->by_noise = std::pow(noise_px, 2) * (lattice.Moves(x) - by_prior);
+  covariances->by_noise =
+      std::pow(noise_px, 2) * (lattice.ComputeDisplacements(x) - by_prior);
   covariances->smoothing_px = x.transpose() * prior.gradient;
   return true;
 }
@@ -167,25 +169,26 @@ bool AddSampledCovariances(const LinearResponse& response,
       right.col(count + k) = response.SamplePrior(&random_bits);
     }
     if (!response.Solve(right, &x)) return false;
-    const Eigen::MatrixXd moved = lattice.Moves(x);
-    const auto by_noise = moved.leftCols(count);
-    const auto by_prior = moved.rightCols(count);
+    const Eigen::MatrixXd lattice_displacements =
+        lattice.ComputeDisplacements(x);
+    const auto by_noise = lattice_displacements.leftCols(count);
+    const auto by_prior = lattice_displacements.rightCols(count);
     covariances->by_noise += scale_px2 * by_noise * by_noise.transpose();
     covariances->by_prior += scale_px2 * by_prior * by_prior.transpose();
   }
   Eigen::MatrixXd x;
   if (!response.Solve(response.PriorGradient(), &x)) return false;
-  covariances->smoothing_px = lattice.Moves(x);
+  covariances->smoothing_px = lattice.ComputeDisplacements(x);
   return true;
 }
 
 // Returns the standard deviations per pixel: the RMS over both axes.
-Eigen::VectorXd DeviationsOfRows(const Eigen::MatrixXd& joint_px2) {
-  Eigen::VectorXd deviations(joint_px2.rows());
+Eigen::VectorXd ComputeRowStdDevs(const Eigen::MatrixXd& joint_px2) {
+  Eigen::VectorXd row_stddevs(joint_px2.rows());
   for (Eigen::Index i = 0; i < joint_px2.rows(); i += 2)
-    deviations.segment<2>(i).setConstant(
+    row_stddevs.segment<2>(i).setConstant(
         std::sqrt((joint_px2(i, i) + joint_px2(i + 1, i + 1)) / 2));
-  return deviations;
+  return row_stddevs;
 }
 
 // Scales the eigenmodes of the correlation of observed pixels to agree with the
@@ -194,30 +197,32 @@ void ScaleByJackknife(const GroupJackknife& jackknife, const Lattice& lattice,
                       const std::vector<PixelUncertainty>& pixels,
                       JointCovariances* covariances) {
   const Eigen::MatrixXd total = covariances->by_noise + covariances->by_prior;
-  const Eigen::VectorXd deviations = DeviationsOfRows(total);
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(deviations.size());
+  const Eigen::VectorXd row_stddevs = ComputeRowStdDevs(total);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(row_stddevs.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    if (pixels[i].num_observations > 0 && deviations[row] > 0)
-      weights.segment<2>(row).setConstant(1 / deviations[row]);
+    if (pixels[i].num_observations > 0 && row_stddevs[row] > 0)
+      weights.segment<2>(row).setConstant(1 / row_stddevs[row]);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       weights.asDiagonal() * ((total + total.transpose()) / 2) *
       weights.asDiagonal());
   // In descending order of variance; unobserved pixels only have modes with
   // zero variance.
-  const Eigen::Index num_seen = (weights.array() > 0).count();
+  const Eigen::Index num_observed = (weights.array() > 0).count();
   const Eigen::MatrixXd modes =
-      solver.eigenvectors().rowwise().reverse().leftCols(num_seen);
+      solver.eigenvectors().rowwise().reverse().leftCols(num_observed);
   const VarianceFactors factors(jackknife.Of(
       lattice.first(),
       modes.transpose() * weights.asDiagonal() * lattice.derivatives()));
-  const double of_all = std::sqrt(factors.of_all);
+  const double overall_factor = std::sqrt(factors.overall_factor);
   Eigen::MatrixXd scaling =
-      deviations.asDiagonal() * modes *
-      (factors.of_each.cwiseSqrt().array() - of_all).matrix().asDiagonal() *
+      row_stddevs.asDiagonal() * modes *
+      (factors.group_factors.cwiseSqrt().array() - overall_factor)
+          .matrix()
+          .asDiagonal() *
       modes.transpose() * weights.asDiagonal();
-  scaling.diagonal().array() += of_all;
+  scaling.diagonal().array() += overall_factor;
   for (Eigen::MatrixXd* part : {&covariances->by_noise, &covariances->by_prior})
     *part = scaling * *part * scaling.transpose();
 }
@@ -234,14 +239,14 @@ Eigen::MatrixXd ComputeLatticeJacobian(const std::vector<View>& views,
   CountObservations(views, camera, model.area(), lattice, pixels);
   LatticeDerivatives derivatives;
   const Eigen::Index num_rows = 2 * static_cast<Eigen::Index>(pixels->size());
-  derivatives.by_parameters.setZero(num_rows, model.NumParameters());
+  derivatives.J_parameters.setZero(num_rows, model.NumParameters());
   derivatives.J_rotation.setZero(num_rows, 3);
   is_known->clear();
   for (size_t i = 0; i < pixels->size(); ++i)
     is_known->push_back(AddPixel(model, (*pixels)[i].pixel,
                                  2 * static_cast<Eigen::Index>(i),
                                  &derivatives));
-  return WithoutRotation(derivatives, *pixels);
+  return RemoveRotation(derivatives, *pixels);
 }
 
 double ComputeAxisStdDev(const Eigen::Matrix2d& covariance) {
@@ -255,24 +260,24 @@ std::vector<PixelUncertainty> EstimateProjectionUncertainty(
     Eigen::MatrixXd* joint_px2) {
   std::vector<bool> is_known;
   std::vector<PixelUncertainty> pixels;
-  const Eigen::MatrixXd without_rotation =
+  const Eigen::MatrixXd J_lattice =
       ComputeLatticeJacobian(views, state, camera, lattice, &pixels, &is_known);
-  const Eigen::Index num_rows = without_rotation.rows();
-  const Lattice moves(response, camera, without_rotation);
+  const Eigen::Index num_rows = J_lattice.rows();
+  const Lattice lattice_response(response, camera, J_lattice);
   JointCovariances joint = {Eigen::MatrixXd::Zero(num_rows, num_rows),
                             Eigen::MatrixXd::Zero(num_rows, num_rows),
                             Eigen::VectorXd::Zero(num_rows)};
   if (!(response.IsExact()
-            ? AddExactCovariances(response, moves, noise_px, &joint)
-            : AddSampledCovariances(response, moves, lattice.num_samples,
-                                    noise_px, &joint)))
+            ? AddExactCovariances(response, lattice_response, noise_px, &joint)
+            : AddSampledCovariances(response, lattice_response,
+                                    lattice.num_samples, noise_px, &joint)))
     return {};
   const Eigen::VectorXd unscaled =
-      DeviationsOfRows(joint.by_noise + joint.by_prior);
+      ComputeRowStdDevs(joint.by_noise + joint.by_prior);
   if (jackknife && jackknife->IsValid())
-    ScaleByJackknife(*jackknife, moves, pixels, &joint);
+    ScaleByJackknife(*jackknife, lattice_response, pixels, &joint);
   const Eigen::VectorXd scaled =
-      DeviationsOfRows(joint.by_noise + joint.by_prior);
+      ComputeRowStdDevs(joint.by_noise + joint.by_prior);
   if (joint_px2) *joint_px2 = joint.by_noise + joint.by_prior;
   for (size_t i = 0; i < pixels.size(); ++i) {
     PixelUncertainty& pixel = pixels[i];

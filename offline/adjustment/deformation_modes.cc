@@ -19,7 +19,7 @@ struct Plane {
 };
 
 Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kFlatPart = 0.02;  // fraction of the board's width
+  constexpr double kMaxFlatExtentRatio = 0.02;  // fraction of the board's width
   Eigen::Matrix3Xd centered(3, points.size());
   for (size_t i = 0; i < points.size(); ++i)
     centered.col(static_cast<Eigen::Index>(i)) = points[i];
@@ -30,7 +30,7 @@ Plane FitBoardPlane(const std::vector<Eigen::Vector3d>& points) {
       centered * centered.transpose());
   plane.axes = solver.eigenvectors().rowwise().reverse();
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-  plane.is_flat = extents[0] <= kFlatPart * extents[1];
+  plane.is_flat = extents[0] <= kMaxFlatExtentRatio * extents[1];
   return plane;
 }
 
@@ -68,13 +68,13 @@ Eigen::ArrayXd Legendre(int order, const Eigen::ArrayXd& x) {
 // them.
 bool AddOrthogonal(const Eigen::VectorXd& height,
                    std::vector<Eigen::VectorXd>* heights) {
-  constexpr double kMinIndependentPart = 1e-3;
+  constexpr double kMinIndependentFraction = 1e-3;
   const double count = static_cast<double>(height.size());
   Eigen::VectorXd rest = height;
   for (int pass = 0; pass < 2; ++pass)  // twice for numerical accuracy
     for (const Eigen::VectorXd& other : *heights)
       rest -= other.dot(rest) / count * other;
-  if (!(rest.norm() > kMinIndependentPart * height.norm())) return false;
+  if (!(rest.norm() > kMinIndependentFraction * height.norm())) return false;
   heights->push_back(rest * std::sqrt(count) / rest.norm());
   return true;
 }
@@ -125,9 +125,9 @@ void DeformationModes::Remove(DeformationOrder order,
   }
 }
 
-double DeformationModes::MaxDeviationM() const {
-  constexpr double kPartOfRadius = 0.02;
-  return kPartOfRadius * board_radius_m;
+double DeformationModes::MaxStdDevM() const {
+  constexpr double kMaxRelativeStdDev = 0.02;
+  return kMaxRelativeStdDev * board_radius_m;
 }
 
 DeformationModes MakeDeformationModes(const std::vector<BoardPoints>& boards,

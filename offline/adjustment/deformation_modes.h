@@ -35,7 +35,7 @@ struct DeformationModes {
   int num_boards() const;
   /// Returns the largest plausible standard deviation of a coefficient (m);
   /// larger values indicate another cause.
-  double MaxDeviationM() const;
+  double MaxStdDevM() const;
   /// Removes the modes of an order and their coefficients.
   void Remove(DeformationOrder order, std::vector<Coefficients>* coefficients);
 };

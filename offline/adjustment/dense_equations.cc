@@ -201,9 +201,9 @@ void DenseEquations::AddJacobian(const ViewJacobian& jacobian,
         others.Add(layout_.CameraPose(jacobian.camera),
                    ViewJacobian::Block<6>(jacobian.J_camera_pose, i));
     }
-    if (layout_.has_places() && jacobian.place >= 0)
+    if (layout_.has_board_poses() && jacobian.place >= 0)
       others.Add(layout_.Place(jacobian.place),
-                 ViewJacobian::Block<6>(jacobian.J_place, i));
+                 ViewJacobian::Block<6>(jacobian.J_board_pose, i));
     if (layout_.has_shapes() && layout_.num_points == 0)
       others.Add(layout_.Shape(modes.boards[point]),
                  J_point * modes.by_point[point]);
@@ -250,10 +250,12 @@ void DenseEquations::AddDeformation(const StaticDeformation& moves) {
     });
     gradient_.kept.middleRows(at, num) =
         moves.ComputeModeGradient(gradient_.eliminated);
-    const Eigen::MatrixXd with_kept = moves.ComputeModeGradient(w_.transpose());
+    const Eigen::MatrixXd mode_gradient =
+        moves.ComputeModeGradient(w_.transpose());
     const Eigen::Index end = at + num, behind = a_.rows() - end;
-    a_.block(at, 0, num, end) = with_kept.leftCols(end);
-    a_.block(end, at, behind, num) = with_kept.rightCols(behind).transpose();
+    a_.block(at, 0, num, end) = mode_gradient.leftCols(end);
+    a_.block(end, at, behind, num) =
+        mode_gradient.rightCols(behind).transpose();
     return;
   }
   const Eigen::Index first = layout_.first_point;
@@ -380,16 +382,16 @@ DenseEquations::Columns DenseEquations::Solution(const Reduced& reduced,
   Eigen::MatrixXd eliminated = right.eliminated;
   solve_blocks(&eliminated);
   if (a_.size() > 0) {
-    const auto columns_of = [this](const Coupling& coupling) {
+    const auto get_columns = [this](const Coupling& coupling) {
       return Eigen::seqN(block_size_ * coupling.first_block,
                          block_size_ * coupling.num_blocks);
     };
     for (const Coupling& coupling : couplings_)
       right.kept(coupling.rows, Eigen::all) -=
-          coupling.w * eliminated(columns_of(coupling), Eigen::all);
+          coupling.w * eliminated(get_columns(coupling), Eigen::all);
     reduced.dense.solveInPlace(right.kept);
     for (const Coupling& coupling : couplings_)
-      right.eliminated(columns_of(coupling), Eigen::all) -=
+      right.eliminated(get_columns(coupling), Eigen::all) -=
           coupling.w.transpose() * right.kept(coupling.rows, Eigen::all);
   }
   solve_blocks(&right.eliminated);

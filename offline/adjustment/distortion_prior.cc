@@ -28,7 +28,7 @@ PriorGroup MakeDecentringGroup(const ParametricModel& lens, const Area& area,
   PriorGroup group = MakeCoefficientGroup(DecentringPixels(lens, area));
   // The factor 2 accounts for the two coordinates of a residual.
   group.precision_floor =
-      2.0 * num_features * kDecentringPart * kDecentringPart;
+      2.0 * num_features * kMaxDecentringFraction * kMaxDecentringFraction;
   return group;
 }
 

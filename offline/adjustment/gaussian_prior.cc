@@ -34,17 +34,18 @@ void PriorGroup::ApplyRelativePrecisions(const Eigen::VectorXd& holds) {
   const Eigen::LLT<Eigen::MatrixXd> root(square);
   free = root.matrixL().solve(directions.transpose()).transpose();
   // Rotates the directions so that D^T K D is diagonal.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(free.transpose() *
-                                                            precision * free);
-  free = free * turn.eigenvectors();
-  const double part = 1 - kRelaxedScale * kRelaxedScale;
-  freed = std::sqrt(part) * (precision * free);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_solver(
+      free.transpose() * precision * free);
+  free = free * eigen_solver.eigenvectors();
+  const double removed_fraction = 1 - kRelaxedScale * kRelaxedScale;
+  freed = std::sqrt(removed_fraction) * (precision * free);
   // (I - m K d d^T) b has the covariance K - (2 m - m^2 d^T K d) K d d^T K.
   rank = full_rank_;
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
     constexpr double kRatherFree = 0.5;
-    const double g = std::min(turn.eigenvalues()[k], 1.0);
-    free.col(k) *= std::sqrt(part) / (1 + std::sqrt(1 - part * g));
+    const double g = std::min(eigen_solver.eigenvalues()[k], 1.0);
+    free.col(k) *=
+        std::sqrt(removed_fraction) / (1 + std::sqrt(1 - removed_fraction * g));
     rank -= g > kRatherFree;
   }
 }
@@ -68,9 +69,10 @@ double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {
 Eigen::VectorXd CameraPrior::OrientationError(
     const Eigen::VectorXd& parameters) const {
   if (orientation.cols() == 0) return Eigen::VectorXd(0);
-  const Eigen::VectorXd turn = orientation.transpose() * (parameters - mean);
-  if (orientation_difference.size() == 0) return turn;
-  return turn - orientation_difference;
+  const Eigen::VectorXd eigen_solver =
+      orientation.transpose() * (parameters - mean);
+  if (orientation_difference.size() == 0) return eigen_solver;
+  return eigen_solver - orientation_difference;
 }
 
 }  // namespace raygrid

@@ -134,10 +134,10 @@ GroupJackknife::GroupJackknife(const LinearResponse& response,
   std::vector<Eigen::MatrixXd> changes;
   for (int group = 0; group < num_groups; ++group) {
     const Remaining remaining = WithoutGroup(views, state, group, num_groups);
-    const LinearResponse without(remaining.views, prior, options,
-                                 remaining.state);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(without.layout().num_all(),
-                                                  1 + num_draws),
+    const LinearResponse reduced_response(remaining.views, prior, options,
+                                          remaining.state);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
+                        reduced_response.layout().num_all(), 1 + num_draws),
                     x;
     for (int k = 0; k <= num_draws; ++k)
       right.col(k).head(size) =
@@ -145,7 +145,7 @@ GroupJackknife::GroupJackknife(const LinearResponse& response,
               .Gradient(
                   SelectGroupErrors(response, residuals[k], group, num_groups))
               .head(size);
-    if (!without.Solve(right, &x)) return;
+    if (!reduced_response.Solve(right, &x)) return;
     changes.push_back(noise_px * x.topRows(size));
   }
   changes_ = std::move(changes);
@@ -169,26 +169,26 @@ GroupJackknife::SquaredChanges GroupJackknife::Of(
 
 VarianceFactors::VarianceFactors(
     const GroupJackknife::SquaredChanges& changes) {
-  constexpr LogRatio kOfAll = {0, 4};
-  constexpr double kVarianceOfBand = 1;
+  constexpr LogRatio kOverallPrior = {0, 4};
+  constexpr double kBandVariance = 1;
   const Eigen::Index count = changes.observed.rows();
-  of_each.setOnes(count);
+  group_factors.setOnes(count);
   const Band all = ComputeBand(changes, 0, count);
   if (!(all.predicted > 0) || !(all.observed > 0)) return;
-  const LogRatio ratio_of_all = ShrinkImage(
+  const LogRatio overall_ratio = ShrinkImage(
       ComputeLogRatio(all.observed, all.predicted, all.NumIndependent()),
-      kOfAll);
-  of_all = std::exp(ratio_of_all.mean);
+      kOverallPrior);
+  overall_factor = std::exp(overall_ratio.mean);
   for (Eigen::Index first = 0, size = 1; first < count;
        first += size, size *= 2) {
     size = std::min(size, count - first);
     const Band band = ComputeBand(changes, first, size);
-    LogRatio ratio = ratio_of_all;
+    LogRatio ratio = overall_ratio;
     if (band.predicted > 0 && band.observed > 0)
       ratio = ShrinkImage(
           ComputeLogRatio(band.observed, band.predicted, band.NumIndependent()),
-          {ratio_of_all.mean, kVarianceOfBand});
-    of_each.segment(first, size).setConstant(std::exp(ratio.mean));
+          {overall_ratio.mean, kBandVariance});
+    group_factors.segment(first, size).setConstant(std::exp(ratio.mean));
   }
 }
 

@@ -47,8 +47,8 @@ class GroupJackknife {
 struct VarianceFactors {
   explicit VarianceFactors(const GroupJackknife::SquaredChanges& changes);
 
-  double of_all = 1;
-  Eigen::VectorXd of_each;
+  double overall_factor = 1;
+  Eigen::VectorXd group_factors;
 };
 
 }  // namespace raygrid

@@ -146,7 +146,7 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
         const int index = layout_.Place(j.place) + k;
         triplets.emplace_back(
             index, index,
-            ViewJacobian::Block<6>(j.J_place, i).col(k).squaredNorm());
+            ViewJacobian::Block<6>(j.J_board_pose, i).col(k).squaredNorm());
       }
     }
   }
@@ -253,7 +253,7 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
                     ViewJacobian::Block<6>(j.J_camera_pose, i).col(c));
           for (int c = 0; j.place >= 0 && c < 6; ++c)
             row.Add(moved.Place(j.place) + c,
-                    ViewJacobian::Block<6>(j.J_place, i).col(c));
+                    ViewJacobian::Block<6>(j.J_board_pose, i).col(c));
           for (int c = 0; moved.num_points > 0 && c < 3; ++c)
             row.Add(moved.Point(j.points[i]) + c,
                     ViewJacobian::Block<3>(j.J_point, i).col(c));
@@ -281,9 +281,9 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
   return matrix;  // lower triangle only
 }
 
-LargeEquations::CameraLevels LargeEquations::MakeLevels(
+LargeEquations::CameraMultigrid LargeEquations::MakeMultigridLevels(
     int camera, const Eigen::SparseMatrix<double>& a) const {
-  CameraLevels levels;
+  CameraMultigrid levels;
   const GridShape& shape = shapes_[camera];
   const int k = shape.per_node;
   levels.first = layout_.first_camera[camera];
@@ -321,7 +321,8 @@ bool LargeEquations::MakePreconditioner(const System& system,
   preconditioner->cameras.clear();
   for (size_t c = 0; c < shapes_.size(); ++c)
     if (shapes_[c].per_node > 0)
-      preconditioner->cameras.push_back(MakeLevels(static_cast<int>(c), a));
+      preconditioner->cameras.push_back(
+          MakeMultigridLevels(static_cast<int>(c), a));
   preconditioner->points.resize(3, 3 * layout_.num_points);
   for (int i = 0; i < 3 * layout_.num_points; ++i)
     for (int k = 0; k < 3; ++k)
@@ -342,7 +343,7 @@ Columns<kNum> LargeEquations::Precondition(
   Columns<kNum> result = preconditioner.basis * coarsest;
   const Columns<kNum> in_frames = preconditioner.frames.ToNodeFrames(residual);
   Columns<kNum> sum = Columns<kNum>::Zero(residual.rows(), kNum);
-  for (const CameraLevels& camera : preconditioner.cameras) {
+  for (const CameraMultigrid& camera : preconditioner.cameras) {
     const double* from = in_frames.data() + kNum * camera.first;
     double* to = sum.data() + kNum * camera.first;
     AddBlockProduct<kNum>(camera.inverse, from, to);

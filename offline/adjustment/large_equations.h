@@ -66,13 +66,13 @@ class LargeEquations : public NormalEquations {
     GridTransfer transfer;
     Eigen::MatrixXd inverse;  // per_node columns per node
   };
-  struct CameraLevels {
+  struct CameraMultigrid {
     int first = 0;
     Eigen::MatrixXd inverse;
     std::vector<Level> levels;
   };
   struct Preconditioner {
-    std::vector<CameraLevels> cameras;
+    std::vector<CameraMultigrid> cameras;
     NodeFrames frames;       // axes of the cameras' blocks
     Eigen::MatrixXd points;  // three columns per point
     CoarseBasis basis;
@@ -97,8 +97,8 @@ class LargeEquations : public NormalEquations {
                           Preconditioner* preconditioner) const;
   // Returns the preconditioner levels of a camera; a: in local axes
   // (NodeFrames).
-  CameraLevels MakeLevels(int camera,
-                          const Eigen::SparseMatrix<double>& a) const;
+  CameraMultigrid MakeMultigridLevels(
+      int camera, const Eigen::SparseMatrix<double>& a) const;
   template <int kNum>
   Columns<kNum> Precondition(const Preconditioner& preconditioner,
                              const Columns<kNum>& residual) const;

@@ -14,8 +14,8 @@ constexpr int kMaternOrder = 3;
 /// Returns kappa in units of 1 / knot spacing, for a correlation range sqrt(8
 /// (kMaternOrder - 1)) / kappa of half the extent.
 inline double MaternKappa(double extent, double cell) {
-  constexpr double kRangePart = 0.5;
-  return std::sqrt(8.0 * (kMaternOrder - 1)) / (kRangePart * extent) * cell;
+  constexpr double kRelativeRange = 0.5;
+  return std::sqrt(8.0 * (kMaternOrder - 1)) / (kRelativeRange * extent) * cell;
 }
 
 inline double Binomial(int n, int k) {

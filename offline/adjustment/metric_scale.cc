@@ -68,8 +68,8 @@ void Apply(const Similarity& similarity, const AlignedBoard& board,
 
 // Updates target_from_board after alignment to the nominal points: x' = s R x +
 // t for the target, and x' = s Q y + u for a point y of the board.
-void ApplyToPlace(const Similarity& body, const Similarity& board,
-                  Pose* target_from_board) {
+void TransformBoardPose(const Similarity& body, const Similarity& board,
+                        Pose* target_from_board) {
   Pose& pose = *target_from_board;
   const Eigen::Vector3d moved =
       body.scale * (body.rotation * pose.translation) + body.translation();
@@ -93,10 +93,11 @@ void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
                          std::vector<Similarity>* similarities) {
   for (const AlignedBoard& frame : boards) {
     if (frame.body < 0 || frame.place >= 0) continue;
-    std::vector<Similarity> of_body;
+    std::vector<Similarity> body_similarities;
     for (size_t b = 0; b < boards.size(); ++b)
-      if (boards[b].body == frame.body) of_body.push_back((*similarities)[b]);
-    const double scale = ComputeCommonScale(of_body);
+      if (boards[b].body == frame.body)
+        body_similarities.push_back((*similarities)[b]);
+    const double scale = ComputeCommonScale(body_similarities);
     for (size_t b = 0; b < boards.size(); ++b)
       if (boards[b].body == frame.body) (*similarities)[b].scale = scale;
   }
@@ -104,13 +105,13 @@ void ShareScaleOnTargets(const std::vector<AlignedBoard>& boards,
 
 // Updates target_from_board for the boards of a rigid target, relative to the
 // board that defines its frame.
-void ApplyToPlaces(const std::vector<AlignedBoard>& boards,
-                   const std::vector<Similarity>& similarities, size_t frame,
-                   AdjustmentState* state) {
+void TransformBoardPoses(const std::vector<AlignedBoard>& boards,
+                         const std::vector<Similarity>& similarities,
+                         size_t frame, AdjustmentState* state) {
   for (size_t b = 0; b < boards.size(); ++b)
     if (boards[b].body == boards[frame].body && boards[b].place >= 0)
-      ApplyToPlace(similarities[frame], similarities[b],
-                   &state->target_from_board[boards[b].place]);
+      TransformBoardPose(similarities[frame], similarities[b],
+                         &state->target_from_board[boards[b].place]);
 }
 
 }  // namespace
@@ -134,7 +135,7 @@ void AlignToNominal(const std::vector<AlignedBoard>& boards,
   for (size_t b = 0; b < boards.size(); ++b) {
     Apply(similarities[b], boards[b], state);
     if (boards[b].body >= 0 && boards[b].place < 0)
-      ApplyToPlaces(boards, similarities, b, state);
+      TransformBoardPoses(boards, similarities, b, state);
   }
 }
 

@@ -80,10 +80,10 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
   if (!fixed.cameras && !state.cameras.empty()) {
     for (const auto& camera : state.cameras)
       first_camera.push_back(first_camera.back() + camera->NumParameters());
-    first_place =
+    first_board_pose =
         first_camera.back() + 6 * (static_cast<int>(state.cameras.size()) - 1);
   }
-  first_shape = first_place;
+  first_shape = first_board_pose;
   const bool are_boards_known = fixed.cameras && fixed.points;
   if (!are_boards_known)
     first_shape += 6 * static_cast<int>(state.target_from_board.size());
@@ -100,9 +100,9 @@ AdjustmentStep ParameterLayout::Step(const Eigen::VectorXd& parameters,
   for (size_t c = 0; c + 1 < first_camera.size(); ++c)
     step.cameras.push_back(parameters.segment(
         first_camera[c], first_camera[c + 1] - first_camera[c]));
-  for (int first = first_camera.back(); first < first_place; first += 6)
+  for (int first = first_camera.back(); first < first_board_pose; first += 6)
     step.camera_poses.push_back(parameters.segment<6>(first));
-  for (int first = first_place; first < first_shape; first += 6)
+  for (int first = first_board_pose; first < first_shape; first += 6)
     step.places.push_back(parameters.segment<6>(first));
   for (int first = first_shape; first < first_point; first += per_board)
     step.flex.emplace_back(parameters.segment(first, per_board));

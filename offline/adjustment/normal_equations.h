@@ -37,7 +37,7 @@ struct ParameterLayout {
   ParameterLayout(const AdjustmentState& state, const FixedParameters& fixed);
 
   std::vector<int> first_camera;  ///< start indices and end; {0} if fixed
-  int first_place = 0, first_shape = 0, first_point = 0, size = 0;
+  int first_board_pose = 0, first_shape = 0, first_point = 0, size = 0;
   int per_board = 0;   ///< static modes per board
   int num_points = 0;  ///< 0 if they are fixed
   int num_poses = 0;   ///< rig_from_pattern
@@ -51,8 +51,8 @@ struct ParameterLayout {
   int CameraPose(int camera) const {
     return first_camera.back() + 6 * (camera - 1);
   }
-  bool has_places() const { return first_place < first_shape; }
-  int Place(int place) const { return first_place + 6 * place; }
+  bool has_board_poses() const { return first_board_pose < first_shape; }
+  int Place(int place) const { return first_board_pose + 6 * place; }
   bool has_shapes() const { return first_shape < first_point; }
   int Shape(int board) const { return first_shape + per_board * board; }
   int Point(int point) const { return first_point + 3 * point; }

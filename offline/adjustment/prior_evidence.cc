@@ -52,8 +52,8 @@ std::vector<DeformationCoefficient> ListDeformationCoefficients(
   return rows;
 }
 
-double NumOfOrder(const std::vector<DeformationCoefficient>& rows,
-                  DeformationOrder order) {
+double CountCoefficients(const std::vector<DeformationCoefficient>& rows,
+                         DeformationOrder order) {
   return static_cast<double>(std::count_if(
       rows.begin(), rows.end(), [order](const DeformationCoefficient& row) {
         return row.order == order;
@@ -69,7 +69,7 @@ std::optional<Determined> NumDetermined(
     const NormalEquations& equations, const ParameterLayout& layout,
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const std::vector<DeformationCoefficient>& deformation_coefficients,
-    int num_seen_points, double lambda) {
+    int num_observed_points, double lambda) {
   const int num_samples = equations.MaxNumRightSides();
   std::mt19937 random_bits(1);  // sequence is standardized
   std::vector<Eigen::MatrixXd> shares;
@@ -119,9 +119,9 @@ std::optional<Determined> NumDetermined(
         groups[g].group->rank,
         trace(layout.first_camera[groups[g].camera], shares[g])));
   // Each coordinate of an unobserved point adds 1 to the trace.
-  const double num_unseen = layout.num_points - num_seen_points;
+  const double num_unseen = layout.num_points - num_observed_points;
   result.points = effective_parameters(
-      3.0 * num_seen_points,
+      3.0 * num_observed_points,
       trace(layout.first_point,
             right.middleRows(layout.first_point, 3 * layout.num_points)) -
           3 * num_unseen * num_samples);
@@ -131,7 +131,8 @@ std::optional<Determined> NumDetermined(
         solution.row(row).dot(right.row(row) + rest.row(row));
   for (int k = 0; k < kNumDeformationOrders; ++k)
     result.flex[k] = effective_parameters(
-        NumOfOrder(deformation_coefficients, static_cast<DeformationOrder>(k)),
+        CountCoefficients(deformation_coefficients,
+                          static_cast<DeformationOrder>(k)),
         flex[k]);
   return result;
 }
@@ -167,7 +168,7 @@ PriorEvidence EvaluateEvidence(
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const Determined& effective_parameters,
     const std::vector<DeformationCoefficient>& deformation_coefficients,
-    int num_seen_points, const AdjustmentState& state) {
+    int num_observed_points, const AdjustmentState& state) {
   PriorEvidence evidence;
   for (size_t g = 0; g < groups.size(); ++g) {
     const Eigen::VectorXd difference =
@@ -177,13 +178,13 @@ PriorEvidence EvaluateEvidence(
                                effective_parameters.groups[g],
                                groups[g].group->SquaredDistance(difference)});
   }
-  evidence.points = {3.0 * num_seen_points, effective_parameters.points, 0};
+  evidence.points = {3.0 * num_observed_points, effective_parameters.points, 0};
   for (size_t i = 0; i < state.points.size(); ++i)
     evidence.points.squared_distance +=
         (state.points[i] - prior.points_mean[i]).squaredNorm();
   for (int k = 0; k < kNumDeformationOrders; ++k) {
     const auto order = static_cast<DeformationOrder>(k);
-    evidence.flex[k] = {NumOfOrder(deformation_coefficients, order),
+    evidence.flex[k] = {CountCoefficients(deformation_coefficients, order),
                         effective_parameters.flex[k],
                         SumSquaredDeformation(state, order)};
   }
@@ -202,11 +203,12 @@ std::vector<CameraGroup> MakeCameraGroups(GaussianPrior* prior) {
 }
 
 int CountObservedPoints(const std::vector<View>& views, size_t num_points) {
-  std::vector<bool> is_seen(num_points);
+  std::vector<bool> is_observed(num_points);
   for (const View& view : views)
     for (const Observation& observation : view.observations)
-      is_seen[observation.point] = true;
-  return static_cast<int>(std::count(is_seen.begin(), is_seen.end(), true));
+      is_observed[observation.point] = true;
+  return static_cast<int>(
+      std::count(is_observed.begin(), is_observed.end(), true));
 }
 
 std::optional<PriorEvidence> ComputeEvidence(
@@ -216,18 +218,20 @@ std::optional<PriorEvidence> ComputeEvidence(
     const AdjustmentState& state) {
   const std::vector<DeformationCoefficient> deformation_coefficients =
       ListDeformationCoefficients(layout, views, state);
-  const int num_seen_points = CountObservedPoints(views, state.points.size());
+  const int num_observed_points =
+      CountObservedPoints(views, state.points.size());
   const std::optional<Determined> effective_parameters =
       NumDetermined(equations, layout, groups, prior, deformation_coefficients,
-                    num_seen_points, lambda);
+                    num_observed_points, lambda);
   if (!effective_parameters) return std::nullopt;
   return EvaluateEvidence(groups, prior, *effective_parameters,
-                          deformation_coefficients, num_seen_points, state);
+                          deformation_coefficients, num_observed_points, state);
 }
 
 bool IsUndetermined(const GroupEvidence& evidence) {
-  constexpr double kFewDetermined = 0.02;  // fraction of a group
-  return evidence.effective_parameters < kFewDetermined * evidence.count;
+  constexpr double kMaxDeterminedFraction = 0.02;  // fraction of a group
+  return evidence.effective_parameters <
+         kMaxDeterminedFraction * evidence.count;
 }
 
 bool FavorsLargerVariance(const GroupEvidence& evidence,
@@ -243,8 +247,10 @@ bool FavorsLargerVariance(const GroupEvidence& evidence,
 // count / x. If the evidence does not favour a larger variance, g decreases
 // towards this value.
 bool IsInsignificant(const GroupEvidence& evidence, double prior_variance) {
-  constexpr double kLeastDetermined = 0.7;  // at an x of 3.3 times the count
-  return evidence.effective_parameters < kLeastDetermined * evidence.count &&
+  constexpr double kMinDeterminedFraction =
+      0.7;  // at an x of 3.3 times the count
+  return evidence.effective_parameters <
+             kMinDeterminedFraction * evidence.count &&
          !FavorsLargerVariance(evidence, prior_variance);
 }
 
@@ -275,7 +281,8 @@ double PrecisionUpdate::Update(const GroupEvidence& group,
 double VarianceUpdate::Update(const GroupEvidence& group,
                               double residual_variance,
                               double smallest_variance, double* weight) {
-  constexpr double kMostSmaller = 10, kMostLarger = 100;  // per round
+  constexpr double kMaxDecreaseFactor = 10,
+                   kMaxIncreaseFactor = 100;  // per round
   const double variance = residual_variance / *weight;
   const double step =
       group.squared_distance / group.effective_parameters - variance;
@@ -285,10 +292,10 @@ double VarianceUpdate::Update(const GroupEvidence& group,
       variance +
       step * std::pow(group.count / group.effective_parameters, exponent_);
   const double before = *weight;
-  *weight =
-      residual_variance / std::max(std::clamp(next, variance / kMostSmaller,
-                                              variance * kMostLarger),
-                                   smallest_variance);
+  *weight = residual_variance /
+            std::max(std::clamp(next, variance / kMaxDecreaseFactor,
+                                variance * kMaxIncreaseFactor),
+                     smallest_variance);
   return std::abs(std::log(*weight / before));
 }
 

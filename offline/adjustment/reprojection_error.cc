@@ -52,13 +52,13 @@ LinearizedResidual Linearize(const AdjustmentState& state,
     return result;
   result.residual = {true, result.projection.pixel - observation.pixel};
   const Eigen::Matrix<double, 2, 3>& J_point = result.projection.J_point;
-  const Eigen::Matrix<double, 2, 3> by_rig_point =
+  const Eigen::Matrix<double, 2, 3> J_rig_point =
       J_point * camera_pose.rotation.toRotationMatrix();
   result.J_camera_pose = J_point * UpdateDerivative(rotated_to_camera);
-  result.J_pose = by_rig_point * UpdateDerivative(rotated);
-  result.J_point = by_rig_point * pose.rotation.toRotationMatrix();
+  result.J_pose = J_rig_point * UpdateDerivative(rotated);
+  result.J_point = J_rig_point * pose.rotation.toRotationMatrix();
   if (view.place >= 0) {
-    result.J_place = result.J_point * UpdateDerivative(rotated_on_target);
+    result.J_board_pose = result.J_point * UpdateDerivative(rotated_on_target);
     result.J_point =
         (result.J_point *
          state.target_from_board[view.place].rotation.toRotationMatrix())

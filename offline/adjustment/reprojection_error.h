@@ -27,7 +27,7 @@ struct LinearizedResidual {
   /// J_pose with respect to the updates of UpdatedPose() of camera_from_rig,
   /// rig_from_pattern and target_from_board (the last for boards of rigid
   /// targets).
-  Eigen::Matrix<double, 2, 6> J_camera_pose, J_pose, J_place;
+  Eigen::Matrix<double, 2, 6> J_camera_pose, J_pose, J_board_pose;
   Eigen::Matrix<double, 2, 3> J_point;
   /// Jacobian with respect to the per-view deformation. For static deformation,
   /// which moves the point, it is J_point times DeformationModes::J_point.

@@ -91,7 +91,7 @@ class ResidualProduct {
     const ViewJacobian& j = jacobian_;
     if (j.num_global > 0) body(j.J_global, first_ + j.first_global);
     if (camera_pose_ >= 0) body(j.J_camera_pose, camera_pose_);
-    if (place_ >= 0) body(j.J_place, place_);
+    if (place_ >= 0) body(j.J_board_pose, place_);
     if (first_point_ >= 0) body(j.J_point, first_point_ + 3 * j.points[i]);
   }
 

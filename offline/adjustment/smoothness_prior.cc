@@ -24,7 +24,7 @@ struct Term {
 struct FieldParameters {
   int per_point, first, count;
 
-  int ParameterOf(int point) const { return per_point * point + first; }
+  int GetParameterIndex(int point) const { return per_point * point + first; }
 };
 
 class DifferenceRows {
@@ -196,7 +196,7 @@ Eigen::MatrixXd ControlValues(
     const Eigen::VectorXd x = fit.Of(values.col(2 * k)),
                           y = fit.Of(values.col(2 * k + 1));
     for (int i = 0; i < surface.num_points(); ++i)
-      result.col(k).segment<2>(field.ParameterOf(i)) << x[i], y[i];
+      result.col(k).segment<2>(field.GetParameterIndex(i)) << x[i], y[i];
   }
   return result;
 }
@@ -229,7 +229,7 @@ UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
       field.per_point * surface.num_points(), freed.holds.size());
   for (int i = 0; i < surface.num_points(); ++i) {
     const Eigen::Vector2d pixel = surface.GetPixel(i);
-    freed.directions.middleRows<2>(field.ParameterOf(i)) =
+    freed.directions.middleRows<2>(field.GetParameterIndex(i)) =
         ChartDerivative(surface, pixel) *
         PolynomialDisplacements(surface.area(), pixel);
   }
@@ -254,7 +254,7 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
     const SplineSupport support = surface.Support(pixel);
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i)
-        rotation.middleRows<2>(field.ParameterOf(
+        rotation.middleRows<2>(field.GetParameterIndex(
             (support.row + j) * surface.columns() + support.column + i)) +=
             support.wx[i] * support.wy[j] * J_rotation;
   }
@@ -263,10 +263,9 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
 
 // Adds the principal directions of a camera population to those of the model.
 // Their coefficients are standard normal, so their precision is 1.
-UnpenalizedDirections WithSpread(const UnpenalizedDirections& lens,
-                                 const BSplineSurface& surface,
-                                 const FieldParameters& field,
-                                 const std::vector<BSplineSurface>& spread) {
+UnpenalizedDirections AddSpreadDirections(
+    const UnpenalizedDirections& lens, const BSplineSurface& surface,
+    const FieldParameters& field, const std::vector<BSplineSurface>& spread) {
   const Eigen::MatrixXd moved =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         Eigen::MatrixXd displacements(2, spread.size());
@@ -296,14 +295,14 @@ Eigen::MatrixXd RemoveRotations(const Eigen::MatrixXd& directions,
                                 const Eigen::MatrixXd& orientation,
                                 const BSplineSurface& surface,
                                 const FieldParameters& field) {
-  const Eigen::MatrixXd turns =
+  const Eigen::MatrixXd rotation_columns =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         return Eigen::MatrixXd(
             ChartRotationDerivative(surface.Evaluate(pixel)));
       });
-  const Eigen::Matrix3d by_turn = orientation.transpose() * turns;
-  return directions -
-         turns * by_turn.inverse() * (orientation.transpose() * directions);
+  const Eigen::Matrix3d by_turn = orientation.transpose() * rotation_columns;
+  return directions - rotation_columns * by_turn.inverse() *
+                          (orientation.transpose() * directions);
 }
 
 // Returns the prior of the directions, or of their change with an operating
@@ -332,7 +331,7 @@ CameraPrior MakeDirectionsPrior(
   UnpenalizedDirections freed = lens.model ? FreeParameters(base, field, lens)
                                            : FreePolynomials(base, field);
   if (!spread.empty()) {
-    freed = WithSpread(freed, base, field, spread);
+    freed = AddSpreadDirections(freed, base, field, spread);
     freed.directions =
         RemoveRotations(freed.directions, prior.orientation, base, field);
   }
@@ -345,8 +344,8 @@ CameraPrior MakeDirectionsPrior(
 // not affect the result.
 constexpr double kPrecision = 1e4;
 
-Eigen::SparseMatrix<double> PlacesAlongLines(const BSplineSurface& directions,
-                                             double pixels_per_metre) {
+Eigen::SparseMatrix<double> MakeLinePositionRows(
+    const BSplineSurface& directions, double pixels_per_metre) {
   std::vector<Eigen::Triplet<double>> triplets;
   int first = NonCentralGeneric::kFirstOfPoint;
   for (const Eigen::Vector2d& chart : directions.points()) {
@@ -382,11 +381,11 @@ CameraPrior MakeOperatingPointPrior(const CentralGeneric& base, int num_terms) {
     prior.mean.segment<2>(2 * num_terms * k) = surface.points()[k];
   prior.orientation.resize(prior.mean.size(), 3 * num_terms);
   for (int term = 0; term < num_terms; ++term) {
-    CameraPrior of_term =
+    CameraPrior term_prior =
         MakeDirectionsPrior(surface, {2 * num_terms, 2 * term, 2}, {});
-    prior.groups.push_back(std::move(of_term.groups[0]));
-    prior.orientation.middleCols<3>(3 * term) = of_term.orientation;
-    prior.orientation_precision = of_term.orientation_precision;
+    prior.groups.push_back(std::move(term_prior.groups[0]));
+    prior.orientation.middleCols<3>(3 * term) = term_prior.orientation;
+    prior.orientation_precision = term_prior.orientation_precision;
   }
   return prior;
 }
@@ -408,7 +407,7 @@ CameraPrior MakeNonCentralPrior(const CentralGeneric& base,
   PriorGroup points =
       SmoothGroup(surface, {kPerNode, NonCentralGeneric::kFirstOfPoint, 3},
                   pixels_per_metre);
-  points.precision += PlacesAlongLines(surface, pixels_per_metre[center]);
+  points.precision += MakeLinePositionRows(surface, pixels_per_metre[center]);
   prior.groups.push_back(std::move(points));
   return prior;
 }

@@ -11,7 +11,7 @@ struct Coordinates {
   int begin = 0, end = 0;
 };
 
-Coordinates CoordinatesOf(const DeformationModes& modes, int board) {
+Coordinates FindBoardCoordinates(const DeformationModes& modes, int board) {
   const auto begin = modes.boards.begin(), end = modes.boards.end();
   const auto first = std::find(begin, end, board);
   if (first == end) return {};
@@ -32,13 +32,13 @@ StaticDeformation::StaticDeformation(const ParameterLayout& layout,
   moved_.num_points = static_cast<int>(modes.by_point.size());
   moved_.size = moved_.Point(moved_.num_points);
   for (int b = 0; b < modes.num_boards(); ++b) {
-    const Coordinates range = CoordinatesOf(modes, b);
-    Eigen::MatrixXd by_coordinate =
+    const Coordinates range = FindBoardCoordinates(modes, b);
+    Eigen::MatrixXd J_coordinate =
         Eigen::MatrixXd::Zero(range.end - range.begin, modes.count());
     for (int i = range.begin; i < range.end; i += 3)
       if (modes.boards[i / 3] == b)
-        by_coordinate.middleRows<3>(i - range.begin) = modes.by_point[i / 3];
-    boards_.push_back({layout.Shape(b), range.begin, std::move(by_coordinate)});
+        J_coordinate.middleRows<3>(i - range.begin) = modes.by_point[i / 3];
+    boards_.push_back({layout.Shape(b), range.begin, std::move(J_coordinate)});
   }
 }
 

@@ -28,7 +28,7 @@ void Resize(const LinearizedResidual& like, int count, ViewJacobian* jacobian) {
   jacobian->J_node.resize(2 * projection.num_per_node, count);
   jacobian->J_global.resize(2 * projection.num_global, count);
   jacobian->J_camera_pose.resize(12, like.camera > 0 ? count : 0);
-  jacobian->J_place.resize(12, like.place >= 0 ? count : 0);
+  jacobian->J_board_pose.resize(12, like.place >= 0 ? count : 0);
   jacobian->J_pose.resize(6 + like.J_deformation.cols(), 2 * count);
   jacobian->J_point.resize(6, count);
   jacobian->error.resize(2, count);
@@ -47,7 +47,8 @@ void SetColumn(const LinearizedResidual& r, double root, int column,
       root * Flat(projection.J_global, projection.num_global);
   if (r.camera > 0)
     jacobian->J_camera_pose.col(column) = root * Flat(r.J_camera_pose, 6);
-  if (r.place >= 0) jacobian->J_place.col(column) = root * Flat(r.J_place, 6);
+  if (r.place >= 0)
+    jacobian->J_board_pose.col(column) = root * Flat(r.J_board_pose, 6);
   auto J_pose = jacobian->J_pose.middleCols<2>(2 * column);
   J_pose.topRows<6>() = root * r.J_pose.transpose();
   J_pose.bottomRows(r.J_deformation.cols()) =

@@ -20,7 +20,7 @@ struct ViewJacobian {
   std::vector<int> points;
   Eigen::MatrixXi node_parameter;
   Eigen::MatrixXd node_weight, J_node, J_global;
-  Eigen::Matrix<double, 12, Eigen::Dynamic> J_camera_pose, J_place;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> J_camera_pose, J_board_pose;
   /// J_pose, with the per-view deformation: one row per parameter, two columns
   /// per observation.
   Eigen::MatrixXd J_pose;

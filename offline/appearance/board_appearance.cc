@@ -36,7 +36,7 @@ MarkerBits WithBorder(const MarkerBits& code, int border_cells) {
 
 // Returns the cells of a marker. Markers with a separate border width have no
 // white margin.
-MarkerBits GetMarkerBits(const MarkerPlace& place) {
+MarkerBits GetMarkerBits(const MarkerPosition& place) {
   const MarkerBits bits = place.is_april_tag
                               ? AprilTagBits(place.family, place.id)
                               : ArucoBits(place.family, place.id);
@@ -69,7 +69,7 @@ BoardAppearance::BoardAppearance(const Board& board)
     throw InputError(
         fmt::format("board {}: cannot draw a target of kind '{}'; use {}",
                     board.id, board.kind, DrawableKinds()));
-  for (const MarkerPlace& place : kind_->Markers(board)) {
+  for (const MarkerPosition& place : kind_->Markers(board)) {
     PlacedMarker& marker = markers_.emplace_back();
     marker.id = place.id;
     marker.bits = GetMarkerBits(place);

@@ -15,7 +15,7 @@
 #include "calibration/rig_uncertainty.h"
 #include "calibration/rigid_target_search.h"
 #include "calibration/stopwatch.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 
 namespace raygrid {
 
@@ -57,17 +57,18 @@ AdjustmentResult Calibration::AdjustTogether(
     const std::vector<int>& cameras,
     std::vector<std::vector<RejectedImage>>* rejected) {
   std::vector<std::string> names;
-  std::vector<AdjustmentResult> lenses;
+  std::vector<AdjustmentResult> camera_results;
   std::vector<double> knot_spacings_px;
   for (const int c : cameras) {
     names.push_back(cameras_[c].input->name);
-    lenses.push_back(cameras_[c].lens);
+    camera_results.push_back(cameras_[c].lens);
     knot_spacings_px.push_back(cameras_[c].result.knot_spacing_px);
   }
   if (IsRig()) Report("rig initialization", 0.6);
   rejected->clear();
-  AdjustmentResult adjusted = InitializeRig(
-      names, lenses, bodies_, MakeAdjustmentOptions(options_), rejected);
+  AdjustmentResult adjusted =
+      InitializeRig(names, camera_results, bodies_,
+                    MakeAdjustmentOptions(options_), rejected);
   Report("bundle adjustment", 0.65);
   AdjustmentOptions adjustment = MakeStoppableOptions(options_);
   adjustment.rigid_boards = AreBoardsRigid();
@@ -80,15 +81,15 @@ AdjustmentResult Calibration::AdjustTogether(
 
 void Calibration::OptimizeWithRigidTargets(
     std::vector<std::vector<RejectedImage>>* rejected) {
-  std::vector<AdjustmentResult> lenses;
+  std::vector<AdjustmentResult> camera_results;
   std::vector<int> all;
   for (const CameraInProgress& camera : cameras_) {
     all.push_back(static_cast<int>(all.size()));
-    lenses.push_back(camera.lens);
+    camera_results.push_back(camera.lens);
   }
-  const auto groups = ConnectedGroups(lenses);
+  const auto groups = ConnectedGroups(camera_results);
   const bool can_detect = !options_.independent_boards &&
-                          CanDetectRigidTargets(lenses) &&
+                          CanDetectRigidTargets(camera_results) &&
                           (groups.size() > 1 || !DoBoardsDeform());
   std::vector<AdjustmentResult> apart;
   if (groups.size() == 1 || !can_detect)
@@ -161,11 +162,12 @@ void Calibration::EvaluateHeldOutImages() {
   CameraInProgress& first = cameras_.front();
   // The checkpoint stores the trials of the initial model, not those of a
   // non-central model that was selected later.
-  const bool is_kept =
+  const bool stores_trials =
       !IsRig() &&
       !(selects_model_ && options_.model == models::kNonCentralGeneric);
-  std::vector<Trial> not_kept;
-  std::vector<Trial>& trials = is_kept ? first.checkpoint.trials : not_kept;
+  std::vector<Trial> temporary_trials;
+  std::vector<Trial>& trials =
+      stores_trials ? first.checkpoint.trials : temporary_trials;
   ValidationOptions validation = MakeValidationOptions(options_);
   validation.rigid_boards = AreBoardsRigid();
   validation.rigid_targets = bodies_;

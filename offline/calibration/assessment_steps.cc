@@ -49,8 +49,8 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
   constexpr double kMaxFraction = 0.01;  // relative to the square size
   for (size_t b = 0; b < given.boards.size(); ++b) {
     const Board& board = given.boards[b];
-    const double moved_m = ComputeShiftM(board, found.boards[b]);
-    if (!(moved_m > kMaxFraction * board.square_m) || board.IsPointSet())
+    const double shift_m = ComputeShiftM(board, found.boards[b]);
+    if (!(shift_m > kMaxFraction * board.square_m) || board.IsPointSet())
       continue;
     if (assessment->word == "pass") assessment->word = "warn";
     assessment->reasons.push_back(fmt::format(
@@ -58,7 +58,7 @@ void WarnAboutTargetGeometry(const Pattern& given, const Pattern& found,
         "mm RMS, {:.2g} % of a square: the print is stretched, or the pattern "
         "describes another board, which biases the camera; measure the print "
         "in both directions, and correct the pattern",
-        board.id, 1e3 * moved_m, 100 * moved_m / board.square_m));
+        board.id, 1e3 * shift_m, 100 * shift_m / board.square_m));
   }
 }
 
@@ -145,7 +145,7 @@ void Calibration::SplitResiduals() {
   for (CameraInProgress& camera : cameras_)
     if (!camera.HasKnownIntrinsics())
       camera.result.budget = ComputeResidualBudget(MakeBudgetInput(
-          camera.result, MakeBudgetFacts(camera.result, options_)));
+          camera.result, MakeBudgetSummary(camera.result, options_)));
 }
 
 // Estimates board poses in near-duplicate images with the calibrated cameras.
@@ -185,8 +185,9 @@ RigResult Calibration::Assess() {
   if (!is_interrupted) SplitResiduals();
   for (CameraInProgress& camera : cameras_) {
     if (is_interrupted) camera.result.checkpoint = std::move(camera.checkpoint);
-    if (!is_interrupted && options_.like && options_.prior_spread)
-      FillFleetDistance(*options_.like, *options_.prior_spread, &camera.result);
+    if (!is_interrupted && options_.like && options_.prior_population)
+      FillFleetDistance(*options_.like, *options_.prior_population,
+                        &camera.result);
     ListUnusedImages(camera.dataset, camera.input->skipped, &camera.result);
     ReportExcludedImages(camera, pattern_, &camera.result.rejected_images);
     if (!is_interrupted && !camera.HasKnownIntrinsics())

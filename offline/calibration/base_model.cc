@@ -28,16 +28,16 @@ BaseModel MakeBaseModel(const CameraPrior& prior, const CameraModel& lens,
 }
 
 // Parametric models of one type for all cameras, fitted to the features.
-struct FittedLenses {
+struct FittedCameras {
   AdjustmentState state;
   std::vector<BaseModel> lenses;  // empty if the fit failed
   double median_px = INFINITY;
 };
 
-FittedLenses FitLenses(const std::string& model,
-                       const AdjustmentResult& adjusted,
-                       const AdjustmentOptions& options) {
-  FittedLenses fitted;
+FittedCameras FitCameras(const std::string& model,
+                         const AdjustmentResult& adjusted,
+                         const AdjustmentOptions& options) {
+  FittedCameras fitted;
   fitted.state = adjusted.state;
   GaussianPrior prior;
   const AdjustmentSummary summary = OptimizeParametricCameras(
@@ -58,7 +58,7 @@ FittedLenses FitLenses(const std::string& model,
 // Heath, Wahba, 1979). The better the base models fit, the fewer effective
 // parameters a grid needs to reach the same residuals.
 double PredictionScore(const CalibrationProblem& problem,
-                       const FittedLenses& fitted,
+                       const FittedCameras& fitted,
                        const AdjustmentOptions& options) {
   // Number of cells along the longer side. With 12 cells, splines are too
   // coarse for a lens with a field of view of 80 degrees.
@@ -89,33 +89,34 @@ bool ArePinholes(const AdjustmentState& state) {
 
 std::string ChooseBaseModel(const AdjustmentOptions& options,
                             const AdjustmentResult& adjusted) {
-  constexpr double kClearly = 10;       // difference in log-likelihood
-  constexpr size_t kMinFeatures = 100;  // features kept per view
+  constexpr double kMinLogLikelihoodGain = 10;  // difference in log-likelihood
+  constexpr size_t kMinFeatures = 100;          // features kept per view
   if (!ArePinholes(adjusted.state)) return kFisheye;
   AdjustmentResult thinned = adjusted;
   for (View& view : thinned.problem.views)
     view.observations = SelectEvenly(view.observations, kMinFeatures);
-  const FittedLenses fisheyes = FitLenses(kFisheye, thinned, options);
-  const FittedLenses pinholes = FitLenses(kPinhole, thinned, options);
+  const FittedCameras fisheyes = FitCameras(kFisheye, thinned, options);
+  const FittedCameras pinholes = FitCameras(kPinhole, thinned, options);
   if (pinholes.lenses.empty()) return kFisheye;
   if (fisheyes.lenses.empty()) return kPinhole;
-  const auto score = [&](const FittedLenses& fitted) {
+  const auto score = [&](const FittedCameras& fitted) {
     return PredictionScore(thinned.problem, fitted, options);
   };
-  return score(pinholes) > score(fisheyes) + kClearly ? kPinhole : kFisheye;
+  return score(pinholes) > score(fisheyes) + kMinLogLikelihoodGain ? kPinhole
+                                                                   : kFisheye;
 }
 
 void FitBaseModels(const AdjustmentOptions& options,
                    AdjustmentResult* adjusted) {
-  constexpr double kFarMore = 2;
+  constexpr double kMaxErrorRatio = 2;
   CalibrationProblem& problem = adjusted->problem;
   const double before_px = ComputeMedianErrorPx(
       ComputeResiduals(adjusted->state, problem.views, options.num_threads));
   if (problem.base_model.empty())
     problem.base_model = ChooseBaseModel(options, *adjusted);
-  FittedLenses fitted = FitLenses(problem.base_model, *adjusted, options);
+  FittedCameras fitted = FitCameras(problem.base_model, *adjusted, options);
   adjusted->base_lenses.clear();
-  if (fitted.median_px > kFarMore * before_px) return;
+  if (fitted.median_px > kMaxErrorRatio * before_px) return;
   adjusted->state = std::move(fitted.state);
   adjusted->base_lenses = std::move(fitted.lenses);
 }

@@ -42,13 +42,13 @@ Displacements Rotated(const Displacements& before, const Board& board,
 // Accumulates the in-plane point displacements that explain a view's residuals.
 void AddView(const AdjustmentResult& adjusted, const View& view,
              int first_point, Displacements* sum, Eigen::VectorXd* weights) {
-  constexpr double kLeastSine = 0.15;  // minimum sine of the viewing angle
+  constexpr double kMinSine = 0.15;  // minimum sine of the viewing angle
   for (const LinearizedResidual& linear : LinearizeView(adjusted.state, view)) {
     if (!linear.residual.valid) continue;
-    const Eigen::Matrix2d by_plane = linear.J_point.leftCols<2>();
-    const double square = by_plane.squaredNorm();
-    if (!(std::abs(by_plane.determinant()) > kLeastSine * square / 2)) continue;
-    const Eigen::Matrix2d inverse = by_plane.inverse();
+    const Eigen::Matrix2d J_plane = linear.J_point.leftCols<2>();
+    const double square = J_plane.squaredNorm();
+    if (!(std::abs(J_plane.determinant()) > kMinSine * square / 2)) continue;
+    const Eigen::Matrix2d inverse = J_plane.inverse();
     const int at = 2 * (linear.point - first_point);
     const double weight = 2 / inverse.squaredNorm();
     sum->metres.segment<2>(at) -= weight * (inverse * linear.residual.error_px);
@@ -100,9 +100,9 @@ class RotationSearch {
   RotationSearch(const std::vector<Displacements>& images, const Board& board)
       : board_(board), num_rotations_(board.NumRotations()) {
     for (const Displacements& image : images) {
-      turned_.emplace_back();
+      rotated_displacements_.emplace_back();
       for (int turn = 0; turn < num_rotations_; ++turn)
-        turned_.back().push_back(Rotated(image, board, turn));
+        rotated_displacements_.back().push_back(Rotated(image, board, turn));
     }
   }
 
@@ -110,38 +110,41 @@ class RotationSearch {
   // images with the most points.
   void Run() {
     constexpr size_t kStarts = 8;
-    turns_.assign(turned_.size(), 0);
-    Improve(&turns_);
-    double best = Agreement(turns_);
-    std::vector<size_t> order(turned_.size());
+    rotations_.assign(rotated_displacements_.size(), 0);
+    Improve(&rotations_);
+    double best = Agreement(rotations_);
+    std::vector<size_t> order(rotated_displacements_.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_sort(order.begin(), order.end(), [this](size_t a, size_t b) {
-      return turned_[a][0].num_points() > turned_[b][0].num_points();
+      return rotated_displacements_[a][0].num_points() >
+             rotated_displacements_[b][0].num_points();
     });
     order.resize(std::min(order.size(), kStarts));
     for (const size_t first : order) {
       std::vector<int> turns;
-      for (size_t i = 0; i < turned_.size(); ++i)
-        turns.push_back(FindBestRotation(i, Symmetric(turned_[first][0])));
+      for (size_t i = 0; i < rotated_displacements_.size(); ++i)
+        turns.push_back(
+            FindBestRotation(i, Symmetric(rotated_displacements_[first][0])));
       turns[first] = 0;
       Improve(&turns);
       const double agreement = Agreement(turns);
       if (agreement <= best) continue;
       best = agreement;
-      turns_ = turns;
+      rotations_ = turns;
     }
     MakeCommonestRotationIdentity();
   }
 
-  const std::vector<int>& turns() const { return turns_; }
+  const std::vector<int>& turns() const { return rotations_; }
 
   // Whether the rotation in this image makes a significant difference according
   // to the other images, but cannot be determined from this image.
   bool IsRotationAmbiguous(size_t image, double sureness) const {
-    const Displacements mean =
-        MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]);
+    const Displacements mean = ComputeMeanOfOthers(
+        SumLanes(rotations_), rotated_displacements_[image][rotations_[image]]);
     for (int turn = 0; turn < num_rotations_; ++turn)
-      if (turn != turns_[image] && IsRotationSignificant(image, turn, mean) &&
+      if (turn != rotations_[image] &&
+          IsRotationSignificant(image, turn, mean) &&
           Advantage(image, turn, mean) < sureness)
         return true;
     return false;
@@ -152,7 +155,8 @@ class RotationSearch {
   double RotationSignificance(size_t image) const {
     return Advantage(
         image, 0,
-        MeanOfOthers(SumLanes(turns_), turned_[image][turns_[image]]));
+        ComputeMeanOfOthers(SumLanes(rotations_),
+                            rotated_displacements_[image][rotations_[image]]));
   }
 
  private:
@@ -179,23 +183,23 @@ class RotationSearch {
     sum->counts += sign * one.is_seen;
   }
   Sum SumLanes(const Turns& turns) const {
-    const Eigen::VectorXd none =
-        Eigen::VectorXd::Zero(turned_.front().front().metres.size());
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(
+        rotated_displacements_.front().front().metres.size());
     Sum sum = {none, none, none};
-    for (size_t i = 0; i < turned_.size(); ++i)
-      Add(turned_[i][turns[i]], 1, &sum);
+    for (size_t i = 0; i < rotated_displacements_.size(); ++i)
+      Add(rotated_displacements_[i][turns[i]], 1, &sum);
     return sum;
   }
-  Displacements MeanOf(const Sum& sum) const {
-    Displacements mean = turned_.front().front();
+  Displacements ComputeMean(const Sum& sum) const {
+    Displacements mean = rotated_displacements_.front().front();
     mean.is_seen = (sum.counts.array() > 0.5).cast<double>();
     mean.metres = (sum.metres.array() / sum.weights.array().max(1e-300)) *
                   mean.is_seen.array();
     return Symmetric(std::move(mean));
   }
-  Displacements MeanOfOthers(Sum sum, const Displacements& but) const {
+  Displacements ComputeMeanOfOthers(Sum sum, const Displacements& but) const {
     Add(but, -1, &sum);
-    return MeanOf(sum);
+    return ComputeMean(sum);
   }
 
   // Returns the rotation of the image that is most consistent with the other
@@ -204,7 +208,7 @@ class RotationSearch {
     int best = 0;
     double most = -INFINITY;
     for (int turn = 0; turn < num_rotations_; ++turn) {
-      const Displacements& one = turned_[image][turn];
+      const Displacements& one = rotated_displacements_[image][turn];
       const double match = 2 * one.metres.dot(others.metres) -
                            one.is_seen.dot(others.metres.cwiseAbs2());
       if (match <= most) continue;
@@ -219,13 +223,13 @@ class RotationSearch {
     for (int round = 0; round < kMaxRounds; ++round) {
       bool has_changed = false;
       Sum sum = SumLanes(*turns);
-      for (size_t i = 0; i < turned_.size(); ++i) {
-        const Displacements& before = turned_[i][(*turns)[i]];
-        const int turn = FindBestRotation(i, MeanOfOthers(sum, before));
+      for (size_t i = 0; i < rotated_displacements_.size(); ++i) {
+        const Displacements& before = rotated_displacements_[i][(*turns)[i]];
+        const int turn = FindBestRotation(i, ComputeMeanOfOthers(sum, before));
         if (turn == (*turns)[i]) continue;
         has_changed = true;
         Add(before, -1, &sum);
-        Add(turned_[i][turn], 1, &sum);
+        Add(rotated_displacements_[i][turn], 1, &sum);
         (*turns)[i] = turn;
       }
       if (!has_changed) return;
@@ -235,10 +239,10 @@ class RotationSearch {
   // Returns the weighted sum of squares that is explained by the mean
   // displacement.
   double Agreement(const Turns& turns) const {
-    const Displacements mean = MeanOf(SumLanes(turns));
+    const Displacements mean = ComputeMean(SumLanes(turns));
     double sum = 0;
-    for (size_t i = 0; i < turned_.size(); ++i) {
-      const Displacements& one = turned_[i][turns[i]];
+    for (size_t i = 0; i < rotated_displacements_.size(); ++i) {
+      const Displacements& one = rotated_displacements_[i][turns[i]];
       sum += one.weight * (2 * one.metres.dot(mean.metres) -
                            one.is_seen.dot(mean.metres.cwiseAbs2()));
     }
@@ -247,10 +251,10 @@ class RotationSearch {
 
   void MakeCommonestRotationIdentity() {
     std::vector<int> counts(num_rotations_);
-    for (const int turn : turns_) ++counts[turn];
+    for (const int turn : rotations_) ++counts[turn];
     const int most = static_cast<int>(
         std::max_element(counts.begin(), counts.end()) - counts.begin());
-    for (int& turn : turns_)
+    for (int& turn : rotations_)
       turn = (turn - most + num_rotations_) % num_rotations_;
   }
 
@@ -259,8 +263,10 @@ class RotationSearch {
   bool IsRotationSignificant(size_t image, int other,
                              const Displacements& mean) const {
     constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
-    const Displacements& chosen = turned_[image][turns_[image]];
-    const int turn = (other - turns_[image] + num_rotations_) % num_rotations_;
+    const Displacements& chosen =
+        rotated_displacements_[image][rotations_[image]];
+    const int turn =
+        (other - rotations_[image] + num_rotations_) % num_rotations_;
     const Displacements after = Rotated(mean, board_, turn);
     const Eigen::ArrayXd seen = chosen.is_seen.array() * mean.is_seen.array();
     const double count = std::max(1.0, seen.sum());
@@ -268,7 +274,8 @@ class RotationSearch {
       return chosen.weight * (metres.array() * seen).square().sum() / count;
     };
     const double variance_px2 = square(chosen.metres - mean.metres);
-    const double num_images = static_cast<double>(turned_.size());
+    const double num_images =
+        static_cast<double>(rotated_displacements_.size());
     // The errors of the mean and of the rotated mean are independent: their
     // variances add up.
     return square(after.metres - mean.metres) >
@@ -277,30 +284,33 @@ class RotationSearch {
   }
 
   double Advantage(size_t image, int other, const Displacements& mean) const {
-    constexpr double kLeastNoisePx2 = 1e-6;  // limit of rounding errors
-    const Displacements& chosen = turned_[image][turns_[image]];
-    const Displacements& otherwise = turned_[image][other];
+    constexpr double kMinNoisePx2 = 1e-6;  // limit of rounding errors
+    const Displacements& chosen =
+        rotated_displacements_[image][rotations_[image]];
+    const Displacements& otherwise = rotated_displacements_[image][other];
     const auto seen = chosen.is_seen.array() * mean.is_seen.array();
     const Eigen::VectorXd left =
         ((chosen.metres - mean.metres).array() * seen).matrix();
-    const double by_chosen = left.squaredNorm();
-    const double by_other = ((otherwise.metres - mean.metres).array() *
-                             otherwise.is_seen.array() * mean.is_seen.array())
-                                .matrix()
-                                .squaredNorm();
+    const double chosen_error = left.squaredNorm();
+    const double other_error =
+        ((otherwise.metres - mean.metres).array() * otherwise.is_seen.array() *
+         mean.is_seen.array())
+            .matrix()
+            .squaredNorm();
     const double count = std::max(1.0, seen.sum());
     const double variance =
-        std::max(by_chosen / count, kLeastNoisePx2 / chosen.weight);
+        std::max(chosen_error / count, kMinNoisePx2 / chosen.weight);
     // For noise x, <x, a - b> has the variance s^2 |a - b|^2, and the sums of
     // squares differ by twice that inner product.
-    const double apart = std::max(by_other - by_chosen, 0.0);
+    const double apart = std::max(other_error - chosen_error, 0.0);
     return std::sqrt(apart / variance) / 2;
   }
 
   const Board& board_;
   int num_rotations_;
-  std::vector<std::vector<Displacements>> turned_;  // by image, then rotation
-  Turns turns_;
+  std::vector<std::vector<Displacements>>
+      rotated_displacements_;  // by image, then rotation
+  Turns rotations_;
 };
 
 }  // namespace
@@ -314,8 +324,8 @@ bool HasSymmetricBoards(const Pattern& pattern) {
 Dataset Rotated(const Dataset& dataset, const Pattern& pattern,
                 const BoardRotations& turns) {
   if (turns.empty()) return dataset;
-  Dataset turned = dataset;
-  for (ImageFeatures& image : turned.images)
+  Dataset rotated_dataset = dataset;
+  for (ImageFeatures& image : rotated_dataset.images)
     for (Feature& feature : image.features) {
       const auto found = turns.find({image.image, feature.board});
       const Board* board = pattern.FindBoard(feature.board);
@@ -323,7 +333,7 @@ Dataset Rotated(const Dataset& dataset, const Pattern& pattern,
       std::tie(feature.column, feature.row) =
           board->Rotated(feature.column, feature.row, found->second);
     }
-  return turned;
+  return rotated_dataset;
 }
 
 BoardRotations ComposeRotations(const BoardRotations& first,
@@ -342,8 +352,8 @@ AdjustmentResult LocalizeDatasetViews(const CameraModel& camera,
                                       const Dataset& dataset,
                                       const Pattern& pattern, int num_threads) {
   AdjustmentResult localized;
-  std::vector<RejectedImage> too_few;
-  localized.problem = BuildProblem({dataset}, pattern, &too_few);
+  std::vector<RejectedImage> images_with_few_views;
+  localized.problem = BuildProblem({dataset}, pattern, &images_with_few_views);
   localized.state.SetCamera(camera);
   localized.state.points = localized.problem.nominal;
   std::vector<bool> remove;
@@ -384,8 +394,8 @@ GeometricRotations ResolveRotationsByGeometry(
     const std::vector<AdjustmentResult>& cameras, const Pattern& pattern) {
   // Errors of neighbouring points are correlated, so that random scores exceed
   // their nominal standard deviation.
-  constexpr double kSurely = 5;
-  constexpr size_t kFewParts = 3;
+  constexpr double kMinSignificance = 5;
+  constexpr size_t kMinViewsPerAmbiguous = 3;
   GeometricRotations found;
   for (size_t b = 0; b < pattern.boards.size(); ++b) {
     const Board& board = pattern.boards[b];
@@ -398,13 +408,15 @@ GeometricRotations ResolveRotationsByGeometry(
     std::vector<std::pair<std::string, int>> doubtful;
     for (size_t i = 0; i < images.size(); ++i) {
       const std::pair<std::string, int> view(images[i].image, board.id);
-      if (search.turns()[i] != 0 && search.RotationSignificance(i) > kSurely)
+      if (search.turns()[i] != 0 &&
+          search.RotationSignificance(i) > kMinSignificance)
         found.turns[view] = search.turns()[i];
-      if (search.IsRotationAmbiguous(i, kSurely)) doubtful.push_back(view);
+      if (search.IsRotationAmbiguous(i, kMinSignificance))
+        doubtful.push_back(view);
     }
     // If many views are ambiguous, the board's displacements are below the
     // noise.
-    if (kFewParts * doubtful.size() <= images.size())
+    if (kMinViewsPerAmbiguous * doubtful.size() <= images.size())
       found.doubtful.insert(found.doubtful.end(), doubtful.begin(),
                             doubtful.end());
   }

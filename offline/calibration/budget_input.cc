@@ -17,11 +17,11 @@ using PosesOfBoards = std::map<std::pair<std::string, int>, Pose>;
 
 // Adds the points of all boards, in sequence, and their deformation modes.
 void AddPoints(const Pattern& pattern, BudgetInput* input,
-               std::map<int, int>* first_of_board) {
+               std::map<int, int>* first_point_by_board) {
   std::vector<BoardPoints> boards;
   for (const Board& board : pattern.boards) {
     const int first = static_cast<int>(input->points.size());
-    (*first_of_board)[board.id] = first;
+    (*first_point_by_board)[board.id] = first;
     boards.push_back({first, board.points});
     input->boards.insert(input->boards.end(), board.points.size(),
                          static_cast<int>(boards.size()) - 1);
@@ -60,8 +60,8 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
                           const std::vector<FeatureResidual>& residuals) {
   BudgetInput input;
   input.image_size = camera.image_size();
-  std::map<int, int> first_of_board;
-  AddPoints(pattern, &input, &first_of_board);
+  std::map<int, int> first_point_by_board;
+  AddPoints(pattern, &input, &first_point_by_board);
   // The input requires residuals grouped by view and views sorted by time.
   std::map<std::pair<std::string, int>, std::vector<const FeatureResidual*>>
       views;
@@ -76,7 +76,7 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
     for (const FeatureResidual* residual : own) {
       BudgetFeature feature;
       feature.view = view;
-      feature.point = first_of_board.at(board->id) +
+      feature.point = first_point_by_board.at(board->id) +
                       board->PointIndex(residual->column, residual->row);
       feature.column = residual->column;
       feature.row = residual->row;
@@ -94,7 +94,7 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
 }  // namespace
 
 BudgetInput MakeBudgetInput(const CalibrationResult& result,
-                            const BudgetFacts& facts) {
+                            const BudgetSummary& facts) {
   PosesOfBoards poses;
   for (const BoardPose& pose : result.poses)
     poses[{pose.image, pose.board}] = pose.camera_from_board;
@@ -105,9 +105,9 @@ BudgetInput MakeBudgetInput(const CalibrationResult& result,
   return input;
 }
 
-BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
-                            const CalibrationOptions& options) {
-  BudgetFacts facts;
+BudgetSummary MakeBudgetSummary(const CalibrationResult& result,
+                                const CalibrationOptions& options) {
+  BudgetSummary facts;
   facts.model = options.model;
   facts.knot_spacing_px = result.knot_spacing_px;
   facts.knot_spacing_selected = result.knot_spacing_candidates.size() > 1;

@@ -9,11 +9,11 @@ namespace raygrid {
 
 /// Collects the training residuals of a calibration and their covariates.
 BudgetInput MakeBudgetInput(const CalibrationResult& result,
-                            const BudgetFacts& facts);
+                            const BudgetSummary& facts);
 
 /// Lists the calibration steps that were enabled by the options.
-BudgetFacts MakeBudgetFacts(const CalibrationResult& result,
-                            const CalibrationOptions& options);
+BudgetSummary MakeBudgetSummary(const CalibrationResult& result,
+                                const CalibrationOptions& options);
 
 /// Collects the residuals of images localized with a fixed camera.
 BudgetInput MakeBudgetInput(const CameraModel& camera, const Dataset& dataset,

@@ -5,14 +5,14 @@
 
 #include "calibration/calibration_steps.h"
 #include "calibration/input_checks.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 
 namespace raygrid {
 
 std::vector<std::string> ListCalibratedModels() {
   std::vector<std::string> names =
-      LensNames(ModelUse::kCalibrate,
-                {models::kNonCentralGeneric, models::kCentralGeneric});
+      ListModelNames(ModelUse::kCalibrate,
+                     {models::kNonCentralGeneric, models::kCentralGeneric});
   std::reverse(names.begin(), names.end());
   return names;
 }

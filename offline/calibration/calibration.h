@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "camera/lens_spread.h"
 #include "camera/model_names.h"
+#include "camera/population_covariance.h"
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
 #include "dataset/image_times.h"
@@ -69,7 +69,7 @@ struct CalibrationOptions {
   /// central-generic and a single camera with images of the same size.
   std::shared_ptr<const CameraModel> like = {};
   /// Variation over the fleet, if `like` is its population mean.
-  std::shared_ptr<const LensSpread> prior_spread = {};
+  std::shared_ptr<const PopulationCovariance> prior_population = {};
   /// Fixes the target geometry: nominal points without deformation.
   bool fix_target_geometry = false;
   bool rigid_board = false;  ///< board deformation is static

@@ -25,8 +25,8 @@ CalibrationProblem EmptyProblem(const std::vector<Dataset>& cameras,
   return problem;
 }
 
-std::vector<Observation> ObservationsOf(const Board& board, int first_point,
-                                        const ImageFeatures& image) {
+std::vector<Observation> MakeObservations(const Board& board, int first_point,
+                                          const ImageFeatures& image) {
   std::vector<Observation> observations;
   for (const Feature& feature : image.features)
     if (feature.board == board.id)
@@ -50,18 +50,19 @@ CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
                                 const Pattern& pattern,
                                 std::vector<RejectedImage>* rejected) {
   CalibrationProblem problem = EmptyProblem(cameras, pattern);
-  std::map<std::pair<std::string, size_t>, int> pose_of;
+  std::map<std::pair<std::string, size_t>, int> pose_indices;
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (const ImageFeatures& image : cameras[c].images) {
       bool used = false;
       for (size_t b = 0; b < pattern.boards.size(); ++b) {
         View view;
         view.observations =
-            ObservationsOf(pattern.boards[b], problem.first_points[b], image);
+            MakeObservations(pattern.boards[b], problem.first_points[b], image);
         if (view.observations.size() < kMinViewFeatures) continue;
         view.camera = static_cast<int>(c);
-        view.pose = pose_of.emplace(std::pair(image.image, b), pose_of.size())
-                        .first->second;
+        view.pose =
+            pose_indices.emplace(std::pair(image.image, b), pose_indices.size())
+                .first->second;
         problem.views.push_back(std::move(view));
         problem.images.push_back(image.image);
         problem.boards.push_back(static_cast<int>(b));
@@ -73,7 +74,7 @@ CalibrationProblem BuildProblem(const std::vector<Dataset>& cameras,
              fmt::format("only {} features", image.features.size()), true});
     }
   }
-  problem.num_poses = static_cast<int>(pose_of.size());
+  problem.num_poses = static_cast<int>(pose_indices.size());
   return problem;
 }
 

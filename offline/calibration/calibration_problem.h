@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adjustment/adjustment_state.h"
-#include "camera/lens_spread.h"
+#include "camera/population_covariance.h"
 #include "dataset/dataset.h"
 #include "evaluation/calibration_result.h"
 #include "initialization/localization.h"
@@ -24,7 +24,7 @@ struct CalibrationProblem {
   /// Prior camera that the grids' prior is centred on, or null.
   std::shared_ptr<const CameraModel> like = {};
   /// Variation over the fleet of the prior camera, or null.
-  std::shared_ptr<const LensSpread> prior_spread = {};
+  std::shared_ptr<const PopulationCovariance> prior_population = {};
   std::vector<View> views;
   std::vector<std::string> images;  ///< image name of each view
   std::vector<int> boards;          ///< pattern index of each view's board

@@ -60,7 +60,7 @@ CameraPrior PriorAround(const CameraModel& camera,
   if (const ParametricModel* lens = camera.Parametric())
     return MakeDistortionPrior(*lens, ComputeCalibratedArea(problem, index),
                                NumFeatures(problem, index));
-  return MakeSmoothnessPrior(FitPolynomialGrid(CentralPart(camera)),
+  return MakeSmoothnessPrior(FitPolynomialGrid(MakeCentral(camera)),
                              ObservedPixels(problem, index));
 }
 
@@ -80,16 +80,17 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
 // determine. The prior smooths superfluous control points
 // (offline/calibration/DESIGN.md).
 int CountSamples(int num_features) {
-  constexpr int kLeast = 24, kMost = 96, kFeaturesPerSample = 20;
-  return std::clamp(num_features / kFeaturesPerSample, kLeast, kMost);
+  constexpr int kMinSamples = 24, kMaxSamples = 96, kFeaturesPerSample = 20;
+  return std::clamp(num_features / kFeaturesPerSample, kMinSamples,
+                    kMaxSamples);
 }
 
 // Replaces an initial camera by a parametric model that is fitted to it. If the
 // initial camera has no optical axis, the fit estimates the axis, and the
 // camera's poses are rotated accordingly.
-void SetLens(const std::string& model, const CameraModel& lens,
-             const CalibrationProblem& problem, int camera,
-             AdjustmentState* state) {
+void SetCameraModel(const std::string& model, const CameraModel& lens,
+                    const CalibrationProblem& problem, int camera,
+                    AdjustmentState* state) {
   FitOptions options;
   options.free_rotation = !IsParametricModel(lens.Name());
   options.num_knots = CountSamples(NumFeatures(problem, camera));
@@ -134,7 +135,7 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
         ObservedPixels(problem, static_cast<int>(c)),
         ComputeMeanDistance(problem, c, *state), starts.GetBaseModel(c)));
     state->cameras[c] =
-        NonCentralGeneric(CentralPart(*state->cameras[c])).Clone();
+        NonCentralGeneric(MakeCentral(*state->cameras[c])).Clone();
   }
   return AdjustInTwoSteps(problem, options, prior, state);
 }
@@ -169,8 +170,8 @@ AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
 
 // Whether poses and points match the problem, which loses the poses of rejected
 // images.
-bool IsOfSameImages(const AdjustmentResult* adjusted,
-                    const AdjustmentState& state) {
+bool HasSameImages(const AdjustmentResult* adjusted,
+                   const AdjustmentState& state) {
   return adjusted && adjusted->state.rig_from_pattern.size() ==
                          state.rig_from_pattern.size();
 }
@@ -241,7 +242,7 @@ AdjustmentSummary OptimizeParametricCameras(const std::string& model,
     // The radial model is refitted even if the name matches, since it may have
     // been initialized with fewer control points.
     if (lenses[c]->Name() != model || model == models::kCentralRadial)
-      SetLens(model, *lenses[c], problem, static_cast<int>(c), state);
+      SetCameraModel(model, *lenses[c], problem, static_cast<int>(c), state);
   }
   return OptimizeParametricCameras(problem, options, prior, state);
 }
@@ -252,8 +253,8 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
                                 GaussianPrior* prior, AdjustmentState* state) {
   *prior = {};
   std::vector<BSplineSurface> spread;
-  if (problem.like && problem.prior_spread)
-    spread = problem.prior_spread->Surfaces(problem.like->area());
+  if (problem.like && problem.prior_population)
+    spread = problem.prior_population->Surfaces(problem.like->area());
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     if (IsFixed(*starts.lenses[c])) {
       prior->cameras.emplace_back();
@@ -267,7 +268,7 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
                             starts.GetBaseModel(c), spread));
     state->cameras[c] = base.Clone();
   }
-  return IsOfSameImages(starts.adjusted, *state)
+  return HasSameImages(starts.adjusted, *state)
              ? AdjustFromOtherSpacing(problem, starts, options, prior, state)
              : AdjustInTwoSteps(problem, options, prior, state);
 }

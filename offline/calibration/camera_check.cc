@@ -47,7 +47,7 @@ ReferenceCamera Known(const CameraFile& file) {
 ProjectedView Place(const CameraModel& camera, const Pose& pose,
                     const CalibrationProblem& problem, int view,
                     const Pattern& pattern) {
-  ProjectedView placed;
+  ProjectedView projected;
   for (const Observation& observation : problem.views[view].observations) {
     const Eigen::Vector3d turned =
         pose.rotation * problem.nominal[observation.point];
@@ -56,24 +56,25 @@ ProjectedView Place(const CameraModel& camera, const Pose& pose,
         !camera.Linearize(turned + pose.translation, &observation.pixel,
                           kAdjustmentMarginPx, &linear))
       continue;
-    Eigen::Matrix<double, 3, 6> by_update;  // update as in UpdatedPose()
-    by_update << 0, turned.z(), -turned.y(), 1, 0, 0,  //
-        -turned.z(), 0, turned.x(), 0, 1, 0,           //
+    Eigen::Matrix<double, 3, 6> J_update;  // update as in UpdatedPose()
+    J_update << 0, turned.z(), -turned.y(), 1, 0, 0,  //
+        -turned.z(), 0, turned.x(), 0, 1, 0,          //
         turned.y(), -turned.x(), 0, 0, 0, 1;
     const Feature feature = problem.GetFeature(pattern, view, observation);
-    placed.push_back({observation.pixel, observation.pixel - linear.pixel,
-                      linear.J_point * by_update, feature.column, feature.row});
+    projected.push_back({observation.pixel, observation.pixel - linear.pixel,
+                         linear.J_point * J_update, feature.column,
+                         feature.row});
   }
-  return placed;
+  return projected;
 }
 
-using FeaturePlace = std::tuple<std::string, int, int, int>;
+using FeatureIdentity = std::tuple<std::string, int, int, int>;
 
 // Held-out prediction errors by feature.
-using PredictionErrors = std::map<FeaturePlace, Eigen::Vector2d>;
+using PredictionErrors = std::map<FeatureIdentity, Eigen::Vector2d>;
 
-Dataset FeaturesOf(const std::vector<FeatureResidual>& residuals,
-                   const ImageSize& size, PredictionErrors* errors) {
+Dataset MakeFeatureDataset(const std::vector<FeatureResidual>& residuals,
+                           const ImageSize& size, PredictionErrors* errors) {
   Dataset dataset;
   dataset.image_size = size;
   for (const FeatureResidual& r : residuals) {
@@ -129,12 +130,12 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
 MovementErrors EstimateExcessErrors(
     const CameraFile& file, const std::vector<FeatureResidual>& held_out,
     double training_share, const Pattern& pattern, int num_threads) {
-  constexpr size_t kAtATime = 5;  // typical number of images for `check`
-  constexpr size_t kFewest = 8;   // minimum for a standard deviation
+  constexpr size_t kAtATime = 5;    // typical number of images for `check`
+  constexpr size_t kMinImages = 8;  // minimum for a standard deviation
   PredictionErrors errors;
   const Dataset dataset =
-      FeaturesOf(held_out, file.camera->image_size(), &errors);
-  if (!IsKnown(file) || dataset.images.size() < kFewest) return {};
+      MakeFeatureDataset(held_out, file.camera->image_size(), &errors);
+  if (!IsKnown(file) || dataset.images.size() < kMinImages) return {};
   ReferenceCamera known = Known(file);
   for (auto& mode : known.modes.displacements_px)
     for (Eigen::Vector2d& displacement : mode)

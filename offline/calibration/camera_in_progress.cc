@@ -39,7 +39,7 @@ ValidationOptions MakeValidationOptions(const CalibrationOptions& options) {
   validation.model = options.model;
   validation.area = options.area;
   validation.like = options.like;
-  validation.prior_spread = options.prior_spread;
+  validation.prior_population = options.prior_population;
   validation.fix_target_geometry = options.fix_target_geometry;
   validation.num_threads = options.num_threads;
   validation.should_stop = options.should_stop;

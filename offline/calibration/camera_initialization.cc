@@ -23,7 +23,7 @@ namespace {
 
 // Pose estimation of a view fails if its median error exceeds this fraction of
 // the image width.
-constexpr double kMaxMedianPart = 0.02;
+constexpr double kMaxRelativeMedian = 0.02;
 
 double MedianError(const AdjustmentState& state, const View& view,
                    const Pose& pose) {
@@ -51,8 +51,9 @@ AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
   std::vector<Pose> kept;
   std::vector<bool> remove(poses.size(), true);
   for (size_t v = 0; v < poses.size(); ++v) {
-    remove[v] = !poses[v] || !(MedianError(state, problem.views[v], *poses[v]) <
-                               kMaxMedianPart * problem.image_sizes[0].width);
+    remove[v] =
+        !poses[v] || !(MedianError(state, problem.views[v], *poses[v]) <
+                       kMaxRelativeMedian * problem.image_sizes[0].width);
     if (remove[v])
       localized.rejected_images.push_back(
           {problem.images[v], "pose estimation failed"});
@@ -146,21 +147,21 @@ std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
 // Misfit of a camera: the fraction of all features whose view has no pose, or
 // which have no projection or observation direction, and the mean error.
 struct Misfit {
-  double unexplained_part = 0;
+  double unexplained_fraction = 0;
   double mean_px = 0;  ///< over all features, capped per feature
 };
 
 // Returns the size in pixels of one pixel of a 640 px wide image, the size for
 // which the limits below were chosen: errors in pixels grow with the image
 // size.
-double LensPx(const CalibrationProblem& problem) {
+double ComputePixelScale(const CalibrationProblem& problem) {
   constexpr double kWidth = 640;
   const ImageSize& size = problem.image_sizes[0];
   return std::max(1.0, std::max(size.width, size.height) / kWidth);
 }
 
 Misfit ComputeMisfit(const AdjustmentResult& adjusted, size_t num_features) {
-  const double cap_px = 5 * LensPx(adjusted.problem);
+  const double cap_px = 5 * ComputePixelScale(adjusted.problem);
   size_t index = 0, explained = 0;
   double sum = 0;
   for (const View& view : adjusted.problem.views) {
@@ -241,26 +242,27 @@ class StartTrials {
     const Misfit misfit = ComputeMisfit(*adjusted, num_features_);
     const double weighted =
         misfit.mean_px * GetComplexityPenalty(adjusted->state.camera());
-    if (best_ && weighted >= least_weighted_) return;
+    if (best_ && weighted >= min_weighted_misfit_) return;
     best_ = adjusted;
-    least_ = misfit;
-    least_weighted_ = weighted;
+    best_misfit_ = misfit;
+    min_weighted_misfit_ = weighted;
   }
 
   // Whether the error is small enough for a lens with local distortion.
   bool IsNear() const {
-    return best_ && least_.mean_px < LensPx(thinned_.problem);
+    return best_ && best_misfit_.mean_px < ComputePixelScale(thinned_.problem);
   }
 
   // Whether the best initial camera is good enough for calibration.
-  bool IsEnough() const {
-    constexpr double kMaxUnexplainedPart = 0.25;
-    return best_ && least_.unexplained_part <= kMaxUnexplainedPart;
+  bool HasAcceptableCamera() const {
+    constexpr double kMaxUnexplainedFraction = 0.25;
+    return best_ &&
+           best_misfit_.unexplained_fraction <= kMaxUnexplainedFraction;
   }
 
   // Returns the best initial camera; throws if it is not good enough.
   const AdjustmentResult& Best() const {
-    if (IsEnough()) return *best_;
+    if (HasAcceptableCamera()) return *best_;
     if (!best_)
       throw Error(
           ExitCode::kInitialization,
@@ -271,7 +273,8 @@ class StartTrials {
         fmt::format("initialization failed: the initial camera fits only "
                     "{:.0f} % of {} features; check the pattern, and add "
                     "tilted views that cover the image",
-                    100 * (1 - least_.unexplained_part), num_features_));
+                    100 * (1 - best_misfit_.unexplained_fraction),
+                    num_features_));
   }
 
  private:
@@ -280,8 +283,8 @@ class StartTrials {
   size_t num_features_;
   AdjustmentOptions options_;
   std::optional<AdjustmentResult> best_;
-  Misfit least_;
-  double least_weighted_ = INFINITY;
+  Misfit best_misfit_;
+  double min_weighted_misfit_ = INFINITY;
 };
 
 // Tries all initializations that do not depend on a previous camera.
@@ -324,7 +327,7 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
   RequireImages(all.problem);
   StartTrials trials(pattern, all, options);
   if (known) trials.Try(*known);
-  if (!trials.IsEnough())
+  if (!trials.HasAcceptableCamera())
     TryAll(dataset, pattern, all.problem, options.num_threads, &trials);
   AdjustmentResult adjusted =
       Localized(trials.Best().state.camera(), all, options.num_threads);

@@ -71,8 +71,9 @@ std::optional<BoardDeformation> GetDeformation(const Pattern& pattern,
 
 // Returns the normal of a flat board; nullopt for a point set that is not
 // planar.
-std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
-  constexpr double kFlatPart = 0.02;  // fraction of the board's extent
+std::optional<Eigen::Vector3d> ComputeNormal(const Board& board) {
+  constexpr double kMaxFlatExtentRatio =
+      0.02;  // fraction of the board's extent
   if (!board.IsPointSet()) return Eigen::Vector3d::UnitZ();
   Eigen::Matrix3Xd points(3, board.points.size());
   for (size_t i = 0; i < board.points.size(); ++i)
@@ -81,7 +82,7 @@ std::optional<Eigen::Vector3d> NormalOf(const Board& board) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
       points * points.transpose());
   const Eigen::Vector3d extents = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
-  if (extents[0] > kFlatPart * extents[2]) return std::nullopt;
+  if (extents[0] > kMaxFlatExtentRatio * extents[2]) return std::nullopt;
   return solver.eigenvectors().col(0);
 }
 
@@ -90,7 +91,7 @@ std::vector<Eigen::Vector3d> CollectBoardNormals(
     const CalibrationResult& result) {
   std::map<int, std::optional<Eigen::Vector3d>> normals;
   for (const Board& board : result.pattern.boards)
-    normals[board.id] = NormalOf(board);
+    normals[board.id] = ComputeNormal(board);
   std::vector<Eigen::Vector3d> seen;
   for (const BoardPose& pose : result.poses)
     if (const auto& normal = normals.at(pose.board))
@@ -100,17 +101,17 @@ std::vector<Eigen::Vector3d> CollectBoardNormals(
 
 // Returns the largest angle between the planes of two observed boards.
 double ComputeTilt(const std::vector<Eigen::Vector3d>& normals) {
-  double least_cosine = 1;
+  double min_cosine = 1;
   for (const Eigen::Vector3d& a : normals)
     for (const Eigen::Vector3d& b : normals)
-      least_cosine = std::min(least_cosine, std::abs(a.dot(b)));
-  return std::acos(least_cosine);
+      min_cosine = std::min(min_cosine, std::abs(a.dot(b)));
+  return std::acos(min_cosine);
 }
 
 // Point sets have no front side.
 bool HasSides(const Board& board) { return !board.IsPointSet(); }
 
-bool IsSeenFromBehind(const BoardPose& seen, const Board& board) {
+bool IsBoardFacingAway(const BoardPose& seen, const Board& board) {
   const Eigen::Vector3d into_page =
       seen.camera_from_board.rotation * Eigen::Vector3d::UnitZ();
   return into_page.dot(seen.camera_from_board *
@@ -122,19 +123,20 @@ void AddSides(const CalibrationResult& result, CalibrationMetrics* metrics) {
     const Board& board = *result.pattern.FindBoard(seen.board);
     if (!HasSides(board)) continue;
     ++metrics->boards_seen;
-    if (IsSeenFromBehind(seen, board))
+    if (IsBoardFacingAway(seen, board))
       metrics->mirrored_images.push_back(seen.image);
   }
 }
 
 // A view of a board with all its detected features, including rejected ones.
-struct SeenBoard {
+struct ObservedBoard {
   const BoardPose* pose;
   std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by column, row
 };
 
-std::vector<SeenBoard> CollectObservedBoards(const CalibrationResult& result) {
-  std::map<std::pair<std::string, int>, SeenBoard> boards;
+std::vector<ObservedBoard> CollectObservedBoards(
+    const CalibrationResult& result) {
+  std::map<std::pair<std::string, int>, ObservedBoard> boards;
   const auto add = [&](const std::string& image, const Feature& feature) {
     boards[{image, feature.board}].pixels[{feature.column, feature.row}] =
         feature.pixel;
@@ -143,30 +145,32 @@ std::vector<SeenBoard> CollectObservedBoards(const CalibrationResult& result) {
     for (const Feature& feature : image.features) add(image.image, feature);
   for (const FeatureResidual& f : result.rejected_features)
     add(f.image, {f.board, f.column, f.row, f.pixel});
-  std::vector<SeenBoard> seen;
+  std::vector<ObservedBoard> seen;
   for (const BoardPose& pose : result.poses)
     seen.push_back({&pose, boards[{pose.image, pose.board}].pixels});
   return seen;
 }
 
 bool IsSamePose(const Pose& a, const Pose& b) {
-  constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
-  return a.rotation.angularDistance(b.rotation) < kAlikeRad &&
+  constexpr double kMaxRotationRad = 2 * M_PI / 180,
+                   kMaxRelativeDifference = 0.02;
+  return a.rotation.angularDistance(b.rotation) < kMaxRotationRad &&
          (a.translation - b.translation).norm() <
-             kAlikePart * b.translation.norm();
+             kMaxRelativeDifference * b.translation.norm();
 }
 
 // Whether a board has the same pose in two images, decided by pixel positions:
 // if all images are near-duplicates, poses are not observable.
-bool HasSamePoses(const SeenBoard& a, const SeenBoard& b,
+bool HaveSamePose(const ObservedBoard& a, const ObservedBoard& b,
                   const ImageSize& size) {
-  constexpr double kAlikePart = 0.005;
-  const double alike_px = kAlikePart * std::max(size.width, size.height);
+  constexpr double kMaxRelativeDifference = 0.005;
+  const double max_difference_px =
+      kMaxRelativeDifference * std::max(size.width, size.height);
   bool have_common = false;
   for (const auto& [place, pixel] : a.pixels) {
     const auto other = b.pixels.find(place);
     if (other == b.pixels.end()) continue;
-    if ((other->second - pixel).norm() > alike_px) return false;
+    if ((other->second - pixel).norm() > max_difference_px) return false;
     have_common = true;
   }
   return have_common;
@@ -174,13 +178,13 @@ bool HasSamePoses(const SeenBoard& a, const SeenBoard& b,
 
 // Counts the board views that differ from all previous views.
 int CountDifferent(const CalibrationResult& result) {
-  std::vector<SeenBoard> different;
-  for (const SeenBoard& seen : CollectObservedBoards(result)) {
-    const auto is_indistinguishable = [&](const SeenBoard& before) {
+  std::vector<ObservedBoard> different;
+  for (const ObservedBoard& seen : CollectObservedBoards(result)) {
+    const auto is_indistinguishable = [&](const ObservedBoard& before) {
       return before.pose->board == seen.pose->board &&
              (IsSamePose(before.pose->camera_from_board,
                          seen.pose->camera_from_board) ||
-              HasSamePoses(before, seen, result.features.image_size));
+              HaveSamePose(before, seen, result.features.image_size));
     };
     if (std::none_of(different.begin(), different.end(), is_indistinguishable))
       different.push_back(seen);
@@ -193,7 +197,7 @@ const std::vector<FeatureResidual>& GetAssessedResiduals(
   return result.held_out.empty() ? result.training : result.held_out;
 }
 
-std::vector<FeatureResidual> WithoutImages(
+std::vector<FeatureResidual> FilterOutImages(
     std::vector<FeatureResidual> residuals,
     const std::set<std::string>& images) {
   residuals.erase(
@@ -210,9 +214,9 @@ std::vector<FeatureResidual> WithoutImages(
 std::optional<double> SharedCorrelation(const CalibrationResult& result,
                                         const std::set<std::string>& apart) {
   const auto held_out = ComputeNeighborCorrelation(
-      WithoutImages(GetAssessedResiduals(result), apart));
+      FilterOutImages(GetAssessedResiduals(result), apart));
   const auto training =
-      ComputeNeighborCorrelation(WithoutImages(result.training, apart));
+      ComputeNeighborCorrelation(FilterOutImages(result.training, apart));
   if (!held_out || !training) return held_out;
   return std::min(*held_out, *training);
 }
@@ -290,15 +294,15 @@ void SeparateOutlierImages(const CalibrationResult& result,
 
 void AddTriedAlternatives(const CalibrationResult& result,
                           CalibrationMetrics* metrics) {
-  BudgetFacts& tried = metrics->tried;
+  BudgetSummary& tried = metrics->tried;
   if (result.budget) tried = result.budget->facts;
   tried.model = result.camera.camera->Name();
   tried.mixed_cameras = result.mixed_cameras.has_value();
-  constexpr double kBetterPart = 0.99;
+  constexpr double kMaxErrorRatio = 0.99;
   // All models are compared with rigid boards.
-  const double own_px =
+  const double current_error_px =
       result.camera.held_out ? result.camera.held_out->median_px : 0;
-  double best_px = kBetterPart * own_px;
+  double best_px = kMaxErrorRatio * current_error_px;
   for (const ModelMetrics& other : result.parametric_models) {
     tried.tried_noncentral |= other.model == models::kNonCentralGeneric;
     tried.tried_generic |= other.model == models::kCentralGeneric;
@@ -306,7 +310,7 @@ void AddTriedAlternatives(const CalibrationResult& result,
         !PredictsBetter(other, result))
       continue;
     best_px = other.held_out->median_px;
-    metrics->better_model = {other.model, best_px, own_px};
+    metrics->better_model = {other.model, best_px, current_error_px};
     tried.better_model = other.model;
   }
 }
@@ -382,10 +386,10 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
     const Area& area = result.camera.camera->area();
     const double median_px =
         uncertainty->lattice.MedianPx(area, metrics.features_area);
-    if (std::isfinite(median_px)) metrics.median_deviation_px = median_px;
+    if (std::isfinite(median_px)) metrics.median_stddev_px = median_px;
     metrics.valid_share =
         ComputeValidShare(*result.camera.camera, uncertainty->mask);
-    metrics.valid_limit_px = uncertainty->max_deviation_px;
+    metrics.valid_limit_px = uncertainty->max_stddev_px;
   }
   metrics.extrapolated = result.extrapolated;
   FindMisreadImages(result, &metrics);
@@ -442,7 +446,7 @@ void FillResult(const Pattern& pattern, const AdjustmentResult& adjusted,
   result->noise_bias_kl =
       ComputeNoiseBias(result->training, result->camera.camera->area());
   if (!result->camera.camera->IsCentral())
-    result->line_spread = MeasureLineSpread(*result->camera.camera);
+    result->noncentrality = ComputeNoncentrality(*result->camera.camera);
 }
 
 void KeepKnownCamera(const CameraFile& known, CalibrationResult* result) {
@@ -471,9 +475,10 @@ void FillUncertainty(const AdjustmentResult& adjusted, int camera,
       *result->camera.camera, uncertainty ? &uncertainty->mask : nullptr);
 }
 
-void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
+void FillFleetDistance(const CameraModel& mean,
+                       const PopulationCovariance& spread,
                        CalibrationResult* result) {
-  constexpr size_t kEnough = 2000;
+  constexpr size_t kMaxSamples = 2000;
   std::vector<Eigen::Vector2d> pixels;
   for (const ImageFeatures& image : result->features.images)
     for (const Feature& feature : image.features)
@@ -482,7 +487,7 @@ void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
   result->fleet_distance = MeasureFleetDistance(
       mean, spread, *camera.camera,
       camera.uncertainty ? &camera.uncertainty->lattice : nullptr,
-      SelectEvenly(pixels, kEnough));
+      SelectEvenly(pixels, kMaxSamples));
 }
 
 void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
@@ -494,13 +499,13 @@ void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
   for (const std::string& image : FindOutlierImages(result->training))
     apart.erase(image);
   if (apart.empty() || !result->cross_validated) return;
-  const auto deviations =
-      PredictHeldOutDeviations(adjusted, camera, apart, num_threads);
-  for (const auto& [image, deviation_px] : deviations) {
+  const auto stddevs =
+      PredictHeldOutStdDevs(adjusted, camera, apart, num_threads);
+  for (const auto& [image, stddev_px] : stddevs) {
     std::vector<double> norms;
     for (const FeatureResidual& r : result->held_out)
       if (r.image == image) norms.push_back(r.error_px.norm());
-    if (Quantile(norms, 0.5) <= kMuchMore * deviation_px)
+    if (Quantile(norms, 0.5) <= kMuchMore * stddev_px)
       result->unique_coverage_images.push_back(image);
   }
 }
@@ -517,12 +522,12 @@ void ListUnusedImages(const Dataset& measured,
   for (const RejectedImage& image : rejected) named.insert(image.image);
   for (const ImageFeatures& image : measured.images) {
     if (!named.insert(image.image).second) continue;
-    const bool is_few = image.features.size() < kMinViewFeatures;
-    rejected.push_back(
-        {image.image,
-         is_few ? fmt::format("only {} features", image.features.size())
-                : "pose estimation failed",
-         is_few});
+    const bool has_few_features = image.features.size() < kMinViewFeatures;
+    rejected.push_back({image.image,
+                        has_few_features ? fmt::format("only {} features",
+                                                       image.features.size())
+                                         : "pose estimation failed",
+                        has_few_features});
   }
   rejected.insert(rejected.end(), skipped.begin(), skipped.end());
 }
@@ -533,11 +538,11 @@ void AssessResult(int num_threads, CalibrationResult* result) {
   const std::vector<FeatureResidual>& residuals = GetAssessedResiduals(*result);
   const std::set<std::string> apart = FindOutlierImages(residuals);
   result->residual_autocorrelation =
-      ComputeNeighborCorrelation(WithoutImages(residuals, apart));
+      ComputeNeighborCorrelation(FilterOutImages(residuals, apart));
   if (result->camera.uncertainty && !result->held_out.empty() &&
       !result->has_known_intrinsics)
     result->camera.uncertainty->modes.beyond = EstimateExcessErrors(
-        result->camera, WithoutImages(result->held_out, apart),
+        result->camera, FilterOutImages(result->held_out, apart),
         result->cross_validated ? kTrainingFraction : 1, result->pattern,
         num_threads);
   CalibrationMetrics metrics = ComputeMetrics(*result, apart);

@@ -45,7 +45,8 @@ void ListUnusedImages(const Dataset& measured,
 
 /// Fills in the distance of the camera from a fleet's population mean, over the
 /// area with features.
-void FillFleetDistance(const CameraModel& mean, const LensSpread& spread,
+void FillFleetDistance(const CameraModel& mean,
+                       const PopulationCovariance& spread,
                        CalibrationResult* result);
 
 /// Fills in the metrics of held-out residuals, if any, their errors in excess

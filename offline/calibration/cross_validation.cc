@@ -57,14 +57,16 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
     datasets.push_back(camera.training);
     near_px = std::max(near_px, NearDuplicatePx(camera.training.image_size));
   }
-  std::map<std::string, std::string> view_of;
+  std::map<std::string, std::string> view_by_image;
   for (const NearDuplicates& group : FindNearDuplicates(datasets, {}, near_px))
-    for (const std::string& other : group.others) view_of[other] = group.image;
+    for (const std::string& other : group.others)
+      view_by_image[other] = group.image;
   std::vector<std::vector<std::string>> views;
   std::map<std::string, size_t> index;
   for (const std::string& frame : CollectFrameSets(cameras)) {
-    const auto found = view_of.find(frame);
-    const std::string& view = found == view_of.end() ? frame : found->second;
+    const auto found = view_by_image.find(frame);
+    const std::string& view =
+        found == view_by_image.end() ? frame : found->second;
     const size_t i = index.emplace(view, views.size()).first->second;
     if (i == views.size()) views.emplace_back();
     views[i].push_back(frame);
@@ -173,7 +175,7 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
                          options.rigid_targets, options.area, adjustment);
       fold.start->problem.base_model = folds->base_model;
       fold.start->problem.like = options.like;
-      fold.start->problem.prior_spread = options.prior_spread;
+      fold.start->problem.prior_population = options.prior_population;
       if (!is_grid) return;
       AdjustmentResult lenses = *fold.start;
       FitBaseModels(adjustment, &lenses);

@@ -10,7 +10,7 @@
 
 #include "calibration/model_adjustment.h"
 #include "calibration/rigid_targets.h"
-#include "camera/lens_spread.h"
+#include "camera/population_covariance.h"
 #include "dataset/dataset.h"
 #include "evaluation/checkpoint.h"
 
@@ -64,7 +64,7 @@ struct ValidationOptions {
   AreaChoice area = AreaChoice::kWholeImage;
   /// See CalibrationOptions.
   std::shared_ptr<const CameraModel> like = {};
-  std::shared_ptr<const LensSpread> prior_spread = {};
+  std::shared_ptr<const PopulationCovariance> prior_population = {};
   bool fix_target_geometry = false;
   bool rigid_boards = true;  ///< during calibration
   /// Keeps the results with rigid boards, for trials of the same model with

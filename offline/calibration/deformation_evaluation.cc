@@ -30,8 +30,8 @@ Dataset Half(const Dataset& dataset, bool is_even) {
   return half;
 }
 
-std::vector<Dataset> Halves(const std::vector<Dataset>& datasets,
-                            bool is_even) {
+std::vector<Dataset> SelectHalves(const std::vector<Dataset>& datasets,
+                                  bool is_even) {
   std::vector<Dataset> halves;
   for (const Dataset& dataset : datasets)
     halves.push_back(Half(dataset, is_even));
@@ -57,7 +57,7 @@ std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
   std::vector<std::vector<FeatureResidual>> residuals(rig.cameras.size());
   std::vector<RejectedImage> rejected;
   CalibrationProblem determined =
-      BuildProblem(Halves(datasets, true), pattern, &rejected);
+      BuildProblem(SelectHalves(datasets, true), pattern, &rejected);
   AdjustmentState state = LocalizeRigViews(rig, &determined, num_threads);
   state.SetModes(GetDeformationModes(determined), DeformationScope::kPose);
   if (determined.views.empty() || state.modes.count() == 0) return residuals;
@@ -69,23 +69,26 @@ std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
   OptimizeWithLearnedPrior(determined.views, options, &prior, &state);
 
   const Places places = CollectFeaturePositions(determined);
-  const CalibrationProblem asked =
-      BuildProblem(Halves(datasets, false), pattern, &rejected);
-  for (size_t v = 0; v < asked.views.size(); ++v) {
-    const auto place = places.find({asked.images[v], asked.boards[v]});
+  const CalibrationProblem view_problem =
+      BuildProblem(SelectHalves(datasets, false), pattern, &rejected);
+  for (size_t v = 0; v < view_problem.views.size(); ++v) {
+    const auto place =
+        places.find({view_problem.images[v], view_problem.boards[v]});
     if (place == places.end()) continue;
-    View view = asked.views[v];
+    View view = view_problem.views[v];
     view.pose = place->second;
-    const std::vector<Residual> of_view = ComputeResiduals(state, {view}, 1);
+    const std::vector<Residual> view_residuals =
+        ComputeResiduals(state, {view}, 1);
     const Area& area = rig.cameras[view.camera]->area();
-    for (size_t i = 0; i < of_view.size(); ++i) {
+    for (size_t i = 0; i < view_residuals.size(); ++i) {
       const Observation& observation = view.observations[i];
-      if (!of_view[i].valid || !area.Contains(observation.pixel)) continue;
+      if (!view_residuals[i].valid || !area.Contains(observation.pixel))
+        continue;
       const Feature feature =
-          asked.GetFeature(pattern, static_cast<int>(v), observation);
+          view_problem.GetFeature(pattern, static_cast<int>(v), observation);
       residuals[view.camera].push_back(
-          {asked.images[v], feature.board, feature.column, feature.row,
-           observation.pixel, of_view[i].error_px});
+          {view_problem.images[v], feature.board, feature.column, feature.row,
+           observation.pixel, view_residuals[i].error_px});
     }
   }
   return residuals;

@@ -26,14 +26,16 @@ bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
 
 // Gains from estimating deformation, in standard deviations; 1 if a single
 // image causes the entire gain.
-struct Gains {
+struct HeldOutGains {
   double alone, flexed;
   double Sum() const { return alone + flexed; }
 };
 
-Gains GainsOf(const HeldOutResiduals& bent, const HeldOutResiduals& rigid) {
-  return {ComputeLossGain(rigid.alone.front(), bent.alone.front()),
-          ComputeLossGain(rigid.flexed.front(), bent.flexed.front())};
+HeldOutGains ComputeGains(const HeldOutResiduals& deformed_residuals,
+                          const HeldOutResiduals& rigid) {
+  return {
+      ComputeLossGain(rigid.alone.front(), deformed_residuals.alone.front()),
+      ComputeLossGain(rigid.flexed.front(), deformed_residuals.flexed.front())};
 }
 
 // Keeps a knot spacing that is coarser than the medium one only if it also
@@ -57,7 +59,7 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
       continue;
     const auto coarser = flexed_with(chosen_px), finer = flexed_with(finer_px);
     if (coarser.empty() || finer.empty() ||
-        ComputeLossGain(finer.front(), coarser.front()) >= kCoarserGain)
+        ComputeLossGain(finer.front(), coarser.front()) >= kMinCoarserGain)
       return;
     chosen_px = finer_px;
   }
@@ -65,10 +67,10 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
 
 }  // namespace
 
-bool IsDeformationBetter(const HeldOutResiduals& bent,
+bool IsDeformationBetter(const HeldOutResiduals& deformed_residuals,
                          const HeldOutResiduals& rigid) {
   constexpr double kWorse = -1.5, kBetter = 1;
-  const Gains gains = GainsOf(bent, rigid);
+  const HeldOutGains gains = ComputeGains(deformed_residuals, rigid);
   return gains.flexed > 0 && gains.alone > kWorse && gains.Sum() > kBetter;
 }
 
@@ -77,7 +79,7 @@ void SelectDeformation(const Pattern& pattern,
                        CameraInProgress* camera) {
   // Deformation explains a larger fraction of training residuals than of
   // held-out residuals.
-  constexpr double kLeastShare = 0.01;
+  constexpr double kMinDeformationShare = 0.01;
   camera->per_view_deformation = false;
   if (options.rigid_board || options.fix_target_geometry ||
       IsParametricModel(options.model))
@@ -96,16 +98,17 @@ void SelectDeformation(const Pattern& pattern,
   };
   const int all = folds.count(), half = (all + 1) / 2;
   const HeldOutResiduals rigid = held_out(all, true);
-  if (!CanDeform(trials, knot_spacing_px, kLeastShare) || rigid.flexed.empty())
+  if (!CanDeform(trials, knot_spacing_px, kMinDeformationShare) ||
+      rigid.flexed.empty())
     return;
   const HeldOutResiduals part = held_out(half, false);
   if (part.flexed.empty() ||
-      GainsOf(part, JoinFolds(trials, half, {knot_spacing_px}, true)).Sum() <=
-          0)
+      ComputeGains(part, JoinFolds(trials, half, {knot_spacing_px}, true))
+              .Sum() <= 0)
     return;
-  const HeldOutResiduals bent = held_out(all, false);
-  if (bent.flexed.empty()) return;
-  camera->per_view_deformation = IsDeformationBetter(bent, rigid);
+  const HeldOutResiduals deformed_residuals = held_out(all, false);
+  if (deformed_residuals.flexed.empty()) return;
+  camera->per_view_deformation = IsDeformationBetter(deformed_residuals, rigid);
   if (camera->per_view_deformation)
     ChooseGridAgain(pattern, options, validation, camera);
 }

@@ -19,8 +19,8 @@ size_t NumFeatures(const AdjustmentResult& adjusted) {
 }  // namespace
 
 double ErrorCapPx(const ImageSize& size) {
-  constexpr double kCapPart = 1.0 / 128;
-  return kCapPart * std::max(size.width, size.height);
+  constexpr double kRelativeCap = 1.0 / 128;
+  return kRelativeCap * std::max(size.width, size.height);
 }
 
 double ComputeMeanErrorPx(const AdjustmentResult& adjusted,

@@ -36,8 +36,8 @@ class Continuation {
     const double slope =
         std::min(kStep / (*radius - *before), kMaxSlope * end / *radius);
     const double room = kLargest - end;
-    const double beyond = slope * (side.norm() - *radius);
-    return At(end - room * std::expm1(-beyond / room), side);
+    const double linear_extrapolation = slope * (side.norm() - *radius);
+    return At(end - room * std::expm1(-linear_extrapolation / room), side);
   }
 
  private:

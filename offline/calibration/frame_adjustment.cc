@@ -24,7 +24,7 @@ CameraPrior MakeRotatedPrior(const CameraPrior& prior,
                              double residual_variance) {
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
-  const CentralGeneric base = CentralPart(*Rotated(*mean, rotated_from_camera));
+  const CentralGeneric base = MakeCentral(*Rotated(*mean, rotated_from_camera));
   CameraPrior turned;
   if (camera.IsCentral()) {
     turned =
@@ -63,16 +63,16 @@ void RotateCamera(size_t camera, const Eigen::Quaterniond& rotated_from_camera,
 // Rotates cameras to their reference frames; returns whether any camera was
 // rotated.
 bool RotateCameras(AdjustmentResult* adjusted) {
-  bool have_turned = false;
+  bool have_rotated = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     if (IsFixed(*adjusted->state.cameras[c])) continue;
-    const CameraFrame frame = FindCameraFrame(*adjusted->state.cameras[c]);
+    const CameraFrame frame = ComputeCameraFrame(*adjusted->state.cameras[c]);
     if (frame.AngleRad() < kStillRad) continue;
     RotateCamera(c, frame.frame_from_camera, adjusted);
-    have_turned = true;
+    have_rotated = true;
   }
-  if (have_turned) adjusted->state.MoveRigToFirstCamera();
-  return have_turned;
+  if (have_rotated) adjusted->state.MoveRigToFirstCamera();
+  return have_rotated;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "calibration/rig_initialization.h"
 #include "calibration/rolling_shutter.h"
 #include "calibration/stopwatch.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 
 namespace raygrid {
 namespace {
@@ -85,13 +85,13 @@ void Calibration::DetectNearDuplicates() {
         [&name](const ImageFeatures& image) { return image.image == name; });
   };
   for (CameraInProgress& camera : cameras_) {
-    const Dataset& given = camera.input->dataset;
-    camera.dataset = RemoveDuplicates(given, groups);
+    const Dataset& input_dataset = camera.input->dataset;
+    camera.dataset = RemoveDuplicates(input_dataset, groups);
     camera.split =
         SplitImages(camera.input->name, camera.dataset, options_.hold_out);
-    camera.result.near_duplicates = FilterGroups(given, groups);
+    camera.result.near_duplicates = FilterGroups(input_dataset, groups);
     for (const std::string& copy : copies)
-      if (has_image(given, copy))
+      if (has_image(input_dataset, copy))
         camera.result.held_out_duplicates.push_back(copy);
   }
 }
@@ -141,7 +141,7 @@ void Calibration::StartFromImages(CameraInProgress* camera) const {
                                known.empty() ? nullptr : known.front().get());
     camera->lens.problem.base_model = base_model;
     camera->lens.problem.like = options_.like;
-    camera->lens.problem.prior_spread = options_.prior_spread;
+    camera->lens.problem.prior_population = options_.prior_population;
   } catch (const Error& error) {
     const size_t num_others = CountDuplicates(camera->result.near_duplicates);
     if (error.code() != ExitCode::kTooFew || num_others == 0) throw;
@@ -313,7 +313,7 @@ void Calibration::CompensateRollingShutter(CameraInProgress* camera) const {
         options_.hold_out);
     StartFromImages(camera);
     const LineDelay& now = still->line_delay;
-    if (std::abs(now.seconds - before_s) < now.deviation_s / 2) return;
+    if (std::abs(now.seconds - before_s) < now.stddev_s / 2) return;
     before_s = now.seconds;
   }
 }

@@ -10,7 +10,7 @@
 #include "calibration/model_selection.h"
 #include "calibration/rig_initialization.h"
 #include "calibration/rigid_target_search.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "dataset/error.h"
 #include "dataset/repeated_images.h"
 #include "evaluation/residual_statistics.h"
@@ -63,10 +63,10 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
                 "duplicate camera name; camera names must be unique");
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
-  std::vector<Pose> unknown_places;
+  std::vector<Pose> unknown_poses;
   if (!independent_boards)
     JoinBoards(ProposeRigidTargets(datasets, pattern), &problem,
-               &unknown_places);
+               &unknown_poses);
   RequireConnected(names, problem);
 }
 
@@ -141,18 +141,18 @@ void RequireValidInput(const std::vector<CalibrationInput>& cameras,
 }
 
 void RequirePlausibleDistances(const AdjustmentResult& adjusted) {
-  constexpr double kFarM = 20;
+  constexpr double kMaxDistanceM = 20;
   std::vector<double> distances_m;
   for (const View& view : adjusted.problem.views)
     distances_m.push_back(
         adjusted.state.ComputeCameraFromPattern(view).translation.norm());
   const double median_m = Quantile(distances_m, 0.5);
-  if (median_m > kFarM)
+  if (median_m > kMaxDistanceM)
     throw Error(ExitCode::kUsage,
                 fmt::format("the median distance of the boards is {:.3g} m, "
                             "above the limit of {:g} m: check square_m of the "
                             "pattern (in metres), or accept with --yes",
-                            median_m, kFarM));
+                            median_m, kMaxDistanceM));
 }
 
 }  // namespace raygrid

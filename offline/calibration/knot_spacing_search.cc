@@ -12,7 +12,7 @@ namespace raygrid {
 namespace {
 
 // Minimum gain of a finer grid, in standard deviations; finer grids are slower.
-constexpr double kFinerGain = 2;
+constexpr double kMinFinerGain = 2;
 
 bool Try(std::vector<int> resolutions,
          const KnotSpacingSearch::Measure& measure, KnotSpacingSearch* search) {
@@ -77,8 +77,8 @@ double ComputeLossGain(const std::vector<FeatureResidual>& others,
   for (const auto& [name, image] : images)
     squares += std::pow(image.gain - all.gain / all.count * image.count, 2);
   const double num_images = static_cast<double>(images.size());
-  const double deviation = std::sqrt(squares * num_images / (num_images - 1));
-  return deviation > 0 ? all.gain / deviation : 0;
+  const double stddev = std::sqrt(squares * num_images / (num_images - 1));
+  return stddev > 0 ? all.gain / stddev : 0;
 }
 
 std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
@@ -89,7 +89,7 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
   const auto gain = [&search](int to) {
     return ComputeLossGain(search.tried.at(search.chosen), search.tried.at(to));
   };
-  const auto may_gain = [&](int to) {
+  const auto can_improve = [&](int to) {
     if (!probe || search.tried.count(to) > 0) return true;
     const std::vector<FeatureResidual> part = probe(to);
     if (part.empty()) return true;  // cancelled
@@ -104,16 +104,16 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
   if (medium > 0) first.push_back(medium - 1);
   if (!Try(first, measure, &search)) return std::nullopt;
   for (int coarser = medium - 1; coarser >= 0; --coarser) {
-    if (!may_gain(coarser)) break;
+    if (!can_improve(coarser)) break;
     if (!Try({coarser}, measure, &search)) return std::nullopt;
-    if (gain(coarser) < kCoarserGain) break;
+    if (gain(coarser) < kMinCoarserGain) break;
     search.chosen = coarser;
   }
   if (search.chosen < medium) return search;
   for (int finer = medium + 1; finer < num_resolutions; ++finer) {
-    if (!may_gain(finer)) break;
+    if (!can_improve(finer)) break;
     if (!Try({finer}, measure, &search)) return std::nullopt;
-    if (gain(finer) < kFinerGain) break;
+    if (gain(finer) < kMinFinerGain) break;
     search.chosen = finer;
   }
   return search;

@@ -21,7 +21,7 @@ double ComputeLossGain(const std::vector<FeatureResidual>& others,
 /// Minimum ComputeLossGain() of a coarser grid over a finer one. Superfluous
 /// control points cost little, as the prior constrains them; missing ones
 /// cannot be compensated.
-constexpr double kCoarserGain = 1;
+constexpr double kMinCoarserGain = 1;
 
 /// Search over the resolutions of a grid, from coarse to fine.
 struct KnotSpacingSearch {

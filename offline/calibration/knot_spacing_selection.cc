@@ -5,7 +5,7 @@
 
 #include "adjustment/reprojection_error.h"
 #include "calibration/knot_spacing_search.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/residual_statistics.h"
 

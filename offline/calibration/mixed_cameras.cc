@@ -17,22 +17,22 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinPartImages = 4;  // minimum images per camera
-constexpr size_t kMaxFeatures = 60;   // per image, for the search
+constexpr size_t kMinSubsetImages = 4;  // minimum images per camera
+constexpr size_t kMaxFeatures = 60;     // per image, for the search
 // Maximum ratio of the RMS residuals of two cameras to those of one. Random
 // splits, or a single lens with local distortion, reduce the residuals much
 // less.
 constexpr double kMuchBetter = 0.8;
-constexpr size_t kNumChanceSplits = 2;
+constexpr size_t kNumRandomSplits = 2;
 
 using Names = ImageNames;
 
-struct TwoParts {
+struct DatasetSplit {
   Dataset first, second;
 };
 
-TwoParts SplitBy(const Dataset& dataset, const Names& first) {
-  TwoParts parts;
+DatasetSplit SplitDataset(const Dataset& dataset, const Names& first) {
+  DatasetSplit parts;
   parts.first.image_size = parts.second.image_size = dataset.image_size;
   for (const ImageFeatures& image : dataset.images)
     (first.count(image.image) > 0 ? parts.first : parts.second)
@@ -52,13 +52,13 @@ double MeanSquare(const std::vector<FeatureResidual>& residuals) {
              : SquareSum(residuals) / static_cast<double>(residuals.size());
 }
 
-double MeanSquareOfBoth(const std::vector<FeatureResidual>& a,
-                        const std::vector<FeatureResidual>& b) {
+double ComputePooledMeanSquare(const std::vector<FeatureResidual>& a,
+                               const std::vector<FeatureResidual>& b) {
   return (SquareSum(a) + SquareSum(b)) /
          static_cast<double>(a.size() + b.size());
 }
 
-std::vector<std::string> NamesOf(const Dataset& dataset) {
+std::vector<std::string> CollectImageNames(const Dataset& dataset) {
   std::vector<std::string> names;
   for (const ImageFeatures& image : dataset.images)
     names.push_back(image.image);
@@ -91,8 +91,8 @@ std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
 }
 
 // Returns the views of the named images, or of all other images.
-AdjustmentResult PartOf(const AdjustmentResult& joint, const Names& names,
-                        bool is_first) {
+AdjustmentResult SelectImages(const AdjustmentResult& joint, const Names& names,
+                              bool is_first) {
   AdjustmentResult part = joint;
   std::vector<bool> remove;
   std::vector<Pose> kept;
@@ -114,8 +114,8 @@ class TwoFits {
           const Names& names, const AdjustmentOptions& options)
       : pattern_(pattern), options_(options) {
     for (const bool is_first : {true, false}) {
-      AdjustmentResult part = PartOf(joint, names, is_first);
-      if (part.problem.views.size() < kMinPartImages) return;
+      AdjustmentResult part = SelectImages(joint, names, is_first);
+      if (part.problem.views.size() < kMinSubsetImages) return;
       RefineCameras(part.problem, options, &part.state);
       residuals_.push_back(
           ComputeTrainingResiduals(pattern, part, 0, options.num_threads));
@@ -127,7 +127,7 @@ class TwoFits {
   bool AreFitted() const { return fits_.size() == 2; }
 
   double MeanSquare() const {
-    return MeanSquareOfBoth(residuals_[0], residuals_[1]);
+    return ComputePooledMeanSquare(residuals_[0], residuals_[1]);
   }
 
   // Returns the images that the first camera predicts better than the second
@@ -135,17 +135,17 @@ class TwoFits {
   Names PreferringFirst(const Dataset& dataset) const {
     std::map<std::string, double> better;
     for (int k = 0; k < 2; ++k) {
-      std::map<std::string, std::vector<FeatureResidual>> by_image;
+      std::map<std::string, std::vector<FeatureResidual>> residuals_by_image;
       for (const FeatureResidual& r :
            EvaluateCamera(fits_[k].state.camera(), dataset,
                           MakeEstimatedPattern(pattern_, fits_[k]),
                           options_.num_threads)
                .residuals)
-        by_image[r.image].push_back(r);
+        residuals_by_image[r.image].push_back(r);
       for (const ImageFeatures& image : dataset.images)
         better[image.image] +=
             (k == 0 ? -1 : 1) *
-            std::min(1e6, raygrid::MeanSquare(by_image[image.image]));
+            std::min(1e6, raygrid::MeanSquare(residuals_by_image[image.image]));
     }
     Names first;
     for (const auto& [image, value] : better)
@@ -174,8 +174,9 @@ Dataset Subsample(const Dataset& all) {
 // Selects the views of a subsampled dataset.
 AdjustmentResult SelectSubsampledViews(const AdjustmentResult& joint,
                                        const Dataset& thinned) {
-  const std::vector<std::string> names = NamesOf(thinned);
-  AdjustmentResult only = PartOf(joint, {names.begin(), names.end()}, true);
+  const std::vector<std::string> names = CollectImageNames(thinned);
+  AdjustmentResult only =
+      SelectImages(joint, {names.begin(), names.end()}, true);
   for (View& view : only.problem.views)
     view.observations = SelectEvenly(view.observations, kMaxFeatures);
   return only;
@@ -188,17 +189,17 @@ std::optional<Names> FindBestSplit(
     const std::vector<FeatureResidual>& residuals,
     const AdjustmentOptions& options) {
   constexpr int kMaxRounds = 4;
-  constexpr double kWorthAnotherLook = 0.9;
+  constexpr double kMaxMeanSquareRatio = 0.9;
   // One linear step predicts the residual ratio of a full adjustment to within
   // 0.003.
-  constexpr double kWorthAdjusting = 0.92;
-  double best = kWorthAnotherLook * MeanSquare(residuals);
+  constexpr double kMaxPredictedRatio = 0.92;
+  double best = kMaxMeanSquareRatio * MeanSquare(residuals);
   std::optional<Names> best_split;
   const Dataset training = Subsample(all);
   const AdjustmentResult thinned = SelectSubsampledViews(joint, training);
   const SplitGain gain(thinned, options.huber_px, options.num_threads);
   for (Names first : ListSplitsToTry(all, residuals)) {
-    if (gain.ComputeRemainingShare(first) > kWorthAdjusting) continue;
+    if (gain.ComputeRemainingShare(first) > kMaxPredictedRatio) continue;
     double before = MeanSquare(residuals);
     for (int round = 0; round < kMaxRounds; ++round) {
       const TwoFits fits(thinned, pattern, first, options);
@@ -208,7 +209,7 @@ std::optional<Names> FindBestSplit(
         best = mean_square;
         best_split = fits.PreferringFirst(all);
       }
-      if (mean_square > kWorthAnotherLook * before) break;
+      if (mean_square > kMaxMeanSquareRatio * before) break;
       before = mean_square;
       const Names again = fits.PreferringFirst(training);
       if (again == first) break;
@@ -221,9 +222,10 @@ std::optional<Names> FindBestSplit(
 // Returns the mean squared residual of two cameras, each fully adjusted to its
 // subset of the images. Infinite if an adjustment fails, or if residuals are
 // still correlated and this is not allowed.
-double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
-                         const CameraModel& joint,
-                         const AdjustmentOptions& options, bool may_err_alike) {
+double ComputeSplitMeanSquare(const DatasetSplit& parts, const Pattern& pattern,
+                              const CameraModel& joint,
+                              const AdjustmentOptions& options,
+                              bool may_err_alike) {
   std::vector<FeatureResidual> residuals[2];
   for (const int k : {0, 1}) {
     residuals[k] = OptimizeFully(k == 0 ? parts.first : parts.second, pattern,
@@ -232,26 +234,28 @@ double MeanSquareOfParts(const TwoParts& parts, const Pattern& pattern,
         (!may_err_alike && HasCorrelatedErrors(residuals[k])))
       return INFINITY;
   }
-  return MeanSquareOfBoth(residuals[0], residuals[1]);
+  return ComputePooledMeanSquare(residuals[0], residuals[1]);
 }
 
 // Returns the smallest mean squared residual over control splits into subsets
 // of the same sizes, with images at equal intervals in name order. If the model
 // does not fit the lens, any split reduces the residuals.
-double MeanSquareByChance(const Dataset& dataset, size_t num_first,
-                          const Pattern& pattern, const CameraModel& joint,
-                          const AdjustmentOptions& options) {
-  double least = INFINITY;
-  const std::vector<std::string> names = NamesOf(dataset);
-  for (size_t split = 0; split < kNumChanceSplits; ++split) {
+double ComputeRandomSplitMeanSquare(const Dataset& dataset, size_t num_first,
+                                    const Pattern& pattern,
+                                    const CameraModel& joint,
+                                    const AdjustmentOptions& options) {
+  double min_mean_square = INFINITY;
+  const std::vector<std::string> names = CollectImageNames(dataset);
+  for (size_t split = 0; split < kNumRandomSplits; ++split) {
     Names first;
     for (size_t k = 0; k < num_first; ++k)
       first.insert(
           names[(k * names.size() / num_first + split) % names.size()]);
-    least = std::min(least, MeanSquareOfParts(SplitBy(dataset, first), pattern,
-                                              joint, options, true));
+    min_mean_square = std::min(
+        min_mean_square, ComputeSplitMeanSquare(SplitDataset(dataset, first),
+                                                pattern, joint, options, true));
   }
-  return least;
+  return min_mean_square;
 }
 
 }  // namespace
@@ -259,7 +263,7 @@ double MeanSquareByChance(const Dataset& dataset, size_t num_first,
 std::optional<MixedCameras> DetectMixedCameras(
     const Dataset& training, const Pattern& pattern,
     const AdjustmentResult& joint, const AdjustmentOptions& options) {
-  if (training.images.size() < 2 * kMinPartImages) return std::nullopt;
+  if (training.images.size() < 2 * kMinSubsetImages) return std::nullopt;
   const std::vector<FeatureResidual> residuals =
       ComputeTrainingResiduals(pattern, joint, 0, options.num_threads);
   if (!HasCorrelatedErrors(residuals)) return std::nullopt;
@@ -269,18 +273,21 @@ std::optional<MixedCameras> DetectMixedCameras(
   fixed.fix_points = true;
   const auto first = FindBestSplit(training, pattern, joint, residuals, fixed);
   if (!first) return std::nullopt;
-  const TwoParts parts = SplitBy(training, *first);
+  const DatasetSplit parts = SplitDataset(training, *first);
   const CameraModel& lens = joint.state.camera();
-  const std::vector<FeatureResidual> of_all =
+  const std::vector<FeatureResidual> all_residuals =
       OptimizeFully(training, pattern, lens, options);
-  if (!HasCorrelatedErrors(of_all)) return std::nullopt;
+  if (!HasCorrelatedErrors(all_residuals)) return std::nullopt;
   const double bound = kMuchBetter * kMuchBetter;
-  const double of_two = MeanSquareOfParts(parts, pattern, lens, options, false);
-  if (of_two > bound * MeanSquare(of_all) ||
-      of_two > bound * MeanSquareByChance(training, parts.first.images.size(),
-                                          pattern, lens, options))
+  const double split_mean_square =
+      ComputeSplitMeanSquare(parts, pattern, lens, options, false);
+  if (split_mean_square > bound * MeanSquare(all_residuals) ||
+      split_mean_square > bound * ComputeRandomSplitMeanSquare(
+                                      training, parts.first.images.size(),
+                                      pattern, lens, options))
     return std::nullopt;
-  MixedCameras two = {NamesOf(parts.first), NamesOf(parts.second)};
+  MixedCameras two = {CollectImageNames(parts.first),
+                      CollectImageNames(parts.second)};
   if (two.second < two.first) std::swap(two.first, two.second);
   return two;
 }

@@ -14,10 +14,10 @@
 #include "calibration/outlier_removal.h"
 #include "calibration/unobserved_control_points.h"
 #include "camera/fixed_camera.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/noncentral_generic.h"
 #include "evaluation/board_flatness.h"
-#include "evaluation/line_spread.h"
+#include "evaluation/noncentrality.h"
 #include "evaluation/residual_statistics.h"
 
 namespace raygrid {
@@ -31,7 +31,7 @@ void CenterLines(AdjustmentState* state) {
     const auto* camera =
         dynamic_cast<const NonCentralGeneric*>(state->cameras[c].get());
     if (!camera) continue;
-    const Eigen::Vector3d origin = MeasureLineSpread(*camera).nearest_point;
+    const Eigen::Vector3d origin = ComputeNoncentrality(*camera).nearest_point;
     state->cameras[c] = camera->WithOrigin(origin).Clone();
     state->camera_from_rig[c].translation -= origin;
     have_moved = true;
@@ -90,7 +90,7 @@ void InitializeGrids(const std::string& model, const InitialValues& starts,
 }
 
 // Performs the steps of OptimizeWithRigidBoards() from the current state.
-void AdjustFromLenses(const Pattern& pattern, const std::string& model,
+void AdjustFromModels(const Pattern& pattern, const std::string& model,
                       const std::vector<double>& knot_spacings_px,
                       const AdjustmentOptions& options,
                       const AdjustmentResult* other_spacing,
@@ -135,13 +135,13 @@ void AdjustFromLenses(const Pattern& pattern, const std::string& model,
 // Adjusts from initial cameras of other models if the given one diverges. If
 // all of them diverge, a grid fitted to the given one is returned, marked as
 // not converged, provided it has the smallest error.
-void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
+void AdjustFromOtherModels(const Pattern& pattern, const std::string& model,
                            const std::vector<double>& knot_spacings_px,
                            const AdjustmentOptions& options,
                            const AdjustmentResult& start,
                            AdjustmentResult* adjusted) {
-  double least_px = ComputeMeanErrorPx(*adjusted, start);
-  for (const std::string& other : LensNames(ModelUse::kCompare)) {
+  double min_error_px = ComputeMeanErrorPx(*adjusted, start);
+  for (const std::string& other : ListModelNames(ModelUse::kCompare)) {
     if (options.should_stop && options.should_stop()) break;
     AdjustmentResult from = start;
     from.base_lenses.clear();
@@ -149,10 +149,10 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
                               MakeInitializationOptions(options), &from.prior,
                               &from.state);
     if (HasDiverged(from, start)) continue;
-    AdjustFromLenses(pattern, model, knot_spacings_px, options, nullptr, &from);
+    AdjustFromModels(pattern, model, knot_spacings_px, options, nullptr, &from);
     const double error_px = ComputeMeanErrorPx(from, start);
-    if (error_px >= least_px) continue;
-    least_px = error_px;
+    if (error_px >= min_error_px) continue;
+    min_error_px = error_px;
     *adjusted = std::move(from);
   }
   if (IsParametricModel(model) || !HasDiverged(*adjusted, start)) return;
@@ -161,7 +161,7 @@ void AdjustFromOtherLenses(const Pattern& pattern, const std::string& model,
   AdjustmentResult around = start;
   InitializeGrids(model, {CopyCameras(start.state), knot_spacings_px, {}},
                   options, &around);
-  if (ComputeMeanErrorPx(around, start) < least_px)
+  if (ComputeMeanErrorPx(around, start) < min_error_px)
     *adjusted = std::move(around);
 }
 
@@ -182,10 +182,10 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              AdjustmentResult* adjusted,
                              const AdjustmentResult* other_spacing) {
   const AdjustmentResult start = *adjusted;
-  AdjustFromLenses(pattern, model, knot_spacings_px, options, other_spacing,
+  AdjustFromModels(pattern, model, knot_spacings_px, options, other_spacing,
                    adjusted);
   if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
-    AdjustFromOtherLenses(pattern, model, knot_spacings_px, options, start,
+    AdjustFromOtherModels(pattern, model, knot_spacings_px, options, start,
                           adjusted);
 }
 

@@ -6,7 +6,7 @@
 
 #include "calibration/knot_spacing_search.h"
 #include "calibration/knot_spacing_selection.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -16,7 +16,7 @@ using models::kCentralGeneric;
 using models::kNonCentralGeneric;
 
 // Minimum gains over the central grid, in standard errors.
-constexpr double kParametricGain = 1, kNoncentralGain = 2;
+constexpr double kMinParametricGain = 1, kMinNoncentralGain = 2;
 
 // Cross-validates several models of one camera.
 class ModelComparison {
@@ -116,32 +116,32 @@ ModelSelection SelectModel(const Pattern& pattern,
     if (!comparisons.back().IsValid()) return selection;
   }
   // The smallest gain over all cameras decides.
-  const auto gain_of = [&](const std::string& model, bool is_grid) {
-    double least = std::numeric_limits<double>::infinity();
+  const auto compute_gain = [&](const std::string& model, bool is_grid) {
+    double min_error = std::numeric_limits<double>::infinity();
     for (size_t k = 0; k < estimated.size(); ++k) {
       const CameraInProgress& camera = (*cameras)[estimated[k]];
       const double knot_spacing_px =
           is_grid ? std::max(camera.result.knot_spacing_px,
                              MediumKnotSpacingPx(camera.split.training, model))
                   : 0;
-      least =
-          std::min(least, comparisons[k].ComputeGain(model, knot_spacing_px));
+      min_error = std::min(min_error,
+                           comparisons[k].ComputeGain(model, knot_spacing_px));
     }
-    return least;
+    return min_error;
   };
   std::string& best = selection.model;
-  double best_gain = kParametricGain;
-  for (const std::string& model : LensNames(ModelUse::kAuto)) {
+  double best_gain = kMinParametricGain;
+  for (const std::string& model : ListModelNames(ModelUse::kAuto)) {
     if (options.ShouldStop())
       return {kCentralGeneric, std::move(selection.trials)};
-    const double gain = gain_of(model, false);
+    const double gain = compute_gain(model, false);
     if (gain <= best_gain) continue;
     best = model;
     best_gain = gain;
   }
   if (options.allow_noncentral && best == kCentralGeneric &&
       !options.ShouldStop() &&
-      gain_of(kNonCentralGeneric, true) >= kNoncentralGain)
+      compute_gain(kNonCentralGeneric, true) >= kMinNoncentralGain)
     best = kNonCentralGeneric;
   for (size_t k = 0; k < estimated.size(); ++k)
     selection.trials[estimated[k]] = comparisons[k].trials();

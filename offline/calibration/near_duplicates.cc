@@ -11,7 +11,7 @@ namespace raygrid {
 namespace {
 
 // The features of one board in one camera's image of a frame.
-struct SeenPart {
+struct ObservedBoard {
   size_t camera;
   int board;
   std::map<std::pair<int, int>, Eigen::Vector2d> pixels;  // by row, column
@@ -21,14 +21,14 @@ struct FrameSet {
   std::string name;
   bool is_held_out = false;
   size_t num_features = 0;
-  std::vector<SeenPart> parts;  // one per camera and board; those with few
-                                // features are omitted
+  std::vector<ObservedBoard> parts;  // one per camera and board; those with few
+                                     // features are omitted
 };
 
 void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
-  std::map<int, SeenPart> parts;
+  std::map<int, ObservedBoard> parts;
   for (const Feature& f : image.features) {
-    SeenPart& part = parts[f.board];
+    ObservedBoard& part = parts[f.board];
     part.camera = camera;
     part.board = f.board;
     part.pixels[{f.row, f.column}] = f.pixel;
@@ -44,19 +44,20 @@ void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
 std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
                                  const std::vector<std::string>& held_out) {
   std::vector<FrameSet> frame_sets;
-  std::map<std::string, size_t> index_of;
+  std::map<std::string, size_t> index_by_image;
   for (size_t c = 0; c < cameras.size(); ++c) {
     for (const ImageFeatures& image : cameras[c].images) {
       const size_t index =
-          index_of.emplace(image.image, frame_sets.size()).first->second;
+          index_by_image.emplace(image.image, frame_sets.size()).first->second;
       if (index == frame_sets.size())
         frame_sets.push_back({image.image, false, 0, {}});
       AddImage(image, c, &frame_sets[index]);
     }
   }
   for (const std::string& name : held_out) {
-    const auto found = index_of.find(name);
-    if (found != index_of.end()) frame_sets[found->second].is_held_out = true;
+    const auto found = index_by_image.find(name);
+    if (found != index_by_image.end())
+      frame_sets[found->second].is_held_out = true;
   }
   frame_sets.erase(
       std::remove_if(frame_sets.begin(), frame_sets.end(),
@@ -71,9 +72,9 @@ std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
 
 // Whether the features of a board in one image add no information to those of
 // another image.
-bool IsDetermined(const SeenPart& part, const SeenPart& other,
+bool IsDetermined(const ObservedBoard& part, const ObservedBoard& other,
                   double duplicate_px) {
-  constexpr double kCommonPart = 0.5, kMovedPart = 0.1;
+  constexpr double kMinCommonFraction = 0.5, kMaxMovedFraction = 0.1;
   const auto size = static_cast<double>(part.pixels.size());
   size_t num_common = 0, num_moved = 0;
   for (const auto& [place, pixel] : part.pixels) {
@@ -82,20 +83,22 @@ bool IsDetermined(const SeenPart& part, const SeenPart& other,
     ++num_common;
     if ((found->second - pixel).norm() < duplicate_px) continue;
     // Most views differ, and a few moved features suffice to show it.
-    if (static_cast<double>(++num_moved) > kMovedPart * size) return false;
+    if (static_cast<double>(++num_moved) > kMaxMovedFraction * size)
+      return false;
   }
   const auto common = static_cast<double>(num_common);
-  return common >= kCommonPart * size &&
-         static_cast<double>(num_moved) <= kMovedPart * common;
+  return common >= kMinCommonFraction * size &&
+         static_cast<double>(num_moved) <= kMaxMovedFraction * common;
 }
 
 bool IsDetermined(const FrameSet& frame_set, const FrameSet& other,
                   const std::vector<double>& duplicate_px) {
   return std::all_of(
       frame_set.parts.begin(), frame_set.parts.end(),
-      [&](const SeenPart& part) {
+      [&](const ObservedBoard& part) {
         return std::any_of(
-            other.parts.begin(), other.parts.end(), [&](const SeenPart& seen) {
+            other.parts.begin(), other.parts.end(),
+            [&](const ObservedBoard& seen) {
               return seen.camera == part.camera && seen.board == part.board &&
                      IsDetermined(part, seen, duplicate_px[part.camera]);
             });
@@ -115,7 +118,8 @@ bool AreAllImagesViews(std::optional<double> duplicate_px) {
   return duplicate_px && !(*duplicate_px > 0);
 }
 
-std::set<std::string> NamesOfOthers(const std::vector<NearDuplicates>& groups) {
+std::set<std::string> CollectDuplicateNames(
+    const std::vector<NearDuplicates>& groups) {
   std::set<std::string> names;
   for (const NearDuplicates& group : groups)
     names.insert(group.others.begin(), group.others.end());
@@ -124,7 +128,7 @@ std::set<std::string> NamesOfOthers(const std::vector<NearDuplicates>& groups) {
 
 Dataset Selected(const Dataset& dataset,
                  const std::vector<NearDuplicates>& groups, bool others) {
-  const std::set<std::string> names = NamesOfOthers(groups);
+  const std::set<std::string> names = CollectDuplicateNames(groups);
   Dataset selected = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images)
     if ((names.count(image.image) > 0) == others)
@@ -135,13 +139,13 @@ Dataset Selected(const Dataset& dataset,
 }  // namespace
 
 double DefaultDuplicatePx(const ImageSize& size) {
-  constexpr double kPart = 0.001, kMinPx = 1;
-  return std::max(kMinPx, kPart * std::max(size.width, size.height));
+  constexpr double kRelativeLimit = 0.001, kMinPx = 1;
+  return std::max(kMinPx, kRelativeLimit * std::max(size.width, size.height));
 }
 
 double NearDuplicatePx(const ImageSize& size) {
-  constexpr double kPart = 0.005, kMinPx = 2;
-  return std::max(kMinPx, kPart * std::max(size.width, size.height));
+  constexpr double kRelativeLimit = 0.005, kMinPx = 2;
+  return std::max(kMinPx, kRelativeLimit * std::max(size.width, size.height));
 }
 
 std::vector<NearDuplicates> FindNearDuplicates(

@@ -39,8 +39,8 @@ double ComputeUncorrelatedFraction(const Eigen::MatrixX2d& values) {
 
 // Throws if a parameter has the same value in all images, or if the two
 // parameters are correlated.
-void RequireSpread(const ImageOperatingPoints& conditions,
-                   const std::vector<OperatingPoint>& values) {
+void RequireDistinctValues(const ImageOperatingPoints& conditions,
+                           const std::vector<OperatingPoint>& values) {
   for (size_t k = 0; k < conditions.conditions.size(); ++k) {
     const std::string name = OperatingParameterName(conditions.conditions[k]);
     // Smaller differences have no measurable effect on a camera.
@@ -83,7 +83,7 @@ void RequireSpread(const ImageOperatingPoints& conditions,
 }
 
 // Maximum value that a blob can store: formats/SPEC.md, "Operating points".
-constexpr double kMostValue = 1024;
+constexpr double kMaxValue = 1024;
 
 // Requires equal operating points for duplicate images.
 void RequireEqualValuesOfDuplicates(const Dataset& dataset,
@@ -95,9 +95,9 @@ void RequireEqualValuesOfDuplicates(const Dataset& dataset,
                               dataset.images[i].image);
 }
 
-void RequireConditions(const Dataset& dataset,
-                       const ImageOperatingPoints& conditions,
-                       const CalibrationOptions& options) {
+void RequireOperatingPoints(const Dataset& dataset,
+                            const ImageOperatingPoints& conditions,
+                            const CalibrationOptions& options) {
   std::string names;
   for (const OperatingParameter condition : conditions.conditions)
     names += (names.empty() ? "" : ",") + OperatingParameterName(condition);
@@ -116,16 +116,16 @@ void RequireConditions(const Dataset& dataset,
                               "image, or remove the image",
                               image.image, names));
     for (const double value : found->second)
-      if (std::abs(value) > kMostValue)
+      if (std::abs(value) > kMaxValue)
         throw Error(
             ExitCode::kUsage,
             fmt::format(
                 "image {}: {} is {:g}, above the limit of {:g}; use dioptres "
                 "or °C, or divide all values by the same factor",
-                image.image, names, value, kMostValue));
+                image.image, names, value, kMaxValue));
     values.push_back(found->second);
   }
-  RequireSpread(conditions, values);
+  RequireDistinctValues(conditions, values);
   RequireEqualValuesOfDuplicates(dataset, conditions);
 }
 
@@ -239,7 +239,7 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
 }
 
 // Computes the standard deviations of the model at values over its ranges.
-std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
+std::vector<OperatingPointUncertainty> ComputeOperatingPointStdDevs(
     const AdjustmentResult& adjusted, int num_threads) {
   const OperatingPointModel& stack = *adjusted.state.camera().Stack();
   std::vector<OperatingPointGrid> cameras;
@@ -249,14 +249,14 @@ std::vector<OperatingPointUncertainty> OperatingPointStdDevs(
   for (const OperatingPointGrid& camera : cameras) as.push_back(&camera);
   std::vector<OperatingPointUncertainty> deviations;
   for (const UncertaintyLattice& lattice :
-       EstimateStandardDeviations(adjusted, 0, as, num_threads))
+       EstimateStdDevs(adjusted, 0, as, num_threads))
     deviations.push_back({cameras[deviations.size()].values(), lattice});
   return deviations;
 }
 
 // Returns the RMS of the residual of t^(order + 1) after fitting polynomials of
 // this order.
-double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
+double ComputeRmsAboveOrder(const Eigen::ArrayXd& t, int order) {
   Eigen::MatrixXd powers(t.size(), order + 1);
   for (int k = 0; k <= order; ++k) powers.col(k) = t.pow(k);
   const Eigen::VectorXd next = t.pow(order + 1);
@@ -268,11 +268,11 @@ double RmsBeyondOrder(const Eigen::ArrayXd& t, int order) {
 // Returns the centre of the widest gap between the values.
 double FindWidestGapCenter(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  size_t widest = 1;
+  size_t widest_gap = 1;
   for (size_t k = 1; k < values.size(); ++k)
-    if (values[k] - values[k - 1] > values[widest] - values[widest - 1])
-      widest = k;
-  return (values[widest - 1] + values[widest]) / 2;
+    if (values[k] - values[k - 1] > values[widest_gap] - values[widest_gap - 1])
+      widest_gap = k;
+  return (values[widest_gap - 1] + values[widest_gap]) / 2;
 }
 
 // Returns parameters whose polynomial order cannot be validated: a line fits
@@ -293,7 +293,8 @@ std::vector<std::string> FindUntestedParameters(
         (range.high - range.Center());
     const int order = stack.orders()[k];
     const Eigen::ArrayXd even = Eigen::ArrayXd::LinSpaced(101, -1, 1);
-    if (RmsBeyondOrder(t, order) < kMinFraction * RmsBeyondOrder(even, order))
+    if (ComputeRmsAboveOrder(t, order) <
+        kMinFraction * ComputeRmsAboveOrder(even, order))
       untested.push_back(fmt::format(
           "a polynomial of order {} interpolates these values of {} exactly, "
           "so its error between them is unknown and not included in the "
@@ -311,7 +312,7 @@ void Warn(const std::string& reason, Assessment* assessment) {
 }
 
 void WarnAboutCheck(const OperatingPointCheck& check, Assessment* assessment) {
-  constexpr size_t kMostNamed = 5;
+  constexpr size_t kMaxListedImages = 5;
   for (const UnexplainedOperatingParameter& condition : check.unexplained)
     Warn(condition.Text(), assessment);
   for (const UncertainOperatingParameter& condition : check.uncertain) {
@@ -323,10 +324,10 @@ void WarnAboutCheck(const OperatingPointCheck& check, Assessment* assessment) {
   const std::vector<SuspectOperatingPoint>& doubtful = check.doubtful;
   if (doubtful.empty()) return;
   std::string names;
-  for (size_t k = 0; k < std::min(doubtful.size(), kMostNamed); ++k)
+  for (size_t k = 0; k < std::min(doubtful.size(), kMaxListedImages); ++k)
     names += (k == 0 ? "" : "; ") + doubtful[k].Text();
-  if (doubtful.size() > kMostNamed)
-    names += fmt::format("; and {} more", doubtful.size() - kMostNamed);
+  if (doubtful.size() > kMaxListedImages)
+    names += fmt::format("; and {} more", doubtful.size() - kMaxListedImages);
   Warn(names + ": correct the values, or remove these images", assessment);
 }
 
@@ -383,7 +384,7 @@ void PutResult(const CalibrationInput& input,
   center.SetImageCircle(input.image_circle);
   result->camera.camera = center.Clone();
   result->camera.stack = OperatingPointCalibration{
-      stack, OperatingPointStdDevs(adjusted, options.num_threads)};
+      stack, ComputeOperatingPointStdDevs(adjusted, options.num_threads)};
   const auto readjust = [&](AdjustmentResult* fewer) {
     try {
       OptimizeFromFeatures(conditions, pattern, options, fewer);
@@ -431,7 +432,7 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
                                    const ImageOperatingPoints& conditions,
                                    const Pattern& pattern,
                                    const CalibrationOptions& options) {
-  RequireConditions(input.dataset, conditions, options);
+  RequireOperatingPoints(input.dataset, conditions, options);
   const auto report = [&](const char* stage, double done) {
     if (options.progress) options.progress(stage, done);
   };
@@ -448,11 +449,11 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   // Refinement would search at the mapped, not at the observed feature
   // positions.
   in_middle.refine_features = nullptr;
-  CalibrationOptions of_mean = options;
-  of_mean.progress = [&](const std::string& stage, double done) {
+  CalibrationOptions mean_options = options;
+  mean_options.progress = [&](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
   };
-  RigResult result = Calibrate({in_middle}, pattern, of_mean);
+  RigResult result = Calibrate({in_middle}, pattern, mean_options);
   CalibrationResult& camera = result.cameras.front();
   // The observed features, with boards rotated according to their poses.
   const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
@@ -463,7 +464,7 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   }
   report("bundle adjustment over the range", 0.8);
   const OperatingPointModel stack =
-      TransferChanges(*start, CentralPart(*camera.camera.camera));
+      TransferChanges(*start, MakeCentral(*camera.camera.camera));
   AdjustmentResult adjusted = StartFrom(
       camera, SelectUsedImages(turned, camera), conditions, pattern, stack);
   adjusted.problem.area = options.area;

@@ -16,18 +16,19 @@ namespace {
 
 // Minimum error to report, as a fraction of the range.
 constexpr double kMinFraction = 0.05;
-constexpr double kStatedPart = 0.02;   // displayed resolution
-constexpr double kPerMedian = 1.4826;  // standard deviation / median
+constexpr double kDisplayedFraction = 0.02;  // displayed resolution
+constexpr double kPerMedian = 1.4826;        // standard deviation / median
 // Probability of reporting any image in a calibration without wrong values.
-constexpr double kChance = 1e-3;
+constexpr double kFalseAlarmProbability = 1e-3;
 // A parameter is reported if errors up to this fraction of its range are
 // undetectable.
-constexpr double kHardlyNoticed = 0.5;
+constexpr double kMaxUndetectableFraction = 0.5;
 // Maximum fraction of wrong values; if there are more, the parameter does not
 // explain the images.
-constexpr double kMostLeftOut = 1.0 / 3;
+constexpr double kMaxExcludedFraction = 1.0 / 3;
 
-const std::vector<OperatingRange>& RangesOf(const AdjustmentResult& adjusted) {
+const std::vector<OperatingRange>& GetOperatingRanges(
+    const AdjustmentResult& adjusted) {
   return adjusted.state.camera().Stack()->ranges();
 }
 
@@ -43,10 +44,10 @@ double NormalScore(double student, double freedom) {
 
 // Whether a score significantly exceeds the maximum of `count` random scores
 // (Bonferroni correction).
-bool IsBeyondChance(double score, double freedom, Eigen::Index count) {
+bool IsSignificant(double score, double freedom, Eigen::Index count) {
   return static_cast<double>(count) *
              std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
-         kChance;
+         kFalseAlarmProbability;
 }
 
 // Detects wrong values from the steps that the normal equations suggest for
@@ -55,11 +56,11 @@ class StepOutlierTest {
  public:
   StepOutlierTest(const AdjustmentResult& adjusted,
                   const ValueEquations& equations)
-      : ranges_(RangesOf(adjusted)),
+      : ranges_(GetOperatingRanges(adjusted)),
         num_images_(static_cast<double>(equations.images.size())),
         count_(equations.count()) {
     for (int r = 0; r < equations.num_ranges; ++r)
-      scatters_.push_back(ComputeScatter(r, equations));
+      scatter_scales_.push_back(ComputeScatter(r, equations));
   }
 
   // Returns the smallest detectable error of a value with the given standard
@@ -73,7 +74,8 @@ class StepOutlierTest {
 
   bool IsDoubtful(const ValueStep& step, int range) const {
     return std::abs(step.step) >= kMinFraction * GetWidth(ranges_[range]) &&
-           IsBeyondChance(step.Score() / scatters_[range], num_images_, count_);
+           IsSignificant(step.Score() / scatter_scales_[range], num_images_,
+                         count_);
   }
 
  private:
@@ -88,7 +90,7 @@ class StepOutlierTest {
   }
 
   std::vector<OperatingRange> ranges_;
-  std::vector<double> scatters_;
+  std::vector<double> scatter_scales_;
   double num_images_;
   Eigen::Index count_;
 };
@@ -100,7 +102,7 @@ std::set<std::string> FindImagesWithDoubtfulValues(
   std::set<std::string> images;
   for (Eigen::Index i = 0; i < equations.count(); ++i)
     if (judge.IsDoubtful(equations.ComputeStep(i), equations.RangeIndex(i)))
-      images.insert(equations.images[equations.ImageOf(i)]);
+      images.insert(equations.images[equations.GetImageIndex(i)]);
   return images;
 }
 
@@ -125,9 +127,9 @@ void RemoveImages(const std::set<std::string>& images,
 
 // Returns the views of an image with all its features, since those least
 // consistent with the stated value were rejected as outliers.
-std::vector<View> ViewsOf(const std::string& image,
-                          const CalibrationProblem& problem,
-                          const CalibrationProblem& given) {
+std::vector<View> SelectViews(const std::string& image,
+                              const CalibrationProblem& problem,
+                              const CalibrationProblem& given) {
   std::vector<View> views;
   for (size_t v = 0; v < problem.views.size(); ++v) {
     if (problem.images[v] != image) continue;
@@ -144,11 +146,12 @@ std::vector<View> ViewsOf(const std::string& image,
 // unexplained.
 bool AreUnexplained(const ValueRegression& regression,
                     const OperatingRange& range) {
-  constexpr double kManyDeviations = 3, kLikely = 0.01, kLeftPart = 0.15;
-  return (regression.scatter_without > kManyDeviations &&
-          regression.chance > kLikely) ||
-         (regression.scatter > kManyDeviations &&
-          regression.left > kLeftPart * GetWidth(range));
+  constexpr double kScatterLimitSigmas = 3, kMinPValue = 0.01,
+                   kMaxRemainingFraction = 0.15;
+  return (regression.scatter_without > kScatterLimitSigmas &&
+          regression.chance > kMinPValue) ||
+         (regression.scatter > kScatterLimitSigmas &&
+          regression.left > kMaxRemainingFraction * GetWidth(range));
 }
 
 // Finds images whose fitted values deviate from the regression on stated
@@ -158,8 +161,8 @@ std::set<std::string> FindInconsistentImages(
   const size_t count = regression.scores.size();
   std::set<std::string> images;
   for (size_t i = 0; i < count; ++i)
-    if (IsBeyondChance(regression.scores[i], static_cast<double>(count),
-                       static_cast<Eigen::Index>(count)))
+    if (IsSignificant(regression.scores[i], static_cast<double>(count),
+                      static_cast<Eigen::Index>(count)))
       images.insert(values[i].image);
   return images;
 }
@@ -167,7 +170,7 @@ std::set<std::string> FindInconsistentImages(
 // Summarizes how well the features of an image determine the value of a range.
 // Where the camera hardly depends on the value, wrong values cannot be
 // detected.
-UncertainOperatingParameter UncertaintyOf(
+UncertainOperatingParameter MakeUncertainParameter(
     const std::vector<FittedValue>& values, const OperatingRange& range,
     int index, const StepOutlierTest& judge) {
   UncertainOperatingParameter uncertainty = {range.condition, GetWidth(range)};
@@ -196,18 +199,18 @@ std::vector<SuspectOperatingPoint> PredictValues(
   const ValueEquations equations = MakeValueEquations(without, num_threads);
   if (equations.count() == 0) return doubtful;
   const StepOutlierTest judge(without, equations);
-  const std::vector<OperatingRange>& ranges = RangesOf(all);
+  const std::vector<OperatingRange>& ranges = GetOperatingRanges(all);
   AdjustmentState state = all.state;
   state.cameras[0] = without.state.camera().Clone();
   for (const std::string& image : images) {
-    const std::vector<View> views = ViewsOf(image, all.problem, given);
+    const std::vector<View> views = SelectViews(image, all.problem, given);
     for (size_t r = 0; r < ranges.size(); ++r) {
       const ValueStep step = FitValue(state, views, r, ranges[r]);
       if (!judge.IsDoubtful(step, static_cast<int>(r))) continue;
       const double stated = views.front().conditions[r];
       const int num_decimals = std::clamp(
           static_cast<int>(
-              std::ceil(-std::log10(kStatedPart * GetWidth(ranges[r])))),
+              std::ceil(-std::log10(kDisplayedFraction * GetWidth(ranges[r])))),
           0, 9);
       doubtful.push_back({image, ranges[r].condition, stated,
                           stated + step.step, num_decimals});
@@ -267,7 +270,7 @@ OperatingPointCheck CheckOperatingPoints(
     const std::function<void(AdjustmentResult* fewer)>& readjust,
     int num_threads) {
   constexpr int kMaxRounds = 4;
-  const std::vector<OperatingRange>& ranges = RangesOf(adjusted);
+  const std::vector<OperatingRange>& ranges = GetOperatingRanges(adjusted);
   const size_t num_images =
       std::set<std::string>(adjusted.problem.images.begin(),
                             adjusted.problem.images.end())
@@ -286,7 +289,7 @@ OperatingPointCheck CheckOperatingPoints(
       const ValueRegression regression = RegressValues(values);
       found.merge(FindInconsistentImages(values, regression));
       if (AreUnexplained(regression, ranges[r]) ||
-          kMostLeftOut * static_cast<double>(num_images) <
+          kMaxExcludedFraction * static_cast<double>(num_images) <
               static_cast<double>(left_out.size() + found.size()))
         check.unexplained.push_back({ranges[r].condition});
     }
@@ -295,10 +298,10 @@ OperatingPointCheck CheckOperatingPoints(
     if (equations.count() == 0) return check;
     check.uncertain.clear();
     for (size_t r = 0; r < ranges.size(); ++r) {
-      const UncertainOperatingParameter uncertainty = UncertaintyOf(
+      const UncertainOperatingParameter uncertainty = MakeUncertainParameter(
           FitValues(without, r, num_threads), ranges[r], static_cast<int>(r),
           StepOutlierTest(without, equations));
-      if (uncertainty.noticed > kHardlyNoticed * GetWidth(ranges[r]))
+      if (uncertainty.noticed > kMaxUndetectableFraction * GetWidth(ranges[r]))
         check.uncertain.push_back(uncertainty);
     }
     found.merge(FindImagesWithDoubtfulValues(without, equations));

@@ -22,12 +22,12 @@ namespace {
 // changes the camera by less than the differences accepted here.
 Dataset SelectImagesOfSimilarValue(const Dataset& dataset,
                                    const ImageOperatingPoints& conditions) {
-  constexpr size_t kEnough = 12;
+  constexpr size_t kMaxImages = 12;
   std::vector<double> values;
   for (const ImageFeatures& image : dataset.images)
     values.push_back(conditions.values.at(image.image).front());
   std::sort(values.begin(), values.end());
-  const size_t count = std::min(kEnough, values.size());
+  const size_t count = std::min(kMaxImages, values.size());
   const double center = (values.front() + values.back()) / 2;
   double low = values.front(), high = values[count - 1];
   for (size_t first = 1; first + count <= values.size(); ++first) {

@@ -7,7 +7,7 @@
 #include "calibration/camera_result.h"
 #include "calibration/knot_spacing_search.h"
 #include "calibration/knot_spacing_selection.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "dataset/error.h"
 #include "dataset/parallel_for.h"
 
@@ -97,12 +97,13 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
   AdjustmentOptions adjustment = MakeStoppableOptions(options);
   adjustment.rigid_boards = !camera.per_view_deformation;
   adjustment.num_threads = std::max(1, num_threads / num_parts);
-  const int num_beside = beside ? 1 : 0;
-  ParallelFor(num_beside + num_parts, num_threads, [&](int i) {
-    if (i < num_beside) return beside(std::max(1, num_threads / 2));
+  const int num_extra_tasks = beside ? 1 : 0;
+  ParallelFor(num_extra_tasks + num_parts, num_threads, [&](int i) {
+    if (i < num_extra_tasks) return beside(std::max(1, num_threads / 2));
     // The last models have the most parameters; starting the slowest ones first
     // balances the load.
-    const int from_last = (i - num_beside) / 2, part = (i - num_beside) % 2;
+    const int from_last = (i - num_extra_tasks) / 2,
+              part = (i - num_extra_tasks) % 2;
     Measurement& measurement = measurements[candidates.size() - 1 - from_last];
     ValidationOptions validation = MakeValidationOptions(options);
     validation.model = measurement.candidate.model;
@@ -135,7 +136,7 @@ std::vector<ModelMetrics> CompareParametricModels(
     const CalibrationOptions& options, const ModelTrials& done,
     const Beside& beside) {
   std::vector<Candidate> candidates;
-  for (const std::string& model : LensNames(ModelUse::kCompare))
+  for (const std::string& model : ListModelNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
   if (IsParametricModel(options.model) && camera.grid_knot_spacing_px > 0)
     candidates.push_back(
@@ -148,18 +149,21 @@ std::optional<double> EstimateModelErrorPx(const CalibrationResult& result) {
   const std::string own = result.camera.camera->Name();
   std::optional<double> error_px;
   if (result.held_out.empty()) return error_px;
-  const double own_px = ComputeErrorMetrics(result.held_out).median_px;
+  const double current_error_px =
+      ComputeErrorMetrics(result.held_out).median_px;
   for (const ModelMetrics& other : result.parametric_models) {
     const bool is_richer =
         (other.model == models::kNonCentralGeneric && own != other.model) ||
         (other.model == models::kCentralGeneric && IsParametricModel(own));
-    if (!is_richer || !other.held_out || other.held_out->median_px >= own_px ||
-        ComputeLossGain(result.held_out, other.held_out_residuals, own_px) <
-            kSurely)
+    if (!is_richer || !other.held_out ||
+        other.held_out->median_px >= current_error_px ||
+        ComputeLossGain(result.held_out, other.held_out_residuals,
+                        current_error_px) < kSurely)
       continue;
     const double other_px = other.held_out->median_px;
-    error_px = std::max(error_px.value_or(0),
-                        std::sqrt(own_px * own_px - other_px * other_px));
+    error_px = std::max(
+        error_px.value_or(0),
+        std::sqrt(current_error_px * current_error_px - other_px * other_px));
   }
   return error_px;
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr int kDimensions = RelativeBoardPose::kDimensions;
 
 // Returns the index of each board's pose, by image and board.
-std::map<std::string, std::map<int, int>> PosesByImage(
+std::map<std::string, std::map<int, int>> GroupPosesByImage(
     const CalibrationProblem& problem) {
   std::map<std::string, std::map<int, int>> poses;
   for (size_t v = 0; v < problem.views.size(); ++v)
@@ -59,7 +59,7 @@ RelativeBoardPose ComputeRelation(const std::string& image, int first_pose,
 
 // Returns the relative pose of the frame that is most consistent with all
 // frames.
-MeanRelativePose FindConsensusPose(
+MeanRelativePose EstimateConsensusPose(
     const std::vector<RelativeBoardPose>& relations) {
   constexpr size_t kMaxCandidates = 100;
   const size_t step = relations.size() / kMaxCandidates + 1;
@@ -109,7 +109,7 @@ double SquaredMahalanobis(const MeanRelativePose& mean,
 MeanRelativePose ComputeRobustMean(
     const std::vector<RelativeBoardPose>& relations) {
   constexpr int kRounds = 20;
-  MeanRelativePose mean = FindConsensusPose(relations);
+  MeanRelativePose mean = EstimateConsensusPose(relations);
   const bool has_scale = !relations.front().J_scale.isZero();
   const int size = has_scale ? kDimensions + 1 : kDimensions;
   for (int round = 0; round < kRounds; ++round) {
@@ -154,7 +154,7 @@ std::vector<RelativeBoardPose> ComputeRelativePoses(
   const bool scale_is_free =
       HavePointsMoved(adjusted) && adjusted.state.cameras.size() == 1;
   std::vector<RelativeBoardPose> relations;
-  for (const auto& [image, poses] : PosesByImage(adjusted.problem)) {
+  for (const auto& [image, poses] : GroupPosesByImage(adjusted.problem)) {
     const auto a = poses.find(first), b = poses.find(second);
     if (a != poses.end() && b != poses.end())
       relations.push_back(ComputeRelation(
@@ -168,8 +168,8 @@ PoseEquations::PoseEquations(const AdjustmentResult& adjusted,
     : response_(adjusted.problem.views, adjusted.prior,
                 OptionsFor(adjusted, num_threads), adjusted.state) {
   // Camera models have errors of at least this size, even with exact features.
-  constexpr double kLeastNoisePx = 0.01;
-  variance_ = std::pow(std::max(adjusted.summary.noise_px, kLeastNoisePx), 2);
+  constexpr double kMinNoisePx = 0.01;
+  variance_ = std::pow(std::max(adjusted.summary.noise_px, kMinNoisePx), 2);
   const int num_cameras = static_cast<int>(adjusted.state.cameras.size());
   for (int c = 0; c < num_cameras; ++c)
     correlation_ = std::max(

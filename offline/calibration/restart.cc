@@ -59,9 +59,9 @@ bool IsWorseThanFolds(const CameraInProgress& camera,
 void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
                       const std::function<AdjustmentResult()>& adjust,
                       CameraInProgress* camera, AdjustmentResult* adjusted) {
-  const AdjustmentResult given = camera->lens;
-  AdjustmentResult best_lens = given;
-  double least_px = ComputeMeanErrorPx(*adjusted, given);
+  const AdjustmentResult initial_result = camera->lens;
+  AdjustmentResult best_result = initial_result;
+  double least_px = ComputeMeanErrorPx(*adjusted, initial_result);
   for (const Folds::Fold& fold : camera->folds.folds) {
     const auto& start = fold.lenses ? fold.lenses : fold.start;
     if (!start || options.ShouldStop()) continue;
@@ -69,19 +69,19 @@ void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
       camera->lens = InitializeCamera(camera->split.training, pattern,
                                       MakeAdjustmentOptions(options),
                                       options.area, &start->state.camera());
-      camera->lens.problem.base_model = given.problem.base_model;
+      camera->lens.problem.base_model = initial_result.problem.base_model;
       camera->lens.problem.like = options.like;
-      camera->lens.problem.prior_spread = options.prior_spread;
+      camera->lens.problem.prior_population = options.prior_population;
       AdjustmentResult again = adjust();
-      const double error_px = ComputeMeanErrorPx(again, given);
+      const double error_px = ComputeMeanErrorPx(again, initial_result);
       if (error_px >= least_px) continue;
       least_px = error_px;
       *adjusted = std::move(again);
-      best_lens = camera->lens;
+      best_result = camera->lens;
     } catch (const Error&) {  // this fold has no usable camera
     }
   }
-  camera->lens = std::move(best_lens);
+  camera->lens = std::move(best_result);
 }
 
 bool RestartFromComparison(const Pattern& pattern,

@@ -20,15 +20,15 @@ std::vector<std::vector<BoardPose>> LocalizeBoards(
   std::vector<RejectedImage> ignored;
   const CalibrationProblem problem = BuildProblem(datasets, pattern, &ignored);
   const auto poses = LocalizeProblem(rig, problem, num_threads);
-  std::vector<std::vector<BoardPose>> by_camera(rig.cameras.size());
+  std::vector<std::vector<BoardPose>> poses_by_camera(rig.cameras.size());
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
     if (!poses[view.pose]) continue;
-    by_camera[view.camera].push_back(
+    poses_by_camera[view.camera].push_back(
         {problem.images[v], pattern.boards[problem.boards[v]].id,
          rig.camera_from_rig[view.camera] * *poses[view.pose]});
   }
-  return by_camera;
+  return poses_by_camera;
 }
 
 AdjustmentState LocalizeRigViews(const RigModel& rig,

@@ -19,7 +19,7 @@ namespace {
 
 // A relative pose is invalid if its error in half of the shared views exceeds
 // this fraction of the image width.
-constexpr double kMaxDisagreementPart = 0.05;
+constexpr double kMaxRelativeDisagreement = 0.05;
 constexpr double kUnseenPx = 1e4;  // error of a point without a projection
 constexpr int kMaxCandidates = 40;
 // Outlier removal handles views with smaller errors.
@@ -75,7 +75,7 @@ Joined Join(const std::vector<AdjustmentResult>& cameras,
   return joined;
 }
 
-std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
+std::vector<Views> GroupViewsByPose(const CalibrationProblem& problem) {
   std::vector<Views> views(problem.num_poses);
   for (size_t v = 0; v < problem.views.size(); ++v)
     views[problem.views[v].pose].push_back(static_cast<int>(v));
@@ -87,7 +87,7 @@ std::vector<Views> ViewsOfPoses(const CalibrationProblem& problem) {
 std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
                                              int first, int second) {
   std::vector<std::pair<int, int>> shared;
-  for (const Views& views : ViewsOfPoses(problem))
+  for (const Views& views : GroupViewsByPose(problem))
     for (const int a : views)
       for (const int b : views)
         if (problem.views[a].camera == first &&
@@ -209,13 +209,13 @@ bool IsAsGood(const RelativePose& other, const RelativePose& best) {
 
 bool IsAmbiguous(const std::vector<RelativePose>& candidates,
                  const RelativePose& best) {
-  constexpr double kFarRad = 0.5;
-  return std::any_of(candidates.begin(), candidates.end(),
-                     [&](const RelativePose& other) {
-                       return other.second_from_first.rotation.angularDistance(
-                                  best.second_from_first.rotation) > kFarRad &&
-                              IsAsGood(other, best);
-                     });
+  constexpr double kMaxRotationRad = 0.5;
+  return std::any_of(
+      candidates.begin(), candidates.end(), [&](const RelativePose& other) {
+        return other.second_from_first.rotation.angularDistance(
+                   best.second_from_first.rotation) > kMaxRotationRad &&
+               IsAsGood(other, best);
+      });
 }
 
 // Returns the pair of a connected and an unconnected camera with the most
@@ -244,9 +244,10 @@ std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
 }
 
 // Groups of cameras with known relative poses: one tree per group.
-class PlacedCameras {
+class LocalizedCameras {
  public:
-  explicit PlacedCameras(size_t count) : tree_(count, -1), from_first_(count) {}
+  explicit LocalizedCameras(size_t count)
+      : tree_(count, -1), from_first_(count) {}
 
   void AddFirst(size_t camera) {
     tree_[camera] = static_cast<int>(camera);
@@ -281,7 +282,7 @@ class PlacedCameras {
 void RequireAgreement(const std::vector<std::string>& names, int first,
                       int second, const RelativePose& best, size_t num_shared,
                       const ImageSize& size) {
-  if (best.error_px <= kMaxDisagreementPart * size.width) return;
+  if (best.error_px <= kMaxRelativeDisagreement * size.width) return;
   throw Error(
       ExitCode::kInitialization,
       fmt::format("cameras {} and {}: no relative pose fits their {} common "
@@ -317,7 +318,7 @@ std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
 std::vector<Pose> InitializeRigPoses(const Joined& joined,
                                      const AdjustmentState& state) {
   std::vector<Pose> rig_from_pattern;
-  for (const Views& views : ViewsOfPoses(joined.problem)) {
+  for (const Views& views : GroupViewsByPose(joined.problem)) {
     Pose best;
     double best_error_px = INFINITY;
     for (const int v : views) {
@@ -346,11 +347,11 @@ std::vector<Pose> InitializeRigPoses(const Joined& joined,
 // views by more than 6 interquartile ranges.
 std::vector<bool> FindInconsistentViews(const CalibrationProblem& problem,
                                         const AdjustmentState& state) {
-  const std::vector<Views> views_of_poses = ViewsOfPoses(problem);
+  const std::vector<Views> views_by_pose = GroupViewsByPose(problem);
   std::vector<double> errors_px(problem.views.size()), shared_px;
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
-    if (views_of_poses[view.pose].size() < 2) continue;
+    if (views_by_pose[view.pose].size() < 2) continue;
     errors_px[v] = ViewErrorPx(*state.cameras[view.camera],
                                state.ComputeCameraFromPattern(view), view,
                                problem.nominal);
@@ -386,7 +387,7 @@ std::vector<std::vector<int>> CountSharedViews(
   const size_t num_cameras = problem.image_sizes.size();
   std::vector<std::vector<int>> counts(num_cameras,
                                        std::vector<int>(num_cameras));
-  for (const Views& views : ViewsOfPoses(problem)) {
+  for (const Views& views : GroupViewsByPose(problem)) {
     std::set<int> cameras;
     for (const int v : views) cameras.insert(problem.views[v].camera);
     for (const int a : cameras)
@@ -428,7 +429,7 @@ RigRotations ResolveRotationsAcrossCameras(
   const Joined joined = Join(cameras, {});
   const CalibrationProblem& problem = joined.problem;
   const auto num_shared = CountSharedViews(problem);
-  PlacedCameras placed(cameras.size());
+  LocalizedCameras placed(cameras.size());
   std::vector<bool> reached(cameras.size());
   for (size_t root = 0; root < cameras.size(); ++root) {
     if (reached[root]) continue;
@@ -445,7 +446,7 @@ RigRotations ResolveRotationsAcrossCameras(
       RelativePose best = SelectBest(candidates);
       // InitializeRig() reports inconsistent views.
       if (best.error_px >
-          kMaxDisagreementPart * problem.image_sizes[second].width)
+          kMaxRelativeDisagreement * problem.image_sizes[second].width)
         continue;
       if (IsAmbiguous(candidates, best)) {
         result.ambiguous.push_back({static_cast<size_t>(first),
@@ -460,7 +461,7 @@ RigRotations ResolveRotationsAcrossCameras(
       placed.Add(first, second, best.second_from_first);
     }
   }
-  for (const Views& views : ViewsOfPoses(problem)) {
+  for (const Views& views : GroupViewsByPose(problem)) {
     const int reference = placed.FindEarliest(problem, views);
     for (const int v : views) {
       const View& view = problem.views[v];

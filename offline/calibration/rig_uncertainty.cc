@@ -67,7 +67,7 @@ Eigen::Matrix<double, 6, 1> ComputeScales(
     return std::sqrt(
         VarianceFactors(
             jackknife.Of(first_parameter, by_parameters.middleRows(row, count)))
-            .of_all);
+            .overall_factor);
   };
   for (int row = 0; row < 4; ++row) scales[row] = scale_of(row, 1);
   scales.tail<2>().setConstant(scale_of(4, 2));
@@ -124,8 +124,9 @@ void AddCovariances(const AdjustmentResult& adjusted, AdjustmentOptions options,
         scales.asDiagonal() *
         PoseCovariance(jacobian * white * jacobian.transpose()) *
         scales.asDiagonal();
-    baseline.distance_sd_m = std::sqrt(scaled(3, 3));
-    baseline.rotation_sd_rad = std::sqrt(scaled.topLeftCorner<3, 3>().trace());
+    baseline.distance_stddev_m = std::sqrt(scaled(3, 3));
+    baseline.rotation_stddev_rad =
+        std::sqrt(scaled.topLeftCorner<3, 3>().trace());
     if (scaled.allFinite())
       baseline.covariance =
           MakeCovariance(directions * scaled * directions.transpose());

@@ -34,14 +34,15 @@ Eigen::Vector3d ComputeBoardCenter(const Board& board) {
 
 // Counts the frames with distinct poses of the first board.
 size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
-  constexpr double kAlikeRad = 2 * M_PI / 180, kAlikePart = 0.02;
+  constexpr double kMaxRotationRad = 2 * M_PI / 180,
+                   kMaxRelativeDistance = 0.02;
   std::vector<const Pose*> different;
   for (const RelativeBoardPose* relation : relations) {
     const Pose& pose = relation->rig_from_first;
     if (std::none_of(different.begin(), different.end(), [&](const Pose* p) {
-          return p->rotation.angularDistance(pose.rotation) < kAlikeRad &&
+          return p->rotation.angularDistance(pose.rotation) < kMaxRotationRad &&
                  (p->translation - pose.translation).norm() <
-                     kAlikePart * pose.translation.norm();
+                     kMaxRelativeDistance * pose.translation.norm();
         }))
       different.push_back(&pose);
   }
@@ -53,7 +54,8 @@ struct PairFinding {
   BoardPair board_pair;
   int first = 0, second = 0;  // indices
   Pose first_from_second;
-  std::vector<std::string> far_images;  // with inconsistent relative pose
+  std::vector<std::string>
+      inconsistent_images;  // with inconsistent relative pose
 };
 
 std::optional<PairFinding> AnalysePair(
@@ -67,12 +69,12 @@ std::optional<PairFinding> AnalysePair(
   double square_sum = 0;
   for (const RelativeBoardPose& relation : relations) {
     const double square = SquaredMahalanobis(mean, relation);
-    const bool is_far = !(square <= kMaxSquaredMahalanobis);
-    if (is_far)
-      finding.far_images.push_back(relation.image);
+    const bool is_inconsistent = !(square <= kMaxSquaredMahalanobis);
+    if (is_inconsistent)
+      finding.inconsistent_images.push_back(relation.image);
     else
       near.push_back(&relation);
-    square_sum += is_far ? 0 : square;
+    square_sum += is_inconsistent ? 0 : square;
   }
   const double count = static_cast<double>(near.size());
   board_pair.num_frames = static_cast<int>(relations.size());
@@ -81,11 +83,11 @@ std::optional<PairFinding> AnalysePair(
   const bool is_observed = NumDifferent(near) >= kMinFrames;
   board_pair.fixed =
       is_observed &&
-      static_cast<double>(finding.far_images.size()) <=
+      static_cast<double>(finding.inconsistent_images.size()) <=
           kMaxInconsistentFraction * static_cast<double>(relations.size()) &&
       square_sum <=
           std::max(ComputeChiSquareLimit(degrees), kRoughly * degrees);
-  if (!is_observed && finding.far_images.size() * 2 < relations.size())
+  if (!is_observed && finding.inconsistent_images.size() * 2 < relations.size())
     return std::nullopt;  // not observable: all poses are alike
   double number = 0;
   for (const RelativeBoardPose& relation : relations) {
@@ -160,7 +162,7 @@ void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
   const int kept = rigid_targets->frames[finding.first];
   const int joined = rigid_targets->frames[finding.second];
   if (kept == joined) return;
-  const Pose kept_from_joined =
+  const Pose reference_from_joined =
       rigid_targets->frame_from_board[finding.first] *
       finding.first_from_second *
       rigid_targets->frame_from_board[finding.second].Inverse();
@@ -168,7 +170,7 @@ void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
     if (rigid_targets->frames[b] != joined) continue;
     rigid_targets->frames[b] = kept;
     rigid_targets->frame_from_board[b] =
-        kept_from_joined * rigid_targets->frame_from_board[b];
+        reference_from_joined * rigid_targets->frame_from_board[b];
   }
 }
 
@@ -193,7 +195,7 @@ void ExcludeInconsistentBoards(const std::vector<PairFinding>& findings,
   std::map<std::string, std::vector<const PairFinding*>> far;
   for (const PairFinding& finding : findings)
     if (finding.board_pair.fixed)
-      for (const std::string& image : finding.far_images)
+      for (const std::string& image : finding.inconsistent_images)
         far[image].push_back(&finding);
   for (auto& [image, pairs] : far) {
     while (!pairs.empty()) {

@@ -10,9 +10,9 @@
 namespace raygrid {
 namespace {
 
-MovingViews ViewsBy(const CameraModel& camera, const Pattern& found,
-                    const Dataset& features, const ImageTimes& times,
-                    bool is_final, int num_threads) {
+MovingViews MakeMovingViews(const CameraModel& camera, const Pattern& found,
+                            const Dataset& features, const ImageTimes& times,
+                            bool is_final, int num_threads) {
   return {&camera,   &found,
           &features, LocalizeAllBoards(camera, features, found, num_threads),
           &times,    is_final};
@@ -39,8 +39,8 @@ std::optional<CompensatedFeatures> ComputeCompensatedFeatures(
   if (options.ShouldStop()) return std::nullopt;
   const Dataset features = CollectFeatures(camera, pattern);
   const MovingViews views =
-      ViewsBy(first.adjusted.state.camera(), first.pattern, features,
-              *camera.input->times, false, options.num_threads);
+      MakeMovingViews(first.adjusted.state.camera(), first.pattern, features,
+                      *camera.input->times, false, options.num_threads);
   const LineDelayEstimate line_delay = EstimateLineDelay(views);
   if (!line_delay.IsDetermined() || line_delay.value.IsPossiblyGlobalShutter())
     return std::nullopt;
@@ -54,7 +54,7 @@ LineDelayEstimate EstimateFinalLineDelay(const CameraInProgress& camera,
                                          const Pattern& found,
                                          int num_threads) {
   const Dataset features = CollectFeatures(camera, found);
-  LineDelayEstimate line_delay = EstimateLineDelay(ViewsBy(
+  LineDelayEstimate line_delay = EstimateLineDelay(MakeMovingViews(
       calibrated, found, features, *camera.input->times, true, num_threads));
   line_delay.is_compensated = camera.still.has_value();
   if (camera.still)

@@ -68,7 +68,7 @@ double PooledVariance(const std::vector<PoseInformation>& information) {
 // Returns the noise variance of one pose. Images differ in sharpness, but a few
 // features determine the variance poorly, so the pooled variance over all poses
 // contributes with the weight of ten features.
-double VarianceOf(const PoseInformation& pose, double pooled) {
+double ComputeResidualVariance(const PoseInformation& pose, double pooled) {
   constexpr double kPooledDegrees = 20;
   return (kPooledDegrees * pooled + pose.sum) /
          (kPooledDegrees + pose.DegreesOfFreedom());
@@ -115,7 +115,7 @@ AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
 
 // Returns the sum of the distances of a rig's cameras from its origin; 1 if the
 // sum is zero.
-double ScaleOf(const std::vector<Pose>& camera_from_rig) {
+double ComputeScale(const std::vector<Pose>& camera_from_rig) {
   double sum = 0;
   for (const Pose& pose : camera_from_rig) sum += pose.translation.norm();
   return sum > 0 ? sum : 1;
@@ -175,7 +175,7 @@ TargetLocalization LocalizeTargets(const RigModel& rig,
     TargetPose& target = result.poses.emplace_back();
     target.pose = {image, pattern.boards[FrameBoard(problem, own.view)].id,
                    *frames.rig_from_target[p]};
-    target.covariance = VarianceOf(own, pooled) * *inverse;
+    target.covariance = ComputeResidualVariance(own, pooled) * *inverse;
     target.num_features = own.num_features;
     target.rms_px = std::sqrt(2 * own.sum / own.weight);
   }
@@ -212,8 +212,9 @@ Pattern EstimateTargetGeometry(const RigModel& rig,
                                     state.target_from_board));
   // AlignBoards() scaled the rig to the nominal target; restores the scale of
   // the rig.
-  ScaleTargets(ScaleOf(rig.camera_from_rig) / ScaleOf(state.camera_from_rig),
-               &estimated);
+  ScaleTargets(
+      ComputeScale(rig.camera_from_rig) / ComputeScale(state.camera_from_rig),
+      &estimated);
   return estimated;
 }
 

@@ -12,8 +12,8 @@ namespace {
 // The observations determine the camera where its standard deviation is at most
 // this multiple of the noise, or below this value; the influence of the prior
 // is negligible there.
-constexpr double kDeterminedPart = 0.5;
-constexpr double kDeterminedPx = 0.025;
+constexpr double kRelativeDeterminedStdDev = 0.5;
+constexpr double kMinDeterminedStdDevPx = 0.025;
 // Default uncertainty limits of the valid region.
 constexpr double kValidPx = 0.25, kValidPerNoise = 3;
 // Beyond the features, lenses are less smooth than the prior assumes. In twelve
@@ -21,7 +21,7 @@ constexpr double kValidPx = 0.25, kValidPerNoise = 3;
 // image width, the standard deviation had to be scaled by 1.0 to 1.9, depending
 // on the calibration, to contain the errors of 90 % of the extrapolated pixels
 // within 2 sigma (benchmarks/README.md).
-constexpr double kBeyondFeatures = 2;
+constexpr double kExtrapolationFactor = 2;
 // A cell is extrapolated unless at least this many features lie within this
 // many cells on all sides.
 constexpr int kMinFeatures = 3, kNearCells = 2;
@@ -148,7 +148,7 @@ double GetObservedStdDev(const PixelUncertainty& pixel) {
 
 }  // namespace
 
-std::vector<UncertaintyLattice> EstimateStandardDeviations(
+std::vector<UncertaintyLattice> EstimateStdDevs(
     const AdjustmentResult& adjusted, int camera,
     const std::vector<const CameraModel*>& as, int num_threads) {
   if (!(adjusted.summary.noise_px > 0)) return {};
@@ -167,8 +167,8 @@ std::vector<UncertaintyLattice> EstimateStandardDeviations(
     for (const PixelUncertainty& pixel : EstimateProjectionUncertainty(
              response, adjusted.summary.noise_px, &jackknife,
              adjusted.problem.views, state, camera, size))
-      lattice.deviation_px.push_back(GetObservedStdDev(pixel));
-    if (lattice.deviation_px.empty()) return {};
+      lattice.stddev_px.push_back(GetObservedStdDev(pixel));
+    if (lattice.stddev_px.empty()) return {};
   }
   return lattices;
 }
@@ -198,25 +198,27 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
                      scatter = seen;
   std::vector<double> scales;
   for (const PixelUncertainty& pixel : pixels) {
-    scatter.deviation_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
-    const double seen_px = GetObservedStdDev(pixel);
-    seen.deviation_px.push_back(seen_px);
+    scatter.stddev_px.push_back(std::sqrt(pixel.noise_px2.trace() / 2));
+    const double observed_stddev_px = GetObservedStdDev(pixel);
+    seen.stddev_px.push_back(observed_stddev_px);
     const bool is_near = near.IsValidAt(pixel.pixel);
     if (is_near) scales.push_back(pixel.jackknife_scale);
-    const double factor = is_near ? 1 : kBeyondFeatures;
-    total.deviation_px.push_back(
-        factor * std::max(ComputeAxisStdDev(pixel.total_px2), seen_px));
+    const double factor = is_near ? 1 : kExtrapolationFactor;
+    total.stddev_px.push_back(
+        factor *
+        std::max(ComputeAxisStdDev(pixel.total_px2), observed_stddev_px));
   }
   if (!std::isfinite(total.MedianPx())) return std::nullopt;
   EstimatedUncertainty estimate;
   CameraUncertainty& uncertainty = estimate.uncertainty;
   ValidityMask effective_parameters = near;
   effective_parameters.InvalidateAbove(
-      std::max(kDeterminedPart * noise_px, kDeterminedPx), total, area);
-  uncertainty.max_deviation_px =
+      std::max(kRelativeDeterminedStdDev * noise_px, kMinDeterminedStdDevPx),
+      total, area);
+  uncertainty.max_stddev_px =
       valid_limit_px.value_or(DefaultValidLimitPx(noise_px));
   uncertainty.mask = near;
-  uncertainty.mask.InvalidateAbove(uncertainty.max_deviation_px, total, area);
+  uncertainty.mask.InvalidateAbove(uncertainty.max_stddev_px, total, area);
   if (image_circle) InvalidateOutside(*image_circle, &uncertainty.mask);
   uncertainty.modes = GetDeformationModes(joint_px2, size);
   uncertainty.scatter = scatter;
@@ -226,13 +228,13 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
   uncertainty.lattice = seen;
   for (size_t i = 0; i < pixels.size(); ++i)
     if (!effective_parameters.IsValidAt(pixels[i].pixel))
-      uncertainty.lattice.deviation_px[i] = total.deviation_px[i];
-  estimate.extrapolated = FindExtrapolatedRegion(
+      uncertainty.lattice.stddev_px[i] = total.stddev_px[i];
+  estimate.extrapolated = SummarizeExtrapolatedRegion(
       *adjusted.state.cameras[camera], image_circle, near, uncertainty.lattice);
   return estimate;
 }
 
-std::map<std::string, double> PredictHeldOutDeviations(
+std::map<std::string, double> PredictHeldOutStdDevs(
     const AdjustmentResult& adjusted, int camera,
     const std::set<std::string>& images, int num_threads) {
   constexpr Eigen::Index kMaxRows = 2000;

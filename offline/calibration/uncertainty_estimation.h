@@ -38,7 +38,7 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
 /// Estimates the standard deviations of a camera at each of several cameras
 /// with the same parameters (samples of an operating-point model), due to noise
 /// and smoothing. Empty if the equations are singular.
-std::vector<UncertaintyLattice> EstimateStandardDeviations(
+std::vector<UncertaintyLattice> EstimateStdDevs(
     const AdjustmentResult& adjusted, int camera,
     const std::vector<const CameraModel*>& as, int num_threads);
 
@@ -46,7 +46,7 @@ std::vector<UncertaintyLattice> EstimateStandardDeviations(
 /// all of these images: for each image the median over its features of the
 /// standard deviation of a held-out residual (both coordinates), in pixels,
 /// from the equations of the adjustment. Empty if they take too long to solve.
-std::map<std::string, double> PredictHeldOutDeviations(
+std::map<std::string, double> PredictHeldOutStdDevs(
     const AdjustmentResult& adjusted, int camera,
     const std::set<std::string>& images, int num_threads);
 

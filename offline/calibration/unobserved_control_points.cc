@@ -29,7 +29,7 @@ std::vector<bool> FindObservedControlPoints(const CalibrationProblem& problem,
 
 void LimitUnobservedControlPoints(const CalibrationProblem& problem,
                                   int camera_index, CameraModel* camera) {
-  const double farthest = std::tan(150 * M_PI / 180 / 2);
+  const double max_plane_radius = std::tan(150 * M_PI / 180 / 2);
   const BSplineSurface* grid = camera->DirectionGrid();
   if (!grid) return;
   const std::vector<bool> is_seen =
@@ -38,8 +38,8 @@ void LimitUnobservedControlPoints(const CalibrationProblem& problem,
   const Eigen::Index per_node = parameters.size() / grid->num_points();
   for (int k = 0; k < grid->num_points(); ++k) {
     auto chart = parameters.segment<2>(per_node * k);
-    if (!is_seen[k] && chart.norm() > farthest)
-      chart *= farthest / chart.norm();
+    if (!is_seen[k] && chart.norm() > max_plane_radius)
+      chart *= max_plane_radius / chart.norm();
   }
   camera->SetParameters(parameters);
 }

@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kPartOfRange = 1e-3;  // step of numeric differentiation
+constexpr double kRelativeStep = 1e-3;  // step of numeric differentiation
 constexpr int kNumPose = 6;
 
 // Numeric derivatives of projections with respect to the operating point of a
@@ -20,7 +20,7 @@ class ValueDerivatives {
   ValueDerivatives(const OperatingPointModel& stack, const View& view) {
     for (size_t r = 0; r < stack.ranges().size(); ++r) {
       const OperatingRange& range = stack.ranges()[r];
-      const double step = kPartOfRange * (range.high - range.low);
+      const double step = kRelativeStep * (range.high - range.low);
       OperatingPoint below = view.conditions, above = view.conditions;
       below[r] -= step;
       above[r] += step;
@@ -58,7 +58,7 @@ class ValueDerivatives {
 // operating point.
 struct ViewEquations {
   Eigen::VectorXd error;
-  Eigen::MatrixXd J_pose, by_values;
+  Eigen::MatrixXd J_pose, J_values;
 
   // Returns the least-squares pose step for the given errors. EliminatePose()
   // returns the errors that remain after this step.
@@ -71,8 +71,9 @@ struct ViewEquations {
   }
 };
 
-ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
-  const ValueDerivatives by_values(*state.camera().Stack(), view);
+ViewEquations MakeViewEquations(const AdjustmentState& state,
+                                const View& view) {
+  const ValueDerivatives J_values(*state.camera().Stack(), view);
   const Pose camera_from_board = state.ComputeCameraFromPattern(view);
   const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
   const double huber_px = AdjustmentOptions().huber_px;
@@ -94,8 +95,8 @@ ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
         state.PointAt(view.pose, view.observations[k].point);
     equations.error.segment<2>(row) = root * r.residual.error_px;
     equations.J_pose.middleRows<2>(row) = root * r.J_pose;
-    equations.by_values.middleRows<2>(row) =
-        root * by_values.At(point, view.observations[k].pixel);
+    equations.J_values.middleRows<2>(row) =
+        root * J_values.At(point, view.observations[k].pixel);
     row += 2;
   }
   return equations;
@@ -106,14 +107,15 @@ ViewEquations EquationsOf(const AdjustmentState& state, const View& view) {
 double NoisePx(const std::vector<ViewEquations>& views) {
   double squares = 0;
   Eigen::Index freedom = 0;
-  const Eigen::Index num_values = views.front().by_values.cols();
+  const Eigen::Index num_values = views.front().J_values.cols();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num_values, num_values);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(num_values);
   for (const ViewEquations& view : views) {
-    const Eigen::MatrixXd beside = view.EliminatePose(view.by_values);
+    const Eigen::MatrixXd J_values_without_pose =
+        view.EliminatePose(view.J_values);
     const Eigen::VectorXd error = view.EliminatePose(view.error);
-    normal += beside.transpose() * beside;
-    gradient += beside.transpose() * error;
+    normal += J_values_without_pose.transpose() * J_values_without_pose;
+    gradient += J_values_without_pose.transpose() * error;
     squares += error.squaredNorm();
     freedom += error.size() - kNumPose;
   }
@@ -147,7 +149,7 @@ ValueStep ValueEquations::ComputeStep(Eigen::Index unknown) const {
   if (!(found > kUndetermined * fixed_camera_information[unknown]))
     return {0, INFINITY};
   return {-gradient[unknown] / found,
-          noise_px[ImageOf(unknown)] / std::sqrt(found)};
+          noise_px[GetImageIndex(unknown)] / std::sqrt(found)};
 }
 
 ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
@@ -156,7 +158,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
   ValueEquations result;
   result.num_ranges =
       static_cast<int>(adjusted.state.camera().Stack()->ranges().size());
-  const std::vector<int> image_of =
+  const std::vector<int> image_of_unknown =
       NumberImages(adjusted.problem, &result.images);
   const int num_images = static_cast<int>(result.images.size());
 
@@ -176,23 +178,24 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
   Eigen::MatrixXd right =
       Eigen::MatrixXd::Zero(response.layout().num_all(), num_values);
   for (size_t v = 0; v < views.size(); ++v) {
-    const ViewEquations equations = EquationsOf(adjusted.state, views[v]);
+    const ViewEquations equations = MakeViewEquations(adjusted.state, views[v]);
     const Eigen::Index first =
-        static_cast<Eigen::Index>(image_of[v]) * result.num_ranges;
+        static_cast<Eigen::Index>(image_of_unknown[v]) * result.num_ranges;
     // The pose is eliminated per view, since it absorbs most of the change.
-    const Eigen::MatrixXd beside = equations.EliminatePose(equations.by_values);
+    const Eigen::MatrixXd J_values_without_pose =
+        equations.EliminatePose(equations.J_values);
     result.gradient.segment(first, result.num_ranges) +=
-        beside.transpose() * equations.error;
+        J_values_without_pose.transpose() * equations.error;
     result.fixed_camera_information.segment(first, result.num_ranges) +=
-        beside.colwise().squaredNorm().transpose();
+        J_values_without_pose.colwise().squaredNorm().transpose();
     for (int r = 0; r < result.num_ranges; ++r) {
-      const Eigen::VectorXd column = beside.col(r);
+      const Eigen::VectorXd column = J_values_without_pose.col(r);
       none[v] = Eigen::Map<const Eigen::Matrix2Xd>(column.data(), 2,
                                                    column.size() / 2);
       right.col(first + r) += response.Gradient(none);
       none[v].setZero();
     }
-    by_image[image_of[v]].push_back(equations);
+    by_image[image_of_unknown[v]].push_back(equations);
   }
   Eigen::MatrixXd moves;
   if (!response.Solve(right, &moves)) return {};
@@ -207,7 +210,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
 ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
                    size_t range, const OperatingRange& limits) {
   constexpr int kMaxSteps = 12;
-  constexpr double kPartOfDeviation = 0.05;
+  constexpr double kRelativeTolerance = 0.05;
   const auto column = static_cast<Eigen::Index>(range);
   const double stated = views.front().conditions[range];
   double value = stated;
@@ -217,12 +220,12 @@ ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
     double information = 0, gradient = 0;
     for (View view : views) {
       view.conditions[range] = value;
-      equations.push_back(EquationsOf(state, view));
+      equations.push_back(MakeViewEquations(state, view));
       const ViewEquations& own = equations.back();
-      const Eigen::VectorXd beside =
-          own.EliminatePose(own.by_values.col(column));
-      information += beside.squaredNorm();
-      gradient += beside.dot(own.error);
+      const Eigen::VectorXd J_values_without_pose =
+          own.EliminatePose(own.J_values.col(column));
+      information += J_values_without_pose.squaredNorm();
+      gradient += J_values_without_pose.dot(own.error);
     }
     if (!(information > 0)) return {0, INFINITY};
     const double before = value;
@@ -234,9 +237,9 @@ ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
       pose = UpdatedPose(
           pose, -equations[k].PoseStep(equations[k].error +
                                        (value - before) *
-                                           equations[k].by_values.col(column)));
+                                           equations[k].J_values.col(column)));
     }
-    if (std::abs(value - before) < kPartOfDeviation * found.deviation) break;
+    if (std::abs(value - before) < kRelativeTolerance * found.deviation) break;
   }
   return found;
 }

@@ -36,7 +36,7 @@ struct ValueEquations {
   std::vector<double> noise_px;
 
   Eigen::Index count() const { return gradient.size(); }
-  int ImageOf(Eigen::Index unknown) const {
+  int GetImageIndex(Eigen::Index unknown) const {
     return static_cast<int>(unknown) / num_ranges;
   }
   int RangeIndex(Eigen::Index unknown) const {

@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kDeviationPerMedian = 1.4826;  // for a normal distribution
+constexpr double kStdDevPerMedian = 1.4826;  // for a normal distribution
 
 // Fits a line to a power of t over the given values; returns mean and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
@@ -135,7 +135,7 @@ TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
 // Returns the robust standard deviation of residuals, from their median.
 double ComputeScatter(const TrimmedFit& fit) {
   const Eigen::VectorXd sizes = fit.residuals.cwiseAbs();
-  return kDeviationPerMedian *
+  return kStdDevPerMedian *
          Quantile({sizes.data(), sizes.data() + sizes.size()}, 0.5);
 }
 
@@ -184,9 +184,9 @@ std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
 
 ValueRegression RegressValues(const std::vector<FittedValue>& values) {
   constexpr int kNumTrials = 500, kNumPermutations = 200, kFewTrials = 40;
-  constexpr size_t kLeastImages = 8;
+  constexpr size_t kMinImages = 8;
   ValueRegression regression;
-  if (values.size() < kLeastImages) return regression;
+  if (values.size() < kMinImages) return regression;
   const auto count = static_cast<Eigen::Index>(values.size());
   std::vector<double> stated;
   Equations equations = {Eigen::MatrixXd::Ones(count, 1),

@@ -182,7 +182,7 @@ Eigen::Vector2d BSplineSurface::Evaluate(const Eigen::Vector2d& pixel,
   return value;
 }
 
-int FindDominantHandedness(const BSplineSurface& surface) {
+int ComputeDominantHandedness(const BSplineSurface& surface) {
   constexpr int kSteps = 8;
   const Area& area = surface.area();
   const Eigen::Vector2d extent(area.width(), area.height());
@@ -199,10 +199,10 @@ int FindDominantHandedness(const BSplineSurface& surface) {
   return sum < 0 ? -1 : 1;
 }
 
-UnfoldedSide FindUnfoldedSide(const BSplineSurface& surface) {
+UnfoldedSide ComputeUnfoldedSide(const BSplineSurface& surface) {
   constexpr double kMaxStep = 1 / 32.0;  // relative to the longer side
   const Area& area = surface.area();
-  const UnfoldedSide side = {FindDominantHandedness(surface),
+  const UnfoldedSide side = {ComputeDominantHandedness(surface),
                              kMaxStep * std::max(area.width(), area.height())};
   for (int k = 0; k < surface.num_points(); ++k)
     if (IsFoldedAt(surface, k, side)) return side;

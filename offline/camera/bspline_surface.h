@@ -65,11 +65,11 @@ class BSplineSurface {
 /// Returns +1 or -1: the predominant sign of the Jacobian's determinant in the
 /// central half of the area's width and height. The sign differs where the
 /// surface is folded, which may happen outside a fisheye's image circle.
-int FindDominantHandedness(const BSplineSurface& surface);
+int ComputeDominantHandedness(const BSplineSurface& surface);
 
 /// Returns the unfolded side, which has the dominant handedness; handedness 0
 /// if no control point is folded.
-UnfoldedSide FindUnfoldedSide(const BSplineSurface& surface);
+UnfoldedSide ComputeUnfoldedSide(const BSplineSurface& surface);
 
 /// Returns the number of control points along an extent for cells no longer
 /// than knot_spacing_px.

@@ -7,14 +7,14 @@
 
 namespace raygrid {
 
-CameraFrame FindCameraFrame(const CameraModel& camera,
-                            const std::string& lens) {
+CameraFrame ComputeCameraFrame(const CameraModel& camera,
+                               const std::string& lens) {
   constexpr double kNearer = 0.98;
   if (camera.Parametric())
     return {camera.Name(), Eigen::Quaterniond::Identity()};
-  const std::vector<std::string> lenses = lens.empty()
-                                              ? LensNames(ModelUse::kCompare)
-                                              : std::vector<std::string>{lens};
+  const std::vector<std::string> lenses =
+      lens.empty() ? ListModelNames(ModelUse::kCompare)
+                   : std::vector<std::string>{lens};
   CameraFrame frame;
   double least_px = INFINITY;
   for (const std::string& name : lenses) {
@@ -38,7 +38,7 @@ std::unique_ptr<CameraModel> Rotated(
 std::optional<Eigen::Quaterniond> AlignToCameraFrame(
     std::shared_ptr<const CameraModel>* camera) {
   constexpr double kAstrayRad = 1 * M_PI / 180;
-  const CameraFrame frame = FindCameraFrame(**camera);
+  const CameraFrame frame = ComputeCameraFrame(**camera);
   if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
   if ((*camera)->IsCentral())
     *camera =

@@ -28,11 +28,11 @@ struct CameraFrame {
 constexpr double kMaxFrameRotationRad = 0.02 * M_PI / 180;
 
 /// Returns the canonical frame of a camera; identity for a parametric model. Of
-/// the models that are compared (camera/lens_models.h), a later one is chosen
-/// only if its RMS error is at least 2 % smaller. If `lens` is given, only this
-/// model is fitted.
-CameraFrame FindCameraFrame(const CameraModel& camera,
-                            const std::string& lens = "");
+/// the models that are compared (camera/model_registry.h), a later one is
+/// chosen only if its RMS error is at least 2 % smaller. If `lens` is given,
+/// only this model is fitted.
+CameraFrame ComputeCameraFrame(const CameraModel& camera,
+                               const std::string& lens = "");
 
 /// Returns a grid in a rotated frame, with the same number of control points.
 /// Rotation is not linear in the chart, so the grid is fitted anew, which

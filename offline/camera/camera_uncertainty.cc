@@ -33,7 +33,7 @@ LatticePosition LocateInLattice(int columns, int rows, const Area& area,
 double UncertaintyLattice::At(const Area& area,
                               const Eigen::Vector2d& pixel) const {
   const LatticePosition place = LocateInLattice(columns, rows, area, pixel);
-  const double* corner = &deviation_px[place.node];
+  const double* corner = &stddev_px[place.node];
   const double upper = corner[0] + place.x * (corner[1] - corner[0]);
   const double lower =
       corner[columns] + place.x * (corner[columns + 1] - corner[columns]);
@@ -61,8 +61,8 @@ double UncertaintyLattice::MedianPx(const Area& area, const Area& part) const {
     const Eigen::Vector2d place(
         area.x0 + area.width() * (k % columns) / (columns - 1),
         area.y0 + area.height() * (k / columns) / (rows - 1));
-    if (std::isfinite(deviation_px[k]) && part.Contains(place))
-      known.push_back(deviation_px[k]);
+    if (std::isfinite(stddev_px[k]) && part.Contains(place))
+      known.push_back(stddev_px[k]);
   }
   if (known.empty()) return NAN;
   const auto median =
@@ -100,7 +100,7 @@ bool ValidityMask::HasValidCells() const {
   return std::find(is_valid.begin(), is_valid.end(), true) != is_valid.end();
 }
 
-void ValidityMask::InvalidateAbove(double max_deviation_px,
+void ValidityMask::InvalidateAbove(double max_stddev_px,
                                    const UncertaintyLattice& lattice,
                                    const Area& area) {
   const double half = knot_spacing_px / 2.0;
@@ -113,7 +113,7 @@ void ValidityMask::InvalidateAbove(double max_deviation_px,
         const Eigen::Vector2d corner(
             std::clamp(center.x() + dx, area.x0, area.x1),
             std::clamp(center.y() + dy, area.y0, area.y1));
-        if (!(lattice.At(area, corner) <= max_deviation_px))
+        if (!(lattice.At(area, corner) <= max_stddev_px))
           is_valid[cell] = false;
       }
   }
@@ -123,12 +123,12 @@ CameraUncertainty CameraUncertainty::FromMask(const ValidityMask& mask) {
   CameraUncertainty known;
   known.lattice = {2, 2, std::vector<double>(4, NAN)};
   known.mask = mask;
-  known.max_deviation_px = NAN;
+  known.max_stddev_px = NAN;
   return known;
 }
 
-bool CameraUncertainty::HasDeviations() const {
-  return std::isfinite(max_deviation_px);
+bool CameraUncertainty::HasStdDevs() const {
+  return std::isfinite(max_stddev_px);
 }
 
 double CameraUncertainty::ValidFraction(const ImageSize& size,

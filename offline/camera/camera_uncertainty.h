@@ -15,7 +15,7 @@ namespace raygrid {
 /// with bilinear interpolation. NaN where the camera is undefined.
 struct UncertaintyLattice {
   int columns = 0, rows = 0;
-  std::vector<double> deviation_px;
+  std::vector<double> stddev_px;
 
   double At(const Area& area, const Eigen::Vector2d& pixel) const;
   double MedianPx() const;
@@ -46,8 +46,8 @@ struct ValidityMask {
   bool HasValidCells() const;
   /// Invalidates the cells with a larger standard deviation. `lattice` covers
   /// `area`; outside the area, its nearest value is used.
-  void InvalidateAbove(double max_deviation_px,
-                       const UncertaintyLattice& lattice, const Area& area);
+  void InvalidateAbove(double max_stddev_px, const UncertaintyLattice& lattice,
+                       const Area& area);
 };
 
 /// Standard deviations of displacements of an unchanged camera in addition to
@@ -78,8 +78,8 @@ struct ErrorModes {
 struct CameraUncertainty {
   UncertaintyLattice lattice;
   ValidityMask mask;
-  double max_deviation_px = 0;  ///< maximum over the valid cells
-  ErrorModes modes;             ///< may be empty
+  double max_stddev_px = 0;  ///< maximum over the valid cells
+  ErrorModes modes;          ///< may be empty
   /// Not stored in files: standard deviation between cameras calibrated from
   /// other images of the same number, RMS of both axes.
   UncertaintyLattice scatter;
@@ -89,7 +89,7 @@ struct CameraUncertainty {
 
   /// Returns an uncertainty with a mask but without standard deviations.
   static CameraUncertainty FromMask(const ValidityMask& mask);
-  bool HasDeviations() const;
+  bool HasStdDevs() const;
 
   /// Returns the fraction of the image's pixels in the valid region.
   double ValidFraction(const ImageSize& size, const Area& area) const;

@@ -11,8 +11,8 @@ namespace {
 
 // Returns the control point nearest to the target: an initial value if Newton's
 // method diverges from the centre.
-Eigen::Vector2d NearestControlPoint(const BSplineSurface& surface,
-                                    const Eigen::Vector2d& target) {
+Eigen::Vector2d FindNearestControlPoint(const BSplineSurface& surface,
+                                        const Eigen::Vector2d& target) {
   const auto& points = surface.points();
   const auto nearest = std::min_element(
       points.begin(), points.end(), [&target](const auto& a, const auto& b) {
@@ -35,7 +35,7 @@ std::optional<PixelSolution> Solve(const BSplineSurface& surface,
   const auto solution =
       FindPixel(area, start ? *start : area.center(), margin_px, error, side);
   if (solution || side.folds()) return solution;
-  return FindPixel(area, NearestControlPoint(surface, target), margin_px,
+  return FindPixel(area, FindNearestControlPoint(surface, target), margin_px,
                    error);
 }
 
@@ -45,7 +45,7 @@ CentralGeneric::CentralGeneric(const ImageSize& image_size,
                                BSplineSurface surface)
     : CameraModel(image_size, surface.area()),
       surface_(std::move(surface)),
-      side_(FindUnfoldedSide(surface_)) {}
+      side_(ComputeUnfoldedSide(surface_)) {}
 
 std::optional<Eigen::Vector3d> CentralGeneric::Unproject(
     const Eigen::Vector2d& pixel) const {
@@ -93,7 +93,7 @@ Eigen::VectorXd CentralGeneric::Parameters() const {
 void CentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
   Eigen::Map<Eigen::VectorXd>(surface_.points().front().data(),
                               2 * surface_.num_points()) = parameters;
-  side_ = FindUnfoldedSide(surface_);
+  side_ = ComputeUnfoldedSide(surface_);
 }
 
 std::unique_ptr<CameraModel> CentralGeneric::FittedTo(
@@ -102,7 +102,7 @@ std::unique_ptr<CameraModel> CentralGeneric::FittedTo(
       .Clone();
 }
 
-CentralGeneric CentralPart(const CameraModel& generic) {
+CentralGeneric MakeCentral(const CameraModel& generic) {
   CentralGeneric central(generic.image_size(), *generic.DirectionGrid());
   central.SetImageCircle(generic.image_circle());
   return central;

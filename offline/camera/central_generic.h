@@ -50,7 +50,7 @@ class CentralGeneric : public CameraModel {
 };
 
 /// Returns the central camera with a model's directions, valid for far scenes.
-CentralGeneric CentralPart(const CameraModel& generic);
+CentralGeneric MakeCentral(const CameraModel& generic);
 
 /// Fits a grid to another model: least squares in the chart on the directions
 /// of samples_per_cell^2 pixels per cell.

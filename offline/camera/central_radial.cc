@@ -17,9 +17,9 @@ struct RadialSupport {
   std::array<T, 4> weight;
 };
 
-inline double ValueOf(double number) { return number; }
+inline double GetScalar(double number) { return number; }
 template <typename T, int N>
-double ValueOf(const ceres::Jet<T, N>& jet) {
+double GetScalar(const ceres::Jet<T, N>& jet) {
   return jet.a;
 }
 
@@ -27,7 +27,7 @@ template <typename T>
 RadialSupport<T> ComputeSupport(const T& theta, double cell_rad,
                                 int num_parameters) {
   const T position = theta / cell_rad;
-  const int cell = std::clamp(static_cast<int>(std::floor(ValueOf(position))),
+  const int cell = std::clamp(static_cast<int>(std::floor(GetScalar(position))),
                               0, num_parameters - 2);
   const T t = position - static_cast<double>(cell), s = 1.0 - t;
   // Uniform cubic B-spline weights of s_(cell - 1) to s_(cell + 2).

@@ -13,7 +13,7 @@ namespace raygrid {
 /// a term that moves the farthest corner by one pixel has the same cost as this
 /// fraction of the RMS fit error, averaged over the area. A lens that is really
 /// tilted, with a tiny fit error, is fitted without bias.
-constexpr double kDecentringPart = 0.03;
+constexpr double kMaxDecentringFraction = 0.03;
 
 /// Returns the displacement of the area's farthest corner per unit of each tilt
 /// or tangential parameter, in pixels; zero for all other parameters.

@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CAMERA_DOUBLE_SPHERE_H
 #define RAYGRID_CAMERA_DOUBLE_SPHERE_H
 
-#include "camera/formula_lens.h"
+#include "camera/formula_model.h"
 
 namespace raygrid {
 
@@ -13,7 +13,7 @@ namespace raygrid {
 struct DoubleSphereFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kAlpha, kCount };
   static constexpr const char* kName = models::kDoubleSphere;
-  static constexpr double kReachRad = kMaxTheta;
+  static constexpr double kMaxAngleOfIncidenceRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {
     static const std::vector<std::string> names = {"fx", "fy", "cx",

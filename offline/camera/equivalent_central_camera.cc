@@ -31,29 +31,30 @@ std::optional<Eigen::Vector3d> EquivalentCentralCamera::Unproject(
   return (line->origin + *t * line->direction).normalized();
 }
 
-std::optional<double> EquivalentCentralCamera::Reach(
+std::optional<double> EquivalentCentralCamera::ComputeSurfaceFactor(
     const Eigen::Vector3d& direction) const {
-  const double reach =
+  const double surface_factor =
       scene_.distance_m /
       (scene_.normal ? scene_.normal->dot(direction) : direction.norm());
-  return reach > 0 && std::isfinite(reach) ? std::optional(reach)
-                                           : std::nullopt;
+  return surface_factor > 0 && std::isfinite(surface_factor)
+             ? std::optional(surface_factor)
+             : std::nullopt;
 }
 
 std::optional<Eigen::Vector2d> EquivalentCentralCamera::Project(
     const Eigen::Vector3d& direction, const Eigen::Vector2d* start,
     double margin_px) const {
-  const auto reach = Reach(direction);
-  if (!reach) return std::nullopt;
-  return camera().Project(*reach * direction, start, margin_px);
+  const auto surface_factor = ComputeSurfaceFactor(direction);
+  if (!surface_factor) return std::nullopt;
+  return camera().Project(*surface_factor * direction, start, margin_px);
 }
 
 bool EquivalentCentralCamera::Linearize(
     const Eigen::Vector3d& direction, const Eigen::Vector2d* start,
     double margin_px, LinearizedProjection* projection) const {
-  const auto reach = Reach(direction);
-  if (!reach ||
-      !camera().Linearize(*reach * direction, start, margin_px, projection))
+  const auto surface_factor = ComputeSurfaceFactor(direction);
+  if (!surface_factor || !camera().Linearize(*surface_factor * direction, start,
+                                             margin_px, projection))
     return false;
   // Derivative of the surface point with respect to the direction.
   const Eigen::Vector3d unit = direction.normalized();
@@ -61,9 +62,9 @@ bool EquivalentCentralCamera::Linearize(
       scene_.normal ? Eigen::RowVector3d(scene_.normal->transpose() /
                                          scene_.normal->dot(direction))
                     : Eigen::RowVector3d(unit.transpose() / direction.norm());
-  const Eigen::Matrix3d by_direction =
-      *reach * (Eigen::Matrix3d::Identity() - direction * off);
-  projection->J_point = (projection->J_point * by_direction).eval();
+  const Eigen::Matrix3d J_direction =
+      *surface_factor * (Eigen::Matrix3d::Identity() - direction * off);
+  projection->J_point = (projection->J_point * J_direction).eval();
   ForgetParameters(projection);
   return true;
 }

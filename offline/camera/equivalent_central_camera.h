@@ -45,7 +45,8 @@ class EquivalentCentralCamera : public CameraWrapper {
  private:
   // Returns the factor that scales the direction to a point on the surface;
   // nullopt if the ray does not intersect the surface.
-  std::optional<double> Reach(const Eigen::Vector3d& direction) const;
+  std::optional<double> ComputeSurfaceFactor(
+      const Eigen::Vector3d& direction) const;
 
   SceneSurface scene_;
 };

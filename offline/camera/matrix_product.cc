@@ -60,27 +60,27 @@ void gebp_kernel<double, double, Index, ProductMapper, 4, 4, false,
                                     Index offset_b) {
   if (stride_a == -1) stride_a = depth;
   if (stride_b == -1) stride_b = depth;
-  const Index whole_rows =
+  const Index packed_rows =
       __builtin_cpu_supports("avx") ? rows / kPacked * kPacked : 0;
-  const Index whole_cols = cols / kPacked * kPacked;
+  const Index packed_cols = cols / kPacked * kPacked;
   const Index panel_stride = kPacked * stride_a;
-  for (Index i = 0; i < whole_rows; i += 2 * kPacked) {
-    const bool two = i + kPacked < whole_rows;
+  for (Index i = 0; i < packed_rows; i += 2 * kPacked) {
+    const bool two = i + kPacked < packed_rows;
     const double* panel = a + i * stride_a + kPacked * offset_a;
-    for (Index j = 0; j < whole_cols; j += kPacked)
+    for (Index j = 0; j < packed_cols; j += kPacked)
       (two ? AddProduct<2, 4>
            : AddProduct<1, 4>)(panel, panel_stride,
                                b + j * stride_b + kPacked * offset_b, depth,
                                alpha, &c(i, j), c.stride());
-    for (Index j = whole_cols; j < cols; ++j)
+    for (Index j = packed_cols; j < cols; ++j)
       (two ? AddProduct<2, 1>
            : AddProduct<1, 1>)(panel, panel_stride, b + j * stride_b + offset_b,
                                depth, alpha, &c(i, j), c.stride());
   }
-  if (whole_rows < rows)
-    EigensKernel()(EigensMapper(c.getSubMapper(whole_rows, 0)),
-                   a + whole_rows * stride_a, b, rows - whole_rows, depth, cols,
-                   alpha, stride_a, stride_b, offset_a, offset_b);
+  if (packed_rows < rows)
+    EigensKernel()(EigensMapper(c.getSubMapper(packed_rows, 0)),
+                   a + packed_rows * stride_a, b, rows - packed_rows, depth,
+                   cols, alpha, stride_a, stride_b, offset_a, offset_b);
 }
 
 }  // namespace internal

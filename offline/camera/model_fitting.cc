@@ -62,10 +62,10 @@ std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
 
 // Returns the rotation that maps the area's centre to the z axis and its pixel
 // row to the x direction: an initial value independent of the camera frame.
-Eigen::Quaterniond LevelFromCamera(const CameraModel& camera,
-                                   const Area& area) {
-  constexpr double kStepPart = 0.05;
-  const Eigen::Vector2d step(kStepPart * area.width(), 0);
+Eigen::Quaterniond ComputeLevelRotation(const CameraModel& camera,
+                                        const Area& area) {
+  constexpr double kRelativeStep = 0.05;
+  const Eigen::Vector2d step(kRelativeStep * area.width(), 0);
   const auto center = camera.Unproject(area.center());
   const auto right = camera.Unproject(area.center() + step);
   if (!center || !right) return Eigen::Quaterniond::Identity();
@@ -91,10 +91,10 @@ Center EstimateCenter(const CameraModel& camera,
   const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
   LinearizedProjection linear;
   if (camera.Linearize(matrix.row(2).transpose(), nullptr, 0, &linear)) {
-    const Eigen::Matrix<double, 2, 3> by_turned =
+    const Eigen::Matrix<double, 2, 3> J_rotated =
         linear.J_point * matrix.transpose();
     return {linear.pixel,
-            std::sqrt(std::abs(by_turned.leftCols<2>().determinant()))};
+            std::sqrt(std::abs(J_rotated.leftCols<2>().determinant()))};
   }
   double widest = 0.1;
   for (const Sample& sample : samples)
@@ -112,7 +112,7 @@ std::vector<std::unique_ptr<ParametricModel>> MakeInitialModels(
   const ImageSize& size = camera.image_size();
   const Area& area = camera.area();
   std::vector<std::unique_ptr<ParametricModel>> starts;
-  const LensModel& model = *FindLensModel(name);
+  const ModelInfo& model = *FindModelInfo(name);
   if (model.make) {
     for (const Eigen::VectorXd& parameters : model.starts(f, cx, cy))
       starts.push_back(model.make(size, area, parameters));
@@ -302,7 +302,7 @@ Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
 // Runs Levenberg-Marquardt until a step reduces the cost by less than this
 // fraction. Returns the cost.
 double Refine(const Target& target, const Freedom& freedom,
-              double converged_part, FittedModel* fit) {
+              double converged_fraction, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
   ParametricModel& model = *fit->model;
   double cost = ComputeCost(model, fit->model_from_camera, target),
@@ -328,15 +328,15 @@ double Refine(const Target& target, const Freedom& freedom,
       lambda = std::max(lambda / 10, 1e-12);
       break;
     }
-    if (!(cost < (1 - converged_part) * before)) break;
+    if (!(cost < (1 - converged_fraction) * before)) break;
   }
   return cost;
 }
 
 // Returns the given fraction of the errors of valid samples, the smallest ones,
 // in ascending order.
-std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
-                                   double part) {
+std::vector<double> SelectSmallestErrors(const FittedModel& fit,
+                                         const Target& target, double part) {
   const std::vector<double> all =
       ErrorsPx(*fit.model, fit.model_from_camera, target);
   std::vector<double> errors;
@@ -350,7 +350,7 @@ std::vector<double> SmallestErrors(const FittedModel& fit, const Target& target,
 
 double RmsPx(const FittedModel& fit, const Target& target) {
   const std::vector<double> errors =
-      SmallestErrors(fit, target, FittedModel::kCountedPart);
+      SelectSmallestErrors(fit, target, FittedModel::kInlierFraction);
   double sum = 0;
   for (const double error : errors) sum += error * error;
   return errors.empty() ? 0
@@ -379,7 +379,7 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
   constexpr int kRounds = 4;
   constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
   constexpr double kNearlyConverged = 1e-6, kConverged = 1e-10;
-  constexpr double kRadialPart = 3e-4, kMinRadialFraction = 1e-7;
+  constexpr double kRelativeRadialTolerance = 3e-4, kMinRadialFraction = 1e-7;
   double num_samples = 0;
   for (const Sample& sample : target->samples) num_samples += sample.Weight();
   const std::unique_ptr<ParametricModel> start =
@@ -388,15 +388,15 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
   target->lost_px = kLostPx;
   double rms_px = kFirstRmsPx, bend_px = kMinRadialFraction;
   for (int round = 0; round < kRounds; ++round) {
-    target->distortion_weights =
-        DistortionWeights(*start, area, num_samples, bend_px,
-                          freedom.rotation ? kDecentringPart * rms_px : 0);
+    target->distortion_weights = DistortionWeights(
+        *start, area, num_samples, bend_px,
+        freedom.rotation ? kMaxDecentringFraction * rms_px : 0);
     Refine(*target, freedom,
            round + 1 < kRounds ? kNearlyConverged : kConverged, fit);
     rms_px = RmsPx(*fit, *target);
-    bend_px = std::max(kRadialPart * std::min(rms_px, kFirstRmsPx),
+    bend_px = std::max(kRelativeRadialTolerance * std::min(rms_px, kFirstRmsPx),
                        kMinRadialFraction);
-    const std::vector<double> half = SmallestErrors(*fit, *target, 0.5);
+    const std::vector<double> half = SelectSmallestErrors(*fit, *target, 0.5);
     if (!half.empty() && freedom.rotation)
       target->lost_px =
           std::clamp(kFarOff * half.back(), kNeverFarOffPx, kLostPx);
@@ -409,8 +409,8 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
 }
 
 // Whether the parameters to be held constant are 0 in a model.
-bool IsWithout(const ParametricModel& lens,
-               const std::vector<std::string>& held) {
+bool HasNoHeldTerms(const ParametricModel& lens,
+                    const std::vector<std::string>& held) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   for (size_t k = 0; k < names.size(); ++k)
@@ -422,12 +422,12 @@ bool IsWithout(const ParametricModel& lens,
 
 // Returns the initial values in which the fixed parameters are 0; if there are
 // none, all initial values, with these parameters set to 0.
-std::vector<std::unique_ptr<ParametricModel>> StartsWithout(
+std::vector<std::unique_ptr<ParametricModel>> RemoveHeldTerms(
     std::vector<std::unique_ptr<ParametricModel>> starts,
     const std::vector<std::string>& held) {
   std::vector<std::unique_ptr<ParametricModel>> without;
   for (auto& start : starts)
-    if (IsWithout(*start, held)) without.push_back(std::move(start));
+    if (HasNoHeldTerms(*start, held)) without.push_back(std::move(start));
   if (!without.empty()) return without;
   for (auto& start : starts) {
     Eigen::VectorXd parameters = start->Parameters();
@@ -447,9 +447,9 @@ FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                const FitOptions& options) {
   if (!camera.IsCentral() && camera.DirectionGrid())
-    return FitParametricModel(name, CentralPart(camera), area, options);
+    return FitParametricModel(name, MakeCentral(camera), area, options);
   const Eigen::Quaterniond start_from_camera =
-      options.free_rotation ? LevelFromCamera(camera, area)
+      options.free_rotation ? ComputeLevelRotation(camera, area)
                             : Eigen::Quaterniond::Identity();
   Target target;
   target.samples = SampleRays(camera, area, options.valid_region);
@@ -460,9 +460,9 @@ FittedModel FitParametricModel(const std::string& name,
   FittedModel best;
   double best_cost = INFINITY;
   for (auto& start :
-       StartsWithout(MakeInitialModels(name, camera, center, target.samples,
-                                       options.num_knots),
-                     options.held)) {
+       RemoveHeldTerms(MakeInitialModels(name, camera, center, target.samples,
+                                         options.num_knots),
+                       options.held)) {
     FittedModel fit;
     fit.model = std::move(start);
     const double cost =
@@ -479,14 +479,15 @@ FittedModel FitParametricModel(const std::string& name,
 
 FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
                             const Area& area, FitOptions options) {
-  constexpr double kWorthPart = 0.02, kAlwaysCloseEnoughPx = 0.005;
+  constexpr double kMinImprovementFraction = 0.02, kNegligibleRmsPx = 0.005;
   options.free_rotation = false;
   FittedModel level = FitParametricModel(name, camera, area, options);
-  if (level.rms_px <= kAlwaysCloseEnoughPx) return level;
+  if (level.rms_px <= kNegligibleRmsPx) return level;
   options.free_rotation = true;
   FittedModel turned = FitParametricModel(name, camera, area, options);
-  return turned.rms_px < (1 - kWorthPart) * level.rms_px ? std::move(turned)
-                                                         : std::move(level);
+  return turned.rms_px < (1 - kMinImprovementFraction) * level.rms_px
+             ? std::move(turned)
+             : std::move(level);
 }
 
 }  // namespace raygrid

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "camera/camera_uncertainty.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 
 namespace raygrid {
 
@@ -17,7 +17,7 @@ struct FittedModel {
   Eigen::Quaterniond model_from_camera = Eigen::Quaterniond::Identity();
   /// RMS error over this fraction of the lattice, the pixels with least error.
   double rms_px = 0;
-  static constexpr double kCountedPart = 0.9;
+  static constexpr double kInlierFraction = 0.9;
 };
 
 /// Options of FitParametricModel().

@@ -12,10 +12,9 @@ namespace raygrid {
 // Observation line of a pixel, and its derivatives with respect to the pixel.
 struct NonCentralGeneric::LineDerivatives {
   Eigen::Vector2d chart;
-  Eigen::Matrix2d chart_by_pixel;
+  Eigen::Matrix2d J_chart;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 3, 2> origin_by_pixel =
-      Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::Matrix<double, 3, 2> J_origin = Eigen::Matrix<double, 3, 2>::Zero();
 };
 
 NonCentralGeneric::NonCentralGeneric(const ImageSize& image_size,
@@ -24,7 +23,7 @@ NonCentralGeneric::NonCentralGeneric(const ImageSize& image_size,
     : CameraModel(image_size, directions.area()),
       directions_(std::move(directions)),
       points_(std::move(points)),
-      side_(FindUnfoldedSide(directions_)) {
+      side_(ComputeUnfoldedSide(directions_)) {
   assert(static_cast<int>(points_.size()) == directions_.num_points());
 }
 
@@ -37,15 +36,15 @@ NonCentralGeneric::NonCentralGeneric(const CentralGeneric& central)
 NonCentralGeneric::LineDerivatives NonCentralGeneric::Evaluate(
     const Eigen::Vector2d& pixel) const {
   LineDerivatives line;
-  line.chart = directions_.Evaluate(pixel, &line.chart_by_pixel);
+  line.chart = directions_.Evaluate(pixel, &line.J_chart);
   const SplineSupport support = directions_.Support(pixel);
   for (int m = 0; m < 4; ++m) {
     const Eigen::Vector3d* row =
         &points_[(support.row + m) * directions_.columns() + support.column];
     for (int n = 0; n < 4; ++n) {
       line.origin += support.wy[m] * support.wx[n] * row[n];
-      line.origin_by_pixel.col(0) += support.wy[m] * support.dwx[n] * row[n];
-      line.origin_by_pixel.col(1) += support.dwy[m] * support.wx[n] * row[n];
+      line.J_origin.col(0) += support.wy[m] * support.dwx[n] * row[n];
+      line.J_origin.col(1) += support.dwy[m] * support.wx[n] * row[n];
     }
   }
   return line;
@@ -68,13 +67,13 @@ std::optional<ObservationLine> NonCentralGeneric::Line(
 // method diverges from the centre.
 Eigen::Vector2d NonCentralGeneric::NearestControlPoint(
     const Eigen::Vector3d& point) const {
-  double smallest = std::numeric_limits<double>::infinity();
+  double min_value = std::numeric_limits<double>::infinity();
   int nearest = 0;
   for (int k = 0; k < directions_.num_points(); ++k) {
     const double distance =
         (ToChart(point - points_[k]) - directions_.points()[k]).squaredNorm();
-    if (!(distance < smallest)) continue;
-    smallest = distance;
+    if (!(distance < min_value)) continue;
+    min_value = distance;
     nearest = k;
   }
   return directions_.GetPixel(nearest);
@@ -88,8 +87,7 @@ std::optional<PixelSolution> NonCentralGeneric::Solve(
                          Eigen::Matrix2d* derivative) -> Eigen::Vector2d {
     const LineDerivatives line = Evaluate(pixel);
     const Eigen::Vector3d sight = point - line.origin;
-    *derivative =
-        line.chart_by_pixel + ToChartDerivative(sight) * line.origin_by_pixel;
+    *derivative = line.J_chart + ToChartDerivative(sight) * line.J_origin;
     return ToChart(sight) - line.chart;
   };
   const auto solution = FindPixel(area(), start ? *start : area().center(),
@@ -144,7 +142,7 @@ void NonCentralGeneric::SetParameters(const Eigen::VectorXd& parameters) {
     directions_.points()[k] = parameters.segment<2>(kPerNode * k);
     points_[k] = parameters.segment<3>(kPerNode * k + 2);
   }
-  side_ = FindUnfoldedSide(directions_);
+  side_ = ComputeUnfoldedSide(directions_);
 }
 
 std::unique_ptr<CameraModel> NonCentralGeneric::FittedTo(

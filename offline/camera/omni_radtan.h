@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CAMERA_OMNI_RADTAN_H
 #define RAYGRID_CAMERA_OMNI_RADTAN_H
 
-#include "camera/formula_lens.h"
+#include "camera/formula_model.h"
 
 namespace raygrid {
 
@@ -15,7 +15,7 @@ namespace raygrid {
 struct OmniRadtanFormula {
   enum { kFx, kFy, kCx, kCy, kXi, kK1, kK2, kP1, kP2, kCount };
   static constexpr const char* kName = models::kOmniRadtan;
-  static constexpr double kReachRad = kMaxTheta;
+  static constexpr double kMaxAngleOfIncidenceRad = kMaxTheta;
 
   static const std::vector<std::string>& Names() {
     static const std::vector<std::string> names = {"fx", "fy", "cx", "cy", "xi",

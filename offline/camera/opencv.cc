@@ -31,7 +31,7 @@ Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
 
 // Returns the radius up to which r g(r) increases and the denominator of g is
 // positive.
-double FindMaxRadius(const OpenCv::ParameterArray& p) {
+double ComputeMaxRadius(const OpenCv::ParameterArray& p) {
   constexpr double kStep = 0.01, kLargest = 20;  // tan(87 degrees)
   double previous = 0;
   for (double r = kStep; r < kLargest; r += kStep) {
@@ -128,7 +128,7 @@ OpenCvModel::OpenCvModel(const ImageSize& image_size, const Area& area,
                          const ParameterArray& parameters)
     : ParametricModel(image_size, area),
       parameters_(parameters),
-      max_radius_(FindMaxRadius(parameters)) {}
+      max_radius_(ComputeMaxRadius(parameters)) {}
 
 std::optional<Eigen::Vector3d> OpenCvModel::Unproject(
     const Eigen::Vector2d& pixel) const {
@@ -177,7 +177,7 @@ Eigen::VectorXd OpenCvModel::Parameters() const {
 
 void OpenCvModel::SetParameters(const Eigen::VectorXd& parameters) {
   Eigen::Map<Eigen::VectorXd>(parameters_.data(), kCount) = parameters;
-  max_radius_ = FindMaxRadius(parameters_);
+  max_radius_ = ComputeMaxRadius(parameters_);
 }
 
 OpenCvModel OpenCvModel::WithArea(const Area& area) const {

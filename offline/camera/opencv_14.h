@@ -1,7 +1,7 @@
 #ifndef RAYGRID_CAMERA_OPENCV_14_H
 #define RAYGRID_CAMERA_OPENCV_14_H
 
-#include "camera/formula_lens.h"
+#include "camera/formula_model.h"
 
 namespace raygrid {
 
@@ -36,7 +36,7 @@ struct OpenCv14Formula {
     kCount
   };
   static constexpr const char* kName = models::kOpenCv14;
-  static constexpr double kReachRad = 1.52;  // tan is 20
+  static constexpr double kMaxAngleOfIncidenceRad = 1.52;  // tan is 20
 
   static const std::vector<std::string>& Names() {
     static const std::vector<std::string> names = {

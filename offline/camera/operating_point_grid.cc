@@ -21,11 +21,11 @@ bool OperatingPointGrid::Linearize(const Eigen::Vector3d& point,
                                    double margin_px,
                                    LinearizedProjection* projection) const {
   if (!camera_.Linearize(point, start, margin_px, projection)) return false;
-  const Eigen::Matrix2d by_grid = projection->J_node.leftCols<2>();
+  const Eigen::Matrix2d J_grid = projection->J_node.leftCols<2>();
   const int count = static_cast<int>(factors_.size());
   projection->num_per_node = 2 * count;
   for (int j = 0; j < count; ++j)
-    projection->J_node.middleCols<2>(2 * j) = factors_[j] * by_grid;
+    projection->J_node.middleCols<2>(2 * j) = factors_[j] * J_grid;
   for (int k = 0; k < projection->num_nodes; ++k)
     projection->node_parameter[k] *= count;
   return true;

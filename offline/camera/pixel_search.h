@@ -58,11 +58,11 @@ std::optional<PixelSolution> FindPixel(const Area& area,
     const double determinant = at.derivative.determinant();
     if (!(std::abs(determinant) > 1e-30)) return std::nullopt;
     const Eigen::Vector2d newton = at.derivative.inverse() * error_here;
-    const double far_px = newton.norm();
-    if (far_px < kConvergedPx) return at;
+    const double newton_step_px = newton.norm();
+    if (newton_step_px < kConvergedPx) return at;
 
     bool improved = false;
-    double length = std::min(1.0, side.max_step_px / far_px);
+    double length = std::min(1.0, side.max_step_px / newton_step_px);
     for (int k = 0; k < kMaxHalvings && !improved; ++k, length /= 2) {
       PixelSolution next;
       next.pixel = ClampToArea(at.pixel + length * newton, area, margin_px);
@@ -76,7 +76,7 @@ std::optional<PixelSolution> FindPixel(const Area& area,
     }
     // No decrease: converged within rounding, or stuck at the edge.
     if (!improved)
-      return far_px < kAcceptedPx ? std::optional(at) : std::nullopt;
+      return newton_step_px < kAcceptedPx ? std::optional(at) : std::nullopt;
   }
   return std::nullopt;
 }

@@ -27,8 +27,8 @@ Eigen::Vector2d Corrected(const BSplineSurface& surface,
 
 // Returns the control point whose corrected position is nearest to a target: an
 // initial value if Newton's method diverges.
-Eigen::Vector2d NearestPlace(const BSplineSurface& surface,
-                             const Eigen::Vector2d& target) {
+Eigen::Vector2d FindNearestPosition(const BSplineSurface& surface,
+                                    const Eigen::Vector2d& target) {
   Eigen::Vector2d nearest = surface.area().center();
   double least = INFINITY;
   for (int k = 0; k < surface.num_points(); ++k) {
@@ -105,7 +105,7 @@ Eigen::Array2d ComputeMaxExtent(const std::vector<PlaneSample>& samples) {
 
 // Returns the field of view, in whole degrees, of a grid that extends to an
 // edge or slightly further.
-int FovDegOfEdge(double edge) {
+int ComputeFovDeg(double edge) {
   constexpr int kMaxDeg = 359;
   const double fov_deg = 4 * std::atan(edge / 2) * 180 / M_PI;
   return std::min(kMaxDeg, static_cast<int>(std::ceil(fov_deg + 0.1)));
@@ -114,11 +114,11 @@ int FovDegOfEdge(double edge) {
 // Makes a grid that covers all samples, with at least `along` control points
 // along the longer side.
 SplineGrid MakeCoveringGrid(const Eigen::Array2d& widest, int along) {
-  const double least_cell = 2 * widest.maxCoeff() / (along - 3);
+  const double min_cell = 2 * widest.maxCoeff() / (along - 3);
   SplineGrid grid;
-  grid.columns = NumControlPoints(2 * widest.x(), least_cell);
+  grid.columns = NumControlPoints(2 * widest.x(), min_cell);
   grid.fov_x_deg =
-      FovDegOfEdge(std::max(widest.x(), least_cell * (grid.columns - 3) / 2));
+      ComputeFovDeg(std::max(widest.x(), min_cell * (grid.columns - 3) / 2));
   const double cell = ComputeDomain(grid).width() / (grid.columns - 3);
   grid.rows = NumControlPoints(2 * widest.y(), cell);
   return grid;
@@ -128,13 +128,13 @@ SplineGrid MakeCoveringGrid(const Eigen::Array2d& widest, int along) {
 // the grid covers all samples.
 SplineGrid SelectGrid(const Eigen::Array2d& widest, SplineGrid grid) {
   if (grid.fov_x_deg != 0) return grid;
-  const double edge_of_rows = widest.y() * (grid.columns - 3) / (grid.rows - 3);
-  grid.fov_x_deg = FovDegOfEdge(std::max(widest.x(), edge_of_rows));
+  const double row_edge = widest.y() * (grid.columns - 3) / (grid.rows - 3);
+  grid.fov_x_deg = ComputeFovDeg(std::max(widest.x(), row_edge));
   return grid;
 }
 
-Eigen::VectorXd ParametersOf(const BSplineSurface& surface,
-                             const Eigen::Vector4d& others) {
+Eigen::VectorXd PackParameters(const BSplineSurface& surface,
+                               const Eigen::Vector4d& others) {
   Eigen::VectorXd parameters(2 * surface.num_points() + 4);
   parameters << Eigen::Map<const Eigen::VectorXd>(
       surface.points().front().data(), 2 * surface.num_points()),
@@ -179,8 +179,8 @@ std::unique_ptr<SplinedStereographic> FitGrid(
   }
   return std::make_unique<SplinedStereographic>(
       camera.image_size(), camera.area(), grid,
-      ParametersOf(FitSurface(domain, grid.columns, grid.rows, corrections),
-                   others));
+      PackParameters(FitSurface(domain, grid.columns, grid.rows, corrections),
+                     others));
 }
 
 }  // namespace
@@ -208,7 +208,7 @@ const std::vector<std::string>& SplinedStereographic::ParameterNames() const {
 Eigen::VectorXd SplinedStereographic::Parameters() const {
   Eigen::Vector4d others;
   others << focal_px_, center_px_;
-  return ParametersOf(surface_, others);
+  return PackParameters(surface_, others);
 }
 
 void SplinedStereographic::SetParameters(const Eigen::VectorXd& parameters) {
@@ -230,7 +230,8 @@ std::optional<Eigen::Vector3d> SplinedStereographic::Unproject(
   const Area& domain = surface_.area();
   auto solution = FindPixel(domain, target, 0, error);
   if (!solution)
-    solution = FindPixel(domain, NearestPlace(surface_, target), 0, error);
+    solution =
+        FindPixel(domain, FindNearestPosition(surface_, target), 0, error);
   if (!solution || !(solution->derivative.determinant() > 0))
     return std::nullopt;
   // Adds a final Newton step: the search ends at steps of 1e-9, in units of the
@@ -290,10 +291,10 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
 std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
     const CameraModel& camera, const ValidityMask* valid_region,
     const std::optional<SplinedStereographic::Grid>& given_grid) {
-  constexpr double kWorthPart = 0.02, kCloseEnoughPx = 0.005;
-  constexpr double kLeastAcross = 160, kPerCell = 4;
+  constexpr double kMinImprovementFraction = 0.02, kNegligibleRmsPx = 0.005;
+  constexpr double kMinSamplesAcross = 160, kSamplesPerCell = 4;
   std::vector<PlaneSample> samples =
-      SamplePlane(camera, valid_region, kLeastAcross);
+      SamplePlane(camera, valid_region, kMinSamplesAcross);
   if (samples.empty()) return nullptr;
   const auto [fx, cx] = FitLine(samples, 0);
   const auto [fy, cy] = FitLine(samples, 1);
@@ -310,17 +311,18 @@ std::unique_ptr<SplinedStereographic> FitSplinedStereographic(
   std::vector<std::unique_ptr<SplinedStereographic>> fits;
   std::vector<double> errors_px;
   for (const SplineGrid& grid : grids) {
-    const double across = kPerCell * std::max(grid.columns, grid.rows);
-    if (across > kLeastAcross)
+    const double across = kSamplesPerCell * std::max(grid.columns, grid.rows);
+    if (across > kMinSamplesAcross)
       samples = SamplePlane(camera, valid_region, across);
     fits.push_back(FitGrid(camera, samples, others, grid));
     errors_px.push_back(ChoiceErrorPx(*fits.back(), samples));
-    if (errors_px.back() < kCloseEnoughPx) break;
+    if (errors_px.back() < kNegligibleRmsPx) break;
   }
   const double least_px = *std::min_element(errors_px.begin(), errors_px.end());
-  const auto chosen = std::find_if(
-      errors_px.begin(), errors_px.end(),
-      [&](double error_px) { return error_px <= least_px / (1 - kWorthPart); });
+  const auto chosen =
+      std::find_if(errors_px.begin(), errors_px.end(), [&](double error_px) {
+        return error_px <= least_px / (1 - kMinImprovementFraction);
+      });
   return std::move(fits[chosen - errors_px.begin()]);
 }
 

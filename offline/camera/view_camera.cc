@@ -34,7 +34,7 @@ std::optional<Eigen::Vector3d> ViewCamera::Unproject(
 std::optional<Eigen::Vector2d> ViewCamera::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
-  if (!ShowsDirection(projection_, point)) return std::nullopt;
+  if (!ContainsDirection(projection_, point)) return std::nullopt;
   const Eigen::Vector2d pixel = GetPixel(projection_, point, parameters_);
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;

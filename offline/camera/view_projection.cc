@@ -21,8 +21,8 @@ std::optional<ViewProjection> FindProjection(const std::string& name) {
   return std::nullopt;
 }
 
-bool ShowsDirection(ViewProjection projection,
-                    const Eigen::Vector3d& direction) {
+bool ContainsDirection(ViewProjection projection,
+                       const Eigen::Vector3d& direction) {
   constexpr double kLeast = 1e-12;  // relative to the length
   const double length = direction.norm();
   switch (projection) {

@@ -24,8 +24,8 @@ enum class ViewProjection {
 const char* ProjectionName(ViewProjection projection);
 std::optional<ViewProjection> FindProjection(const std::string& name);
 
-/// Projects a direction of any length to the plane; requires ShowsDirection().
-/// In axes of the view: x right, y down, z forward.
+/// Projects a direction of any length to the plane; requires
+/// ContainsDirection(). In axes of the view: x right, y down, z forward.
 template <typename T>
 Eigen::Matrix<T, 2, 1> PlanePoint(ViewProjection projection,
                                   const Eigen::Matrix<T, 3, 1>& direction) {
@@ -50,8 +50,8 @@ Eigen::Matrix<T, 2, 1> PlanePoint(ViewProjection projection,
 }
 
 /// Returns whether the plane has a point for a direction.
-bool ShowsDirection(ViewProjection projection,
-                    const Eigen::Vector3d& direction);
+bool ContainsDirection(ViewProjection projection,
+                       const Eigen::Vector3d& direction);
 
 /// Returns the direction, of any length, of a point of the plane; nullopt for
 /// points without one, such as longitudes above 180 degrees.

@@ -34,7 +34,7 @@ std::optional<BoardHomography> FitHomography(const CameraModel& camera,
   const double metres = std::max(board.columns, board.rows) * board.square_m;
   Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int num_seen = 0;
+  int num_visible = 0;
   for (const Eigen::Vector3d& point : board.points) {
     const auto pixel = camera.Project(camera_from_board * point);
     if (!pixel) continue;
@@ -47,10 +47,10 @@ std::optional<BoardHomography> FitHomography(const CameraModel& camera,
         -to.y() * from.transpose();
     square += rows.transpose() * rows;
     sum += from;
-    ++num_seen;
+    ++num_visible;
   }
-  constexpr int kFewest = 4;
-  if (num_seen < kFewest) return std::nullopt;
+  constexpr int kMinCorners = 4;
+  if (num_visible < kMinCorners) return std::nullopt;
   const Eigen::Matrix<double, 9, 1> least =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(square)
           .eigenvectors()

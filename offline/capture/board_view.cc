@@ -32,8 +32,8 @@ Eigen::Vector3d ComputeBoardCenter(const Board& board) {
   return sum / static_cast<double>(points.size());
 }
 
-std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
-                           const CameraModel& camera) {
+std::optional<Pose> ComputePose(const BoardView& view, const Board& board,
+                                const CameraModel& camera) {
   const auto line = camera.Line(view.pixel);
   if (!line || !camera.IsInImageCircle(view.pixel)) return std::nullopt;
   const double scale =

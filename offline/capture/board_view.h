@@ -24,8 +24,8 @@ struct BoardView {
 Eigen::Vector3d ComputeBoardCenter(const Board& board);
 
 /// Returns camera_from_board; nullopt if the camera has no ray at the pixel.
-std::optional<Pose> PoseOf(const BoardView& view, const Board& board,
-                           const CameraModel& camera);
+std::optional<Pose> ComputePose(const BoardView& view, const Board& board,
+                                const CameraModel& camera);
 
 }  // namespace raygrid
 

@@ -18,7 +18,7 @@ constexpr size_t kMaxFeatures = 64;
 
 // Jacobian of a view's pixels, two rows per feature. It is sparse: a projection
 // depends only on nearby control points.
-struct ViewDerivatives {
+struct ViewJacobians {
   Eigen::SparseMatrix<double, Eigen::RowMajor> by_parameters;
   Eigen::Matrix<double, Eigen::Dynamic, 6> J_pose;
 };
@@ -39,14 +39,14 @@ void AddRows(const LinearizedProjection& linear, int row,
 
 // Computes the weighted Jacobian of a subset of features. Features without a
 // projection are omitted.
-ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
-                              const std::vector<Eigen::Vector3d>& points,
-                              const std::vector<Eigen::Vector2d>& pixels,
-                              const Pose& camera_from_points) {
+ViewJacobians ComputeViewJacobian(const CameraModel& camera, int num_parameters,
+                                  const std::vector<Eigen::Vector3d>& points,
+                                  const std::vector<Eigen::Vector2d>& pixels,
+                                  const Pose& camera_from_points) {
   const size_t count = std::min(points.size(), kMaxFeatures);
   const double root = std::sqrt(static_cast<double>(points.size()) /
                                 std::max<double>(1, count));
-  ViewDerivatives view;
+  ViewJacobians view;
   view.by_parameters.resize(2 * static_cast<Eigen::Index>(count),
                             num_parameters);
   view.J_pose.setZero(view.by_parameters.rows(), 6);
@@ -67,24 +67,25 @@ ViewDerivatives DerivativesOf(const CameraModel& camera, int num_parameters,
 
 // Returns the pseudo-inverse of J_pose: maps pixel displacements to the
 // least-squares pose step.
-Eigen::Matrix<double, 6, Eigen::Dynamic> PoseTakenBy(
-    const ViewDerivatives& view) {
+Eigen::Matrix<double, 6, Eigen::Dynamic> ComputePoseElimination(
+    const ViewJacobians& view) {
   const MotionMatrix square = view.J_pose.transpose() * view.J_pose;
   return square.ldlt().solve(view.J_pose.transpose());
 }
 
 // Returns J^T J, where J is the Jacobian after elimination of the pose (Schur
 // complement).
-Eigen::MatrixXd PoseFreeSquare(const ViewDerivatives& view) {
+Eigen::MatrixXd PoseFreeSquare(const ViewJacobians& view) {
   Eigen::MatrixXd j = view.by_parameters;
-  const Eigen::MatrixXd made_up = PoseTakenBy(view) * view.by_parameters;
+  const Eigen::MatrixXd made_up =
+      ComputePoseElimination(view) * view.by_parameters;
   j.noalias() -= view.J_pose * made_up;
   return j.transpose() * j;
 }
 
 // Returns J M J^T for a symmetric M. The pose is eliminated last, to retain the
 // sparsity of the Jacobian in products.
-Eigen::MatrixXd PoseFreeProduct(const ViewDerivatives& view,
+Eigen::MatrixXd PoseFreeProduct(const ViewJacobians& view,
                                 const Eigen::MatrixXd& matrix) {
   // Row-major, because whole rows are added.
   using RowMatrix =
@@ -93,7 +94,8 @@ Eigen::MatrixXd PoseFreeProduct(const ViewDerivatives& view,
       view.by_parameters *
       Eigen::Map<const RowMatrix>(matrix.data(), matrix.rows(), matrix.cols());
   Eigen::MatrixXd product = view.by_parameters * half.transpose();
-  const Eigen::Matrix<double, 6, Eigen::Dynamic> pose = PoseTakenBy(view);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> pose =
+      ComputePoseElimination(view);
   product -= view.J_pose * (pose * product).eval();
   product -= (product * pose.transpose()).eval() * view.J_pose.transpose();
   return product;
@@ -118,8 +120,9 @@ std::optional<CameraInformation> CameraInformation::Of(
       points.push_back(state.points[o.point]);
       pixels.push_back(o.pixel);
     }
-    h += PoseFreeSquare(DerivativesOf(*knowledge.camera_, size, points, pixels,
-                                      state.ComputeCameraFromPattern(view)));
+    h += PoseFreeSquare(
+        ComputeViewJacobian(*knowledge.camera_, size, points, pixels,
+                            state.ComputeCameraFromPattern(view)));
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(h);
   if (factor.info() != Eigen::Success) return std::nullopt;
@@ -128,13 +131,13 @@ std::optional<CameraInformation> CameraInformation::Of(
   std::vector<bool> is_known;
   const Eigen::MatrixXd moves = ComputeLatticeJacobian(
       adjusted.problem.views, state, 0, kLattice, &pixels, &is_known);
-  const Eigen::MatrixXd moves_by_inverse = moves * knowledge.inverse_;
+  const Eigen::MatrixXd projected_motions = moves * knowledge.inverse_;
   double trace = 0;
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (!is_known[i] || !knowledge.camera_->IsInImageCircle(pixels[i].pixel))
       continue;
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    const double sum = moves_by_inverse.middleRows<2>(row)
+    const double sum = projected_motions.middleRows<2>(row)
                            .cwiseProduct(moves.middleRows<2>(row))
                            .sum();
     trace += sum;
@@ -142,21 +145,22 @@ std::optional<CameraInformation> CameraInformation::Of(
         {pixels[i].pixel, adjusted.summary.noise_px * std::sqrt(sum)});
   }
   if (!(trace > 0)) return std::nullopt;
-  knowledge.weighing_ = moves_by_inverse.transpose() * moves_by_inverse / trace;
+  knowledge.weighing_ =
+      projected_motions.transpose() * projected_motions / trace;
   return knowledge;
 }
 
 double CameraInformation::RmsPx() const {
   double sum = 0;
   for (const UncertaintySample& place : positions_)
-    sum += place.deviation_px * place.deviation_px;
+    sum += place.stddev_px * place.stddev_px;
   return std::sqrt(sum / static_cast<double>(positions_.size()));
 }
 
 double CameraInformation::Percentile95Px() const {
   std::vector<double> deviations;
   for (const UncertaintySample& place : positions_)
-    deviations.push_back(place.deviation_px);
+    deviations.push_back(place.stddev_px);
   return Quantile(deviations, 0.95);
 }
 
@@ -165,9 +169,9 @@ double CameraInformation::ComputeGain(
     const std::vector<Eigen::Vector2d>& pixels,
     const Pose& camera_from_points) const {
   if (points.empty()) return 0;
-  const ViewDerivatives view =
-      DerivativesOf(*camera_, static_cast<int>(inverse_.rows()), points, pixels,
-                    camera_from_points);
+  const ViewJacobians view =
+      ComputeViewJacobian(*camera_, static_cast<int>(inverse_.rows()), points,
+                          pixels, camera_from_points);
   Eigen::MatrixXd scatter = PoseFreeProduct(view, inverse_);
   scatter.diagonal().array() += 1;
   const Eigen::MatrixXd gained = PoseFreeProduct(view, weighing_);

@@ -25,7 +25,7 @@ std::vector<PointPixelMatch> PredictVisiblePoints(
 /// projection.
 struct UncertaintySample {
   Eigen::Vector2d pixel;
-  double deviation_px = 0;
+  double stddev_px = 0;
 };
 
 /// The predicted uncertainty of a camera from the images so far, and its

@@ -84,14 +84,14 @@ Eigen::Matrix<double, 6, 1> MotionBetween(const Pose& from, const Pose& to) {
 std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
                                          const LiveCamera& second) {
   if (!first.adjusted() || !second.adjusted()) return std::nullopt;
-  const auto camera_of = [](const AdjustmentResult& adjusted) {
+  const auto make_camera = [](const AdjustmentResult& adjusted) {
     return Camera{
         std::shared_ptr<const CameraModel>(adjusted.state.camera().Clone()),
         adjusted.summary.noise_px};
   };
   CameraLink link;
-  link.first_ = camera_of(*first.adjusted());
-  link.second_ = camera_of(*second.adjusted());
+  link.first_ = make_camera(*first.adjusted());
+  link.second_ = make_camera(*second.adjusted());
   const ViewsByFrame in_second = ViewsOf(*second.adjusted());
   std::vector<SharedBoard> boards;
   for (const auto& [frame, view] : ViewsOf(*first.adjusted())) {
@@ -153,15 +153,16 @@ void CameraLink::EstimateScatter(const std::vector<SharedBoard>& boards) {
 }
 
 MotionMatrix CameraLink::ComputeInformation(const SharedBoard& shared) const {
-  const MotionMatrix of_first = InvertMotion(MotionInformation(
+  const MotionMatrix first_covariance = InvertMotion(MotionInformation(
       *first_.model, shared.in_first, shared.first_from_board));
-  const MotionMatrix of_second = InvertMotion(MotionInformation(
+  const MotionMatrix second_covariance = InvertMotion(MotionInformation(
       *second_.model, shared.in_second, shared.second_from_board));
-  if (of_first.isZero(0) || of_second.isZero(0)) return MotionMatrix::Zero();
+  if (first_covariance.isZero(0) || second_covariance.isZero(0))
+    return MotionMatrix::Zero();
   const MotionMatrix adjoint = ComputeAdjoint(second_from_first_);
-  return InvertMotion(first_.noise_px * first_.noise_px * adjoint * of_first *
-                          adjoint.transpose() +
-                      second_.noise_px * second_.noise_px * of_second);
+  return InvertMotion(first_.noise_px * first_.noise_px * adjoint *
+                          first_covariance * adjoint.transpose() +
+                      second_.noise_px * second_.noise_px * second_covariance);
 }
 
 double CameraLink::RmsPx() const {

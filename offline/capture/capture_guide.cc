@@ -108,7 +108,7 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
   // Selects the first initial view whose tilt differs from those of kept
   // images.
   for (int index = 0; index < 2 * kNumFirstViews; ++index) {
-    const auto pose = PoseOf(FirstView(index, size), board, *assumed_);
+    const auto pose = ComputePose(FirstView(index, size), board, *assumed_);
     if (!pose) continue;
     next_ = GuidedView{&board, *pose, 1};
     const auto is_other = [&](const LocatedBoard& before) {
@@ -159,13 +159,13 @@ void CaptureGuide::ChooseNext() {
 bool CaptureGuide::is_floor() const { return num_images_ < kMinReliableImages; }
 
 bool CaptureGuide::IsDuplicateView(const ImageFeatures& image) const {
-  constexpr double kMoved = 0.01;
+  constexpr double kMaxRelativeShift = 0.01;
   const ImageSize& size = camera().image_size();
   const FeaturePositions places = CollectFeaturePositions(image);
   return std::any_of(kept_.begin(), kept_.end(), [&](const auto& kept) {
     const auto distance_px = DistancePx(places, kept);
     return distance_px &&
-           *distance_px < kMoved * std::max(size.width, size.height);
+           *distance_px < kMaxRelativeShift * std::max(size.width, size.height);
   });
 }
 
@@ -195,10 +195,10 @@ double CaptureGuide::ComputeGain(const ImageFeatures& image) const {
   return 1 - left;
 }
 
-bool CaptureGuide::IsWorthKeeping(double gain, bool is_next_view) const {
+bool CaptureGuide::ShouldKeep(double gain, bool is_next_view) const {
   if (!knowledge_) return gain > 0.5;
   const double wanted =
-      next_ && !is_next_view ? options_.part_of_next * next_->gain : 0;
+      next_ && !is_next_view ? options_.min_gain_ratio * next_->gain : 0;
   // Before the smoothness prior is determined, any image with a positive gain
   // is kept.
   const double least = is_floor() ? 0 : options_.min_gain;
@@ -218,9 +218,9 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
 std::optional<int> CaptureGuide::num_expected() const {
   if (is_done_) return 0;
   // Initially, standard deviations decrease faster than predicted.
-  constexpr int kFewestImages = 6;
+  constexpr int kMinImages = 6;
   const int num_missing = std::max(1, kMinReliableImages - num_images_);
-  if (!knowledge_ || !next_ || num_images_ < kFewestImages) return std::nullopt;
+  if (!knowledge_ || !next_ || num_images_ < kMinImages) return std::nullopt;
   // After n images, the mean variance decreases as n^(-n gain): fast at first,
   // finally as 1 / n.
   const double n = num_images_, power = n * next_->gain;
@@ -232,10 +232,10 @@ std::optional<int> CaptureGuide::num_expected() const {
     const double ratio = knowledge_->Percentile95Px() / options_.target_px;
     most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));
   }
-  constexpr double kMost = 999;
+  constexpr double kMaxImages = 999;
   return std::max(
       num_missing,
-      static_cast<int>(std::ceil(std::clamp(most - n, 1.0, kMost))));
+      static_cast<int>(std::ceil(std::clamp(most - n, 1.0, kMaxImages))));
 }
 
 }  // namespace raygrid

@@ -21,7 +21,7 @@ struct GuideOptions {
   double min_gain = 0.02;  ///< minimum gain of a view
   /// An image is kept if its gain is at least this fraction of the next view's
   /// gain: near that view, and not a repetition of a recent one.
-  double part_of_next = 0.5;
+  double min_gain_ratio = 0.5;
   /// Views (camera_from_board) that the operator could not take.
   std::vector<Pose> avoided = {};
   /// If no board can be observed by two cameras at once: skips connecting views
@@ -81,7 +81,7 @@ class CaptureGuide {
   /// Returns whether to keep an image with this gain. An image of the
   /// recommended view is kept with any gain, since the operator cannot improve
   /// it.
-  bool IsWorthKeeping(double gain, bool is_next_view) const;
+  bool ShouldKeep(double gain, bool is_next_view) const;
   /// Returns whether an image shows the recommended view within tolerance.
   bool IsNextView(const ImageFeatures& image) const;
 

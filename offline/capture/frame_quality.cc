@@ -12,13 +12,13 @@ namespace raygrid {
 namespace {
 
 constexpr int kMeasuredFeatures = 48;  // maximum per image
-constexpr double kLeastHalfPx = 2.5, kMostHalfPx = 6;
+constexpr double kMinHalfPx = 2.5, kMaxHalfPx = 6;
 constexpr double kMinContrast = 15;  // grey levels
 
 // Interpolates the grey level between pixels; nullopt outside the image.
-std::optional<double> LevelAt(const ImageSize& size,
-                              const std::vector<float>& levels,
-                              const Eigen::Vector2d& pixel) {
+std::optional<double> InterpolateGreyLevel(const ImageSize& size,
+                                           const std::vector<float>& levels,
+                                           const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::floor(pixel.x()));
   const int y = static_cast<int>(std::floor(pixel.y()));
   if (x < 0 || y < 0 || x + 1 >= size.width || y + 1 >= size.height)
@@ -31,7 +31,7 @@ std::optional<double> LevelAt(const ImageSize& size,
 }
 
 // Measured properties of an edge in an image.
-struct SeenEdge {
+struct MeasuredEdge {
   Eigen::Vector2d normal;
   double step = 0;  // grey-level difference from 1 px before to 1 px after it
   double low = 0, high = 0;
@@ -39,20 +39,21 @@ struct SeenEdge {
 };
 
 // Measures the profile across an edge near at_px.
-std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
-                                    const std::vector<float>& levels,
-                                    const Eigen::Vector2d& at_px,
-                                    const Eigen::Vector2d& normal,
-                                    double half_px) {
+std::optional<MeasuredEdge> MeasureEdge(const ImageSize& size,
+                                        const std::vector<float>& levels,
+                                        const Eigen::Vector2d& at_px,
+                                        const Eigen::Vector2d& normal,
+                                        double half_px) {
   constexpr int kStepsPerPx = 2;
   const int half = static_cast<int>(half_px * kStepsPerPx);
   std::vector<double> profile;
   for (int k = -half; k <= half; ++k) {
-    const auto level = LevelAt(size, levels, at_px + normal * k / kStepsPerPx);
+    const auto level =
+        InterpolateGreyLevel(size, levels, at_px + normal * k / kStepsPerPx);
     if (!level) return std::nullopt;
     profile.push_back(*level);
   }
-  SeenEdge edge;
+  MeasuredEdge edge;
   edge.normal = normal;
   edge.low = *std::min_element(profile.begin(), profile.end());
   edge.high = *std::max_element(profile.begin(), profile.end());
@@ -67,38 +68,38 @@ std::optional<SeenEdge> MeasureEdge(const ImageSize& size,
 // Returns the standard deviation, in pixels, of a Gaussian blur from the
 // fraction of a step within 1 px on both sides: part = erf(1 / (sqrt(2)
 // deviation)).
-double SpreadOf(double part) {
+double ComputeSigmaFromStep(double step_fraction) {
   double low = 0.05, high = 20;
   for (int halving = 0; halving < 30; ++halving) {
     const double center = (low + high) / 2;
-    (std::erf(M_SQRT1_2 / center) > part ? low : high) = center;
+    (std::erf(M_SQRT1_2 / center) > step_fraction ? low : high) = center;
   }
   return low;
 }
 
 // Fits the blur covariance S with n^T S n = spread^2 for edge normals n,
 // robustly.
-Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
+Eigen::Matrix2d FitSpreadCovariance(std::vector<MeasuredEdge> edges) {
   Eigen::Vector3d s = Eigen::Vector3d::Zero();  // xx, xy, yy
   for (int round = 0; round < 3; ++round) {
     Eigen::Matrix3d h = 1e-6 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     std::vector<double> errors;
-    const auto row = [](const SeenEdge& edge) {
+    const auto row = [](const MeasuredEdge& edge) {
       const Eigen::Vector2d& n = edge.normal;
       return Eigen::Vector3d(n.x() * n.x(), 2 * n.x() * n.y(), n.y() * n.y());
     };
-    for (const SeenEdge& edge : edges) {
+    for (const MeasuredEdge& edge : edges) {
       h += row(edge) * row(edge).transpose();
       b += row(edge) * edge.spread_px * edge.spread_px;
     }
     s = h.ldlt().solve(b);
-    for (const SeenEdge& edge : edges)
+    for (const MeasuredEdge& edge : edges)
       errors.push_back(
           std::abs(row(edge).dot(s) - edge.spread_px * edge.spread_px));
-    constexpr double kFar = 4;
-    const double most = kFar * Quantile(errors, 0.5) + 1e-9;
-    std::vector<SeenEdge> near;
+    constexpr double kMaxErrorRatio = 4;
+    const double most = kMaxErrorRatio * Quantile(errors, 0.5) + 1e-9;
+    std::vector<MeasuredEdge> near;
     for (size_t k = 0; k < edges.size(); ++k)
       if (errors[k] <= most) near.push_back(edges[k]);
     edges = std::move(near);
@@ -114,13 +115,13 @@ Eigen::Matrix2d SpreadsByNormal(std::vector<SeenEdge> edges) {
 // profile, also along the edge.
 bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
   for (const double nearness : {0.85, 1.0, 1.15})
-    for (const double part : {0.1, 0.4, 0.7, 1.0}) {
+    for (const double step_fraction : {0.1, 0.4, 0.7, 1.0}) {
       const auto is_black = [&](double along, double side) {
         return appearance_.IsBlack(at + along * edge.center +
                                    side * edge.across);
       };
-      if (is_black(nearness, part) != is_black(1, 1) ||
-          is_black(nearness, -part) != is_black(1, -1) ||
+      if (is_black(nearness, step_fraction) != is_black(1, 1) ||
+          is_black(nearness, -step_fraction) != is_black(1, -1) ||
           is_black(1, 1) == is_black(1, -1))
         return false;
     }
@@ -130,8 +131,8 @@ bool QualityMeter::IsStep(const Eigen::Vector2d& at, const Edge& edge) const {
 QualityMeter::QualityMeter(const Board& board)
     : board_(board), appearance_(board), edges_(board.num_points()) {
   constexpr int kDirections = 144;
-  constexpr double kRadii[] = {0.42, 0.3};              // squares
-  constexpr double kHalves[] = {0.3, 0.2, 0.12, 0.07};  // squares
+  constexpr double kRadii[] = {0.42, 0.3};                   // squares
+  constexpr double kHalfLengths[] = {0.3, 0.2, 0.12, 0.07};  // squares
   const std::vector<Eigen::Vector3d> points = board.NominalPoints();
   for (int i = 0; i < board.num_points(); ++i) {
     const Eigen::Vector2d at = points[i].head<2>();
@@ -158,7 +159,7 @@ QualityMeter::QualityMeter(const Board& board)
       const Eigen::Vector2d across(-direction.y(), direction.x());
       const auto add_longest = [&] {
         for (const double radius : kRadii)
-          for (const double half : kHalves) {
+          for (const double half : kHalfLengths) {
             const Edge edge = {radius * board.square_m * direction,
                                half * board.square_m * across};
             if (!IsStep(at, edge)) continue;
@@ -196,22 +197,22 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
     return (at[behind]->pixel - at[before]->pixel) /
            (points[behind] - points[before]).norm();
   };
-  std::vector<SeenEdge> seen;
+  std::vector<MeasuredEdge> seen;
   const size_t count = std::min<size_t>(features.size(), kMeasuredFeatures);
   for (size_t k = 0; k < count; ++k) {
     const Feature& feature = features[k * features.size() / count];
-    const auto by_x = slope(feature, 1, 0), by_y = slope(feature, 0, 1);
-    if (!by_x || !by_y) continue;
+    const auto J_x = slope(feature, 1, 0), J_y = slope(feature, 0, 1);
+    if (!J_x || !J_y) continue;
     Eigen::Matrix2d image_from_board;
-    image_from_board << *by_x, *by_y;
+    image_from_board << *J_x, *J_y;
     for (const Edge& edge :
          edges_[board_.PointIndex(feature.column, feature.row)]) {
       const Eigen::Vector2d along = image_from_board * edge.center;
       const Eigen::Vector2d normal =
           Eigen::Vector2d(-along.y(), along.x()).normalized();
       const double half_px = std::min(
-          kMostHalfPx, std::abs(normal.dot(image_from_board * edge.across)));
-      if (!(half_px >= kLeastHalfPx)) continue;
+          kMaxHalfPx, std::abs(normal.dot(image_from_board * edge.across)));
+      if (!(half_px >= kMinHalfPx)) continue;
       if (const auto found =
               MeasureEdge(size, levels, feature.pixel + along, normal, half_px))
         seen.push_back(*found);
@@ -223,23 +224,24 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
   std::vector<double> whites, blacks;
   double clipped = 0;
   constexpr double kFull = 254;
-  for (const SeenEdge& edge : seen) {
+  for (const MeasuredEdge& edge : seen) {
     whites.push_back(edge.high);
     blacks.push_back(edge.low);
     clipped += edge.high >= kFull;
   }
   // Quantiles, because near other edges a profile does not attain both levels.
-  constexpr double kMost = 0.75;
-  quality.white = Quantile(whites, kMost);
-  quality.black = Quantile(blacks, 1 - kMost);
+  constexpr double kWhiteQuantile = 0.75;
+  quality.white = Quantile(whites, kWhiteQuantile);
+  quality.black = Quantile(blacks, 1 - kWhiteQuantile);
   quality.clipped = clipped / static_cast<double>(seen.size());
-  for (SeenEdge& edge : seen)
-    edge.spread_px = SpreadOf(edge.step / (quality.white - quality.black));
+  for (MeasuredEdge& edge : seen)
+    edge.spread_px =
+        ComputeSigmaFromStep(edge.step / (quality.white - quality.black));
   const Eigen::Vector2d squares =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(SpreadsByNormal(seen))
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(FitSpreadCovariance(seen))
           .eigenvalues();
-  quality.least_spread_px = std::sqrt(std::max(0.0, squares[0]));
-  quality.most_spread_px = std::sqrt(std::max(0.0, squares[1]));
+  quality.min_spread_px = std::sqrt(std::max(0.0, squares[0]));
+  quality.max_spread_px = std::sqrt(std::max(0.0, squares[1]));
   return quality;
 }
 

@@ -16,7 +16,7 @@ struct FrameQuality {
   /// Edge width as the standard deviation of a Gaussian, in pixels, in the
   /// directions of least and most blur. Defocus blurs all directions equally,
   /// motion blurs only edges perpendicular to it.
-  double least_spread_px = 0, most_spread_px = 0;
+  double min_spread_px = 0, max_spread_px = 0;
   double white = 0, black = 0;  ///< grey levels, 0 to 255
   double clipped = 0;  ///< fraction of white samples that are saturated
 };

@@ -8,15 +8,15 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kFewestFeatures = 12;
+constexpr size_t kMinFeatures = 12;
 
-struct WordAndRemedy {
+struct StatusText {
   const char* word;
   const char* remedy;
 };
 
 // Indexed by FrameStatus.
-constexpr WordAndRemedy kWords[] = {
+constexpr StatusText kStatusTexts[] = {
     {"kept", ""},
     {"absent", "show the board"},
     {"few", "show more of the board"},
@@ -32,18 +32,18 @@ bool IsDark(const FrameQuality& quality) {
 }
 
 bool IsBright(const FrameQuality& quality) {
-  constexpr double kMostClipped = 0.3;
-  return quality.clipped > kMostClipped;
+  constexpr double kMaxClippedFraction = 0.3;
+  return quality.clipped > kMaxClippedFraction;
 }
 
 }  // namespace
 
 const char* GetStatusText(FrameStatus word) {
-  return kWords[static_cast<int>(word)].word;
+  return kStatusTexts[static_cast<int>(word)].word;
 }
 
 const char* GetRemedy(FrameStatus word) {
-  return kWords[static_cast<int>(word)].remedy;
+  return kStatusTexts[static_cast<int>(word)].remedy;
 }
 
 bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
@@ -51,12 +51,12 @@ bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
   // Motion blurs only edges perpendicular to it.
   const FrameQuality& quality = frame.quality;
   const double streak_px =
-      std::sqrt(std::max(0.0, std::pow(quality.most_spread_px, 2) -
-                                  std::pow(quality.least_spread_px, 2)));
-  constexpr double kMostStreakPx = 1;
-  if (streak_px > kMostStreakPx) return true;
+      std::sqrt(std::max(0.0, std::pow(quality.max_spread_px, 2) -
+                                  std::pow(quality.min_spread_px, 2)));
+  constexpr double kMaxStreakPx = 1;
+  if (streak_px > kMaxStreakPx) return true;
   if (!frame.time_s || !last_time_s_) return false;
-  const auto moved_px = DistancePx(places, last_places_);
+  const auto moved_px = DistancePx(places, last_positions_);
   if (!moved_px) return true;  // the target was not visible before
   const double passed_s = *frame.time_s - *last_time_s_;
   if (!(passed_s > 0)) return *moved_px > options_.still_px;
@@ -67,17 +67,18 @@ bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
 }
 
 bool KeyframeSelector::IsBlurred(const FrameQuality& quality) {
-  if (!(quality.most_spread_px > 0)) return false;
+  if (!(quality.max_spread_px > 0)) return false;
   constexpr size_t kMaxFrames = 500;
-  constexpr double kSharpPx = 1.2;      // smaller spreads are never blurred
-  constexpr double kMostOfSharp = 1.5;  // relative to the camera's sharp frames
-  constexpr double kAnyPx = 5;          // larger spreads are always blurred
-  spreads_px_.push_back(quality.most_spread_px);
+  constexpr double kSharpPx = 1.2;  // smaller spreads are never blurred
+  constexpr double kMaxSharpnessRatio =
+      1.5;                      // relative to the camera's sharp frames
+  constexpr double kAnyPx = 5;  // larger spreads are always blurred
+  spreads_px_.push_back(quality.max_spread_px);
   if (spreads_px_.size() > kMaxFrames) spreads_px_.pop_front();
   const double sharp_px =
       Quantile({spreads_px_.begin(), spreads_px_.end()}, 0.1);
-  return quality.most_spread_px >
-         std::min(kAnyPx, std::max(kSharpPx, kMostOfSharp * sharp_px));
+  return quality.max_spread_px >
+         std::min(kAnyPx, std::max(kSharpPx, kMaxSharpnessRatio * sharp_px));
 }
 
 FrameStatus KeyframeSelector::Assess(const DetectedFrame& frame,
@@ -85,18 +86,18 @@ FrameStatus KeyframeSelector::Assess(const DetectedFrame& frame,
   gain_ = 0;
   FeaturePositions places = CollectFeaturePositions(frame.features);
   const bool is_moving = IsMoving(frame, places);
-  last_places_ = std::move(places);
+  last_positions_ = std::move(places);
   last_time_s_ = frame.time_s;
   const size_t count = frame.features.features.size();
   if (count == 0) return FrameStatus::kAbsent;
-  if (count < kFewestFeatures) return FrameStatus::kFew;
+  if (count < kMinFeatures) return FrameStatus::kFew;
   if (IsDark(frame.quality)) return FrameStatus::kDark;
   if (IsBright(frame.quality)) return FrameStatus::kBright;
   if (options_.every_frame) return FrameStatus::kKept;
   if (is_moving) return FrameStatus::kMoving;
   if (IsBlurred(frame.quality)) return FrameStatus::kBlurred;
   gain_ = guide.ComputeGain(frame.features);
-  return guide.IsWorthKeeping(gain_, guide.IsNextView(frame.features))
+  return guide.ShouldKeep(gain_, guide.IsNextView(frame.features))
              ? FrameStatus::kKept
              : FrameStatus::kKnown;
 }

@@ -60,7 +60,7 @@ class KeyframeSelector {
   bool IsBlurred(const FrameQuality& quality);
 
   KeyframeSelectorOptions options_;
-  FeaturePositions last_places_;
+  FeaturePositions last_positions_;
   std::optional<double> last_time_s_;
   std::deque<double> spreads_px_;  // edge widths of recent frames
   double gain_ = 0;

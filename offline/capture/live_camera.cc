@@ -89,11 +89,11 @@ void LiveCamera::GoOn() {
   const auto localized =
       LocalizeViews(next.state.camera(), 0, added, num_threads_);
   std::vector<Pose> kept;
-  auto of_added = localized.begin();
+  auto next_added_pose = localized.begin();
   for (size_t v = 0; v < next.problem.views.size(); ++v) {
     const auto known = known_pose(v);
     const std::optional<Pose> pose =
-        known != poses.end() ? known->second : *of_added++;
+        known != poses.end() ? known->second : *next_added_pose++;
     remove[v] = !pose;
     if (pose) kept.push_back(*pose);
   }

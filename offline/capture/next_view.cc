@@ -19,8 +19,8 @@ class Search {
       : camera_(camera), board_(board), gain_(gain), avoided_(avoided) {}
 
   void Try(const BoardView& view) {
-    const auto pose = PoseOf(view, board_, camera_);
-    if (!pose || !ShowsHalf(*pose) || IsAvoided(*pose)) return;
+    const auto pose = ComputePose(view, board_, camera_);
+    if (!pose || !ShowsHalfBoard(*pose) || IsAvoided(*pose)) return;
     found_.push_back({view, *pose, gain_(*pose)});
   }
   /// Keeps only the `count` candidates with the largest gain.
@@ -33,7 +33,7 @@ class Search {
   const std::vector<NextView>& found() const { return found_; }
 
  private:
-  bool ShowsHalf(const Pose& pose) const {
+  bool ShowsHalfBoard(const Pose& pose) const {
     const Area image = WholeImage(camera_.image_size());
     int num_seen = 0, num_all = 0;
     for (int row = 0; row < board_.rows; ++row)

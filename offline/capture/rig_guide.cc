@@ -39,7 +39,7 @@ RigGuide::RigGuide(const std::vector<GuidedCamera>& cameras,
     : cameras_(cameras),
       pattern_(std::make_shared<Pattern>(pattern)),
       options_(options) {
-  FindLinks();
+  UpdateLinks();
   ChooseLinkViews();
   ChooseNext();
   for (GuidedCamera& camera : cameras_) camera.live = nullptr;
@@ -50,7 +50,7 @@ bool RigGuide::IsKnown(size_t camera) const {
 }
 
 // Builds the minimum-variance spanning tree of links (Kruskal's algorithm).
-void RigGuide::FindLinks() {
+void RigGuide::UpdateLinks() {
   std::vector<Link> all;
   for (size_t a = 0; a < num_cameras(); ++a)
     for (size_t b = a + 1; b < num_cameras(); ++b)
@@ -189,7 +189,8 @@ bool RigGuide::IsInformativeForLink(
   }
   if (!link) return is_shared;
   if (!link->next) return false;
-  const double wanted = is_next ? 0 : options_.part_of_next * link->next->gain;
+  const double wanted =
+      is_next ? 0 : options_.min_gain_ratio * link->next->gain;
   return 1 - left >= std::max(options_.min_gain, wanted);
 }
 

@@ -71,7 +71,7 @@ class RigGuide {
 
  private:
   bool IsKnown(size_t camera) const;
-  void FindLinks();
+  void UpdateLinks();
   void ChooseLinkViews();
   void ChooseNext();
   std::optional<Pose> FromCamera(size_t to, size_t from) const;

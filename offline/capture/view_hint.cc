@@ -39,8 +39,8 @@ double ComputeRotation(const Eigen::Matrix3d& facing) {
 }
 
 Move Tilt(double change_rad, const char* plus, const char* minus) {
-  constexpr double kWorth_rad = 0.2;
-  return {std::abs(change_rad) / kWorth_rad,
+  constexpr double kMinTiltRad = 0.2;
+  return {std::abs(change_rad) / kMinTiltRad,
           std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
 }
 
@@ -53,15 +53,15 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
   const auto seen = camera.Project(from * center);
   const auto wanted = camera.Project(to * center);
   if (seen && wanted) {
-    constexpr double kWorth = 0.08;  // relative to the image width
+    constexpr double kMinShift = 0.08;  // relative to the image width
     const Eigen::Vector2d shift =
-        (*wanted - *seen) / (kWorth * camera.image_size().width);
+        (*wanted - *seen) / (kMinShift * camera.image_size().width);
     moves.push_back({std::abs(shift.x()), shift.x() > 0 ? "right" : "left"});
     moves.push_back({std::abs(shift.y()), shift.y() > 0 ? "down" : "up"});
   }
   const double nearer = (from * center).norm() / (to * center).norm();
-  constexpr double kWorthFactor = 1.2;
-  moves.push_back({std::abs(std::log(nearer)) / std::log(kWorthFactor),
+  constexpr double kMinDistanceRatio = 1.2;
+  moves.push_back({std::abs(std::log(nearer)) / std::log(kMinDistanceRatio),
                    nearer > 1 ? "closer" : "farther"});
   const Eigen::Matrix3d now = FacingFrom(board, from);
   const Eigen::Matrix3d then = FacingFrom(board, to);
@@ -70,10 +70,10 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
   moves.push_back(Tilt(tilt.y(), "bottom", "top"));
   // Rotations by 180 degrees are ignored, since boards look the same after
   // them.
-  constexpr double kWorthTurn_rad = 0.5;
+  constexpr double kMinRotationRad = 0.5;
   const double turn =
       std::remainder(ComputeRotation(then) - ComputeRotation(now), M_PI);
-  moves.push_back({std::abs(turn) / kWorthTurn_rad,
+  moves.push_back({std::abs(turn) / kMinRotationRad,
                    turn > 0 ? "rotate clockwise" : "rotate anticlockwise"});
   std::stable_sort(
       moves.begin(), moves.end(),
@@ -88,8 +88,8 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
   const std::vector<Move> moves =
       ComputeMotionComponents(camera, board, from, to);
   std::string text;
-  constexpr size_t kMostMoves = 3;
-  for (size_t k = 0; k < kMostMoves && moves[k].size >= 1; ++k)
+  constexpr size_t kMaxMoves = 3;
+  for (size_t k = 0; k < kMaxMoves && moves[k].size >= 1; ++k)
     text += (k == 0 ? "" : ", ") + moves[k].words;
   return text.empty() ? "hold still" : text;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "camera/central_radial.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/noncentral_generic.h"
 #include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
@@ -17,8 +17,8 @@
 #include "dataset/files.h"
 #include "dataset/image_header.h"
 #include "dataset/operating_point_node.h"
+#include "dataset/population_covariance_node.h"
 #include "dataset/pose_node.h"
-#include "dataset/spread_node.h"
 #include "dataset/uncertainty_node.h"
 #include "dataset/yaml_file.h"
 
@@ -86,10 +86,10 @@ void ParseParameters(const YAML::Node& root,
         YamlNumber(root["parameters"][names[k]], "parameters: " + names[k]);
 }
 
-std::shared_ptr<CameraModel> ParseLens(const YAML::Node& root,
-                                       const LensModel& model,
-                                       const ImageSize& size,
-                                       const Area& area) {
+std::shared_ptr<CameraModel> ParseParametricModel(const YAML::Node& root,
+                                                  const ModelInfo& model,
+                                                  const ImageSize& size,
+                                                  const Area& area) {
   Eigen::VectorXd parameters(model.parameters.size());
   ParseParameters(root, model.parameters, parameters.data());
   return model.make(size, area, parameters);
@@ -168,7 +168,7 @@ std::optional<ErrorMetrics> ParseMetrics(const YAML::Node& node) {
 }
 
 // Files of earlier versions lack this section.
-MovementErrors ParseBeyond(const YAML::Node& node) {
+MovementErrors ParseResidualMovement(const YAML::Node& node) {
   if (!node) return {};
   const MovementErrors beyond = {
       node["scale"].as<double>(), node["shift_px"].as<double>(),
@@ -192,7 +192,7 @@ ErrorModes ParseModes(const YAML::Node& node) {
   modes.rest_px = node["rest_px"].as<double>();
   if (!(modes.rest_px >= 0))
     throw InputError("uncertainty modes: 'rest_px' must not be negative");
-  modes.beyond = ParseBeyond(node["beyond"]);
+  modes.beyond = ParseResidualMovement(node["beyond"]);
   modes.displacements_px =
       ParseDisplacements(node["displacements_px"], "uncertainty modes",
                          modes.columns * modes.rows);
@@ -233,8 +233,8 @@ std::optional<CameraUncertainty> ParseUncertainty(const YAML::Node& root,
   CameraUncertainty uncertainty;
   uncertainty.lattice = ParseUncertaintyLattice(root["uncertainty"]);
   uncertainty.mask = ParseMask(root["trusted"], size);
-  uncertainty.max_deviation_px = YamlNumber(root["trusted"]["max_deviation_px"],
-                                            "trusted: max_deviation_px");
+  uncertainty.max_stddev_px = YamlNumber(root["trusted"]["max_deviation_px"],
+                                         "trusted: max_deviation_px");
   uncertainty.modes = ParseModes(root["uncertainty"]["modes"]);
   return uncertainty;
 }
@@ -259,10 +259,10 @@ std::optional<LineDelay> ParseLineDelay(const YAML::Node& root) {
   LineDelay value;
   value.seconds = YamlNumber(line_delay, "row_time_us") * 1e-6;
   if (deviation)
-    value.deviation_s = YamlNumber(deviation, "row_time_deviation_us") * 1e-6;
-  if (!(std::abs(value.seconds) <= kLongestRowTimeS))
+    value.stddev_s = YamlNumber(deviation, "row_time_deviation_us") * 1e-6;
+  if (!(std::abs(value.seconds) <= kMaxLineDelayS))
     throw InputError("row_time_us: must be -1000 to 1000 microseconds");
-  if (!(value.deviation_s >= 0 && value.deviation_s <= kLongestRowTimeS))
+  if (!(value.stddev_s >= 0 && value.stddev_s <= kMaxLineDelayS))
     throw InputError("row_time_deviation_us: must be 0 to 1000 microseconds");
   return value;
 }
@@ -300,8 +300,8 @@ CameraFile Parse(const YAML::Node& root) {
     camera = ParseCentralRadial(root, image_size, area);
   else if (model == models::kSplinedStereographic)
     camera = ParseSplinedStereographic(root, image_size, area);
-  else if (const LensModel* lens = FindLensModel(model))
-    camera = ParseLens(root, *lens, image_size, area);
+  else if (const ModelInfo* lens = FindModelInfo(model))
+    camera = ParseParametricModel(root, *lens, image_size, area);
   else if (const auto projection = FindProjection(model))
     camera = ParseView(root, *projection, image_size, area);
   else
@@ -321,7 +321,7 @@ CameraFile Parse(const YAML::Node& root) {
   }
   file.uncertainty = ParseUncertainty(root, image_size);
   file.capture = ParseCapture(root["capture"], image_size);
-  file.spread = ParseSpread(root["spread"]);
+  file.spread = ParsePopulationCovariance(root["spread"]);
   file.stack = ParseOperatingPointModel(root["stack"], *file.camera);
   file.line_delay = ParseLineDelay(root);
   return file;
@@ -364,12 +364,12 @@ void EmitLattice(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
 }
 
 void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
-  if (uncertainty.HasDeviations()) EmitLattice(uncertainty, out);
+  if (uncertainty.HasStdDevs()) EmitLattice(uncertainty, out);
   const ValidityMask& mask = uncertainty.mask;
   *out << YAML::Key << "trusted" << YAML::Value << YAML::BeginMap;
-  if (uncertainty.HasDeviations())
+  if (uncertainty.HasStdDevs())
     *out << YAML::Key << "max_deviation_px" << YAML::Value
-         << fmt::format("{:.6f}", uncertainty.max_deviation_px);
+         << fmt::format("{:.6f}", uncertainty.max_stddev_px);
   *out << YAML::Key << "cell_px" << YAML::Value << mask.knot_spacing_px
        << YAML::Key << "cells" << YAML::Value << YAML::BeginSeq;
   for (int row = 0; row < mask.rows; ++row) {
@@ -384,9 +384,9 @@ void EmitUncertainty(const CameraUncertainty& uncertainty, YAML::Emitter* out) {
 void EmitLineDelay(const LineDelay& line_delay, YAML::Emitter* out) {
   *out << YAML::Key << "row_time_us" << YAML::Value
        << fmt::format("{:.6f}", line_delay.seconds * 1e6);
-  if (line_delay.deviation_s > 0)
+  if (line_delay.stddev_s > 0)
     *out << YAML::Key << "row_time_deviation_us" << YAML::Value
-         << fmt::format("{:.6f}", line_delay.deviation_s * 1e6);
+         << fmt::format("{:.6f}", line_delay.stddev_s * 1e6);
 }
 
 void EmitPose(const Pose& pose, YAML::Emitter* out) {
@@ -499,7 +499,7 @@ std::string FormatCameraFile(const CameraFile& file, Digits digits) {
   if (file.uncertainty) EmitUncertainty(*file.uncertainty, &out);
   if (file.camera_from_view) EmitPose(*file.camera_from_view, &out);
   if (file.capture) EmitCapture(*file.capture, &out);
-  if (file.spread) EmitSpread(*file.spread, &out);
+  if (file.spread) EmitPopulationCovariance(*file.spread, &out);
   if (file.stack) EmitOperatingPointModel(*file.stack, &out);
   if (file.line_delay) EmitLineDelay(*file.line_delay, &out);
   // The model, which is mandatory, is written last: truncated files are

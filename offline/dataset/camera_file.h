@@ -7,8 +7,8 @@
 
 #include "camera/camera_model.h"
 #include "camera/camera_uncertainty.h"
-#include "camera/lens_spread.h"
 #include "camera/operating_point_model.h"
+#include "camera/population_covariance.h"
 #include "camera/pose.h"
 #include "dataset/capture.h"
 #include "dataset/line_delay.h"
@@ -47,7 +47,7 @@ struct CameraFile {
   std::optional<OperatingPointCalibration> stack;
   std::optional<LineDelay> line_delay;
   /// Variation over the fleet, if the camera is a population mean.
-  std::optional<LensSpread> spread;
+  std::optional<PopulationCovariance> spread;
 };
 
 /// Throws InputError.

@@ -7,16 +7,16 @@ namespace raygrid {
 namespace {
 
 // Limits of formats/SPEC.md.
-constexpr double kLargestDioptres = 1024, kLargestZoom = 1024;
+constexpr double kMaxDioptres = 1024, kMaxZoom = 1024;
 constexpr double kHottestC = 1024, kLongestUs = 1 << 30;
-constexpr double kSmallestGain = 1 / 65536.0, kLargestGain = 1024;
-constexpr int kLargestCrop = 65536, kLargestScale = 64;
+constexpr double kMinGain = 1 / 65536.0, kMaxGain = 1024;
+constexpr int kMaxCrop = 65536, kMaxScale = 64;
 
 // Whether the extent of a crop along one axis is valid for the image size.
 bool IsPossible(int start, int span, int image) {
-  return start >= -kLargestCrop && start <= kLargestCrop && span >= 1 &&
-         span <= kLargestCrop && span <= int64_t{kLargestScale} * image &&
-         image <= int64_t{kLargestScale} * span;
+  return start >= -kMaxCrop && start <= kMaxCrop && span >= 1 &&
+         span <= kMaxCrop && span <= int64_t{kMaxScale} * image &&
+         image <= int64_t{kMaxScale} * span;
 }
 
 }  // namespace
@@ -24,16 +24,15 @@ bool IsPossible(int start, int span, int image) {
 const char* FindInvalidValue(const Capture& capture, const ImageSize& size) {
   const auto& crop = capture.crop;
   if (capture.lens_position &&
-      !(std::abs(*capture.lens_position) <= kLargestDioptres))
+      !(std::abs(*capture.lens_position) <= kMaxDioptres))
     return "lens position: must be -1024 to 1024 dioptres";
-  if (!(capture.lens_tolerance >= 0 &&
-        capture.lens_tolerance <= kLargestDioptres))
+  if (!(capture.lens_tolerance >= 0 && capture.lens_tolerance <= kMaxDioptres))
     return "lens tolerance: must be 0 to 1024 dioptres";
   if (crop && !(IsPossible((*crop)[0], (*crop)[2], size.width) &&
                 IsPossible((*crop)[1], (*crop)[3], size.height)))
     return "crop: X, Y, width and height must be at most 65536 sensor pixels, "
            "and 1/64 to 64 times the image size";
-  if (capture.zoom && !(*capture.zoom >= 1 && *capture.zoom <= kLargestZoom))
+  if (capture.zoom && !(*capture.zoom >= 1 && *capture.zoom <= kMaxZoom))
     return "zoom: must be 1 (widest) to 1024";
   if (capture.orientation &&
       !(*capture.orientation >= 1 && *capture.orientation <= 8))
@@ -46,7 +45,7 @@ const char* FindInvalidValue(const Capture& capture, const ImageSize& size) {
     return "temperature: must be -1024 to 1024 degrees Celsius";
   if (!is_in(capture.exposure_us, 1, kLongestUs))
     return "exposure: must be 1 to 2^30 microseconds";
-  if (!is_in(capture.analogue_gain, kSmallestGain, kLargestGain))
+  if (!is_in(capture.analogue_gain, kMinGain, kMaxGain))
     return "gain: must be a factor of 1/65536 to 1024";
   return nullptr;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using FeatureKey = std::tuple<int, int, int>;
 
-FeatureKey KeyOf(const Feature& feature) {
+FeatureKey MakeKey(const Feature& feature) {
   return {feature.board, feature.column, feature.row};
 }
 
@@ -37,7 +37,7 @@ class FeatureCollector {
       throw InputError(fmt::format(
           "{}: image {} has more than {} features, the limit of a pattern",
           table.Place(), Printable(image), kMaxPatternPoints));
-    if (!features.empty() && KeyOf(features.back()) == KeyOf(feature))
+    if (!features.empty() && MakeKey(features.back()) == MakeKey(feature))
       ThrowOnSecond(table);
     features.push_back(feature);
   }
@@ -71,10 +71,11 @@ class FeatureCollector {
 };
 
 // Returns a feature that occurs twice in an image, if any.
-std::optional<FeatureKey> FindRepeated(const ImageFeatures& image) {
+std::optional<FeatureKey> FindRepeatedFeature(const ImageFeatures& image) {
   std::vector<FeatureKey> keys;
   keys.reserve(image.features.size());
-  for (const Feature& feature : image.features) keys.push_back(KeyOf(feature));
+  for (const Feature& feature : image.features)
+    keys.push_back(MakeKey(feature));
   std::sort(keys.begin(), keys.end());
   const auto repeated = std::adjacent_find(keys.begin(), keys.end());
   if (repeated == keys.end()) return std::nullopt;
@@ -106,7 +107,7 @@ void RefuseSecond(const std::string& path, const std::string& text,
   while (table.Next())
     if (table.Text("image") == image &&
         ReadCameraName(table, has_camera) == camera &&
-        KeyOf(ReadFeature(table)) == key && ++count == 2)
+        MakeKey(ReadFeature(table)) == key && ++count == 2)
       FeatureCollector::ThrowOnSecond(table);
 }
 
@@ -178,7 +179,7 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
   }
   for (const auto& [camera, dataset] : datasets)
     for (const ImageFeatures& image : dataset.images)
-      if (const auto repeated = FindRepeated(image))
+      if (const auto repeated = FindRepeatedFeature(image))
         RefuseSecond(path, text, camera, image.image, *repeated);
   if (datasets.empty())
     throw InputError(path + ": contains no features; run raygrid detect first");

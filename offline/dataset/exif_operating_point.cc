@@ -46,7 +46,7 @@ const ExifEntry* FindRational(const Exif& exif, ExifTag tag,
   return entry;
 }
 
-std::optional<double> LensPosition(const Exif& exif) {
+std::optional<double> ReadLensPosition(const Exif& exif) {
   const ExifEntry* entry =
       FindRational(exif, EXIF_TAG_SUBJECT_DISTANCE, EXIF_FORMAT_RATIONAL);
   if (!entry) return std::nullopt;
@@ -58,8 +58,8 @@ std::optional<double> LensPosition(const Exif& exif) {
   // denominator for infinity.
   const double dioptres =
       static_cast<double>(distance_m.denominator) / distance_m.numerator;
-  constexpr double kNearest = 100;  // 1 cm; larger values are invalid
-  if (dioptres > kNearest) return std::nullopt;
+  constexpr double kMaxValidDioptres = 100;  // 1 cm; larger values are invalid
+  if (dioptres > kMaxValidDioptres) return std::nullopt;
   return dioptres;
 }
 
@@ -87,7 +87,7 @@ std::optional<double> ReadExifParameter(const std::string& name,
                                         OperatingParameter condition) {
   const Exif exif = LoadExif(name, bytes);
   if (!exif) return std::nullopt;
-  return condition == OperatingParameter::kLensPosition ? LensPosition(exif)
+  return condition == OperatingParameter::kLensPosition ? ReadLensPosition(exif)
                                                         : Temperature(exif);
 }
 

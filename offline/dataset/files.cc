@@ -37,7 +37,7 @@ void RequireFolderName(const fs::path& folder) {
 }
 
 // Creates the parent folder of a path if it does not exist.
-void MakeFolderOf(const std::string& path) {
+void CreateParentFolder(const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   RequireFolderName(folder);
   std::error_code error;
@@ -208,7 +208,7 @@ void OutputFiles::Commit() {
     for (const File& file : files_) unlink(TemporaryName(file.path).c_str());
   };
   for (const File& file : files_) {
-    MakeFolderOf(file.path);
+    CreateParentFolder(file.path);
     std::error_code ignored;
     if (fs::is_directory(file.path, ignored) &&
         !(file.links == Links::kReplace && fs::is_symlink(file.path, ignored)))
@@ -248,23 +248,24 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
     return is_file ? std::optional(Identity(status.st_dev, status.st_ino))
                    : std::nullopt;
   };
-  std::map<Identity, std::string> input_of;
+  std::map<Identity, std::string> input_by_identity;
   for (const std::string& path : inputs)
-    if (const auto identity = identify(path)) input_of[*identity] = path;
+    if (const auto identity = identify(path))
+      input_by_identity[*identity] = path;
   for (const std::string& path : outputs) {
     const auto identity = identify(path);
-    if (identity && input_of.count(*identity))
+    if (identity && input_by_identity.count(*identity))
       throw Error(
           ExitCode::kOutput,
           fmt::format(
               "{}: would overwrite the input {}; use another output path", path,
-              input_of[*identity]));
+              input_by_identity[*identity]));
   }
 }
 
 void RequireWritableFolder(const std::string& folder) {
   const std::string probe = (fs::path(folder) / ".raygrid").string();
-  MakeFolderOf(probe);
+  CreateParentFolder(probe);
   const int error = WriteNew(TemporaryName(probe), "");
   unlink(TemporaryName(probe).c_str());
   if (error != 0) ThrowWriteError(folder, error);

@@ -31,14 +31,14 @@ std::vector<OperatingPointUncertainty> FixParameter(
     for (size_t k = 1; k < line.size(); ++k) {
       const double low = line[k - 1]->values[range],
                    high = line[k]->values[range];
-      const std::vector<double>& below = line[k - 1]->lattice.deviation_px;
-      const std::vector<double>& above = line[k]->lattice.deviation_px;
+      const std::vector<double>& below = line[k - 1]->lattice.stddev_px;
+      const std::vector<double>& above = line[k]->lattice.stddev_px;
       if (inside < low || inside > high || below.size() != above.size())
         continue;
       const double part = (inside - low) / (high - low);
       held.push_back({others, line[k]->lattice});
       for (size_t i = 0; i < below.size(); ++i)
-        held.back().lattice.deviation_px[i] =
+        held.back().lattice.stddev_px[i] =
             (1 - part) * below[i] + part * above[i];
       break;
     }
@@ -46,7 +46,7 @@ std::vector<OperatingPointUncertainty> FixParameter(
   return held;
 }
 
-std::vector<OperatingPointUncertainty> FixInStandardDeviations(
+std::vector<OperatingPointUncertainty> FixInStdDevs(
     std::vector<OperatingPointUncertainty> known,
     const FixedOperatingPoint& at) {
   for (size_t r = at.size(); r-- > 0;)
@@ -59,22 +59,18 @@ FixedOperatingPoint FixAllParameters(const OperatingPoint& values) {
 }
 
 // Replaces a camera's standard deviations by those at another operating point.
-void ReplaceStandardDeviations(const UncertaintyLattice& lattice,
-                               const Area& area,
-                               CameraUncertainty* uncertainty) {
-  if (lattice.deviation_px.size() != uncertainty->lattice.deviation_px.size())
-    return;
+void ReplaceStdDevs(const UncertaintyLattice& lattice, const Area& area,
+                    CameraUncertainty* uncertainty) {
+  if (lattice.stddev_px.size() != uncertainty->lattice.stddev_px.size()) return;
   uncertainty->lattice = lattice;
-  uncertainty->mask.InvalidateAbove(uncertainty->max_deviation_px, lattice,
-                                    area);
+  uncertainty->mask.InvalidateAbove(uncertainty->max_stddev_px, lattice, area);
 }
 
 }  // namespace
 
 OperatingPointCalibration FixOperatingPoint(
     const OperatingPointCalibration& stack, const FixedOperatingPoint& at) {
-  return {stack.cameras.Hold(at),
-          FixInStandardDeviations(stack.deviations, at)};
+  return {stack.cameras.Hold(at), FixInStdDevs(stack.deviations, at)};
 }
 
 OperatingPointCalibration SliceOperatingPointModel(
@@ -95,10 +91,9 @@ CameraFile MakeCameraFileAt(const CameraFile& stack,
   file.camera = std::make_shared<CentralGeneric>(std::move(camera));
   if (file.uncertainty) {
     const std::vector<OperatingPointUncertainty> known =
-        FixInStandardDeviations(rest.deviations, FixAllParameters(center));
+        FixInStdDevs(rest.deviations, FixAllParameters(center));
     if (known.size() == 1)
-      ReplaceStandardDeviations(known[0].lattice, file.camera->area(),
-                                &*file.uncertainty);
+      ReplaceStdDevs(known[0].lattice, file.camera->area(), &*file.uncertainty);
   }
   if (!file.capture) file.capture.emplace();
   for (size_t r = 0; r < ranges.size(); ++r) {
@@ -120,15 +115,15 @@ std::optional<CameraUncertainty> ComputeMaxUncertainty(
   if (!stack.uncertainty) return std::nullopt;
   CameraUncertainty worst = *stack.uncertainty;
   UncertaintyLattice largest = worst.lattice;
-  std::vector<double>& most = largest.deviation_px;
+  std::vector<double>& most = largest.stddev_px;
   for (const OperatingPointUncertainty& known : stack.stack->deviations) {
-    const std::vector<double>& there = known.lattice.deviation_px;
+    const std::vector<double>& there = known.lattice.stddev_px;
     if (there.size() != most.size()) continue;
     for (size_t i = 0; i < most.size(); ++i)
       // The maximum is NaN where any of the values is NaN.
       if (!std::isnan(most[i]) && !(there[i] <= most[i])) most[i] = there[i];
   }
-  ReplaceStandardDeviations(largest, stack.camera->area(), &worst);
+  ReplaceStdDevs(largest, stack.camera->area(), &worst);
   return worst;
 }
 

@@ -29,7 +29,7 @@ cv::Mat DecodeWebp(const std::string& bytes, PixelConversion conversion) {
       channels == 4
           ? WebPDecodeBGRAInto(data, bytes.size(), pixels.data, size, stride)
           : WebPDecodeBGRInto(data, bytes.size(), pixels.data, size, stride);
-  return done ? Converted(pixels, conversion, kGreyOfWebp) : cv::Mat();
+  return done ? Converted(pixels, conversion, kWebpGreyWeights) : cv::Mat();
 }
 
 // ---- PGM and PPM
@@ -56,13 +56,13 @@ cv::Mat DecodePnm(const std::string& bytes, PixelConversion conversion) {
   const int columns = NextNumber(bytes, &at), rows = NextNumber(bytes, &at);
   const int most = NextNumber(bytes, &at);
   if (columns <= 0 || rows <= 0 || most <= 0 || most > 65535) return {};
-  const bool is_wide = most > 255;
+  const bool is_16_bit = most > 255;
   cv::Mat pixels(rows, columns,
-                 CV_MAKETYPE(is_wide ? CV_16U : CV_8U, channels));
+                 CV_MAKETYPE(is_16_bit ? CV_16U : CV_8U, channels));
   const size_t count = pixels.total() * channels;
   ++at;  // one white-space character ends the header
   if (!is_text &&
-      bytes.size() - std::min(at, bytes.size()) < count * (is_wide ? 2 : 1))
+      bytes.size() - std::min(at, bytes.size()) < count * (is_16_bit ? 2 : 1))
     return {};
   for (size_t i = 0; i < count; ++i) {
     int value = 0;
@@ -71,9 +71,9 @@ cv::Mat DecodePnm(const std::string& bytes, PixelConversion conversion) {
       if (value < 0 || value > most) return {};
     } else {
       value = uint8_t(bytes[at++]);
-      if (is_wide) value = value << 8 | uint8_t(bytes[at++]);
+      if (is_16_bit) value = value << 8 | uint8_t(bytes[at++]);
     }
-    if (is_wide)
+    if (is_16_bit)
       reinterpret_cast<uint16_t*>(pixels.data)[i] =
           static_cast<uint16_t>(value);
     else

@@ -29,7 +29,7 @@ enum class JpegEnd { kMarked, kAfterOnlyScan, kCut };
 // Bytes after the end-of-image marker are ignored: phones append megabytes of
 // metadata and video. Thumbnails with end markers are within segments, which
 // are skipped.
-JpegEnd EndOfJpeg(const std::string& bytes) {
+JpegEnd FindJpegEnd(const std::string& bytes) {
   const auto byte = [&bytes](size_t at) {
     return at < bytes.size() ? static_cast<uint8_t>(bytes[at]) : 0;
   };
@@ -76,9 +76,9 @@ const std::set<std::string> kOtherKinds = {
     ".heic", ".heif", ".jp2", ".jxl", ".nef", ".raf"};
 
 // Images that calibrate and detect --overlay write to their output folders.
-const std::set<std::string> kOwnPictures = {"coverage.png", "example_after.png",
-                                            "example_before.png",
-                                            "uncertainty.png"};
+const std::set<std::string> kOutputImages = {
+    "coverage.png", "example_after.png", "example_before.png",
+    "uncertainty.png"};
 
 void AddImagesInFolder(const std::string& folder, FoundImages* found) {
   std::set<std::string> paths;
@@ -91,7 +91,7 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
   const size_t num_before = found->paths.size();
   for (const std::string& path : paths) {
     const std::string extension = LowerExtension(path);
-    if (kOwnPictures.count(fs::path(path).filename().string()))
+    if (kOutputImages.count(fs::path(path).filename().string()))
       found->left_out.push_back(
           {path, "an output image of raygrid, not a camera image"});
     else if (kReadKinds.count(extension))
@@ -106,7 +106,7 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
 
 // Sets the orientation tag to upright, because libtiff otherwise rotates
 // images.
-std::string WithoutOrientation(std::string bytes, const ImageHeader& header) {
+std::string RemoveOrientation(std::string bytes, const ImageHeader& header) {
   const bool is_little_endian = bytes[0] == 'I';
   const size_t last = header.orientation_bytes - 1;
   for (size_t i = 0; i <= last; ++i)
@@ -120,9 +120,9 @@ cv::Mat Decode(const std::string& name, const std::string& file,
   const ImageHeader header = ParseImageHeader(name, file);
   std::string changed;
   if (header.orientation > 1 && header.orientation_bytes > 0)
-    changed = WithoutOrientation(file, header);
+    changed = RemoveOrientation(file, header);
   const bool is_jpeg = file.compare(0, 2, "\xff\xd8") == 0;
-  const JpegEnd end = is_jpeg ? EndOfJpeg(file) : JpegEnd::kMarked;
+  const JpegEnd end = is_jpeg ? FindJpegEnd(file) : JpegEnd::kMarked;
   // With an end marker, the decoder reports missing scan data instead of the
   // missing marker.
   if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";

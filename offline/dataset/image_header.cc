@@ -53,7 +53,7 @@ struct RawHeader {
 
 // Returns the size of an integer type of directory entries in bytes; 0 for
 // other types.
-size_t BytesOfType(uint64_t type) {
+size_t GetTypeSize(uint64_t type) {
   switch (type) {
     case 1:  // BYTE
       return 1;
@@ -68,7 +68,7 @@ size_t BytesOfType(uint64_t type) {
   }
 }
 
-bool IsTagOfSize(uint64_t tag) {
+bool IsSizeTag(uint64_t tag) {
   return tag == 256 || tag == 257 || tag == 322 || tag == 323;
 }
 
@@ -88,10 +88,10 @@ void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
   for (uint64_t i = 0; i < num_entries; ++i) {
     const size_t entry = directory + count_bytes + i * entry_bytes;
     const size_t value_at = entry + entry_bytes - offset_bytes;
-    const size_t value_bytes = BytesOfType(file.Number(entry + 2, 2));
+    const size_t value_bytes = GetTypeSize(file.Number(entry + 2, 2));
     const uint64_t tag = file.Number(entry, 2);
     const bool is_number = value_bytes > 0 && value_bytes <= offset_bytes;
-    if (!is_number && IsTagOfSize(tag)) throw std::out_of_range("TIFF size");
+    if (!is_number && IsSizeTag(tag)) throw std::out_of_range("TIFF size");
     if (!is_number) continue;
     const uint64_t value = file.Number(value_at, value_bytes);
     switch (tag) {
@@ -221,7 +221,7 @@ void ParseWebp(const std::string& bytes, RawHeader* header) {
 }
 
 // Returns false for files of unsupported types.
-bool ParseByKind(const std::string& bytes, RawHeader* header) {
+bool ParseHeader(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   const auto starts = [&file](const char* text, size_t size) {
     return file.HasAt(0, text, size);
@@ -298,7 +298,7 @@ ImageHeader ParseImageHeader(const std::string& name,
                              const std::string& bytes) {
   RawHeader raw;
   try {
-    if (!ParseByKind(bytes, &raw)) RefuseDamaged(name);
+    if (!ParseHeader(bytes, &raw)) RefuseDamaged(name);
   } catch (const std::out_of_range&) {
     RefuseDamaged(name);
   }

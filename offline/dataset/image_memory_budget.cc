@@ -19,8 +19,8 @@ int64_t MaxPixels() {
 }
 
 std::mutex room_mutex;
-std::condition_variable room_changed;
-int64_t room_taken = 0;
+std::condition_variable budget_changed;
+int64_t pixels_reserved = 0;
 
 }  // namespace
 
@@ -28,16 +28,16 @@ ImageMemoryBudget::ImageMemoryBudget(const ImageSize& size)
     : num_pixels_(static_cast<int64_t>(size.width) * size.height) {
   static const int64_t max_pixels = MaxPixels();
   std::unique_lock<std::mutex> lock(room_mutex);
-  room_changed.wait(lock, [this] {
-    return room_taken == 0 || room_taken + num_pixels_ <= max_pixels;
+  budget_changed.wait(lock, [this] {
+    return pixels_reserved == 0 || pixels_reserved + num_pixels_ <= max_pixels;
   });
-  room_taken += num_pixels_;
+  pixels_reserved += num_pixels_;
 }
 
 ImageMemoryBudget::~ImageMemoryBudget() {
   const std::lock_guard<std::mutex> lock(room_mutex);
-  room_taken -= num_pixels_;
-  room_changed.notify_all();
+  pixels_reserved -= num_pixels_;
+  budget_changed.notify_all();
 }
 
 }  // namespace raygrid

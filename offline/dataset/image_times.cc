@@ -14,7 +14,7 @@ namespace raygrid {
 
 ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
   // Minimum frame interval, of the fastest cameras.
-  constexpr double kLeastApartS = 1e-6;
+  constexpr double kMinIntervalS = 1e-6;
   CsvReader table(path, text, {"image", "time_s"});
   table.LimitRows(kMaxTableImages);
   ImageTimes times;
@@ -25,8 +25,8 @@ ImageTimes ParseImageTimes(const std::string& path, const std::string& text) {
     if (!times.insert({image, time_s}).second)
       throw InputError(fmt::format("{}: duplicate image {}", table.Place(),
                                    Printable(image)));
-    const auto next = images.lower_bound(time_s - kLeastApartS);
-    if (next != images.end() && next->first <= time_s + kLeastApartS)
+    const auto next = images.lower_bound(time_s - kMinIntervalS);
+    if (next != images.end() && next->first <= time_s + kMinIntervalS)
       throw InputError(fmt::format(
           "{}: {} and {} have the same timestamp; timestamps must be unique, "
           "with a resolution of 0.1 ms or better",

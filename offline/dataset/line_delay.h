@@ -8,17 +8,17 @@ namespace raygrid {
 
 /// Line delay: the readout time per row of a rolling shutter.
 struct LineDelay {
-  double seconds = 0;      ///< negative: from the last row to the first
-  double deviation_s = 0;  ///< standard deviation; 0: unknown
+  double seconds = 0;   ///< negative: from the last row to the first
+  double stddev_s = 0;  ///< standard deviation; 0: unknown
 
   /// Returns whether 0, a global shutter, is within two standard deviations.
   bool IsPossiblyGlobalShutter() const {
-    return !(std::abs(seconds) > 2 * deviation_s);
+    return !(std::abs(seconds) > 2 * stddev_s);
   }
 };
 
 /// The maximum line delay and deviation in files: a second per thousand rows.
-constexpr double kLongestRowTimeS = 1e-3;
+constexpr double kMaxLineDelayS = 1e-3;
 
 /// The estimated line delay, or why it is not observable.
 struct LineDelayEstimate {

@@ -27,7 +27,7 @@ float MeanAround(const GreyLevels& image, int x, int y) {
 }
 
 template <typename T>
-T MedianOf(std::vector<T> values) {
+T ComputeMedian(std::vector<T> values) {
   const auto median = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), median, values.end());
   return *median;
@@ -39,7 +39,7 @@ using Excess = std::array<double, kNumPhases>;
 
 constexpr int kBlockPx = 16;
 
-std::vector<Excess> ComputeExcessOfBlocks(const GreyLevels& image) {
+std::vector<Excess> ComputeBlockExcess(const GreyLevels& image) {
   constexpr int kMaxAcross = 40;
   constexpr double kMinLevel = 4;
   const auto stride = [](int side) {
@@ -71,18 +71,18 @@ std::vector<Excess> ComputeExcessOfBlocks(const GreyLevels& image) {
 // the image.
 bool IsMosaic(const GreyLevels& image) {
   constexpr size_t kMinBlocks = 20;
-  constexpr double kMinExcess = 0.02, kMinPart = 0.8;
-  const std::vector<Excess> blocks = ComputeExcessOfBlocks(image);
+  constexpr double kMinExcess = 0.02, kMinBlockFraction = 0.8;
+  const std::vector<Excess> blocks = ComputeBlockExcess(image);
   if (blocks.size() < kMinBlocks) return false;
   for (int phase = 0; phase < kNumPhases; ++phase) {
     std::vector<double> excess;
     for (const Excess& block : blocks) excess.push_back(block[phase]);
-    const double median = MedianOf(excess);
-    const auto num_alike = std::count_if(
+    const double median = ComputeMedian(excess);
+    const auto num_same_sign = std::count_if(
         excess.begin(), excess.end(), [&](double e) { return e * median > 0; });
     if (std::fabs(median) > kMinExcess &&
-        static_cast<double>(num_alike) >
-            kMinPart * static_cast<double>(blocks.size()))
+        static_cast<double>(num_same_sign) >
+            kMinBlockFraction * static_cast<double>(blocks.size()))
       return true;
   }
   return false;
@@ -97,7 +97,7 @@ struct Sample {
   double around, level;
 };
 
-std::vector<Sample> SamplesOf(const GreyLevels& image, int phase) {
+std::vector<Sample> CollectSamples(const GreyLevels& image, int phase) {
   constexpr int kMaxAcross = 300;
   constexpr float kSaturated = 254;
   const int step_x = 2 * std::max(1, image.size.width / kMaxAcross / 2);
@@ -127,7 +127,7 @@ Line FitLine(const std::vector<Sample>& samples) {
     for (const Sample& s : samples)
       residuals.push_back(
           std::fabs(s.level - line.slope * s.around - line.offset));
-    const double scale = std::max(0.5, MedianOf(residuals));
+    const double scale = std::max(0.5, ComputeMedian(residuals));
     double w = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (size_t i = 0; i < samples.size(); ++i) {
       const Sample& s = samples[i];
@@ -156,7 +156,7 @@ bool BalanceMosaic(GreyLevels* image) {
   std::array<Line, kNumPhases> lines;
   double brightest = kFullScale;  // maximum level that all phases can represent
   for (int phase = 0; phase < kNumPhases; ++phase) {
-    const std::vector<Sample> samples = SamplesOf(*image, phase);
+    const std::vector<Sample> samples = CollectSamples(*image, phase);
     if (samples.size() < kMinSamples) return false;
     lines[phase] = FitLine(samples);
     if (!(lines[phase].slope > kMinSlope)) return false;

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-OperatingParameter ParseCondition(const std::string& name) {
+OperatingParameter ParseOperatingParameter(const std::string& name) {
   const auto condition = FindOperatingParameter(name);
   if (!condition)
     throw InputError("operating-point model ('stack'): unknown quantity '" +
@@ -24,7 +24,7 @@ OperatingParameter ParseCondition(const std::string& name) {
 
 // Returns the nodes of a model's parameters of the operating point; a single
 // parameter is in the model's own node.
-std::vector<YAML::Node> SplitConditionNodes(const YAML::Node& node) {
+std::vector<YAML::Node> SplitOperatingPointNodes(const YAML::Node& node) {
   const YAML::Node several = node["conditions"];
   if (!several) return {node};
   RequireYamlList(several, "operating-point model ('stack'): 'conditions'",
@@ -38,7 +38,7 @@ OperatingRange ParseRange(const YAML::Node& node) {
     throw InputError(
         "operating-point model ('stack'): missing 'condition'; expected "
         "lens_position or temperature");
-  const OperatingParameter condition = ParseCondition(name.Scalar());
+  const OperatingParameter condition = ParseOperatingParameter(name.Scalar());
   const std::string what = fmt::format(
       "operating-point model ('stack'): range of {}", name.Scalar());
   if (!range || !range.IsSequence() || range.size() != 2)
@@ -102,10 +102,10 @@ OperatingPoint ParseValues(const YAML::Node& node, size_t count) {
 }
 
 std::vector<OperatingPointUncertainty> ParseOperatingPointStdDevs(
-    const YAML::Node& node, size_t num_conditions) {
+    const YAML::Node& node, size_t num_parameters) {
   std::vector<OperatingPointUncertainty> deviations;
   for (const YAML::Node& entry : node) {
-    deviations.push_back({ParseValues(entry["at"], num_conditions),
+    deviations.push_back({ParseValues(entry["at"], num_parameters),
                           ParseUncertaintyLattice(entry)});
     if (deviations.size() > 1 &&
         !(deviations.back().values > deviations[deviations.size() - 2].values))
@@ -125,8 +125,8 @@ void EmitNumbers(const std::vector<double>& numbers, YAML::Emitter* out) {
 }
 
 // Writes the keys of one parameter of the operating point to the current map.
-void EmitCondition(const OperatingPointModel& cameras, size_t range,
-                   YAML::Emitter* out) {
+void EmitOperatingParameter(const OperatingPointModel& cameras, size_t range,
+                            YAML::Emitter* out) {
   const OperatingRange& over = cameras.ranges()[range];
   *out << YAML::Key << "condition" << YAML::Value
        << OperatingParameterName(over.condition) << YAML::Key << "range"
@@ -153,7 +153,7 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
     throw InputError(
         fmt::format("operating-point model ('stack'): requires a {} camera",
                     models::kCentralGeneric));
-  const std::vector<YAML::Node> nodes = SplitConditionNodes(node);
+  const std::vector<YAML::Node> nodes = SplitOperatingPointNodes(node);
   std::vector<OperatingRange> ranges;
   std::vector<int> orders;
   for (const YAML::Node& condition : nodes) {
@@ -165,7 +165,7 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
         "operating-point model ('stack'): 'conditions' must be lens_position, "
         "then temperature");
   OperatingPointCalibration stack = {
-      OperatingPointModel(ranges, orders, CentralPart(camera)), {}};
+      OperatingPointModel(ranges, orders, MakeCentral(camera)), {}};
   int term = 1;
   for (const YAML::Node& condition : nodes) {
     int number = 0;
@@ -185,15 +185,15 @@ std::optional<OperatingPointCalibration> ParseOperatingPointModel(
 void EmitOperatingPointModel(const OperatingPointCalibration& stack,
                              YAML::Emitter* out) {
   const OperatingPointModel& cameras = stack.cameras;
-  const size_t num_conditions = cameras.ranges().size();
+  const size_t num_parameters = cameras.ranges().size();
   *out << YAML::Key << "stack" << YAML::Value << YAML::BeginMap;
-  if (num_conditions == 1) {
-    EmitCondition(cameras, 0, out);
+  if (num_parameters == 1) {
+    EmitOperatingParameter(cameras, 0, out);
   } else {
     *out << YAML::Key << "conditions" << YAML::Value << YAML::BeginSeq;
-    for (size_t r = 0; r < num_conditions; ++r) {
+    for (size_t r = 0; r < num_parameters; ++r) {
       *out << YAML::BeginMap;
-      EmitCondition(cameras, r, out);
+      EmitOperatingParameter(cameras, r, out);
       *out << YAML::EndMap;
     }
     *out << YAML::EndSeq;
@@ -201,7 +201,7 @@ void EmitOperatingPointModel(const OperatingPointCalibration& stack,
   *out << YAML::Key << "deviations" << YAML::Value << YAML::BeginSeq;
   for (const OperatingPointUncertainty& deviation : stack.deviations) {
     *out << YAML::BeginMap << YAML::Key << "at" << YAML::Value;
-    if (num_conditions == 1)
+    if (num_parameters == 1)
       *out << fmt::format("{:.17g}", deviation.values[0]);
     else
       EmitNumbers(deviation.values, out);

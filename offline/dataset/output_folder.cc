@@ -74,12 +74,13 @@ bool IsWorkingDirectoryIn(const fs::path& folder) {
 // the two can be exchanged, otherwise within it.
 std::string HiddenPrefix(const fs::path& folder) {
   const fs::path parent = folder.parent_path();
-  const bool is_beside = folder.has_relative_path() &&
-                         access(parent.c_str(), W_OK | X_OK) == 0 &&
-                         !IsMountPoint(folder) && !IsWorkingDirectoryIn(folder);
-  return is_beside ? (parent / ("." + folder.filename().string() + ".raygrid-"))
-                         .string()
-                   : (folder / kWithin).string();
+  const bool uses_sibling_folder =
+      folder.has_relative_path() && access(parent.c_str(), W_OK | X_OK) == 0 &&
+      !IsMountPoint(folder) && !IsWorkingDirectoryIn(folder);
+  return uses_sibling_folder
+             ? (parent / ("." + folder.filename().string() + ".raygrid-"))
+                   .string()
+             : (folder / kWithin).string();
 }
 
 // ---- Contents --------------------------------------------------------------
@@ -181,8 +182,8 @@ bool LinkOthers(const std::string& folder, const Contents& old,
 
 // Whether the old folder has subfolders that are neither written nor contain
 // stale files.
-bool HasFoldersOfOthers(const Contents& old, const Contents& written,
-                        const Paths& stale) {
+bool HasForeignFolders(const Contents& old, const Contents& written,
+                       const Paths& stale) {
   return std::any_of(
       old.folders.begin(), old.folders.end(), [&](const std::string& folder) {
         return !Has(written.folders, folder) && !HoldsStale(folder, stale);
@@ -212,7 +213,7 @@ bool Exchange(const std::string& folder, const Contents& old,
               const std::string& hidden, const Contents& written,
               const Paths& stale) {
   if (fs::path(hidden).parent_path() == folder ||
-      HasFoldersOfOthers(old, written, stale) || !CopyOwner(folder, hidden) ||
+      HasForeignFolders(old, written, stale) || !CopyOwner(folder, hidden) ||
       !LinkOthers(folder, old, hidden, written, stale))
     return false;
   SynchronizeAll(hidden, written);
@@ -231,9 +232,9 @@ bool Exchange(const std::string& folder, const Contents& old,
 
 // Replaces files one by one. The hidden folder is within the output folder, so
 // all renames are within one file system.
-void MoveOneByOne(const std::string& folder, const Contents& old,
-                  const std::string& hidden, const Contents& written,
-                  const Paths& stale) {
+void MoveFilesIndividually(const std::string& folder, const Contents& old,
+                           const std::string& hidden, const Contents& written,
+                           const Paths& stale) {
   SynchronizeAll(hidden, written);
   for (const std::string& path : old.files)
     if (IsToBeRemoved(path, written, stale))
@@ -295,7 +296,7 @@ void OutputFolder::Commit(const std::set<std::string>& stale) {
       ThrowWriteError(folder_, errno);
     hidden_ = within;
   }
-  MoveOneByOne(folder_, old, hidden_, written, stale);
+  MoveFilesIndividually(folder_, old, hidden_, written, stale);
 }
 
 }  // namespace raygrid

@@ -18,10 +18,10 @@ constexpr double kMaxCoordinateM = 1e5;  // limit for points of targets
 
 // Throws if boards share a tag: they would be indistinguishable.
 void RequireDistinctTags(const std::string& name, const Pattern& pattern) {
-  std::map<int, int> board_of_tag;
+  std::map<int, int> board_by_tag;
   for (const Board& board : pattern.boards) {
     for (const BoardTag& tag : board.tags) {
-      const auto [position, is_new] = board_of_tag.emplace(tag.id, board.id);
+      const auto [position, is_new] = board_by_tag.emplace(tag.id, board.id);
       if (!is_new)
         throw InputError(
             fmt::format("{}: tag {} is on both board {} and board {}; tag ids "
@@ -107,7 +107,7 @@ YAML::Node MakeRigidTargetsNode(const std::vector<RigidTarget>& rigid_targets) {
 
 }  // namespace
 
-void RequireFewPoints(const std::string& position, size_t count) {
+void CheckPointLimit(const std::string& position, size_t count) {
   if (count > kMaxPatternPoints)
     throw InputError(
         fmt::format("{}: {} feature points exceed the limit of {} per pattern; "
@@ -116,13 +116,13 @@ void RequireFewPoints(const std::string& position, size_t count) {
 }
 
 std::vector<Eigen::Vector3d> Board::NominalPoints() const {
-  const TargetKind& of_kind = KindOf(kind);
-  if (of_kind.is_point_set) return points;
+  const TargetKind& target_kind = KindOf(kind);
+  if (target_kind.is_point_set) return points;
   std::vector<Eigen::Vector3d> nominal;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
-      nominal.emplace_back(of_kind.GetPosition(*this, column),
-                           of_kind.GetPosition(*this, row), 0);
+      nominal.emplace_back(target_kind.GetPosition(*this, column),
+                           target_kind.GetPosition(*this, row), 0);
   return nominal;
 }
 
@@ -183,7 +183,7 @@ Pattern ParsePattern(const std::string& name, const std::string& yaml) {
         throw InputError(
             fmt::format("{}: duplicate id {}", position, board.id));
       num_points += board.points.size();
-      RequireFewPoints(position, num_points);
+      CheckPointLimit(position, num_points);
       pattern.boards.push_back(std::move(board));
     }
     RequireDistinctTags(name, pattern);

@@ -97,7 +97,7 @@ struct Pattern {
 };
 
 /// Throws InputError for more than kMaxPatternPoints.
-void RequireFewPoints(const std::string& position, size_t count);
+void CheckPointLimit(const std::string& position, size_t count);
 
 /// Parses pattern.yaml. Throws InputError; name is used in errors.
 Pattern ParsePattern(const std::string& name, const std::string& yaml);

@@ -15,12 +15,12 @@ int TypeFor(PixelConversion conversion, int channels, int bits);
 struct GreyWeights {
   int blue, green, red, bits;
 };
-constexpr GreyWeights kGreyOfCodecs = {1868, 9617, 4899, 14};
-constexpr GreyWeights kGreyOfWebp = {3735, 19235, 9798, 15};
+constexpr GreyWeights kCodecGreyWeights = {1868, 9617, 4899, 14};
+constexpr GreyWeights kWebpGreyWeights = {3735, 19235, 9798, 15};
 
 /// Converts the pixels of a file. Colours are BGR or BGRA.
 cv::Mat Converted(const cv::Mat& stored, PixelConversion conversion,
-                  const GreyWeights& weights = kGreyOfCodecs);
+                  const GreyWeights& weights = kCodecGreyWeights);
 
 /// Converts red, green, blue to blue, green, red.
 void SwapRedAndBlue(cv::Mat* pixels);

@@ -35,7 +35,7 @@ uint64_t SeekTiff(thandle_t handle, uint64_t offset, int whence) {
 
 int CloseTiff(thandle_t) { return 0; }
 
-uint64_t SizeOfTiff(thandle_t handle) {
+uint64_t GetTiffSize(thandle_t handle) {
   return static_cast<TiffInput*>(handle)->bytes->size();
 }
 
@@ -45,7 +45,7 @@ int IgnoreTiffMessage(TIFF*, void*, const char*, const char*, va_list) {
 }
 
 // Reads 16-bit samples as stored in the file.
-bool ReadWideTiff(TIFF* tiff, cv::Mat* pixels) {
+bool Read16BitTiff(TIFF* tiff, cv::Mat* pixels) {
   if (!TIFFIsTiled(tiff)) {
     std::vector<uint8_t> row(static_cast<size_t>(TIFFScanlineSize(tiff)));
     const size_t wanted = pixels->cols * pixels->elemSize();
@@ -80,7 +80,7 @@ bool ReadWideTiff(TIFF* tiff, cv::Mat* pixels) {
 }
 
 // Reads a file of any format as 8-bit samples: libtiff converts it to RGBA.
-bool ReadNarrowTiff(TIFF* tiff, int channels, cv::Mat* pixels) {
+bool Read8BitTiff(TIFF* tiff, int channels, cv::Mat* pixels) {
   std::vector<uint32_t> raster(pixels->total());
   if (!TIFFReadRGBAImageOriented(tiff, static_cast<uint32_t>(pixels->cols),
                                  static_cast<uint32_t>(pixels->rows),
@@ -117,7 +117,7 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
         (channels > 1 && planar != PLANARCONFIG_CONTIG))
       return {};
     cv::Mat pixels(rows, columns, CV_MAKETYPE(CV_16U, channels));
-    if (!ReadWideTiff(tiff, &pixels)) return {};
+    if (!Read16BitTiff(tiff, &pixels)) return {};
     if (channels > 1) SwapRedAndBlue(&pixels);
     return Converted(pixels, conversion);
   }
@@ -128,7 +128,7 @@ cv::Mat ReadOpenTiff(TIFF* tiff, PixelConversion conversion) {
   TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
   const bool is_grey = channels == 1 && photometric != PHOTOMETRIC_PALETTE;
   cv::Mat pixels(rows, columns, CV_MAKETYPE(CV_8U, kept));
-  if (!ReadNarrowTiff(tiff, kept, &pixels)) return {};
+  if (!Read8BitTiff(tiff, kept, &pixels)) return {};
   if (!is_grey) return Converted(pixels, conversion);
   // Grey images are decoded to three equal channels.
   cv::Mat grey(rows, columns, CV_8U);
@@ -146,7 +146,7 @@ cv::Mat DecodeTiff(const std::string& bytes, PixelConversion conversion) {
   TIFFOpenOptionsSetWarningHandlerExtR(options, IgnoreTiffMessage, nullptr);
   TIFF* tiff =
       TIFFClientOpenExt("image", "rm", &input, ReadTiff, WriteNoTiff, SeekTiff,
-                        CloseTiff, SizeOfTiff, nullptr, nullptr, options);
+                        CloseTiff, GetTiffSize, nullptr, nullptr, options);
   TIFFOpenOptionsFree(options);
   if (!tiff) return {};
   cv::Mat pixels;

@@ -32,8 +32,8 @@ UncertaintyLattice ParseUncertaintyLattice(const YAML::Node& node) {
   for (const YAML::Node& row : rows) {
     RequireYamlList(row, "uncertainty: a row of deviation_px", lattice.columns);
     for (const YAML::Node& value : row) {
-      lattice.deviation_px.push_back(value.IsNull() ? NAN : value.as<double>());
-      if (!value.IsNull() && !(lattice.deviation_px.back() >= 0))
+      lattice.stddev_px.push_back(value.IsNull() ? NAN : value.as<double>());
+      if (!value.IsNull() && !(lattice.stddev_px.back() >= 0))
         throw InputError(
             "uncertainty: deviation_px must be a non-negative number");
     }
@@ -49,7 +49,7 @@ void EmitUncertaintyLattice(const UncertaintyLattice& lattice,
   for (int row = 0; row < lattice.rows; ++row) {
     *out << YAML::Flow << YAML::BeginSeq;
     for (int column = 0; column < lattice.columns; ++column) {
-      const double value = lattice.deviation_px[row * lattice.columns + column];
+      const double value = lattice.stddev_px[row * lattice.columns + column];
       if (std::isfinite(value))
         *out << fmt::format("{:.6f}", value);
       else

@@ -20,7 +20,7 @@ struct LatticeSize {
 LatticeSize ParseLatticeSize(const YAML::Node& node, const std::string& name,
                              int least, int most);
 
-/// Reads a lattice of standard deviations: columns, rows, deviation_px. Throws
+/// Reads a lattice of standard deviations: columns, rows, stddev_px. Throws
 /// exceptions of yaml-cpp, and InputError without the file's name.
 UncertaintyLattice ParseUncertaintyLattice(const YAML::Node& node);
 

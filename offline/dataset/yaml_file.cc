@@ -19,7 +19,7 @@ namespace {
 
 // Maximum magnitude of numbers in a file, such that squares and products remain
 // finite.
-constexpr double kLargestNumber = 1e12;
+constexpr double kMaxNumber = 1e12;
 
 // Handles the events of a document and throws at duplicate keys. Aliases are
 // not followed, so the time is linear in the file size.
@@ -81,7 +81,8 @@ class DuplicateKeyFinder : public YAML::EventHandler {
 
 // Throws if the last line is not terminated: a number or word at its end may be
 // truncated.
-void RequireWholeLastLine(const std::string& path, const std::string& text) {
+void RequireTerminatedLastLine(const std::string& path,
+                               const std::string& text) {
   const size_t last = text.find_last_not_of(" \t\r");
   if (last == std::string::npos || std::strchr("\n}]", text[last])) return;
   throw InputError(
@@ -104,7 +105,7 @@ void RequireClosedQuote(const std::string& path, const std::string& text) {
 }
 
 // Throws for content after the document, which yaml-cpp otherwise ignores.
-void RequireNothingMore(const std::string& path, YAML::Parser* parser) {
+void RequireEndOfDocument(const std::string& path, YAML::Parser* parser) {
   const char* const what = "unexpected content after the end of the document";
   DuplicateKeyFinder ignored(path);
   try {
@@ -137,10 +138,10 @@ void RequireYamlFile(const std::string& path, const std::string& text,
   } catch (const YAML::Exception&) {
     return;  // the caller's parser reports it
   }
-  RequireNothingMore(path, &parser);
+  RequireEndOfDocument(path, &parser);
   RequireClosedQuote(path, text);
   if (finder.is_map() && last_line == LastLine::kEnds)
-    RequireWholeLastLine(path, text);
+    RequireTerminatedLastLine(path, text);
 }
 
 void RequireKind(const YAML::Node& root, const std::string& kind) {
@@ -161,9 +162,9 @@ void RequireKind(const YAML::Node& root, const std::string& kind) {
 double YamlNumber(const YAML::Node& node, const std::string& name) {
   double number = NAN;
   if (!node.IsDefined() || !YAML::convert<double>::decode(node, number) ||
-      !(std::abs(number) <= kLargestNumber))
+      !(std::abs(number) <= kMaxNumber))
     throw InputError(fmt::format("{}{}: not a number, or larger than {:g}",
-                                 name, InLine(node), kLargestNumber));
+                                 name, InLine(node), kMaxNumber));
   return number;
 }
 

@@ -13,9 +13,9 @@ namespace raygrid {
 namespace {
 
 constexpr int kMinViews = 3;
-constexpr double kEnoughTiltRad = 5 * M_PI / 180;
-constexpr double kEnoughArea = 0.5;    // fraction of the image
-constexpr double kGoodMedianPx = 0.3;  // corners of a sharp chessboard
+constexpr double kMinTiltRad = 5 * M_PI / 180;
+constexpr double kMinAreaFraction = 0.5;  // fraction of the image
+constexpr double kGoodMedianPx = 0.3;     // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
 // Larger systematic errors cause a warning, smaller ones a note.
@@ -28,7 +28,7 @@ constexpr double kUncertainPx = 1, kUselessPx = 5;
 constexpr double kManyMisoriented = 0.25;
 constexpr double kMaxAspect = 4;  // anamorphic lenses reach 2
 // Fractions of the image: minimum valid, maximum extrapolated.
-constexpr double kEnoughValid = 0.5, kMostExtrapolated = 0.05;
+constexpr double kMinValidFraction = 0.5, kMaxExtrapolatedFraction = 0.05;
 // Correlations of neighbouring residuals: significant at five standard errors
 // for the minimum number of pairs, and dominant.
 constexpr double kCorrelated = 0.25, kNearlyAll = 0.9;
@@ -81,14 +81,14 @@ bool IsNegligible(double error_px, const ErrorMetrics& noise) {
 }
 
 // Names the first of several images.
-std::string Named(const std::vector<std::string>& images) {
+std::string FormatFirstName(const std::vector<std::string>& images) {
   return images.front() + (images.size() > 1 ? ", ..." : "");
 }
 
 // Formats images as "3 images (a.png, ...)".
 std::string Counted(const std::vector<std::string>& images) {
   return fmt::format("{} image{} ({})", images.size(),
-                     images.size() == 1 ? "" : "s", Named(images));
+                     images.size() == 1 ? "" : "s", FormatFirstName(images));
 }
 
 void AssessConvergence(const CalibrationMetrics& metrics, Findings* findings) {
@@ -144,7 +144,7 @@ void AssessViews(const CalibrationMetrics& metrics, Findings* findings) {
         metrics.images_used + metrics.num_duplicate_images,
         metrics.different_views,
         metrics.different_views == 1 ? "view" : "views"));
-  else if (metrics.tilt_rad && *metrics.tilt_rad < kEnoughTiltRad)
+  else if (metrics.tilt_rad && *metrics.tilt_rad < kMinTiltRad)
     findings->Fail(
         fmt::format("the focal length is not observable: the target has the "
                     "same orientation in all images, within {:.1f} degrees; "
@@ -163,7 +163,7 @@ void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
       "the target is seen from behind in {} of {} views ({}): the "
       "images are mirrored, or the row or column order of the "
       "pattern or the features is reversed",
-      count, metrics.boards_seen, Named(metrics.mirrored_images));
+      count, metrics.boards_seen, FormatFirstName(metrics.mirrored_images));
   if (count < boards_seen &&
       static_cast<double>(count) >=
           kManyMisoriented * static_cast<double>(boards_seen))
@@ -195,13 +195,14 @@ void AssessTransformedImages(const CalibrationMetrics& metrics,
   const bool are_many =
       static_cast<double>(count) >=
       kManyMisoriented * static_cast<double>(found.num_images);
-  findings->Add(are_many ? Severity::kFailure : Severity::kWarning,
-                fmt::format("{} of {} images ({}) {} {} relative to the "
-                            "others; undo this in the image files, or "
-                            "calibrate without {}",
-                            count, found.num_images, Named(found.images),
-                            count == 1 ? "is" : "are", DescribeTransform(found),
-                            count == 1 ? "it" : "them"));
+  findings->Add(
+      are_many ? Severity::kFailure : Severity::kWarning,
+      fmt::format("{} of {} images ({}) {} {} relative to the "
+                  "others; undo this in the image files, or "
+                  "calibrate without {}",
+                  count, found.num_images, FormatFirstName(found.images),
+                  count == 1 ? "is" : "are", DescribeTransform(found),
+                  count == 1 ? "it" : "them"));
 }
 
 void AssessRejectedImages(const CalibrationMetrics& metrics,
@@ -318,12 +319,12 @@ void AssessExtrapolation(const CalibrationMetrics& metrics,
   const auto& region = metrics.extrapolated;
   const bool is_large = region && metrics.valid_limit_px &&
                         region->p95_px > *metrics.valid_limit_px;
-  if (is_large && region->share > kMostExtrapolated)
+  if (is_large && region->share > kMaxExtrapolatedFraction)
     findings->Warn(
         fmt::format("{} ({:.0f} % of the image); move the target into that "
                     "part, or use the valid region only",
                     FormatExtrapolation(*region), 100 * region->share));
-  else if (covered < kEnoughArea)
+  else if (covered < kMinAreaFraction)
     findings->Warn(fmt::format(
         "features cover only {:.0f} % of the image, and the remainder is "
         "extrapolated; move the target into the corners",
@@ -333,13 +334,13 @@ void AssessExtrapolation(const CalibrationMetrics& metrics,
 }
 
 void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {
-  if (!metrics.median_deviation_px) {
+  if (!metrics.median_stddev_px) {
     findings->Warn(
         "the camera parameters are not fully observable; add images with the "
         "target tilted in different directions");
     return;
   }
-  const double median_px = *metrics.median_deviation_px;
+  const double median_px = *metrics.median_stddev_px;
   if (median_px > kUncertainPx) {
     findings->Add(
         median_px > kUselessPx ? Severity::kFailure : Severity::kWarning,
@@ -351,7 +352,7 @@ void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {
     return;
   }
   AssessExtrapolation(metrics, findings);
-  if (*metrics.valid_share < kEnoughValid &&
+  if (*metrics.valid_share < kMinValidFraction &&
       !IsNegligible(median_px, metrics.training))
     findings->Warn(fmt::format(
         "only {:.0f} % of the image is supported by features and has a "
@@ -373,12 +374,12 @@ void AssessPixelAspect(const CalibrationMetrics& metrics, Findings* findings) {
 // calibrations.
 void AssessFoldOver(const CalibrationMetrics& metrics, Findings* findings) {
   const FoldOver& fold_over = metrics.fold_over;
-  if (fold_over.valid_part > 0)
+  if (fold_over.valid_fraction > 0)
     findings->Fail(fmt::format(
         "the model is not injective within the valid region ({:.2g} % of the "
         "calibrated area): two pixels have the same ray; remove "
         "misidentified features, or increase --knot-spacing-px",
-        100 * fold_over.valid_part));
+        100 * fold_over.valid_fraction));
   else if (fold_over.part > 0)
     findings->Note(
         fmt::format("the model is not injective outside the valid region "

@@ -84,7 +84,7 @@ struct CalibrationMetrics {
   std::optional<double> tilt_rad;  ///< between two boards; only if planar
   /// Median predicted uncertainty over the bounding rectangle of the features;
   /// fraction of the image in the valid region, and its limit.
-  std::optional<double> median_deviation_px, valid_share, valid_limit_px;
+  std::optional<double> median_stddev_px, valid_share, valid_limit_px;
   std::optional<ExtrapolatedRegion> extrapolated;
   FoldOver fold_over;
   /// RMS deviation from planarity of boards assumed to be planar, if it is
@@ -94,7 +94,7 @@ struct CalibrationMetrics {
   /// The model with the smallest held-out error, if it is better than the
   /// chosen model.
   std::optional<BetterModel> better_model;
-  BudgetFacts tried;       ///< models and options already tried
+  BudgetSummary tried;     ///< models and options already tried
   BudgetAssessment limit;  ///< limiting cause of the residuals, if any
   /// Why timestamps contradict the motion; empty if they are consistent.
   std::string timestamp_error;

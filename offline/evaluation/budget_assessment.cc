@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kWorthwhile = 0.1;  // fraction of the squared residuals
 
-std::string AdviseOnBetterModel(const BudgetFacts& facts) {
+std::string AdviseOnBetterModel(const BudgetSummary& facts) {
   return fmt::format("use --model {}, which has a lower held-out error",
                      facts.better_model);
 }
 
-std::string AdviseOnImagePosition(const BudgetFacts& facts) {
+std::string AdviseOnImagePosition(const BudgetSummary& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid() && !facts.tried_generic)
     return "use --model central-generic";
@@ -33,7 +33,7 @@ std::string AdviseOnImagePosition(const BudgetFacts& facts) {
 }
 
 // Recommends a remedy for a cause, unless it was already tried.
-std::string AdviseOnCause(ErrorCause cause, const BudgetFacts& facts) {
+std::string AdviseOnCause(ErrorCause cause, const BudgetSummary& facts) {
   switch (cause) {
     case ErrorCause::kImagePosition:
       return AdviseOnImagePosition(facts);
@@ -83,8 +83,9 @@ std::optional<ErrorCause> FindLargestCause(const ResidualBudget& budget) {
   std::optional<ErrorCause> largest;
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
-    if (budget.Of(cause).in_turn < kWorthwhile) continue;
-    if (!largest || budget.Of(cause).in_turn > budget.Of(*largest).in_turn)
+    if (budget.Of(cause).sequential_share < kWorthwhile) continue;
+    if (!largest || budget.Of(cause).sequential_share >
+                        budget.Of(*largest).sequential_share)
       largest = cause;
   }
   return largest;
@@ -106,7 +107,7 @@ std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
 
 // Model errors and an incorrect target geometry cause similar errors. Both can
 // be tested without new images.
-std::string AdviseOnEquivalentViewCauses(const BudgetFacts& facts) {
+std::string AdviseOnEquivalentViewCauses(const BudgetSummary& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid() && !facts.tried_generic)
     return "first use --model central-generic, since a model error causes such "
@@ -134,14 +135,16 @@ BudgetAssessment MakeEquivalentViewsAssessment(
 
 BudgetAssessment MakeCauseAssessment(ErrorCause cause,
                                      const ResidualBudget& budget) {
-  const std::vector<std::string> alike = ListEquivalentCauses(budget);
+  const std::vector<std::string> equivalent_causes =
+      ListEquivalentCauses(budget);
   if (cause >= ErrorCause::kDeformation &&
-      (alike.size() > 1 ||
-       (budget.is_column_delay_indistinguishable && !alike.empty())))
-    return MakeEquivalentViewsAssessment(alike, budget);
+      (equivalent_causes.size() > 1 ||
+       (budget.is_column_delay_indistinguishable &&
+        !equivalent_causes.empty())))
+    return MakeEquivalentViewsAssessment(equivalent_causes, budget);
   return {ToString(cause),
           fmt::format("{} ({} % of the squared residuals)", NameCause(cause),
-                      Percent(budget.Of(cause).in_turn)),
+                      Percent(budget.Of(cause).sequential_share)),
           AdviseOnCause(cause, budget.facts)};
 }
 
@@ -185,7 +188,7 @@ BudgetAssessment MakeRemainderAssessment(const ResidualBudget& budget) {
 
 BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
   const std::optional<ErrorCause> cause = FindLargestCause(budget);
-  const double largest = cause ? budget.Of(*cause).in_turn : 0;
+  const double largest = cause ? budget.Of(*cause).sequential_share : 0;
   if (budget.large >= kWorthwhile && budget.large > largest)
     return MakeOutlierAssessment(budget);
   if (cause) return MakeCauseAssessment(*cause, budget);
@@ -195,7 +198,7 @@ BudgetAssessment AssessDeterminedBudget(const ResidualBudget& budget) {
 
 }  // namespace
 
-std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts) {
+std::string AdviseOnCorrelatedErrors(const BudgetSummary& facts) {
   constexpr char kLook[] =
       "look for blur, glare, motion and outlier images in the report";
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);

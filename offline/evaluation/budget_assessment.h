@@ -24,7 +24,7 @@ BudgetAssessment AssessBudget(const ResidualBudget& budget);
 
 /// Recommends measures against correlated errors without an identified cause;
 /// omits measures that were already tried.
-std::string AdviseOnCorrelatedErrors(const BudgetFacts& facts);
+std::string AdviseOnCorrelatedErrors(const BudgetSummary& facts);
 
 }  // namespace raygrid
 

@@ -13,7 +13,7 @@
 #include "evaluation/checkpoint.h"
 #include "evaluation/fleet_distance.h"
 #include "evaluation/fold_over.h"
-#include "evaluation/line_spread.h"
+#include "evaluation/noncentrality.h"
 #include "evaluation/residual_budget.h"
 #include "evaluation/residual_statistics.h"
 #include "evaluation/uncertainty_summary.h"
@@ -133,8 +133,8 @@ struct CalibrationResult {
   double jackknife_scale = 1;
   /// Extrapolated region; nullopt without a predicted uncertainty.
   std::optional<ExtrapolatedRegion> extrapolated;
-  std::optional<LineSpread> line_spread;  ///< line spread of a non-central
-                                          ///< camera
+  std::optional<Noncentrality> noncentrality;  ///< line spread of a non-central
+                                               ///< camera
   FoldOver fold_over;
   double flatness_error_m = 0;  ///< see CalibrationMetrics
   /// Distance from the prior fleet; nullopt without the fleet's variation.

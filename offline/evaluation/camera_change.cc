@@ -55,7 +55,7 @@ Displacements DisplacementsAt(const ReferenceCamera& camera,
 
 // Errors and Jacobians of a view after eliminating its pose.
 struct ReducedView {
-  Eigen::MatrixXd by_modes, by_movements;
+  Eigen::MatrixXd J_modes, J_movements;
   Eigen::VectorXd error;
 };
 
@@ -98,7 +98,7 @@ struct Information {
 };
 
 Information Gather(const std::vector<ReducedView>& views, double noise_px) {
-  const Eigen::Index num_modes = views[0].by_modes.cols();
+  const Eigen::Index num_modes = views[0].J_modes.cols();
   Eigen::MatrixXd modes = Eigen::MatrixXd::Identity(num_modes, num_modes);
   Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(num_modes, kNumMovements);
   Eigen::VectorXd modes_right = Eigen::VectorXd::Zero(num_modes);
@@ -107,12 +107,12 @@ Information Gather(const std::vector<ReducedView>& views, double noise_px) {
   information.right.setZero(kNumMovements);
   const double weight = 1 / (noise_px * noise_px);
   for (const ReducedView& view : views) {
-    modes += weight * view.by_modes.transpose() * view.by_modes;
-    mixed += weight * view.by_modes.transpose() * view.by_movements;
-    modes_right += weight * view.by_modes.transpose() * view.error;
+    modes += weight * view.J_modes.transpose() * view.J_modes;
+    mixed += weight * view.J_modes.transpose() * view.J_movements;
+    modes_right += weight * view.J_modes.transpose() * view.error;
     information.matrix +=
-        weight * view.by_movements.transpose() * view.by_movements;
-    information.right += weight * view.by_movements.transpose() * view.error;
+        weight * view.J_movements.transpose() * view.J_movements;
+    information.right += weight * view.J_movements.transpose() * view.error;
     information.sum_of_squares += weight * view.error.squaredNorm();
   }
   const Eigen::LDLT<Eigen::MatrixXd> factor(modes);
@@ -130,8 +130,9 @@ struct ObservableDirections {
   Eigen::VectorXd values;   // eigenvalues
 };
 
-ObservableDirections FindObservableDirections(const Eigen::MatrixXd& matrix) {
-  constexpr double kSmallest = 1e-6;
+ObservableDirections ComputeObservableDirections(
+    const Eigen::MatrixXd& matrix) {
+  constexpr double kMinEigenvalue = 1e-6;
   ObservableDirections observable;
   observable.unit =
       matrix.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
@@ -139,7 +140,7 @@ ObservableDirections FindObservableDirections(const Eigen::MatrixXd& matrix) {
       observable.unit.asDiagonal() * matrix * observable.unit.asDiagonal());
   const Eigen::Index size = matrix.rows();
   Eigen::Index first = 0;  // eigenvalues are ascending
-  while (first < size && solver.eigenvalues()[first] < kSmallest) ++first;
+  while (first < size && solver.eigenvalues()[first] < kMinEigenvalue) ++first;
   observable.vectors = solver.eigenvectors().rightCols(size - first);
   observable.values = solver.eigenvalues().tail(size - first);
   return observable;
@@ -152,8 +153,8 @@ struct Estimate {
   int degrees_of_freedom = 0;
 };
 
-Eigen::MatrixXd MatrixOf(const Information& information,
-                         const std::vector<int>& parameters) {
+Eigen::MatrixXd SelectBlock(const Information& information,
+                            const std::vector<int>& parameters) {
   const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
   Eigen::MatrixXd matrix(size, size);
   for (Eigen::Index i = 0; i < size; ++i)
@@ -165,11 +166,11 @@ Eigen::MatrixXd MatrixOf(const Information& information,
 Estimate EstimateParameters(const Information& information,
                             const std::vector<int>& parameters) {
   const Eigen::Index size = static_cast<Eigen::Index>(parameters.size());
-  const Eigen::MatrixXd matrix = MatrixOf(information, parameters);
+  const Eigen::MatrixXd matrix = SelectBlock(information, parameters);
   Eigen::VectorXd right(size);
   for (Eigen::Index i = 0; i < size; ++i)
     right[i] = information.right[parameters[i]];
-  const ObservableDirections observable = FindObservableDirections(matrix);
+  const ObservableDirections observable = ComputeObservableDirections(matrix);
   const Eigen::VectorXd along =
       observable.vectors.transpose() * observable.unit.cwiseProduct(right);
   const Eigen::VectorXd shares = along.cwiseQuotient(observable.values);
@@ -221,7 +222,7 @@ struct GroupTest {
 
 GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
                     double deviation) {
-  constexpr double kSmallest = 1e-6, kNone = 1e-12;
+  constexpr double kMinEigenvalue = 1e-6, kNone = 1e-12;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   const Eigen::Index size = matrix.rows();
   const double own = deviation * deviation;
@@ -230,7 +231,7 @@ GroupTest TestGroup(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right,
   Eigen::VectorXd variances = Eigen::VectorXd::Zero(size);
   for (Eigen::Index k = 0; k < size; ++k) {
     const double value = solver.eigenvalues()[k];
-    if (value < kSmallest * solver.eigenvalues()[size - 1]) continue;
+    if (value < kMinEigenvalue * solver.eigenvalues()[size - 1]) continue;
     const Eigen::VectorXd vector = solver.eigenvectors().col(k);
     const double moved = vector.dot(right) / value, variance = 1 / value + own;
     test.values += moved * vector;
@@ -254,8 +255,8 @@ struct LocalEquations {
 
 LocalEquations RemoveSmoothComponent(const Information& information) {
   const auto& matrix = information.matrix;
-  const ObservableDirections observable =
-      FindObservableDirections(matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
+  const ObservableDirections observable = ComputeObservableDirections(
+      matrix.topLeftCorner<kNumSmooth, kNumSmooth>());
   // Square root R of the inverse information on smooth changes: R R^T.
   const Eigen::MatrixXd root =
       observable.unit.asDiagonal() * observable.vectors *
@@ -272,15 +273,14 @@ LocalEquations RemoveSmoothComponent(const Information& information) {
 constexpr int kNumGroups = 4;
 using GroupTests = std::array<GroupTest, kNumGroups>;  // as in MovementErrors
 
-std::array<double, kNumGroups> EstimateStandardDeviations(
-    const ErrorModes& modes) {
+std::array<double, kNumGroups> EstimateStdDevs(const ErrorModes& modes) {
   const MovementErrors& beyond = modes.beyond;
   return {beyond.scale, beyond.shift_px, beyond.tilt_rad,
           std::hypot(modes.rest_px, beyond.local_px)};
 }
 
 GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
-  const auto deviations = EstimateStandardDeviations(modes);
+  const auto deviations = EstimateStdDevs(modes);
   const auto smooth = [&](int first, int count, double deviation) {
     return TestGroup(information.matrix.block(first, first, count, count),
                      information.right.segment(first, count), deviation);
@@ -298,7 +298,7 @@ std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
                                         const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
   for (const ReducedView& view : views)
-    remainders.push_back(view.error - view.by_movements * movements);
+    remainders.push_back(view.error - view.J_movements * movements);
   return remainders;
 }
 
@@ -386,22 +386,22 @@ std::vector<std::string> Explain(const Information& information,
 
 // Finds the largest local change. Weakly observable directions are shrunk, with
 // a prior variance according to the excess of the chi-squared value.
-void FindLargestLocal(const ReferenceCamera& camera,
-                      const LocalEquations& local, const GroupTest& test,
-                      CameraChange* change) {
-  const double moved_px2 =
+void ComputeMaxLocalChange(const ReferenceCamera& camera,
+                           const LocalEquations& local, const GroupTest& test,
+                           CameraChange* change) {
+  const double local_variance_px2 =
       std::max(0.0, test.chi_squared - test.degrees_of_freedom) /
       test.information;
   const Eigen::VectorXd values =
-      (local.matrix * moved_px2 +
+      (local.matrix * local_variance_px2 +
        Eigen::MatrixXd::Identity(kNumLocal, kNumLocal))
           .ldlt()
-          .solve(moved_px2 * local.right);
+          .solve(local_variance_px2 * local.right);
   for (int node = 0; node < kLocalColumns * kLocalRows; ++node) {
     const double norm = values.segment<2>(2 * node).norm();
-    if (norm <= change->largest_local_px) continue;
-    change->largest_local_px = norm;
-    change->largest_local_pixel = {
+    if (norm <= change->max_local_px) continue;
+    change->max_local_px = norm;
+    change->max_local_pixel = {
         camera.area.x0 +
             camera.area.width() * (node % kLocalColumns) / (kLocalColumns - 1),
         camera.area.y0 +
@@ -483,7 +483,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   CameraChange change;
   change.num_features = judged.num_features;
   change.noise_px = judged.noise_px;
-  const Estimate of_smooth =
+  const Estimate smooth_estimate =
       EstimateParameters(information, Range(0, kNumSmooth));
   const GroupTests tests = TestGroups(information, camera.modes);
   change.movements = {
@@ -492,20 +492,21 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
       MakeMovement("tilt", {"about_y_rad", "about_x_rad"}, tests[2])};
   for (const Movement& movement : change.movements)
     change.smooth_sigmas = std::max(change.smooth_sigmas, movement.sigmas);
-  const GroupTest& of_local = tests[3];
-  const Movement local = MakeMovement("local", {}, of_local);
+  const GroupTest& local_test = tests[3];
+  const Movement local = MakeMovement("local", {}, local_test);
   change.local_sigmas = local.sigmas;
   // Smooth changes partly explain a local change.
   const bool is_local = change.local_sigmas > kAlarmSigmas;
-  const bool is_mostly_smooth = of_smooth.chi_squared > of_local.chi_squared;
+  const bool is_mostly_smooth =
+      smooth_estimate.chi_squared > local_test.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
     change.moved = camera.modes.beyond.HasSmooth()
                        ? SelectSignificant(change.movements)
-                       : Explain(information, of_smooth.chi_squared);
+                       : Explain(information, smooth_estimate.chi_squared);
   if (is_local) {
     change.moved.push_back("local");
-    FindLargestLocal(camera, RemoveSmoothComponent(information), of_local,
-                     &change);
+    ComputeMaxLocalChange(camera, RemoveSmoothComponent(information),
+                          local_test, &change);
   }
   change.movements.push_back(local);
   change.is_degraded = !change.moved.empty();
@@ -513,11 +514,11 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
 
   const Eigen::VectorXd fitted =
       is_local ? EstimateParameters(information, Range(0, kNumMovements)).values
-               : (Eigen::VectorXd(kNumMovements) << of_smooth.values,
+               : (Eigen::VectorXd(kNumMovements) << smooth_estimate.values,
                   Eigen::VectorXd::Zero(kNumLocal))
                      .finished();
   for (const ReducedView& view : judged.reduced)
-    change.rms_px += (view.by_movements * fitted).squaredNorm();
+    change.rms_px += (view.J_movements * fitted).squaredNorm();
   change.rms_px = std::sqrt(change.rms_px / std::max(1, change.num_features));
   return change;
 }
@@ -525,7 +526,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
 MovementErrors ComputeExcessErrors(
     const ReferenceCamera& camera,
     const std::vector<std::vector<ProjectedView>>& unchanged) {
-  constexpr double kChanceSigmas = 1.645;  // p = 1/20
+  constexpr double kSignificanceSigmas = 1.645;  // p = 1/20
   std::array<double, kNumGroups> chi_squared = {}, information = {};
   std::array<int, kNumGroups> degrees_of_freedom = {};
   for (const std::vector<ProjectedView>& views : unchanged) {
@@ -537,20 +538,20 @@ MovementErrors ComputeExcessErrors(
       degrees_of_freedom[g] += tests[g].degrees_of_freedom;
     }
   }
-  const auto is_more_than_chance = [&](int g) {
+  const auto is_significant = [&](int g) {
     return ChiSquaredSigmas(chi_squared[g], degrees_of_freedom[g]) >
-           kChanceSigmas;
+           kSignificanceSigmas;
   };
   // A local change partly resembles the smooth changes, which have few degrees
   // of freedom and must not become significant because of it: their limit is
   // exceeded in one of six cases.
   constexpr int kLocal = 3;
-  const bool is_local = is_more_than_chance(kLocal);
+  const bool is_local = is_significant(kLocal);
   std::array<double, kNumGroups> deviations = {};
   for (int g = 0; g < kNumGroups; ++g) {
-    if (!is_local && !is_more_than_chance(g)) continue;
+    if (!is_local && !is_significant(g)) continue;
     // The chi-squared variable is below this limit with equal probability.
-    const double below = is_more_than_chance(g) ? -kChanceSigmas : -1;
+    const double below = is_significant(g) ? -kSignificanceSigmas : -1;
     const double largest =
         chi_squared[g] / ChiSquaredAt(below, degrees_of_freedom[g]);
     deviations[g] = std::sqrt(std::max(0.0, largest - 1) *

@@ -47,8 +47,8 @@ struct CameraChange {
   /// RMS displacement caused by the change, after re-estimating the poses;
   /// maximum over the image, and its position.
   double rms_px = 0;
-  double largest_local_px = 0;
-  Eigen::Vector2d largest_local_pixel = Eigen::Vector2d::Zero();
+  double max_local_px = 0;
+  Eigen::Vector2d max_local_pixel = Eigen::Vector2d::Zero();
   std::vector<Movement> movements;  ///< scale, shift, tilt, local
   bool is_degraded = false;
   /// Whether a change of scale, or a shift, by 1 % would be detected with a

@@ -10,16 +10,16 @@
 namespace raygrid {
 namespace {
 
-constexpr int kChanceDraws = 16;
+constexpr int kNumRandomDraws = 16;
 
-CauseShare& ShareOf(ErrorCause cause, ResidualBudget* budget) {
+CauseShare& GetCauseShare(ErrorCause cause, ResidualBudget* budget) {
   return budget->causes[static_cast<size_t>(cause)];
 }
 
 // Returns the minimum share of a cause to be significant.
 double MinSignificantGain(const CauseShare& share) {
   constexpr double kNegligible = 0.002;
-  return std::max(share.chance_high, kNegligible);
+  return std::max(share.random_limit, kNegligible);
 }
 
 std::array<Eigen::VectorXd, 2> PredictHalves(
@@ -34,12 +34,12 @@ double SumLanes(const std::vector<double>& values) {
 // Whether the difference between the shares of two causes is insignificant.
 bool IsDifferenceInsignificant(const std::vector<double>& more,
                                const std::vector<double>& less) {
-  constexpr double kByChance = 0.01;
+  constexpr double kMinPValue = 0.01;
   std::vector<double> differences;
   for (size_t u = 0; u < more.size(); ++u)
     differences.push_back(more[u] - less[u]);
   return SumLanes(differences) <= 0 ||
-         SignedRankProbability(differences) > kByChance;
+         SignedRankProbability(differences) > kMinPValue;
 }
 
 }  // namespace
@@ -51,12 +51,12 @@ double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
 }
 
 // Simulates errors of the same size at the same positions with random signs.
-void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
-                               ResidualBudget* budget) const {
-  constexpr double kDeviations = 3;
+void CauseGroup::EstimateRandomShares(const Eigen::VectorXd& errors,
+                                      ResidualBudget* budget) const {
+  constexpr double kNumSigmas = 3;
   std::mt19937_64 bits(1);  // sequence is standardized
   std::vector<double> sums(fits_.size(), 0), squares(fits_.size(), 0);
-  for (int draw = 0; draw < kChanceDraws; ++draw) {
+  for (int draw = 0; draw < kNumRandomDraws; ++draw) {
     Eigen::VectorXd tossed = errors;
     for (Eigen::Index i = 0; i < tossed.size(); ++i)
       if (bits() >> 63) tossed[i] = -tossed[i];
@@ -68,30 +68,31 @@ void CauseGroup::MeasureChance(const Eigen::VectorXd& errors,
     }
   }
   for (size_t k = 0; k < fits_.size(); ++k) {
-    const double mean = sums[k] / kChanceDraws;
+    const double mean = sums[k] / kNumRandomDraws;
     const double variance =
-        std::max(0.0, squares[k] / kChanceDraws - mean * mean);
-    CauseShare& share = ShareOf(fits_[k].cause, budget);
-    share.chance_mean = mean;
-    share.chance_high = std::max(0.0, mean + kDeviations * std::sqrt(variance));
+        std::max(0.0, squares[k] / kNumRandomDraws - mean * mean);
+    CauseShare& share = GetCauseShare(fits_[k].cause, budget);
+    share.random_mean = mean;
+    share.random_limit = std::max(0.0, mean + kNumSigmas * std::sqrt(variance));
   }
 }
 
 // Returns the cause with the largest significant share of the remaining errors.
 std::optional<size_t> CauseGroup::FindNextCause(
-    const Halves& left, const std::vector<bool>& is_taken,
+    const Halves& left, const std::vector<bool>& is_removed,
     ResidualBudget* budget) const {
   std::optional<size_t> best;
   double best_gain = 0;
   for (size_t k = 0; k < fits_.size(); ++k) {
     const CauseShare& share = budget->Of(fits_[k].cause);
-    if (is_taken[k] || share.alone <= MinSignificantGain(share)) continue;
+    if (is_removed[k] || share.alone <= MinSignificantGain(share)) continue;
     const double gain = Gain(fits_[k].fit, left);
     if (gain <= std::max(best_gain, MinSignificantGain(share))) continue;
     best_gain = gain;
     best = k;
   }
-  if (best) ShareOf(fits_[*best].cause, budget).in_turn = best_gain;
+  if (best)
+    GetCauseShare(fits_[*best].cause, budget).sequential_share = best_gain;
   return best;
 }
 
@@ -108,18 +109,18 @@ Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
 
 Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
                                     ResidualBudget* budget) const {
-  for (const NamedFit& named : fits_) {
-    CauseShare& share = ShareOf(named.cause, budget);
+  for (const CauseFit& named : fits_) {
+    CauseShare& share = GetCauseShare(named.cause, budget);
     share.is_observable = true;
     share.alone = Gain(named.fit, {errors, errors});
   }
-  MeasureChance(errors, budget);
+  EstimateRandomShares(errors, budget);
   // Each half is corrected with its own coefficients, so that the halves remain
   // independent.
   Halves left = {errors, errors};
-  std::vector<bool> is_taken(fits_.size(), false);
-  while (const auto next = FindNextCause(left, is_taken, budget)) {
-    is_taken[*next] = true;
+  std::vector<bool> is_removed(fits_.size(), false);
+  while (const auto next = FindNextCause(left, is_removed, budget)) {
+    is_removed[*next] = true;
     const Halves predicted = PredictHalves(fits_[*next].fit, left);
     for (int half = 0; half < 2; ++half) left[half] -= predicted[half];
   }
@@ -133,22 +134,22 @@ void CauseGroup::FindEquivalentCauses(const Eigen::VectorXd& errors,
   const auto explained_by = [&](const CrossFit& fit) {
     return ComputeExplainedSquares(fit, halves, PredictHalves(fit, halves));
   };
-  const NamedFit* largest = nullptr;
-  for (const NamedFit& named : fits_)
+  const CauseFit* largest = nullptr;
+  for (const CauseFit& named : fits_)
     if (budget->Of(named.cause).IsDetermined() &&
-        (!largest ||
-         budget->Of(named.cause).in_turn > budget->Of(largest->cause).in_turn))
+        (!largest || budget->Of(named.cause).sequential_share >
+                         budget->Of(largest->cause).sequential_share))
       largest = &named;
   if (!largest) return;
   const std::vector<double> most = explained_by(largest->fit);
-  for (const NamedFit& named : fits_)
-    ShareOf(named.cause, budget).is_indistinguishable =
+  for (const CauseFit& named : fits_)
+    GetCauseShare(named.cause, budget).is_indistinguishable =
         &named == largest ||
         IsDifferenceInsignificant(most, explained_by(named.fit));
-  const std::vector<double> by_control = explained_by(control);
-  budget->column_delay = SumLanes(by_control) / squares_;
+  const std::vector<double> explained_by_control = explained_by(control);
+  budget->column_delay = SumLanes(explained_by_control) / squares_;
   budget->is_column_delay_indistinguishable =
-      IsDifferenceInsignificant(most, by_control);
+      IsDifferenceInsignificant(most, explained_by_control);
 }
 
 }  // namespace raygrid

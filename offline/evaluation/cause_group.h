@@ -12,7 +12,7 @@
 
 namespace raygrid {
 
-struct NamedFit {
+struct CauseFit {
   ErrorCause cause;
   CrossFit fit;
 };
@@ -22,7 +22,8 @@ class CauseGroup {
  public:
   /// If poses are given, components along board motions are removed from
   /// simulated errors. Shares are fractions of a sum of squares.
-  CauseGroup(std::vector<NamedFit> fits, const PoseParts* pose, double squares)
+  CauseGroup(std::vector<CauseFit> fits, const PoseComponents* pose,
+             double squares)
       : fits_(std::move(fits)), pose_(pose), squares_(squares) {}
 
   /// Computes the causes' shares. Returns the prediction errors of all
@@ -40,15 +41,15 @@ class CauseGroup {
   using Halves = std::array<Eigen::VectorXd, 2>;
 
   double Gain(const CrossFit& fit, const Halves& errors) const;
-  void MeasureChance(const Eigen::VectorXd& errors,
-                     ResidualBudget* budget) const;
+  void EstimateRandomShares(const Eigen::VectorXd& errors,
+                            ResidualBudget* budget) const;
   std::optional<size_t> FindNextCause(const Halves& left,
-                                      const std::vector<bool>& is_taken,
+                                      const std::vector<bool>& is_removed,
                                       ResidualBudget* budget) const;
   Eigen::VectorXd Join(const Halves& left) const;
 
-  std::vector<NamedFit> fits_;
-  const PoseParts* pose_;
+  std::vector<CauseFit> fits_;
+  const PoseComponents* pose_;
   double squares_;
 };
 

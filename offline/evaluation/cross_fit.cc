@@ -106,12 +106,12 @@ std::vector<double> ComputeExplainedSquares(
   const auto count = static_cast<size_t>(errors[0].size() / 2);
   for (size_t i = 0; i < count; ++i) {
     if (!fit.HasUnit(i)) continue;
-    const int predicted_by = 1 - fit.half(i);
+    const int predicting_half = 1 - fit.half(i);
     const Eigen::Index at = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Vector2d error = errors[predicted_by].segment<2>(at);
+    const Eigen::Vector2d error = errors[predicting_half].segment<2>(at);
     explained[fit.unit(i)] +=
         error.squaredNorm() -
-        (error - predicted[predicted_by].segment<2>(at)).squaredNorm();
+        (error - predicted[predicting_half].segment<2>(at)).squaredNorm();
   }
   return explained;
 }

@@ -14,7 +14,7 @@ Eigen::Index GetColumn(size_t feature) {
 }
 
 // Assigns consecutive images to one half, since they are similar.
-std::vector<int> SplitByView(const BudgetInput& input) {
+std::vector<int> AssignHalvesByView(const BudgetInput& input) {
   const int num_views = static_cast<int>(CountFeaturesByView(input).size());
   std::vector<int> half;
   for (const BudgetFeature& feature : input.features)
@@ -25,7 +25,7 @@ std::vector<int> SplitByView(const BudgetInput& input) {
 // Splits the features into halves by blocks of the lattice: neighbouring
 // features share errors of unmodelled causes, which blocks mostly keep within
 // one half.
-std::vector<int> SplitByLattice(const BudgetInput& input) {
+std::vector<int> AssignHalvesByBlock(const BudgetInput& input) {
   constexpr int kBlocksAlongBoard = 6;
   int columns = 1, rows = 1;
   for (const BudgetFeature& feature : input.features) {
@@ -145,11 +145,11 @@ void ScaleRows(Eigen::MatrixXd* columns) {
 
 // Makes a per-view cause from the Jacobian of each feature.
 template <typename Errors>
-LinearCause PerViewShare(const BudgetInput& input, const PoseParts& pose,
+LinearCause PerViewShare(const BudgetInput& input, const PoseComponents& pose,
                          const Errors& errors_of) {
   const std::vector<int> counts = CountFeaturesByView(input);
   LinearCause linear;
-  linear.half = SplitByLattice(input);
+  linear.half = AssignHalvesByBlock(input);
   linear.num_units = static_cast<int>(counts.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     const BudgetFeature& feature = input.features[i];
@@ -176,7 +176,7 @@ std::vector<int> CountFeaturesByView(const BudgetInput& input) {
   return counts;
 }
 
-PoseParts::PoseParts(const BudgetInput& input) {
+PoseComponents::PoseComponents(const BudgetInput& input) {
   size_t first = 0;
   for (const int count : CountFeaturesByView(input)) {
     if (count == 0) continue;
@@ -194,7 +194,7 @@ PoseParts::PoseParts(const BudgetInput& input) {
   }
 }
 
-void PoseParts::Remove(Eigen::VectorXd* errors) const {
+void PoseComponents::Remove(Eigen::VectorXd* errors) const {
   for (const ViewTerms& view : views_) {
     auto own = errors->segment(view.first, view.basis.rows());
     const Eigen::VectorXd part = view.basis.transpose() * own;
@@ -202,7 +202,7 @@ void PoseParts::Remove(Eigen::VectorXd* errors) const {
   }
 }
 
-void PoseParts::RemoveFromRows(Eigen::MatrixXd* columns) const {
+void PoseComponents::RemoveFromRows(Eigen::MatrixXd* columns) const {
   for (const ViewTerms& view : views_) {
     auto own = columns->middleCols(view.first, view.basis.rows());
     const Eigen::MatrixXd part = own * view.basis;
@@ -212,7 +212,7 @@ void PoseParts::RemoveFromRows(Eigen::MatrixXd* columns) const {
 
 LinearCause MakeImagePositionCause(const BudgetInput& input) {
   LinearCause cause;
-  cause.half = SplitByView(input);
+  cause.half = AssignHalvesByView(input);
   const double knot_spacing_px = CellPx(input);
   const int columns =
       static_cast<int>(std::ceil(input.image_size.width / knot_spacing_px)) + 1;
@@ -220,15 +220,15 @@ LinearCause MakeImagePositionCause(const BudgetInput& input) {
       static_cast<int>(std::ceil(input.image_size.height / knot_spacing_px)) +
       1;
   cause.num_units = columns * rows;
-  const auto cell_of = [knot_spacing_px](double position, int count) {
+  const auto get_cell = [knot_spacing_px](double position, int count) {
     return std::clamp(static_cast<int>(position / knot_spacing_px), 0,
                       count - 1);
   };
   cause.columns.resize(2, 2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     const Eigen::Vector2d& pixel = input.features[i].pixel;
-    cause.unit.push_back(cell_of(pixel.y(), rows) * columns +
-                         cell_of(pixel.x(), columns));
+    cause.unit.push_back(get_cell(pixel.y(), rows) * columns +
+                         get_cell(pixel.x(), columns));
     cause.columns.middleCols<2>(GetColumn(i)).setIdentity();
   }
   return cause;
@@ -236,7 +236,7 @@ LinearCause MakeImagePositionCause(const BudgetInput& input) {
 
 LinearCause MakeBoardPositionCause(const BudgetInput& input) {
   LinearCause cause;
-  cause.half = SplitByView(input);
+  cause.half = AssignHalvesByView(input);
   cause.num_units = static_cast<int>(input.points.size());
   cause.columns.resize(3, 2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
@@ -249,9 +249,10 @@ LinearCause MakeBoardPositionCause(const BudgetInput& input) {
 
 std::optional<LinearCause> MakeViewCause(ErrorCause cause,
                                          const BudgetInput& input,
-                                         const PoseParts& pose) {
-  const bool is_bend = cause == ErrorCause::kDeformation;
-  if (is_bend && (input.bends.empty() || input.bends.front().cols() == 0))
+                                         const PoseComponents& pose) {
+  const bool is_deformation = cause == ErrorCause::kDeformation;
+  if (is_deformation &&
+      (input.bends.empty() || input.bends.front().cols() == 0))
     return std::nullopt;
   const std::vector<BoardPlane> planes = FitBoardPlanes(input);
   return PerViewShare(input, pose, [&](const BudgetFeature& feature) {
@@ -260,7 +261,7 @@ std::optional<LinearCause> MakeViewCause(ErrorCause cause,
 }
 
 LinearCause MakeColumnDelayControl(const BudgetInput& input,
-                                   const PoseParts& pose) {
+                                   const PoseComponents& pose) {
   const double width = input.image_size.width;
   return PerViewShare(
       input, pose, [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {

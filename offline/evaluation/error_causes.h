@@ -11,9 +11,9 @@
 namespace raygrid {
 
 /// The components of errors along the motions of each view's board.
-class PoseParts {
+class PoseComponents {
  public:
-  explicit PoseParts(const BudgetInput& input);
+  explicit PoseComponents(const BudgetInput& input);
 
   /// Removes these components from errors, or from each row of columns (k x 2
   /// features).
@@ -38,11 +38,11 @@ LinearCause MakeBoardPositionCause(const BudgetInput& input);
 /// deformation modes.
 std::optional<LinearCause> MakeViewCause(ErrorCause cause,
                                          const BudgetInput& input,
-                                         const PoseParts& pose);
+                                         const PoseComponents& pose);
 
 /// Motion during a column-wise readout, as a control for the line delay.
 LinearCause MakeColumnDelayControl(const BudgetInput& input,
-                                   const PoseParts& pose);
+                                   const PoseComponents& pose);
 
 /// Minimum number of features of a view that is used as a unit.
 constexpr int kMinBudgetViewFeatures = 24;

@@ -16,7 +16,7 @@ namespace {
 // undefined.
 Eigen::MatrixXd ComputeRotationJacobian(
     const CameraModel& mean, const std::vector<Eigen::Vector2d>& positions) {
-  Eigen::MatrixXd by_turn = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
+  Eigen::MatrixXd J_rotation = Eigen::MatrixXd::Zero(2 * positions.size(), 3);
   for (size_t i = 0; i < positions.size(); ++i) {
     const auto ray = mean.Unproject(positions[i]);
     LinearizedProjection projection;
@@ -24,12 +24,12 @@ Eigen::MatrixXd ComputeRotationJacobian(
     Eigen::Matrix3d cross;  // w -> w x ray
     cross << 0, ray->z(), -ray->y(), -ray->z(), 0, ray->x(), ray->y(),
         -ray->x(), 0;
-    by_turn.middleRows<2>(2 * i) = projection.J_point * cross;
+    J_rotation.middleRows<2>(2 * i) = projection.J_point * cross;
   }
-  return by_turn;
+  return J_rotation;
 }
 
-Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
+Eigen::MatrixXd Stacked(const PopulationCovariance& spread, const Area& area,
                         const std::vector<Eigen::Vector2d>& positions) {
   const std::vector<BSplineSurface> surfaces = spread.Surfaces(area);
   Eigen::MatrixXd columns(2 * positions.size(), surfaces.size());
@@ -40,9 +40,10 @@ Eigen::MatrixXd Stacked(const LensSpread& spread, const Area& area,
 }
 
 // Returns the sum of squares of the columns after removing rotations.
-double SumSquaresWithoutRotation(const Eigen::MatrixXd& by_turn,
+double SumSquaresWithoutRotation(const Eigen::MatrixXd& J_rotation,
                                  const Eigen::MatrixXd& columns) {
-  return (columns - by_turn * by_turn.colPivHouseholderQr().solve(columns))
+  return (columns -
+          J_rotation * J_rotation.colPivHouseholderQr().solve(columns))
       .squaredNorm();
 }
 
@@ -67,13 +68,13 @@ double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
          SumSquaresWithoutRotation(ComputeRotationJacobian(mean, seen), moved);
 }
 
-double SquaredDeviations(const CameraModel& camera,
-                         const UncertaintyLattice& deviations,
-                         const std::vector<Eigen::Vector2d>& positions) {
+double ComputeSquaredStdDevs(const CameraModel& camera,
+                             const UncertaintyLattice& deviations,
+                             const std::vector<Eigen::Vector2d>& positions) {
   double sum = 0;
   for (const Eigen::Vector2d& place : positions) {
-    const double deviation_px = deviations.At(camera.area(), place);
-    if (std::isfinite(deviation_px)) sum += 2 * std::pow(deviation_px, 2);
+    const double stddev_px = deviations.At(camera.area(), place);
+    if (std::isfinite(stddev_px)) sum += 2 * std::pow(stddev_px, 2);
   }
   return sum;
 }
@@ -105,7 +106,7 @@ std::string FleetDistance::Warning() const {
 }
 
 std::optional<FleetDistance> MeasureFleetDistance(
-    const CameraModel& mean, const LensSpread& spread,
+    const CameraModel& mean, const PopulationCovariance& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector2d> positions;
@@ -113,13 +114,14 @@ std::optional<FleetDistance> MeasureFleetDistance(
     if (mean.area().Contains(pixel)) positions.push_back(pixel);
   if (positions.empty()) return std::nullopt;
   const double count = static_cast<double>(positions.size());
-  double of_units =
+  double population_part =
       SumSquaresWithoutRotation(ComputeRotationJacobian(mean, positions),
                                 Stacked(spread, mean.area(), positions));
-  if (deviations) of_units += SquaredDeviations(camera, *deviations, positions);
+  if (deviations)
+    population_part += ComputeSquaredStdDevs(camera, *deviations, positions);
   return FleetDistance{
       std::sqrt(SquaredDistances(mean, camera, positions) / count),
-      std::sqrt(of_units / count)};
+      std::sqrt(population_part / count)};
 }
 
 }  // namespace raygrid

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "camera/camera_uncertainty.h"
-#include "camera/lens_spread.h"
+#include "camera/population_covariance.h"
 
 namespace raygrid {
 
@@ -30,7 +30,7 @@ struct FleetDistance {
 /// camera (standard deviations per axis in `deviations`) are added to those of
 /// the units. Returns nullopt if no pixel is in the area of the mean camera.
 std::optional<FleetDistance> MeasureFleetDistance(
-    const CameraModel& mean, const LensSpread& spread,
+    const CameraModel& mean, const PopulationCovariance& spread,
     const CameraModel& camera, const UncertaintyLattice* deviations,
     const std::vector<Eigen::Vector2d>& pixels);
 

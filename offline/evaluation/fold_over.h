@@ -9,8 +9,8 @@ namespace raygrid {
 /// The part of the area where the camera is mirrored relative to most of the
 /// area, so that two pixels share a ray (the distortion folds).
 struct FoldOver {
-  double part = 0;        ///< fraction of the area
-  double valid_part = 0;  ///< folded fraction within the valid region
+  double part = 0;            ///< fraction of the area
+  double valid_fraction = 0;  ///< folded fraction within the valid region
 };
 
 /// Measures the fold at the centres of square cells. null: no valid region.

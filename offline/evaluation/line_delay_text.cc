@@ -13,7 +13,7 @@ std::string FormatLineDelay(const LineDelayEstimate& line_delay, int num_rows) {
     return "not observable: " + line_delay.unobservable_reason;
   const LineDelay& value = line_delay.value;
   std::string text =
-      FormatWithStdDev(value.seconds * 1e6, value.deviation_s * 1e6) + " us";
+      FormatWithStdDev(value.seconds * 1e6, value.stddev_s * 1e6) + " us";
   if (value.IsPossiblyGlobalShutter())
     return text +
            ": zero within two standard deviations, consistent with a global "

@@ -18,7 +18,7 @@ struct LinePair {
   double inverse_distance = 0;
   // Jacobian of the first camera's pixel with respect to the direction from the
   // origin of its line.
-  Eigen::Matrix<double, 2, 3> pixel_by_direction;
+  Eigen::Matrix<double, 2, 3> J_direction;
 };
 
 std::vector<LinePair> SampleLines(const CameraModel& first,
@@ -58,7 +58,7 @@ Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
 }
 
 Eigen::Vector2d ErrorPx(const LinePair& pair, const Pose& first_from_second) {
-  return pair.pixel_by_direction * Sight(pair, first_from_second);
+  return pair.J_direction * Sight(pair, first_from_second);
 }
 
 // Solves Wahba's problem by singular value decomposition (Markley, 1988).
@@ -98,12 +98,11 @@ Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
     const double q = pairs[i].inverse_distance;
     const Eigen::Vector3d turned = pose.rotation * (pairs[i].second.direction +
                                                     q * pairs[i].second.origin);
-    Eigen::Matrix<double, 3, 6> by_update;             // as in UpdatedPose()
-    by_update << 0, turned.z(), -turned.y(), q, 0, 0,  //
-        -turned.z(), 0, turned.x(), 0, q, 0,           //
+    Eigen::Matrix<double, 3, 6> J_update;             // as in UpdatedPose()
+    J_update << 0, turned.z(), -turned.y(), q, 0, 0,  //
+        -turned.z(), 0, turned.x(), 0, q, 0,          //
         turned.y(), -turned.x(), 0, 0, 0, q;
-    const Eigen::Matrix<double, 2, 6> row =
-        pairs[i].pixel_by_direction * by_update;
+    const Eigen::Matrix<double, 2, 6> row = pairs[i].J_direction * J_update;
     matrix += weights[i] * row.transpose() * row;
     right -= weights[i] * row.transpose() * ErrorPx(pairs[i], pose);
   }

@@ -8,7 +8,7 @@
 namespace raygrid {
 namespace {
 
-constexpr double kMaxChance = 0.01;
+constexpr double kMaxPValue = 0.01;
 constexpr size_t kMaxExact = 100;
 
 using Key = std::tuple<std::string, int, int, int>;
@@ -58,21 +58,21 @@ double SignedRankProbability(std::vector<double> differences) {
 }
 
 const char* PredictionComparison::Better() const {
-  if (probability > kMaxChance) return "neither";
+  if (probability > kMaxPValue) return "neither";
   return num_first_better > num_second_better ? "first" : "second";
 }
 
 PredictionComparison ComparePredictions(
     const std::vector<FeatureResidual>& first,
     const std::vector<FeatureResidual>& second) {
-  std::map<Key, const FeatureResidual*> seen_by_second;
+  std::map<Key, const FeatureResidual*> second_by_key;
   for (const FeatureResidual& residual : second)
-    seen_by_second[KeyOf(residual)] = &residual;
+    second_by_key[KeyOf(residual)] = &residual;
   std::vector<FeatureResidual> common[2];
   std::map<std::string, ImagePrediction> images;
   for (const FeatureResidual& residual : first) {
-    const auto found = seen_by_second.find(KeyOf(residual));
-    if (found == seen_by_second.end()) continue;
+    const auto found = second_by_key.find(KeyOf(residual));
+    if (found == second_by_key.end()) continue;
     common[0].push_back(residual);
     common[1].push_back(*found->second);
     ImagePrediction& image = images[residual.image];

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMinBudgetFeatures = 200, kMinBudgetViews = 8;
 
-double SquaresOf(const BudgetInput& input) {
+double SumSquares(const BudgetInput& input) {
   double squares = 0;
   for (const BudgetFeature& feature : input.features)
     squares += feature.error_px.squaredNorm();
@@ -33,27 +33,28 @@ double ComputeRobustStdDev(std::vector<double> norms) {
 // all views, whichever is larger. Views differ, depending on the causes; a few
 // large errors would mask the rest.
 std::vector<double> ComputeMaxErrorByView(const BudgetInput& input) {
-  constexpr double kDeviations = 5;
+  constexpr double kOutlierSigmas = 5;
   std::vector<std::vector<double>> norms(CountFeaturesByView(input).size());
-  std::vector<double> all, longest;
+  std::vector<double> all, max_error;
   for (const BudgetFeature& feature : input.features) {
     norms[feature.view].push_back(feature.error_px.norm());
     all.push_back(norms[feature.view].back());
   }
   const double of_all = ComputeRobustStdDev(std::move(all));
   for (std::vector<double>& of_view : norms)
-    longest.push_back(kDeviations * std::max(of_all, ComputeRobustStdDev(
-                                                         std::move(of_view))));
-  return longest;
+    max_error.push_back(
+        kOutlierSigmas *
+        std::max(of_all, ComputeRobustStdDev(std::move(of_view))));
+  return max_error;
 }
 
 // Returns the errors in sequence, each clipped to the limit of its view.
 Eigen::VectorXd ErrorsWithin(const BudgetInput& input) {
-  const std::vector<double> longest = ComputeMaxErrorByView(input);
+  const std::vector<double> max_error = ComputeMaxErrorByView(input);
   Eigen::VectorXd errors(2 * input.features.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
     const Eigen::Vector2d& error = input.features[i].error_px;
-    const double norm = error.norm(), most = longest[input.features[i].view];
+    const double norm = error.norm(), most = max_error[input.features[i].view];
     errors.segment<2>(2 * static_cast<Eigen::Index>(i)) =
         error * (norm > most ? most / norm : 1);
   }
@@ -68,9 +69,9 @@ void MarkUnresolved(const std::vector<ErrorCause>& causes,
     budget->causes[static_cast<size_t>(cause)].unobservable_reason = why;
 }
 
-Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
-                                const Eigen::VectorXd& errors,
-                                ResidualBudget* budget) {
+Eigen::VectorXd ExplainByImagePosition(const BudgetInput& input, double squares,
+                                       const Eigen::VectorXd& errors,
+                                       ResidualBudget* budget) {
   if (budget->num_views < kMinBudgetViews) {
     MarkUnresolved({ErrorCause::kImagePosition, ErrorCause::kBoardPosition},
                    fmt::format("{} views, at least {} required",
@@ -78,7 +79,7 @@ Eigen::VectorXd ExplainByPlaces(const BudgetInput& input, double squares,
                    budget);
     return errors;
   }
-  std::vector<NamedFit> fits;
+  std::vector<CauseFit> fits;
   fits.push_back(
       {ErrorCause::kImagePosition, CrossFit(MakeImagePositionCause(input))});
   fits.push_back(
@@ -94,8 +95,8 @@ bool HaveViewsMany(const BudgetInput& input) {
   return 2 * in_these >= input.features.size();
 }
 
-void ExplainByViews(const BudgetInput& input, double squares,
-                    Eigen::VectorXd errors, ResidualBudget* budget) {
+void ExplainByViewEffects(const BudgetInput& input, double squares,
+                          Eigen::VectorXd errors, ResidualBudget* budget) {
   const std::vector<ErrorCause> causes = {
       ErrorCause::kDeformation, ErrorCause::kInPlane, ErrorCause::kImageAffine,
       ErrorCause::kRollingShutter};
@@ -106,9 +107,9 @@ void ExplainByViews(const BudgetInput& input, double squares,
                    budget);
     return;
   }
-  const PoseParts pose(input);
+  const PoseComponents pose(input);
   pose.Remove(&errors);
-  std::vector<NamedFit> fits;
+  std::vector<CauseFit> fits;
   for (const ErrorCause cause : causes) {
     if (auto linear = MakeViewCause(cause, input, pose))
       fits.push_back({cause, CrossFit(std::move(*linear))});
@@ -128,29 +129,31 @@ void ExplainByViews(const BudgetInput& input, double squares,
 // along the lattice, which remove constant and linear components.
 Eigen::Vector2d NoiseVariance(const BudgetInput& input,
                               const Eigen::VectorXd& errors) {
-  constexpr double kVarianceOfDifferences = 1 + 4 + 1;
+  constexpr double kDifferenceVariance = 1 + 4 + 1;
   std::map<std::array<int, 3>, size_t> places;
-  const auto place_of = [&](const BudgetFeature& feature, int right, int down) {
+  const auto get_position = [&](const BudgetFeature& feature, int right,
+                                int down) {
     return std::array<int, 3>{feature.view, feature.row + down,
                               feature.column + right};
   };
   for (size_t i = 0; i < input.features.size(); ++i)
-    places[place_of(input.features[i], 0, 0)] = i;
+    places[get_position(input.features[i], 0, 0)] = i;
   Eigen::Vector2d squares = Eigen::Vector2d::Zero();
   int count = 0;
-  const auto error_of = [&errors](size_t i) {
+  const auto get_error = [&errors](size_t i) {
     return errors.segment<2>(2 * static_cast<Eigen::Index>(i));
   };
   for (size_t i = 0; i < input.features.size(); ++i)
     for (const auto& [right, down] : {std::pair(1, 0), std::pair(0, 1)}) {
       const auto before =
-          places.find(place_of(input.features[i], -right, -down));
-      const auto after = places.find(place_of(input.features[i], right, down));
+          places.find(get_position(input.features[i], -right, -down));
+      const auto after =
+          places.find(get_position(input.features[i], right, down));
       if (before == places.end() || after == places.end()) continue;
-      squares +=
-          (error_of(before->second) + error_of(after->second) - 2 * error_of(i))
-              .cwiseAbs2() /
-          kVarianceOfDifferences;
+      squares += (get_error(before->second) + get_error(after->second) -
+                  2 * get_error(i))
+                     .cwiseAbs2() /
+                 kDifferenceVariance;
       ++count;
     }
   return squares / std::max(count, 1);
@@ -187,10 +190,10 @@ const char* ToString(ErrorCause cause) {
 }
 
 double ResidualBudget::PerViewShare() const {
-  return Of(ErrorCause::kDeformation).in_turn +
-         Of(ErrorCause::kInPlane).in_turn +
-         Of(ErrorCause::kImageAffine).in_turn +
-         Of(ErrorCause::kRollingShutter).in_turn;
+  return Of(ErrorCause::kDeformation).sequential_share +
+         Of(ErrorCause::kInPlane).sequential_share +
+         Of(ErrorCause::kImageAffine).sequential_share +
+         Of(ErrorCause::kRollingShutter).sequential_share;
 }
 
 ResidualBudget ComputeResidualBudget(const BudgetInput& input) {
@@ -198,7 +201,7 @@ ResidualBudget ComputeResidualBudget(const BudgetInput& input) {
   budget.facts = input.facts;
   budget.num_features = static_cast<int>(input.features.size());
   budget.num_views = static_cast<int>(CountFeaturesByView(input).size());
-  const double squares = SquaresOf(input);
+  const double squares = SumSquares(input);
   if (budget.num_features < kMinBudgetFeatures) {
     budget.unobservable_reason =
         fmt::format("{} features, at least {} required", budget.num_features,
@@ -212,12 +215,14 @@ ResidualBudget ComputeResidualBudget(const BudgetInput& input) {
     return budget;
   }
   budget.large = 1 - errors.squaredNorm() / squares;
-  const Eigen::VectorXd left = ExplainByPlaces(input, squares, errors, &budget);
-  ExplainByViews(input, squares, left, &budget);
+  const Eigen::VectorXd left =
+      ExplainByImagePosition(input, squares, errors, &budget);
+  ExplainByViewEffects(input, squares, left, &budget);
   AddNoise(input, squares, left, &budget);
-  const double explained = budget.large + budget.PerViewShare() +
-                           budget.Of(ErrorCause::kImagePosition).in_turn +
-                           budget.Of(ErrorCause::kBoardPosition).in_turn;
+  const double explained =
+      budget.large + budget.PerViewShare() +
+      budget.Of(ErrorCause::kImagePosition).sequential_share +
+      budget.Of(ErrorCause::kBoardPosition).sequential_share;
   // If residuals of neighbours are anticorrelated, the noise estimate exceeds
   // the variance of all residuals.
   budget.noise = std::min(budget.noise, std::max(0.0, 1 - explained));

@@ -27,7 +27,7 @@ struct BudgetFeature {
 };
 
 /// What a calibration already includes, so that it is not recommended.
-struct BudgetFacts {
+struct BudgetSummary {
   std::string model;
   double knot_spacing_px = 0;  ///< knot spacing of a grid
   bool knot_spacing_selected =
@@ -55,7 +55,7 @@ struct BudgetInput {
   /// Deformation modes, 3 x k for each point; may be empty.
   std::vector<Eigen::Matrix3Xd> bends;
   int num_parameters = 0;  ///< number fitted to these residuals
-  BudgetFacts facts;
+  BudgetSummary facts;
 };
 
 enum class ErrorCause {
@@ -75,13 +75,14 @@ const char* ToString(ErrorCause cause);
 struct CauseShare {
   bool is_observable = false;
   std::string unobservable_reason;  ///< why it is not observable
-  double alone = 0;    ///< before removing other causes; may be negative
-  double in_turn = 0;  ///< after removing previous causes; these add up
-  double chance_mean = 0, chance_high = 0;  ///< `alone` for random errors
+  double alone = 0;  ///< before removing other causes; may be negative
+  double sequential_share =
+      0;  ///< after removing previous causes; these add up
+  double random_mean = 0, random_limit = 0;  ///< `alone` for random errors
   /// For per-view causes: whether this cause explains the views as well as the
   /// largest cause, i.e. the difference is insignificant.
   bool is_indistinguishable = false;
-  bool IsDetermined() const { return is_observable && in_turn > 0; }
+  bool IsDetermined() const { return is_observable && sequential_share > 0; }
 };
 
 struct ResidualBudget {
@@ -98,7 +99,7 @@ struct ResidualBudget {
   double column_delay = 0;
   bool is_column_delay_indistinguishable = false;
   double rest = 0;  ///< unexplained; may be negative
-  BudgetFacts facts;
+  BudgetSummary facts;
 
   const CauseShare& Of(ErrorCause cause) const {
     return causes[static_cast<size_t>(cause)];

@@ -21,7 +21,7 @@ struct Baseline {
   double angle_rad = 0;          ///< relative rotation angle
   /// Standard deviations of the distance, from the residuals and the normal
   /// equations, and of the rotation (RMS angle).
-  std::optional<double> distance_sd_m, rotation_sd_rad;
+  std::optional<double> distance_stddev_m, rotation_stddev_rad;
   /// Covariance of the update of second_from_first, as of UpdatedPose():
   /// rotation vector (rad), then translation (m), in the axes of `second`.
   std::optional<PoseCovariance> covariance;

@@ -20,9 +20,9 @@ struct CountedCell {
 };
 
 // Lists the cells of the image, or of its image circle if known.
-std::vector<CountedCell> CellsOf(const CameraModel& camera,
-                                 const std::optional<ImageCircle>& circle,
-                                 const ValidityMask& mask) {
+std::vector<CountedCell> ListCells(const CameraModel& camera,
+                                   const std::optional<ImageCircle>& circle,
+                                   const ValidityMask& mask) {
   const ImageSize& size = camera.image_size();
   const auto extent = [&](int index, int num_pixels) {
     return std::min(mask.knot_spacing_px,
@@ -65,36 +65,37 @@ std::string Joined(const std::vector<std::string>& words) {
 }
 
 // Side or corner of the image: one of nine regions.
-struct ImagePlace {
+struct ImageRegion {
   const char* name;
   int column, row;
 };
-constexpr ImagePlace kSides[] = {
+constexpr ImageRegion kSides[] = {
     {"left", 0, 1}, {"right", 2, 1}, {"top", 1, 0}, {"bottom", 1, 2}};
-constexpr ImagePlace kCorners[] = {{"top left", 0, 0},
-                                   {"top right", 2, 0},
-                                   {"bottom left", 0, 2},
-                                   {"bottom right", 2, 2}};
+constexpr ImageRegion kCorners[] = {{"top left", 0, 0},
+                                    {"top right", 2, 0},
+                                    {"bottom left", 0, 2},
+                                    {"bottom right", 2, 2}};
 
 // Describes sides and corners with a large extrapolated fraction. Corners of a
 // side that is already named are omitted.
 std::string DescribePositions(
     const std::array<std::array<double, 3>, 3>& shares) {
-  constexpr double kMuchOfSide = 0.2, kMuchOfCorner = 0.03;
+  constexpr double kMinSideFraction = 0.2, kMinCornerFraction = 0.03;
   std::vector<std::string> sides, corners;
-  std::vector<ImagePlace> named;
-  for (const ImagePlace& side : kSides)
-    if (shares[side.row][side.column] > kMuchOfSide) {
+  std::vector<ImageRegion> named;
+  for (const ImageRegion& side : kSides)
+    if (shares[side.row][side.column] > kMinSideFraction) {
       sides.emplace_back(side.name);
       named.push_back(side);
     }
-  for (const ImagePlace& corner : kCorners) {
-    const bool is_of_side =
-        std::any_of(named.begin(), named.end(), [&](const ImagePlace& side) {
+  for (const ImageRegion& corner : kCorners) {
+    const bool belongs_to_side =
+        std::any_of(named.begin(), named.end(), [&](const ImageRegion& side) {
           return (side.row == 1 && side.column == corner.column) ||
                  (side.column == 1 && side.row == corner.row);
         });
-    if (!is_of_side && shares[corner.row][corner.column] > kMuchOfCorner)
+    if (!belongs_to_side &&
+        shares[corner.row][corner.column] > kMinCornerFraction)
       corners.emplace_back(corner.name);
   }
   std::vector<std::string> parts;
@@ -117,7 +118,7 @@ UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
   UncertaintySummary summary;
   summary.median_px = uncertainty.lattice.MedianPx();
   const std::vector<CountedCell> cells =
-      CellsOf(camera, camera.image_circle(), uncertainty.mask);
+      ListCells(camera, camera.image_circle(), uncertainty.mask);
   for (const CountedCell& cell : cells) {
     if (!cell.is_calibrated) continue;
     const double px = uncertainty.lattice.At(camera.area(), cell.center);
@@ -131,7 +132,7 @@ UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
 
 double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid) {
   const std::vector<CountedCell> cells =
-      CellsOf(camera, camera.image_circle(), valid);
+      ListCells(camera, camera.image_circle(), valid);
   double num_valid = 0;
   for (const CountedCell& cell : cells)
     if (cell.is_calibrated && valid.is_valid[cell.cell])
@@ -147,10 +148,10 @@ std::string DescribeUncertainty(const UncertaintySummary& summary,
       "uncertainty below {:.2g} px.",
       100 * summary.valid_share,
       camera.image_circle() ? "image circle" : "image",
-      uncertainty.max_deviation_px);
+      uncertainty.max_stddev_px);
 }
 
-ExtrapolatedRegion FindExtrapolatedRegion(
+ExtrapolatedRegion SummarizeExtrapolatedRegion(
     const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
     const ValidityMask& supported, const UncertaintyLattice& lattice) {
   ExtrapolatedRegion region;
@@ -158,7 +159,7 @@ ExtrapolatedRegion FindExtrapolatedRegion(
   std::array<std::array<double, 3>, 3> shares = {}, all = {};
   std::vector<double> uncertainties_px;
   const std::vector<CountedCell> cells =
-      CellsOf(camera, image_circle, supported);
+      ListCells(camera, image_circle, supported);
   for (const CountedCell& cell : cells) {
     const int column = GetThird(cell.center.x(), size.width);
     const int row = GetThird(cell.center.y(), size.height);

@@ -43,7 +43,7 @@ std::string DescribeUncertainty(const UncertaintySummary& summary,
                                 const CameraModel& camera);
 
 /// Finds the extrapolated region: cells of the area without nearby features.
-ExtrapolatedRegion FindExtrapolatedRegion(
+ExtrapolatedRegion SummarizeExtrapolatedRegion(
     const CameraModel& camera, const std::optional<ImageCircle>& image_circle,
     const ValidityMask& supported, const UncertaintyLattice& lattice);
 

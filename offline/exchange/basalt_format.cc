@@ -17,7 +17,7 @@ namespace {
 
 constexpr char kRoot[] = "value0";  // cereal's name of the first value
 constexpr char kPoses[] = "T_imu_cam";
-constexpr char kLenses[] = "intrinsics";
+constexpr char kIntrinsics[] = "intrinsics";
 constexpr char kSizes[] = "resolution";
 constexpr char kType[] = "camera_type";
 constexpr char kRadius[] = "rpmax";  // key in pinhole-radtan8; 0: unlimited
@@ -26,7 +26,7 @@ constexpr char kRadius[] = "rpmax";  // key in pinhole-radtan8; 0: unlimited
 const std::vector<ExternalModel>& GetBasaltModels() {
   static const std::vector<ExternalModel> external_models = [] {
     ExternalModel fisheye = MakeOpenCvFisheyeModel("kb4");
-    fisheye.reach_rad = M_PI;
+    fisheye.max_supported_angle_rad = M_PI;
     return std::vector<ExternalModel>{
         MakeOpenCvModel("pinhole", 0),
         MakeOpenCvModel("pinhole-radtan8", 8),
@@ -40,7 +40,7 @@ const std::vector<ExternalModel>& GetBasaltModels() {
 
 // Mandatory keys that raygrid does not estimate, nearly all of them IMU
 // parameters. The values are the initial values of Basalt's calibration.
-const Json& DefaultsOfOthers() {
+const Json& GetDefaultParameters() {
   static const Json defaults = {
       {"calib_accel_bias", std::vector<double>(9, 0)},
       {"calib_gyro_bias", std::vector<double>(12, 0)},
@@ -66,16 +66,16 @@ const ExternalModel& FindBasaltModel(const std::string& type) {
                                Printable(type), names));
 }
 
-ConvertedCamera ReadBasaltLens(const YAML::Node& camera,
-                               std::vector<std::string>* warnings) {
+ConvertedCamera ReadBasaltCamera(const YAML::Node& camera,
+                                 std::vector<std::string>* warnings) {
   if (!camera.IsMap() || !camera[kType] || !camera[kType].IsScalar())
     throw InputError(fmt::format("'{}' is missing", kType));
   ConvertedCamera lens;
   lens.external_model = &FindBasaltModel(camera[kType].as<std::string>());
-  const YAML::Node values = camera[kLenses];
+  const YAML::Node values = camera[kIntrinsics];
   if (!values || !values.IsMap())
-    throw InputError(fmt::format("'{}' is missing", kLenses));
-  const CameraKeys keys(values, kLenses);
+    throw InputError(fmt::format("'{}' is missing", kIntrinsics));
+  const CameraKeys keys(values, kIntrinsics);
   for (const std::string& parameter : lens.external_model->parameters)
     lens.values.push_back(FiniteNumber(keys[parameter], parameter));
   keys.Skip({kRadius});
@@ -94,8 +94,8 @@ Pose ReadBasaltPose(const YAML::Node& node) {
 }
 
 // Returns one entry per camera; empty if the list is missing.
-std::vector<YAML::Node> ListOf(const YAML::Node& root, const std::string& name,
-                               size_t num_cameras) {
+std::vector<YAML::Node> ReadList(const YAML::Node& root,
+                                 const std::string& name, size_t num_cameras) {
   const YAML::Node list = root[name];
   if (!list) return {};
   if (!list.IsSequence() || list.size() != num_cameras)
@@ -116,10 +116,11 @@ auto ReadEntry(const std::string& list, size_t index, const Read& read) {
 
 // Assigns the names that raygrid wrote. Without names, cameras are numbered,
 // and a single camera remains unnamed.
-void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
-  const auto own = ListOf(file, kRaygridKey, cameras->size());
+void NameBasaltCameras(const YAML::Node& file,
+                       std::vector<InputCamera>* cameras) {
+  const auto own = ReadList(file, kRaygridKey, cameras->size());
   for (size_t c = 0; c < cameras->size(); ++c) {
-    ReadLens& camera = (*cameras)[c];
+    InputCamera& camera = (*cameras)[c];
     if (!own.empty()) ParseRaygridJson(own[c], &camera);
     if (camera.name.empty() && cameras->size() > 1)
       camera.name = fmt::format("cam{}", c);
@@ -128,8 +129,8 @@ void NameBasaltCameras(const YAML::Node& file, std::vector<ReadLens>* cameras) {
 
 // Whether a value equals the default that raygrid writes.
 bool IsDefault(const std::string& key, const YAML::Node& value) {
-  const auto found = DefaultsOfOthers().find(key);
-  if (found == DefaultsOfOthers().end()) return false;
+  const auto found = GetDefaultParameters().find(key);
+  if (found == GetDefaultParameters().end()) return false;
   if (!found->is_array())
     return value.IsScalar() && FiniteNumber(value, key) == found->get<double>();
   return value.IsSequence() &&
@@ -143,13 +144,13 @@ void AddOtherWarnings(const YAML::Node& root, ExchangeContents* contents) {
   std::string others;
   for (const auto& entry : root) {
     const std::string key = entry.first.as<std::string>();
-    if (key != kPoses && key != kLenses && key != kSizes &&
+    if (key != kPoses && key != kIntrinsics && key != kSizes &&
         !IsDefault(key, entry.second))
       others += (others.empty() ? "" : ", ") + Printable(key);
   }
   if (!others.empty()) contents->warnings.push_back("ignored: " + others);
-  for (const YAML::Node& camera : root[kLenses]) {
-    const YAML::Node radius = camera[kLenses][kRadius];
+  for (const YAML::Node& camera : root[kIntrinsics]) {
+    const YAML::Node radius = camera[kIntrinsics][kRadius];
     if (!radius || FiniteNumber(radius, kRadius) == 0) continue;
     contents->warnings.push_back(fmt::format(
         "ignored: {} (the calibrated area ends where the distortion folds)",
@@ -161,18 +162,19 @@ void AddOtherWarnings(const YAML::Node& root, ExchangeContents* contents) {
 ExchangeContents ReadBasalt(const ReadRequest& request) {
   const YAML::Node file = LoadForeignMap(request.path, request.text);
   const YAML::Node root = file[kRoot];
-  if (!root || !root.IsMap() || !root[kLenses] || !root[kLenses].IsSequence())
-    throw InputError(
-        fmt::format("not a calibration: {} has no list '{}'", kRoot, kLenses));
-  const size_t count = root[kLenses].size();
-  const auto sizes = ListOf(root, kSizes, count);
-  const auto poses = ListOf(root, kPoses, count);
+  if (!root || !root.IsMap() || !root[kIntrinsics] ||
+      !root[kIntrinsics].IsSequence())
+    throw InputError(fmt::format("not a calibration: {} has no list '{}'",
+                                 kRoot, kIntrinsics));
+  const size_t count = root[kIntrinsics].size();
+  const auto sizes = ReadList(root, kSizes, count);
+  const auto poses = ReadList(root, kPoses, count);
   ExchangeContents contents;
   Pose imu_from_first;
   for (size_t c = 0; c < count; ++c) {
-    ReadLens camera;
-    camera.lens = ReadEntry(kLenses, c, [&] {
-      return ReadBasaltLens(root[kLenses][c], &contents.warnings);
+    InputCamera camera;
+    camera.lens = ReadEntry(kIntrinsics, c, [&] {
+      return ReadBasaltCamera(root[kIntrinsics][c], &contents.warnings);
     });
     if (!sizes.empty()) camera.lens.size = GetListSize(sizes[c], kSizes);
     if (!poses.empty()) {
@@ -214,30 +216,30 @@ Json BasaltPose(const Pose& pose) {
           {"qy", q.y()}, {"qz", q.z()}, {"qw", q.w()}};
 }
 
-Json BasaltLens(const ConvertedCamera& lens) {
+Json MakeBasaltIntrinsics(const ConvertedCamera& lens) {
   Json values = Json::object();
   for (size_t k = 0; k < lens.values.size(); ++k)
     values[lens.external_model->parameters[k]] = lens.values[k];
   if (lens.external_model->Has("k6")) values[kRadius] = 0.0;
-  return {{kType, lens.external_model->name}, {kLenses, std::move(values)}};
+  return {{kType, lens.external_model->name}, {kIntrinsics, std::move(values)}};
 }
 
 // The IMU frame is the rig frame, or the camera frame of a single camera.
 // Basalt ignores keys after its own root value.
 std::string WriteBasalt(const WriteRequest& request) {
   Json root = {{kPoses, Json::array()},
-               {kLenses, Json::array()},
+               {kIntrinsics, Json::array()},
                {kSizes, Json::array()}};
   Json own = Json::array();
-  for (const WrittenLens& camera : request.cameras) {
+  for (const OutputCamera& camera : request.cameras) {
     const ConvertedCamera& lens = camera.lens;
     root[kPoses].push_back(
         BasaltPose(camera.camera_from_rig.value_or(Pose{}).Inverse()));
-    root[kLenses].push_back(BasaltLens(lens));
+    root[kIntrinsics].push_back(MakeBasaltIntrinsics(lens));
     root[kSizes].push_back({lens.size.width, lens.size.height});
     own.push_back(MakeRaygridJson(camera));
   }
-  root.update(DefaultsOfOthers());
+  root.update(GetDefaultParameters());
   return Json{{kRoot, std::move(root)}, {kRaygridKey, std::move(own)}}.dump(4) +
          "\n";
 }

@@ -84,7 +84,7 @@ bool IsParameter(const std::string& plain) {
 }
 
 // Whether a value is null, 0, or a list or matrix of zeros.
-bool IsNothing(const YAML::Node& value, int depth = 0) {
+bool IsEmptyOrZero(const YAML::Node& value, int depth = 0) {
   constexpr int kDeepest = 2;
   if (!value.IsDefined() || value.IsNull()) return true;
   if (depth > kDeepest) return false;
@@ -96,8 +96,8 @@ bool IsNothing(const YAML::Node& value, int depth = 0) {
            (YAML::convert<double>::decode(value, number) && number == 0);
   }
   return std::all_of(value.begin(), value.end(), [&](const auto& entry) {
-    return IsNothing(value.IsMap() ? entry.second : YAML::Node(entry),
-                     depth + 1);
+    return IsEmptyOrZero(value.IsMap() ? entry.second : YAML::Node(entry),
+                         depth + 1);
   });
 }
 
@@ -106,41 +106,41 @@ std::string GetLastKey(const std::string& path) {
   return path.substr(path.find_last_of("/.") + 1);
 }
 
-LensFamily GetLensFamily(const ExternalModel& external_model) {
+ModelFamily GetModelFamily(const ExternalModel& external_model) {
   if (external_model.model == models::kThinPrismFisheye)
-    return LensFamily::kFisheye;
+    return ModelFamily::kFisheye;
   if (external_model.model == models::kOpenCv ||
       external_model.model == models::kOpenCv14)
-    return LensFamily::kPinhole;
-  return external_model.model == models::kOmniRadtan ? LensFamily::kOmni
-                                                     : LensFamily::kOther;
+    return ModelFamily::kPinhole;
+  return external_model.model == models::kOmniRadtan ? ModelFamily::kOmni
+                                                     : ModelFamily::kOther;
 }
 
 // Whether a model selector is consistent with the external model. Kalibr also
 // uses "pinhole" for fisheye cameras and states the distortion separately.
 bool Agrees(const std::string& key, const YAML::Node& value,
             const ExternalModel& external_model) {
-  if (IsNothing(value) || !value.IsScalar()) return true;
+  if (IsEmptyOrZero(value) || !value.IsScalar()) return true;
   const std::string text = Plain(value.as<std::string>());
-  const LensFamily own = GetLensFamily(external_model);
+  const ModelFamily own = GetModelFamily(external_model);
   if (text == "true" || text == "1" || text == "yes") {
     const auto names = [&](const char* word) {
       return key.find(word) != std::string::npos;
     };
-    return !(names("fisheye") && own != LensFamily::kFisheye) &&
-           !(names("omni") && own != LensFamily::kOmni);
+    return !(names("fisheye") && own != ModelFamily::kFisheye) &&
+           !(names("omni") && own != ModelFamily::kOmni);
   }
-  const auto family = ParseLensFamily(text);
+  const auto family = ParseModelFamily(text);
   // Unknown values of other keys are vendor names.
   if (!family)
     return key.find("distortion") == std::string::npos && key != "projection";
-  return (*family == own && own != LensFamily::kOther) || text == "pinhole";
+  return (*family == own && own != ModelFamily::kOther) || text == "pinhole";
 }
 
 // Whether a value duplicates a parameter's value.
-bool IsValueOf(const ExternalModel& external_model,
-               const std::vector<double>& values, const std::string& parameter,
-               const YAML::Node& value) {
+bool IsValueOfModel(const ExternalModel& external_model,
+                    const std::vector<double>& values,
+                    const std::string& parameter, const YAML::Node& value) {
   double number = NAN;
   if (!value.IsScalar() || !YAML::convert<double>::decode(value, number))
     return false;
@@ -155,22 +155,22 @@ bool IsValueOf(const ExternalModel& external_model,
 
 // Compares whole words, because vendor names such as OmniVision and oCam
 // contain names of models.
-std::optional<LensFamily> ParseLensFamily(const std::string& word) {
-  static const std::map<LensFamily, std::set<std::string>> families = {
-      {LensFamily::kPinhole,
+std::optional<ModelFamily> ParseModelFamily(const std::string& word) {
+  static const std::map<ModelFamily, std::set<std::string>> families = {
+      {ModelFamily::kPinhole,
        {"pinhole", "plumbbob", "rational", "rationalpolynomial", "perspective",
         "radtan", "radialtangential", "brownconrady", "rectilinear", "opencv",
         "opencvstandard", "standard", "radial", "simpleradial", "simplepinhole",
         "fullopencv", "pinholeradtan"}},
-      {LensFamily::kFisheye,
+      {ModelFamily::kFisheye,
        {"fisheye", "opencvfisheye", "fisheyeopencv", "equidistant", "equi",
         "equidistantfisheye", "kannalabrandt", "kannalabrandt4",
         "kannalabrandt8", "kb", "kb4", "kb8", "pinholeequi",
         "pinholeequidistant"}},
-      {LensFamily::kOmni,
+      {ModelFamily::kOmni,
        {"omni", "omnidir", "omnidirectional", "omniradtan", "mei",
         "catadioptric"}},
-      {LensFamily::kOther,
+      {ModelFamily::kOther,
        {"inversebrownconrady",
         "modifiedbrownconrady",
         "scaramuzza",
@@ -211,13 +211,13 @@ std::optional<LensFamily> ParseLensFamily(const std::string& word) {
   return std::nullopt;
 }
 
-const char* ToText(LensFamily family) {
+const char* ToText(ModelFamily family) {
   switch (family) {
-    case LensFamily::kPinhole:
+    case ModelFamily::kPinhole:
       return "a pinhole";
-    case LensFamily::kFisheye:
+    case ModelFamily::kFisheye:
       return "a fisheye";
-    case LensFamily::kOmni:
+    case ModelFamily::kOmni:
       return "an omnidirectional camera";
     default:
       return "another camera model";
@@ -294,7 +294,7 @@ void CameraKeys::Skip(const std::vector<std::string>& keys) const {
   }
 }
 
-void CameraKeys::FindUnread(
+void CameraKeys::CollectUnread(
     const YAML::Node& map, const std::string& prefix,
     std::vector<std::pair<std::string, YAML::Node>>* unread) const {
   for (const auto& entry : map) {
@@ -309,7 +309,7 @@ void CameraKeys::FindUnread(
     const auto below = read_.lower_bound(path + "/");
     if (entry.second.IsMap() && below != read_.end() &&
         below->rfind(path + "/", 0) == 0)
-      FindUnread(entry.second, path + "/", unread);
+      CollectUnread(entry.second, path + "/", unread);
     else
       unread->emplace_back(path, entry.second);
   }
@@ -319,18 +319,18 @@ void CameraKeys::Finish(const ExternalModel& external_model,
                         std::vector<std::string>* warnings,
                         const std::vector<double>& values) const {
   std::vector<std::pair<std::string, YAML::Node>> unread;
-  FindUnread(map_, "", &unread);
+  CollectUnread(map_, "", &unread);
   const std::string of_camera = name_.empty() ? "" : name_ + ": ";
   constexpr size_t kMaxNames = 12;
   std::string names;
   size_t count = 0;
   for (const auto& [path, value] : unread) {
     const std::string plain = Plain(GetLastKey(path));
-    if (IsValueOf(external_model, values, plain, value)) continue;
-    const bool is_named_only = named_only_.count(path) > 0;
-    const bool is_selector = IsSelector(plain) && !is_named_only,
-               is_parameter = IsParameter(plain) && !is_named_only,
-               is_nothing = IsNothing(value);
+    if (IsValueOfModel(external_model, values, plain, value)) continue;
+    const bool is_only_named = named_only_.count(path) > 0;
+    const bool is_selector = IsSelector(plain) && !is_only_named,
+               is_parameter = IsParameter(plain) && !is_only_named,
+               is_nothing = IsEmptyOrZero(value);
     if (is_selector ? !Agrees(plain, value, external_model)
                     : is_parameter && !is_nothing)
       throw InputError(fmt::format(

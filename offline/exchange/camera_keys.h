@@ -13,14 +13,14 @@
 namespace raygrid {
 
 /// Families of camera models that names in files denote.
-enum class LensFamily { kPinhole, kFisheye, kOmni, kOther };
+enum class ModelFamily { kPinhole, kFisheye, kOmni, kOther };
 
 /// Returns the family of "plumb_bob", "KannalaBrandt8", "MEI" and similar
 /// names; nullopt for unknown names, such as vendors' own.
-std::optional<LensFamily> ParseLensFamily(const std::string& word);
+std::optional<ModelFamily> ParseModelFamily(const std::string& word);
 
 /// Returns "a pinhole", "a fisheye", ...
-const char* ToText(LensFamily family);
+const char* ToText(ModelFamily family);
 
 /// The keys of a camera in another program's file. Records which of them were
 /// read, so that Finish() reports the remaining ones; hence readers look up all
@@ -70,7 +70,7 @@ class CameraKeys {
 
  private:
   YAML::Node Find(const std::string& path) const;
-  void FindUnread(
+  void CollectUnread(
       const YAML::Node& map, const std::string& prefix,
       std::vector<std::pair<std::string, YAML::Node>>* unread) const;
 

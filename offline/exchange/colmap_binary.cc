@@ -9,10 +9,10 @@ namespace raygrid {
 namespace {
 
 constexpr int32_t kCameraSensor = 0;
-constexpr uint64_t kMostCameras = 1000000, kLongestSidePx = 1000000;
+constexpr uint64_t kMaxCameras = 1000000, kMaxSidePx = 1000000;
 
 int GetSide(uint64_t side) {
-  if (side < 1 || side > kLongestSidePx)
+  if (side < 1 || side > kMaxSidePx)
     throw InputError(fmt::format("{}: invalid image size", side));
   return static_cast<int>(side);
 }
@@ -80,16 +80,16 @@ int NumColmapParameters(const std::string& model) {
 }
 
 bool IsColmapBinary(const std::string& bytes) {
-  constexpr int kMostModels = 256;
+  constexpr int kMaxModels = 256;
   if (bytes.size() < 32) return false;
   ByteReader reader(bytes);
   const auto count = reader.Get<uint64_t>();
   reader.Get<uint32_t>();
   const auto model = reader.Get<int32_t>();
   const auto width = reader.Get<uint64_t>(), height = reader.Get<uint64_t>();
-  return count >= 1 && count <= kMostCameras && model >= 0 &&
-         model < kMostModels && width >= 1 && width <= kLongestSidePx &&
-         height >= 1 && height <= kLongestSidePx;
+  return count >= 1 && count <= kMaxCameras && model >= 0 &&
+         model < kMaxModels && width >= 1 && width <= kMaxSidePx &&
+         height >= 1 && height <= kMaxSidePx;
 }
 
 std::vector<ColmapCamera> DecodeColmapCameras(const std::string& bytes) {

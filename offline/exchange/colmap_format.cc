@@ -22,7 +22,7 @@ namespace {
 ExternalModel MakeColmapModel(ExternalModel external_model,
                               bool is_explicit_only) {
   external_model.origin = PixelOrigin::kImageCorner;
-  external_model.reach_rad = M_PI / 2;
+  external_model.max_supported_angle_rad = M_PI / 2;
   external_model.is_explicit_only = is_explicit_only;
   return external_model;
 }
@@ -83,7 +83,7 @@ constexpr char kAriaFisheye[] = "RAD_TAN_THIN_PRISM_FISHEYE";
 
 // Projects a direction, given as incidence angle times unit direction, to
 // normalized image coordinates.
-Eigen::Vector2d AriaPlace(const Eigen::Vector2d& angle, const double* d) {
+Eigen::Vector2d ProjectAria(const Eigen::Vector2d& angle, const double* d) {
   const double t2 = angle.squaredNorm();
   double factor = 0;
   for (int k = 5; k >= 0; --k) factor = (factor + d[k]) * t2;
@@ -101,12 +101,12 @@ std::optional<Eigen::Vector3d> AriaDirection(const Eigen::Vector2d& place,
   constexpr double kStep = 1e-6, kNear = 1e-12;
   Eigen::Vector2d angle = place;
   for (int round = 0; round < 50; ++round) {
-    const Eigen::Vector2d off = AriaPlace(angle, d) - place;
+    const Eigen::Vector2d off = ProjectAria(angle, d) - place;
     Eigen::Matrix2d jacobian;
     for (int k = 0; k < 2; ++k) {
       const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(k);
       jacobian.col(k) =
-          (AriaPlace(angle + step, d) - AriaPlace(angle - step, d)) /
+          (ProjectAria(angle + step, d) - ProjectAria(angle - step, d)) /
           (2 * kStep);
     }
     if (!(jacobian.determinant() > 0)) return std::nullopt;
@@ -148,15 +148,16 @@ bool IsBinaryPath(const std::string& path) {
 }
 
 // Returns the path of a companion file: "m/rigs.txt" for "m/cameras.txt".
-std::string PathBeside(const std::string& path, const std::string& stem) {
+std::string MakeCompanionPath(const std::string& path,
+                              const std::string& stem) {
   return std::filesystem::path(path)
       .replace_filename(stem + (IsBinaryPath(path) ? ".bin" : ".txt"))
       .string();
 }
 
 // In the order of ReadRequest::beside.
-std::vector<std::string> PathsBeside(const std::string& path) {
-  return {PathBeside(path, "rigs"), PathBeside(path, "images")};
+std::vector<std::string> MakeCompanionPaths(const std::string& path) {
+  return {MakeCompanionPath(path, "rigs"), MakeCompanionPath(path, "images")};
 }
 
 // Returns the only rig with several cameras if it contains all cameras with
@@ -164,23 +165,25 @@ std::vector<std::string> PathsBeside(const std::string& path) {
 // cameras.
 ColmapRig FindColmapRig(const std::vector<ColmapRig>& rigs, size_t num_cameras,
                         std::vector<std::string>* warnings) {
-  std::vector<ColmapRig> wide;
+  std::vector<ColmapRig> large_rigs;
   for (const ColmapRig& rig : rigs)
-    if (rig.size() > 1) wide.push_back(rig);
-  if (wide.empty()) return {};
-  const bool has_poses = std::all_of(
-      wide.front().begin(), wide.front().end(), [](const ColmapSensor& sensor) {
-        return sensor.sensor_from_rig.has_value();
-      });
-  if (wide.size() == 1 && wide.front().size() == num_cameras && has_poses)
-    return wide.front();
+    if (rig.size() > 1) large_rigs.push_back(rig);
+  if (large_rigs.empty()) return {};
+  const bool has_poses =
+      std::all_of(large_rigs.front().begin(), large_rigs.front().end(),
+                  [](const ColmapSensor& sensor) {
+                    return sensor.sensor_from_rig.has_value();
+                  });
+  if (large_rigs.size() == 1 && large_rigs.front().size() == num_cameras &&
+      has_poses)
+    return large_rigs.front();
   warnings->push_back(
       "rig poses are ignored, since they do not cover all cameras in one rig");
   return {};
 }
 
-size_t IndexOf(uint32_t id, const std::vector<ColmapCamera>& cameras,
-               const std::string& owner) {
+size_t GetCameraIndex(uint32_t id, const std::vector<ColmapCamera>& cameras,
+                      const std::string& owner) {
   for (size_t c = 0; c < cameras.size(); ++c)
     if (cameras[c].id == id) return c;
   throw InputError(
@@ -190,14 +193,14 @@ size_t IndexOf(uint32_t id, const std::vector<ColmapCamera>& cameras,
 void SetPoses(const ColmapRig& rig, const std::vector<ColmapCamera>& cameras,
               ExchangeContents* contents) {
   for (const ColmapSensor& sensor : rig)
-    contents->cameras[IndexOf(sensor.camera, cameras, "a rig")]
+    contents->cameras[GetCameraIndex(sensor.camera, cameras, "a rig")]
         .camera_from_rig = sensor.sensor_from_rig;
 }
 
 // Removes the camera's folder from an image name: "left/1.png" becomes "1.png"
 // for camera "left".
-std::string NameWithoutCamera(const std::string& image,
-                              const std::string& camera) {
+std::string RemoveCameraFolder(const std::string& image,
+                               const std::string& camera) {
   const std::string folder = camera + "/";
   return !camera.empty() && image.rfind(folder, 0) == 0
              ? image.substr(folder.size())
@@ -212,12 +215,12 @@ void AddImages(std::vector<ColmapImage> images,
       images.begin(), images.end(),
       [](const ColmapImage& a, const ColmapImage& b) { return a.id < b.id; });
   for (const ColmapImage& image : images) {
-    ReadLens& camera = contents->cameras[IndexOf(
+    InputCamera& camera = contents->cameras[GetCameraIndex(
         image.camera, cameras,
         fmt::format("image '{}'", Printable(image.name)))];
     RequireStorableName("image", image.name);
     camera.poses.push_back({cameras.size() > 1
-                                ? NameWithoutCamera(image.name, camera.name)
+                                ? RemoveCameraFolder(image.name, camera.name)
                                 : image.name,
                             0, image.camera_from_world});
   }
@@ -230,7 +233,7 @@ void ReadCompanionFiles(const ReadRequest& request, bool is_text,
   const auto take = [&](const char* stem, const std::string& text,
                         const auto& parse, const auto& decode,
                         const auto& add) {
-    const std::string path = PathBeside(request.path, stem);
+    const std::string path = MakeCompanionPath(request.path, stem);
     if (text.empty()) return;
     ReadNamingFile(path,
                    [&] { add(is_text ? parse(path, text) : decode(text)); });
@@ -257,7 +260,7 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
   for (const ColmapCamera& camera : cameras) {
     if (!ids.insert(camera.id).second)
       throw InputError(fmt::format("duplicate camera {}", camera.id));
-    ReadLens read;
+    InputCamera read;
     read.name = camera.name.empty() && cameras.size() > 1
                     ? fmt::format("camera{}", camera.id)
                     : camera.name;
@@ -274,20 +277,20 @@ ExchangeContents ReadColmap(const ReadRequest& request) {
 
 std::string WriteColmap(const WriteRequest& request) {
   std::vector<ColmapCamera> cameras;
-  for (const WrittenLens& camera : request.cameras)
+  for (const OutputCamera& camera : request.cameras)
     cameras.push_back({static_cast<uint32_t>(cameras.size() + 1),
                        camera.lens.external_model->name, camera.lens.size,
                        camera.lens.values, camera.name, camera.serial,
-                       camera.fit ? FormatLensFit(*camera.fit) : ""});
+                       camera.fit ? FormatModelFit(*camera.fit) : ""});
   return IsBinaryPath(request.path) ? EncodeColmapCameras(cameras)
                                     : FormatColmapCameras(cameras);
 }
 
 // COLMAP's rig frame is the frame of its reference sensor, the first camera.
-ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
+ColmapRig MakeColmapRig(const std::vector<OutputCamera>& cameras) {
   const Pose rig_from_first = cameras.front().camera_from_rig.value().Inverse();
   ColmapRig rig;
-  for (const WrittenLens& camera : cameras)
+  for (const OutputCamera& camera : cameras)
     rig.push_back({static_cast<uint32_t>(rig.size() + 1),
                    *camera.camera_from_rig * rig_from_first});
   return rig;
@@ -295,7 +298,7 @@ ColmapRig RigOfCameras(const std::vector<WrittenLens>& cameras) {
 
 // Images of several cameras are in folders named after the cameras.
 std::vector<ColmapImage> MakeColmapImages(
-    const std::vector<WrittenLens>& cameras) {
+    const std::vector<OutputCamera>& cameras) {
   std::vector<ColmapImage> images;
   for (size_t c = 0; c < cameras.size(); ++c)
     for (const BoardPose& pose : cameras[c].poses)
@@ -309,15 +312,16 @@ std::vector<ColmapImage> MakeColmapImages(
 
 // Groups images of the same name into frames. images: result of
 // MakeColmapImages().
-std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
-                                  const std::vector<WrittenLens>& cameras) {
-  const ColmapRig rig = RigOfCameras(cameras);
+std::vector<ColmapFrame> GroupIntoFrames(
+    const std::vector<ColmapImage>& images,
+    const std::vector<OutputCamera>& cameras) {
+  const ColmapRig rig = MakeColmapRig(cameras);
   std::vector<ColmapFrame> frames;
   std::map<std::string, size_t> by_name;
   for (const ColmapImage& image : images) {
     const size_t camera = image.camera - 1;
     const auto [at, is_new] = by_name.emplace(
-        NameWithoutCamera(image.name, cameras[camera].name), frames.size());
+        RemoveCameraFolder(image.name, cameras[camera].name), frames.size());
     if (is_new)
       frames.push_back(
           {rig[camera].sensor_from_rig->Inverse() * image.camera_from_world,
@@ -330,24 +334,24 @@ std::vector<ColmapFrame> FramesOf(const std::vector<ColmapImage>& images,
 // COLMAP requires a points file, so an empty one is written. The points and
 // images of an existing reconstruction are never overwritten. Since version
 // 3.12, COLMAP also requires frames if there are rigs.
-std::vector<CompanionFile> WriteColmapBeside(const WriteRequest& request) {
+std::vector<CompanionFile> WriteColmapCompanions(const WriteRequest& request) {
   std::vector<CompanionFile> files;
   const bool is_binary = IsBinaryPath(request.path);
   const auto add = [&](const char* stem, const auto& encode, const auto& format,
                        const auto&... what) {
-    files.push_back({PathBeside(request.path, stem),
+    files.push_back({MakeCompanionPath(request.path, stem),
                      is_binary ? encode(what...) : format(what...)});
   };
   RequireOneBoard("COLMAP", request.cameras);
   const bool is_rig = request.cameras.front().camera_from_rig.has_value();
   if (is_rig)
     add("rigs", EncodeColmapRig, FormatColmapRig,
-        RigOfCameras(request.cameras));
+        MakeColmapRig(request.cameras));
   const std::vector<ColmapImage> images = MakeColmapImages(request.cameras);
   if (images.empty()) return files;
   if (is_rig)
     add("frames", EncodeColmapFrames, FormatColmapFrames,
-        FramesOf(images, request.cameras));
+        GroupIntoFrames(images, request.cameras));
   add("images", EncodeColmapImages, FormatColmapImages, images);
   add("points3D", EncodeNoColmapPoints, FormatNoColmapPoints);
   files.back().is_never_replaced = true;
@@ -370,8 +374,8 @@ Format MakeColmapFormat() {
   format.read = ReadColmap;
   format.write = WriteColmap;
   format.supports_poses = true;
-  format.beside = PathsBeside;
-  format.write_beside = WriteColmapBeside;
+  format.beside = MakeCompanionPaths;
+  format.write_beside = WriteColmapCompanions;
   return format;
 }
 

@@ -7,7 +7,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/word_lines.h"
+#include "dataset/token_lines.h"
 #include "exchange/colmap_files.h"
 #include "exchange/yaml_numbers.h"
 
@@ -64,7 +64,7 @@ std::string FormatComment(const std::string& kind, uint32_t id,
                       : fmt::format("{}{}: {}\n", kind, id, Printable(text));
 }
 
-bool IsModelWord(const std::string& word) {
+bool IsModelName(const std::string& word) {
   return std::isupper(static_cast<unsigned char>(word[0])) &&
          word.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789") ==
              std::string::npos;
@@ -74,7 +74,7 @@ bool IsCount(const std::string& word) {
   return word.find_first_not_of("0123456789") == std::string::npos;
 }
 
-Pose PoseOfWords(const WordLines& lines, size_t first) {
+Pose ParsePose(const TokenLines& lines, size_t first) {
   std::array<double, 7> numbers;
   for (size_t k = 0; k < numbers.size(); ++k)
     numbers[k] = lines.Get<double>(first + k);
@@ -86,7 +86,7 @@ Pose PoseOfWords(const WordLines& lines, size_t first) {
 }
 
 // Formats a pose as " QW QX QY QZ TX TY TZ".
-std::string PoseWords(const Pose& pose) {
+std::string FormatPose(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   const Eigen::Vector3d& t = pose.translation;
   std::string words;
@@ -96,7 +96,7 @@ std::string PoseWords(const Pose& pose) {
 }
 
 // Parses the sensors that follow the reference sensor as pairs of type and ID.
-ColmapRig RigOfWords(const WordLines& lines) {
+ColmapRig ParseRig(const TokenLines& lines) {
   constexpr char kCamera[] = "CAMERA";
   ColmapRig rig;
   size_t at = 4;
@@ -108,7 +108,7 @@ ColmapRig RigOfWords(const WordLines& lines) {
     const bool is_camera = lines.Text(at) == kCamera;
     sensor.camera = lines.Get<uint32_t>(at + 1);
     const bool has_pose = lines.Get<int>(at + 2) != 0;
-    if (has_pose) sensor.sensor_from_rig = PoseOfWords(lines, at + 3);
+    if (has_pose) sensor.sensor_from_rig = ParsePose(lines, at + 3);
     at += has_pose ? 10 : 3;
     if (is_camera) rig.push_back(sensor);
   }
@@ -127,18 +127,18 @@ bool IsColmapText(const std::string& text) {
     std::string id, model, width, height, more;
     if (line[0] == '#' || !(words >> id)) continue;
     return words >> model >> width >> height >> more && IsCount(id) &&
-           IsModelWord(model) && IsCount(width) && IsCount(height);
+           IsModelName(model) && IsCount(width) && IsCount(height);
   }
   return false;
 }
 
 std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
                                              const std::string& text) {
-  WordLines lines(path, text, "COLMAP's cameras.txt");
+  TokenLines lines(path, text, "COLMAP's cameras.txt");
   const auto names = Comments(text, kNameComment);
   const auto serials = Comments(text, kSerialComment);
   std::vector<ColmapCamera> cameras;
-  while (lines.NextWithWords()) {
+  while (lines.NextNonEmpty()) {
     ColmapCamera camera;
     camera.id = lines.Get<uint32_t>(0);
     camera.model = lines.Text(1);
@@ -156,20 +156,20 @@ std::vector<ColmapCamera> ParseColmapCameras(const std::string& path,
 
 std::vector<ColmapRig> ParseColmapRigs(const std::string& path,
                                        const std::string& text) {
-  WordLines lines(path, text, "COLMAP's rigs.txt");
+  TokenLines lines(path, text, "COLMAP's rigs.txt");
   std::vector<ColmapRig> rigs;
-  while (lines.NextWithWords()) rigs.push_back(RigOfWords(lines));
+  while (lines.NextNonEmpty()) rigs.push_back(ParseRig(lines));
   return rigs;
 }
 
 std::vector<ColmapImage> ParseColmapImages(const std::string& path,
                                            const std::string& text) {
-  WordLines lines(path, text, "COLMAP's images.txt");
+  TokenLines lines(path, text, "COLMAP's images.txt");
   std::vector<ColmapImage> images;
-  while (lines.NextWithWords()) {
+  while (lines.NextNonEmpty()) {
     ColmapImage image;
     image.id = lines.Get<uint32_t>(0);
-    image.camera_from_world = PoseOfWords(lines, 1);
+    image.camera_from_world = ParsePose(lines, 1);
     image.camera = lines.Get<uint32_t>(8);
     image.name = lines.Text(9);
     for (size_t k = 10; k < lines.size(); ++k)
@@ -204,7 +204,7 @@ std::string FormatColmapRig(const ColmapRig& rig) {
                       rig.front().camera);
   for (size_t k = 1; k < rig.size(); ++k)
     text += fmt::format(" CAMERA {} 1{}", rig[k].camera,
-                        PoseWords(rig[k].sensor_from_rig.value()));
+                        FormatPose(rig[k].sensor_from_rig.value()));
   return text + "\n";
 }
 
@@ -220,7 +220,7 @@ std::string FormatColmapImages(const std::vector<ColmapImage>& images) {
                       "names; write cameras.bin",
                       Printable(image.name)));
     text += fmt::format("{}{} {} {}\n\n", image.id,
-                        PoseWords(image.camera_from_world), image.camera,
+                        FormatPose(image.camera_from_world), image.camera,
                         image.name);
   }
   return text;
@@ -230,8 +230,9 @@ std::string FormatColmapFrames(const std::vector<ColmapFrame>& frames) {
   std::string text = kFramesHeader;
   text += fmt::format("# Number of frames: {}\n", frames.size());
   for (size_t k = 0; k < frames.size(); ++k) {
-    text += fmt::format("{} 1{} {}", k + 1, PoseWords(frames[k].rig_from_world),
-                        frames[k].images.size());
+    text +=
+        fmt::format("{} 1{} {}", k + 1, FormatPose(frames[k].rig_from_world),
+                    frames[k].images.size());
     for (const auto& [camera, image] : frames[k].images)
       text += fmt::format(" CAMERA {} {}", camera, image);
     text += "\n";

@@ -41,8 +41,8 @@ std::array<std::vector<std::string>, 2> FirstLines(const std::string& text) {
 }
 
 bool IsDso(const std::string& text) {
-  constexpr size_t kLongest = 1000;
-  if (text.size() > kLongest) return false;
+  constexpr size_t kMaxBytes = 1000;
+  if (text.size() > kMaxBytes) return false;
   const auto lines = FirstLines(text);
   const std::vector<std::string>&lens = lines[0], &size = lines[1];
   const auto is_number = [](const std::string& word) {
@@ -139,7 +139,7 @@ ExchangeContents ReadDso(const ReadRequest& request) {
 // Writes four lines; DSO reads no more. It undistorts to the same size and
 // crops to the area without borders.
 std::string WriteDso(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const bool is_pinhole = camera.lens.external_model->name == "Pinhole";
   std::string text = camera.lens.external_model->name;
   for (const double value : camera.lens.values) text += " " + FormatReal(value);
@@ -149,7 +149,7 @@ std::string WriteDso(const WriteRequest& request) {
                       is_pinhole ? "none" : "crop", size);
   if (camera.fit)
     text += fmt::format("# nearest {}: {}\n", camera.lens.external_model->name,
-                        FormatLensFit(*camera.fit));
+                        FormatModelFit(*camera.fit));
   return text;
 }
 

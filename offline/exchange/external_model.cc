@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
 #include "dataset/error.h"
@@ -19,7 +19,7 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-Eigen::Index IndexOf(const LensModel& model, const std::string& parameter) {
+Eigen::Index IndexOf(const ModelInfo& model, const std::string& parameter) {
   const std::string& name = parameter == "f" ? "fx" : parameter;
   return std::find(model.parameters.begin(), model.parameters.end(), name) -
          model.parameters.begin();
@@ -50,9 +50,10 @@ void RequireFocalLengths(const Eigen::Vector2d& focal_px) {
     throw InputError("focal lengths must be positive");
 }
 
-std::unique_ptr<ParametricModel> MakeNamedLens(const ConvertedCamera& lens) {
+std::unique_ptr<ParametricModel> MakeParametricModel(
+    const ConvertedCamera& lens) {
   const ExternalModel& external_model = *lens.external_model;
-  const LensModel& model = *FindLensModel(external_model.model);
+  const ModelInfo& model = *FindModelInfo(external_model.model);
   if (lens.values.size() != external_model.parameters.size())
     throw InputError(fmt::format("{0}: expected {2} numbers, found {1}",
                                  external_model.name, lens.values.size(),
@@ -90,7 +91,7 @@ std::unique_ptr<CameraModel> MakeGrid(const ConvertedCamera& lens) {
 
 // Returns the parametric model that the camera is an instance of. An
 // equidistant view is a fisheye model without distortion.
-std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
+std::unique_ptr<CameraModel> ConvertToParametric(const CameraModel& camera) {
   const auto* view = dynamic_cast<const ViewCamera*>(&camera);
   if (!view || view->projection() != ViewProjection::kEquidistant)
     return camera.Clone();
@@ -102,11 +103,11 @@ std::unique_ptr<CameraModel> AsNamedLens(const CameraModel& camera) {
 
 // Converts a pinhole model to the one with thin-prism and tilt coefficients,
 // which are set to 0.
-std::unique_ptr<CameraModel> WithoutPrism(const CameraModel& pinhole) {
-  const LensModel& model = *FindLensModel(models::kOpenCv14);
+std::unique_ptr<CameraModel> ConvertToThinPrism(const CameraModel& pinhole) {
+  const ModelInfo& model = *FindModelInfo(models::kOpenCv14);
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(model.parameters.size());
   const std::vector<std::string>& names =
-      FindLensModel(models::kOpenCv)->parameters;
+      FindModelInfo(models::kOpenCv)->parameters;
   for (size_t k = 0; k < names.size(); ++k)
     parameters[IndexOf(model, names[k])] =
         pinhole.Parameters()[static_cast<Eigen::Index>(k)];
@@ -122,7 +123,7 @@ bool ExternalModel::Has(const std::string& parameter) const {
 std::vector<std::string> ExternalModel::Missing() const {
   std::vector<std::string> missing;
   if (IsSpline() || IsGrid()) return missing;
-  for (const std::string& parameter : FindLensModel(model)->parameters)
+  for (const std::string& parameter : FindModelInfo(model)->parameters)
     if (!Has(parameter) &&
         !(Has("f") && (parameter == "fx" || parameter == "fy")))
       missing.push_back(parameter);
@@ -153,16 +154,16 @@ std::vector<double> ConvertedCamera::ValuesFrom(size_t first) const {
 double ComputeUndefinedFraction(const CameraModel& lens) {
   constexpr int kAcross = 64;
   const Area area = lens.area();
-  int num_without = 0;
+  int num_unconverted = 0;
   for (int j = 0; j < kAcross; ++j)
     for (int i = 0; i < kAcross; ++i)
       if (!lens.Unproject({area.x0 + area.width() * (i + 0.5) / kAcross,
                            area.y0 + area.height() * (j + 0.5) / kAcross}))
-        ++num_without;
-  return static_cast<double>(num_without) / (kAcross * kAcross);
+        ++num_unconverted;
+  return static_cast<double>(num_unconverted) / (kAcross * kAcross);
 }
 
-std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens) {
+std::unique_ptr<CameraModel> MakeCameraModel(const ConvertedCamera& lens) {
   const ExternalModel& external_model = *lens.external_model;
   RequireSize(lens.size);
   std::unique_ptr<CameraModel> made;
@@ -171,7 +172,7 @@ std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens) {
   else if (external_model.IsSpline())
     made = MakeSpline(lens);
   else
-    made = MakeNamedLens(lens);
+    made = MakeParametricModel(lens);
   if (ComputeUndefinedFraction(*made) == 1)
     throw InputError(
         fmt::format("{}: no pixel of the {} x {} image has a valid ray; check "
@@ -183,10 +184,10 @@ std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens) {
 std::optional<ConvertedCamera> ConvertToExternalModel(
     const ExternalModel& external_model, const CameraModel& camera) {
   if (external_model.IsGrid()) return std::nullopt;
-  std::unique_ptr<CameraModel> lens = AsNamedLens(camera);
+  std::unique_ptr<CameraModel> lens = ConvertToParametric(camera);
   if (lens->Name() == models::kOpenCv &&
       external_model.model == models::kOpenCv14)
-    lens = WithoutPrism(*lens);
+    lens = ConvertToThinPrism(*lens);
   if (lens->Name() != external_model.model) return std::nullopt;
   if (external_model.IsSpline())
     return ConvertedCamera{
@@ -195,7 +196,7 @@ std::optional<ConvertedCamera> ConvertToExternalModel(
         {},
         std::make_shared<SplinedStereographic>(
             dynamic_cast<const SplinedStereographic&>(*lens))};
-  const LensModel& model = *FindLensModel(external_model.model);
+  const ModelInfo& model = *FindModelInfo(external_model.model);
   Eigen::VectorXd parameters = lens->Parameters();
   for (const std::string& missing : external_model.Missing())
     if (parameters[IndexOf(model, missing)] != 0) return std::nullopt;

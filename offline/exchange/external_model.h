@@ -18,11 +18,11 @@ namespace raygrid {
 /// the rotation between their frames.
 struct ExternalGrid {
   std::shared_ptr<const CameraModel> camera;
-  Eigen::Quaterniond camera_from_given = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond camera_from_input = Eigen::Quaterniond::Identity();
 };
 
 /// A camera model of another program: one of raygrid's models
-/// (camera/lens_models.h) with a subset of its parameters, in the program's
+/// (camera/model_registry.h) with a subset of its parameters, in the program's
 /// order. Missing parameters are 0.
 struct ExternalModel {
   std::string name;                     ///< the program's own: "plumb_bob"
@@ -30,7 +30,7 @@ struct ExternalModel {
   std::vector<std::string> parameters;  ///< "fx", "cx", "k1"; "f" is fx and fy
   PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
   /// Maximum angle between ray and optical axis that the program supports.
-  double reach_rad = M_PI;
+  double max_supported_angle_rad = M_PI;
   /// Used in exports only if requested by name.
   bool is_explicit_only = false;
   /// For grids: fits the program's grid camera to a camera. Null for other
@@ -81,7 +81,7 @@ struct ConvertedCamera {
 /// Makes the camera model with the whole image as its area, or returns its
 /// grid. Throws InputError for invalid parameters, such as non-finite numbers
 /// or zero focal lengths.
-std::unique_ptr<CameraModel> MakeLens(const ConvertedCamera& lens);
+std::unique_ptr<CameraModel> MakeCameraModel(const ConvertedCamera& lens);
 
 /// Returns the fraction of 64 x 64 positions in the area that have no ray.
 double ComputeUndefinedFraction(const CameraModel& lens);

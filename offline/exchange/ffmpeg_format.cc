@@ -12,12 +12,12 @@ namespace raygrid {
 namespace {
 
 // Position outside any image, where ffmpeg inserts the fill colour.
-constexpr uint16_t kNoPlace = 65535;
+constexpr uint16_t kInvalidPosition = 65535;
 
 // Returns the column or row of the nearest pixel.
-uint16_t NearestIndex(double position, int count) {
+uint16_t ComputeNearestIndex(double position, int count) {
   return static_cast<uint16_t>(std::clamp<long>(
-      std::lround(position), 0, std::min<long>(count, kNoPlace) - 1));
+      std::lround(position), 0, std::min<long>(count, kInvalidPosition) - 1));
 }
 
 void AppendSample(uint16_t sample, std::string* pgm) {
@@ -27,7 +27,7 @@ void AppendSample(uint16_t sample, std::string* pgm) {
 
 // Returns the path of one axis's map: "front_x.pgm" in the folder of
 // "front.pgm".
-std::string PathOfAxis(const std::filesystem::path& path, char axis) {
+std::string MakeAxisPath(const std::filesystem::path& path, char axis) {
   return (path.parent_path() /
           fmt::format("{}_{}.pgm", path.stem().string(), axis))
       .string();
@@ -43,15 +43,15 @@ TableOutput WriteFfmpeg(const ViewTable& view) {
       const Eigen::Vector2d at =
           source ? ToProgram(PixelOrigin::kFirstPixelCenter, {}, *source)
                  : Eigen::Vector2d(0, 0);
-      AppendSample(
-          source ? NearestIndex(at.x(), view.source_size.width) : kNoPlace,
-          &x_map);
-      AppendSample(
-          source ? NearestIndex(at.y(), view.source_size.height) : kNoPlace,
-          &y_map);
+      AppendSample(source ? ComputeNearestIndex(at.x(), view.source_size.width)
+                          : kInvalidPosition,
+                   &x_map);
+      AppendSample(source ? ComputeNearestIndex(at.y(), view.source_size.height)
+                          : kInvalidPosition,
+                   &y_map);
     }
-  const std::string x_path = PathOfAxis(view.path, 'x'),
-                    y_path = PathOfAxis(view.path, 'y');
+  const std::string x_path = MakeAxisPath(view.path, 'x'),
+                    y_path = MakeAxisPath(view.path, 'y');
   return {
       {{x_path, x_map}, {y_path, y_map}},
       fmt::format("{} and {}, rounded to pixels: error up to 0.5 px per axis",

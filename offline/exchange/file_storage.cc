@@ -28,7 +28,7 @@ bool IsXml(const std::string& text) {
 
 // Splits a leaf's text at white space. Quoted words, which may contain white
 // space, end at a quote before white space.
-std::vector<std::string> WordsOf(const std::string& text) {
+std::vector<std::string> SplitTokens(const std::string& text) {
   constexpr char kSpaces[] = " \t\r\n";
   std::vector<std::string> words;
   size_t at = 0;
@@ -46,14 +46,14 @@ std::vector<std::string> WordsOf(const std::string& text) {
 }
 
 YAML::Node MakeLeafNode(const std::string& text) {
-  const std::vector<std::string> words = WordsOf(text);
+  const std::vector<std::string> words = SplitTokens(text);
   if (words.size() == 1) return YAML::Node(words[0]);
   YAML::Node list(YAML::NodeType::Sequence);
   for (const std::string& word : words) list.push_back(word);
   return list;
 }
 
-YAML::Node NodeOf(const XmlElement& element) {
+YAML::Node MakeNode(const XmlElement& element) {
   if (element.children.empty()) {
     const YAML::Node leaf = MakeLeafNode(element.text);
     // <data> with one number is still a list.
@@ -66,20 +66,20 @@ YAML::Node NodeOf(const XmlElement& element) {
   std::set<std::string> names;
   for (const XmlElement& child : element.children) {
     if (child.name == "_") {
-      node.push_back(NodeOf(child));
+      node.push_back(MakeNode(child));
       continue;
     }
     if (!names.insert(child.name).second)
       throw InputError(fmt::format("line {}: duplicate key '{}'", child.line,
                                    Printable(child.name)));
-    node.force_insert(child.name, NodeOf(child));
+    node.force_insert(child.name, MakeNode(child));
   }
   return node;
 }
 
 // Whether a YAML line lacks the space between key and value: "data:[ 1 ]",
 // "PointSize:2". Keys have at least two letters.
-bool LacksSpace(const std::string& line, size_t* colon) {
+bool LacksSpaceAfterColon(const std::string& line, size_t* colon) {
   const size_t first = line.find_first_not_of(" \t");
   if (first == std::string::npos ||
       !std::isalpha(static_cast<unsigned char>(line[first])))
@@ -103,7 +103,7 @@ std::string StorageAsYaml(std::string text) {
     const size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
     std::string line = text.substr(at, end - at);
     size_t colon = 0;
-    if (LacksSpace(line, &colon)) line.insert(colon + 1, " ");
+    if (LacksSpaceAfterColon(line, &colon)) line.insert(colon + 1, " ");
     yaml += line;
     at = end;
   }
@@ -111,7 +111,7 @@ std::string StorageAsYaml(std::string text) {
 }
 
 // Removes comment lines, which some JSON parsers accept.
-std::string WithoutComments(const std::string& text) {
+std::string RemoveComments(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos ||
       (text[first] != '{' && text[first] != '/') ||
@@ -130,7 +130,7 @@ std::string WithoutComments(const std::string& text) {
 }
 
 // Reads a list of numbers, which is one row, or a list of rows.
-StoredMatrix MatrixOfLists(const YAML::Node& node, const std::string& name) {
+StoredMatrix MakeMatrix(const YAML::Node& node, const std::string& name) {
   StoredMatrix matrix;
   matrix.data = AllNumbers(node, name);
   const bool has_rows = node.size() > 0 && node[0].IsSequence();
@@ -169,9 +169,9 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
     if (root.name != kXmlRoot)
       throw InputError(fmt::format("the root element is '{}', not '{}'",
                                    Printable(root.name), kXmlRoot));
-    return NodeOf(root);
+    return MakeNode(root);
   }
-  const std::string yaml = WithoutComments(StorageAsYaml(text));
+  const std::string yaml = RemoveComments(StorageAsYaml(text));
   RequireYamlFile(path, yaml, LastLine::kMayLackEnd);
   return YAML::Load(yaml);
 }
@@ -179,7 +179,7 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
 StoredMatrix ParseStoredMatrix(const YAML::Node& node, const std::string& name,
                                int num_channels) {
   if (node.IsDefined() && node.IsSequence() && num_channels == 1)
-    return MatrixOfLists(node, name);
+    return MakeMatrix(node, name);
   if (!node.IsMap() || !node["cols"] || !node["data"])
     throw InputError(fmt::format("{}: expected a matrix", name));
   // "d", or "2f" for two channels.

@@ -11,7 +11,7 @@
 #include "dataset/camera_file.h"
 #include "dataset/dataset.h"
 #include "exchange/external_model.h"
-#include "exchange/lens_selection.h"
+#include "exchange/external_model_selection.h"
 
 namespace raygrid {
 
@@ -24,11 +24,11 @@ struct RectifiedProjection {
   Eigen::Matrix<double, 3, 4> p = Eigen::Matrix<double, 3, 4>::Zero();
 
   /// Returns whether the view has a baseline to the first view.
-  bool IsBeside() const { return p(0, 3) != 0 || p(1, 3) != 0; }
+  bool HasBaseline() const { return p(0, 3) != 0 || p(1, 3) != 0; }
 };
 
 /// A camera read from a file.
-struct ReadLens {
+struct InputCamera {
   std::string name, serial;  ///< "" if not in the file
   ConvertedCamera lens;      ///< size 0 x 0 if not in the file
   std::optional<Pose> camera_from_rig;
@@ -43,7 +43,7 @@ struct ReadLens {
 
 /// The contents of an imported file.
 struct ExchangeContents {
-  std::vector<ReadLens> cameras;
+  std::vector<InputCamera> cameras;
   /// Corners of a file without a camera.
   std::vector<ImageFeatures> corners;
   /// The relative pose of two cameras whose intrinsics are in another file.
@@ -69,10 +69,10 @@ struct ReadRequest {
 };
 
 /// A camera to write.
-struct WrittenLens {
+struct OutputCamera {
   std::string name, serial;
   ConvertedCamera lens;
-  std::optional<LensFit> fit;           ///< nullopt: exact conversion
+  std::optional<ModelFit> fit;          ///< nullopt: exact conversion
   std::optional<Pose> camera_from_rig;  ///< pose of the model's frame, in a rig
   std::optional<RectifiedProjection> rectified;
   std::vector<BoardPose> poses;  ///< board poses in the model's frame
@@ -82,7 +82,7 @@ struct WrittenLens {
 
 struct WriteRequest {
   std::string path;  ///< output file; its extension may select the kind
-  std::vector<WrittenLens> cameras;
+  std::vector<OutputCamera> cameras;
   /// For formats with file_in_folder(): previous texts of the files listed by
   /// beside(); "" for missing files.
   std::vector<std::string> beside = {};
@@ -134,7 +134,8 @@ struct Format {
       nullptr;
 
   /// Returns null if there is no model with this name.
-  const ExternalModel* FindModel(const std::string& external_model) const;
+  const ExternalModel* FindExternalModel(
+      const std::string& external_model) const;
   /// Returns the models that --model selects: the format's model of this name,
   /// or all based on raygrid's model of this name; "" selects all. Models with
   /// is_explicit_only are selected only by their own name. Throws
@@ -186,7 +187,7 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
 
 /// Computes poses in the frame of the first camera from R and P; none if a
 /// camera lacks them, or if no view has a baseline.
-void ComputePairPoses(std::vector<ReadLens>* cameras);
+void ComputePairPoses(std::vector<InputCamera>* cameras);
 
 /// Throws InputError if --model is neither the name of the file's model nor of
 /// raygrid's model that it is based on.
@@ -197,15 +198,16 @@ void RequireModelOfFile(const ReadRequest& request,
 /// InputError, naming the files, if there are not exactly two cameras without
 /// poses.
 void AssignPairPose(const std::optional<Pose>& second_from_first,
-                    const std::string& files, std::vector<ReadLens>* cameras);
+                    const std::string& files,
+                    std::vector<InputCamera>* cameras);
 
 /// Throws InputError if poses refer to several boards, for programs with a
 /// single world frame.
 void RequireOneBoard(const std::string& program,
-                     const std::vector<WrittenLens>& cameras);
+                     const std::vector<OutputCamera>& cameras);
 
 /// Converts an imported camera to a camera file.
-CameraFile MakeCameraFile(const ReadLens& read);
+CameraFile MakeCameraFile(const InputCamera& read);
 
 }  // namespace raygrid
 

@@ -58,7 +58,7 @@ double OffCenter(const ConvertedCamera& lens, double width, double height) {
 // Missing parameters are reported later.
 void RequirePixels(const ConvertedCamera& lens) {
   constexpr double kMinFocalPx = 10;
-  const auto is_part = [&](const char* name, double most) {
+  const auto is_fraction = [&](const char* name, double most) {
     return std::abs(lens.Value(name)) < most;
   };
   if (lens.values.size() < lens.external_model->parameters.size() ||
@@ -67,8 +67,8 @@ void RequirePixels(const ConvertedCamera& lens) {
       lens.Value("cx") <= 0 || lens.Value("cy") <= 0 ||
       std::min(lens.size.width, lens.size.height) < kMinFocalPx)
     return;
-  if (is_part("fx", kMinFocalPx) && is_part("fy", kMinFocalPx) &&
-      is_part("cx", 1) && is_part("cy", 1))
+  if (is_fraction("fx", kMinFocalPx) && is_fraction("fy", kMinFocalPx) &&
+      is_fraction("cx", 1) && is_fraction("cy", 1))
     throw InputError(fmt::format(
         "expected pixels, but fx {:g} and cx {:g} are fractions of the image; "
         "multiply fx and cx by its width, fy and cy by its height",
@@ -77,14 +77,17 @@ void RequirePixels(const ConvertedCamera& lens) {
 
 // Warns if the principal point suggests another resolution or exchanged width
 // and height.
-void WarnAboutCenter(const std::string& name, const ConvertedCamera& lens,
-                     std::vector<std::string>* warnings) {
-  constexpr double kFar = 0.25, kNear = 0.1, kRatio = 4;
+void WarnIfPrincipalPointImplausible(const std::string& name,
+                                     const ConvertedCamera& lens,
+                                     std::vector<std::string>* warnings) {
+  constexpr double kMaxCenterOffset = 0.25, kNegligibleCenterOffset = 0.1,
+                   kMaxOffsetRatio = 4;
   if (!lens.external_model->Has("cx") || lens.values.empty()) return;
   const ImageSize& size = lens.size;
   const double off = OffCenter(lens, size.width, size.height);
-  if (off < kFar &&
-      (off < kNear || kRatio * OffCenter(lens, size.height, size.width) > off))
+  if (off < kMaxCenterOffset &&
+      (off < kNegligibleCenterOffset ||
+       kMaxOffsetRatio * OffCenter(lens, size.height, size.width) > off))
     return;
   warnings->push_back(fmt::format(
       "{}the principal point ({:g}, {:g}) is far from the centre of {} x {} "
@@ -93,34 +96,34 @@ void WarnAboutCenter(const std::string& name, const ConvertedCamera& lens,
 }
 
 // Adds warnings about unexpected properties of the cameras.
-void AddLensWarnings(ExchangeContents* contents) {
+void AddModelWarnings(ExchangeContents* contents) {
   constexpr double kFarM = 10;
-  double farthest_m = 0;
-  for (const ReadLens& camera : contents->cameras) {
+  double max_distance_m = 0;
+  for (const InputCamera& camera : contents->cameras) {
     const std::string name =
         contents->cameras.size() > 1 ? camera.name + ": " : "";
-    const double part = ComputeUndefinedFraction(*MakeLens(camera.lens));
-    WarnAboutCenter(name, camera.lens, &contents->warnings);
+    const double part = ComputeUndefinedFraction(*MakeCameraModel(camera.lens));
+    WarnIfPrincipalPointImplausible(name, camera.lens, &contents->warnings);
     if (part > 0)
       contents->warnings.push_back(fmt::format(
           "{}no valid rays in {:.1f} % of the image, where the distortion "
           "folds or ends",
           name, 100 * part));
     if (camera.camera_from_rig)
-      farthest_m =
-          std::max(farthest_m, camera.camera_from_rig->translation.norm());
+      max_distance_m =
+          std::max(max_distance_m, camera.camera_from_rig->translation.norm());
   }
-  if (farthest_m > kFarM)
+  if (max_distance_m > kFarM)
     contents->warnings.push_back(
         fmt::format("the cameras are {:g} m apart, assuming lengths in metres; "
                     "check the unit",
-                    farthest_m));
+                    max_distance_m));
 }
 
 // Completes cameras with the user's options, which never override the file.
 void ApplyUserOptions(const Format& format, const ReadRequest& request,
                       ExchangeContents* contents) {
-  for (ReadLens& camera : contents->cameras) {
+  for (InputCamera& camera : contents->cameras) {
     ImageSize& size = camera.lens.size;
     if (size == ImageSize{} && !request.size)
       throw InputError("missing image size; specify --image-size WxH");
@@ -215,7 +218,7 @@ const std::vector<Format>& GetFormats() {
   return formats;
 }
 
-const ExternalModel* Format::FindModel(
+const ExternalModel* Format::FindExternalModel(
     const std::string& external_model) const {
   for (const ExternalModel& known : external_models)
     if (known.name == external_model) return &known;
@@ -224,7 +227,7 @@ const ExternalModel* Format::FindModel(
 
 std::vector<const ExternalModel*> Format::FindModels(
     const std::string& model) const {
-  const bool is_named = FindModel(model) != nullptr;
+  const bool is_named = FindExternalModel(model) != nullptr;
   std::vector<const ExternalModel*> chosen;
   std::string names;
   for (const ExternalModel& external_model : external_models) {
@@ -304,7 +307,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
                                                : "contains no camera");
     ApplyUserOptions(own, request, &contents);
     AddEndWarning(request.text, &contents);
-    AddLensWarnings(&contents);
+    AddModelWarnings(&contents);
     DropRepeated(&contents.warnings);
     return contents;
   });
@@ -353,7 +356,7 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
     AddFiles(format.write_folder(request), &files);
     return files;
   }
-  for (const WrittenLens& lens : request.cameras) {
+  for (const OutputCamera& lens : request.cameras) {
     const std::string path =
         (std::filesystem::path(request.path) / (lens.name + format.ending))
             .string();
@@ -364,16 +367,17 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
 
 bool ExchangeContents::IsRig() const {
   return cameras.size() > 1 &&
-         std::all_of(cameras.begin(), cameras.end(), [](const ReadLens& lens) {
-           return lens.camera_from_rig.has_value();
-         });
+         std::all_of(cameras.begin(), cameras.end(),
+                     [](const InputCamera& lens) {
+                       return lens.camera_from_rig.has_value();
+                     });
 }
 
-void ComputePairPoses(std::vector<ReadLens>* cameras) {
+void ComputePairPoses(std::vector<InputCamera>* cameras) {
   bool is_pair = false;
-  for (const ReadLens& camera : *cameras) {
+  for (const InputCamera& camera : *cameras) {
     if (!camera.rectified) return;
-    is_pair = is_pair || camera.rectified->IsBeside();
+    is_pair = is_pair || camera.rectified->HasBaseline();
   }
   if (!is_pair) return;
   // The last column of P is the baseline times the focal length.
@@ -382,7 +386,7 @@ void ComputePairPoses(std::vector<ReadLens>* cameras) {
                 {view.p(0, 3) / view.p(0, 0), view.p(1, 3) / view.p(1, 1), 0}};
   };
   const Pose first = view_from_rig(*cameras->front().rectified);
-  for (ReadLens& camera : *cameras) {
+  for (InputCamera& camera : *cameras) {
     // x_i = R_i^T (R_0 x_0 + t_i - t_0)
     const Pose own = view_from_rig(*camera.rectified);
     const Eigen::Quaterniond back = own.rotation.conjugate();
@@ -403,11 +407,12 @@ void RequireModelOfFile(const ReadRequest& request,
 }
 
 void AssignPairPose(const std::optional<Pose>& second_from_first,
-                    const std::string& files, std::vector<ReadLens>* cameras) {
+                    const std::string& files,
+                    std::vector<InputCamera>* cameras) {
   if (!second_from_first) return;
   const bool is_pair = cameras && cameras->size() == 2 &&
                        std::none_of(cameras->begin(), cameras->end(),
-                                    [](const ReadLens& camera) {
+                                    [](const InputCamera& camera) {
                                       return camera.camera_from_rig.has_value();
                                     });
   if (!is_pair)
@@ -420,9 +425,9 @@ void AssignPairPose(const std::optional<Pose>& second_from_first,
 }
 
 void RequireOneBoard(const std::string& program,
-                     const std::vector<WrittenLens>& cameras) {
+                     const std::vector<OutputCamera>& cameras) {
   const BoardPose* first = nullptr;
-  for (const WrittenLens& camera : cameras)
+  for (const OutputCamera& camera : cameras)
     for (const BoardPose& pose : camera.poses) {
       if (!first) first = &pose;
       if (pose.board != first->board)
@@ -433,9 +438,9 @@ void RequireOneBoard(const std::string& program,
     }
 }
 
-CameraFile MakeCameraFile(const ReadLens& read) {
+CameraFile MakeCameraFile(const InputCamera& read) {
   CameraFile file;
-  file.camera = MakeLens(read.lens);
+  file.camera = MakeCameraModel(read.lens);
   file.name = read.name;
   file.serial = read.serial;
   if (read.valid_region)

@@ -34,7 +34,7 @@ std::string UpperAddressLine(uint32_t address) {
   return Line(Record::kUpperAddress, 0, {upper, sizeof(upper)});
 }
 
-void RequirePlace(const BlobTable& blob) {
+void CheckAddress(const BlobTable& blob) {
   const std::string place = fmt::format("--address 0x{:08X}: ", blob.address);
   if (blob.address % BlobTable::kAlignment != 0)
     throw Error(ExitCode::kUsage,
@@ -53,7 +53,7 @@ TableOutput WriteIntelHex(const BlobTable& blob) {
   // Records start at multiples of this number, so none crosses a 64 KiB
   // boundary.
   constexpr uint32_t kBytesPerLine = 16;
-  RequirePlace(blob);
+  CheckAddress(blob);
   std::string text = UpperAddressLine(blob.address);
   for (uint32_t done = 0; done < blob.bytes.size();) {
     const uint32_t address = blob.address + done;

@@ -44,7 +44,7 @@ class Octahedron {
  public:
   explicit Octahedron(bool is_ahead) : sign_(is_ahead ? -1 : 1) {}
 
-  Eigen::Vector2d PlaceOf(const Eigen::Vector3d& direction) const {
+  Eigen::Vector2d ProjectDirection(const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d on_it = direction / direction.lpNorm<1>();
     return sign_ * on_it.z() < 0 ? Folded(on_it.head<2>()) : on_it.head<2>();
   }
@@ -227,17 +227,17 @@ class ExitProjection {
 
   const Octahedron& octahedron() const { return octahedron_; }
 
-  std::optional<Eigen::Vector2d> PlaceOf(const Eigen::Vector3d& direction,
-                                         const Eigen::Vector2d* start) const {
+  std::optional<Eigen::Vector2d> ProjectDirection(
+      const Eigen::Vector3d& direction, const Eigen::Vector2d* start) const {
     if (!IsNear(direction)) return std::nullopt;
     return camera_.Project(SwapAxes(direction), start, 0);
   }
   // Also projects to positions outside the image, so that the image edge can
   // lie between two texels.
-  std::optional<Eigen::Vector2d> PlaceNear(const Eigen::Vector3d& direction,
-                                           const Eigen::Vector2d& start) const {
+  std::optional<Eigen::Vector2d> ProjectNear(
+      const Eigen::Vector3d& direction, const Eigen::Vector2d& start) const {
     constexpr double kMarginPx = 64;
-    const auto position = PlaceOf(direction, &start);
+    const auto position = ProjectDirection(direction, &start);
     return position ? position
                     : camera_.Project(SwapAxes(direction), &start, kMarginPx);
   }
@@ -251,7 +251,8 @@ class ExitProjection {
   }
 
   void MarkNear(const Eigen::Vector3d& ray) {
-    const TexelCell cell = TexelCell::At(octahedron_.PlaceOf(ray), mask_side_);
+    const TexelCell cell =
+        TexelCell::At(octahedron_.ProjectDirection(ray), mask_side_);
     for (int j = std::max(cell.y - 1, 0);
          j <= std::min(cell.y + 2, mask_side_ - 1); ++j)
       for (int i = std::max(cell.x - 1, 0);
@@ -260,7 +261,7 @@ class ExitProjection {
   }
   bool IsNear(const Eigen::Vector3d& direction) const {
     const TexelCell cell =
-        TexelCell::At(octahedron_.PlaceOf(direction), mask_side_);
+        TexelCell::At(octahedron_.ProjectDirection(direction), mask_side_);
     const int first = cell.y * mask_side_ + cell.x;
     return is_near_[first] || is_near_[first + 1] ||
            is_near_[first + mask_side_] || is_near_[first + mask_side_ + 1];
@@ -279,7 +280,7 @@ Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
 }
-bool IsNoPlace(const Eigen::Vector2d& position) {
+bool IsInvalidPosition(const Eigen::Vector2d& position) {
   return (position.x() == -1 || position.x() == 2) &&
          (position.y() == -1 || position.y() == 2);
 }
@@ -297,8 +298,8 @@ class ExitTexels {
     ParallelFor(side_, num_threads, [&](int y) {
       std::optional<Eigen::Vector2d> last;
       for (int x = 0; x < side_; ++x) {
-        const Eigen::Vector3d direction = DirectionOf(x, y);
-        last = projection_.PlaceOf(direction, last ? &*last : nullptr);
+        const Eigen::Vector3d direction = ComputeDirection(x, y);
+        last = projection_.ProjectDirection(direction, last ? &*last : nullptr);
         Set(x, y, last ? ToUnitImage(size_, *last) : NoPosition(direction));
       }
     });
@@ -311,9 +312,9 @@ class ExitTexels {
     ParallelFor(side_, num_threads, [&](int y) {
       for (int x = 0; x < side_; ++x) {
         const auto start =
-            IsNoPlace(At(x, y)) ? PlaceBeside(x, y) : std::nullopt;
+            IsInvalidPosition(At(x, y)) ? ProjectNeighbor(x, y) : std::nullopt;
         const auto position =
-            start ? projection_.PlaceNear(DirectionOf(x, y), *start)
+            start ? projection_.ProjectNear(ComputeDirection(x, y), *start)
                   : std::nullopt;
         if (position) found[y].emplace_back(x, ToUnitImage(size_, *position));
       }
@@ -336,14 +337,14 @@ class ExitTexels {
     for (size_t c = 0; c < kExitChannels; ++c)
       numbers_[IndexOf(x, y) + c] = static_cast<float>(position[c]);
   }
-  Eigen::Vector3d DirectionOf(int x, int y) const {
+  Eigen::Vector3d ComputeDirection(int x, int y) const {
     return projection_.octahedron().DirectionAt(TexelCenter(x, y, side_));
   }
   // Returns the pixel of a valid neighbouring texel.
-  std::optional<Eigen::Vector2d> PlaceBeside(int x, int y) const {
+  std::optional<Eigen::Vector2d> ProjectNeighbor(int x, int y) const {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, side_ - 1); ++j)
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side_ - 1); ++i)
-        if (!IsNoPlace(At(i, j))) return FromUnitImage(size_, At(i, j));
+        if (!IsInvalidPosition(At(i, j))) return FromUnitImage(size_, At(i, j));
     return std::nullopt;
   }
 
@@ -381,11 +382,12 @@ template <typename Texel>
 std::optional<Eigen::Vector2d> InterpolateTable(
     const Octahedron& octahedron, int side, const Eigen::Vector3d& direction,
     const Texel& texel) {
-  const TexelCell cell = TexelCell::At(octahedron.PlaceOf(direction), side);
+  const TexelCell cell =
+      TexelCell::At(octahedron.ProjectDirection(direction), side);
   std::array<Eigen::Vector2d, 4> corners;
   for (int k = 0; k < 4; ++k) {
     corners[k] = texel(cell.x + k % 2, cell.y + k / 2);
-    if (IsNoPlace(corners[k])) return std::nullopt;
+    if (IsInvalidPosition(corners[k])) return std::nullopt;
   }
   return Blend(corners, cell.part);
 }
@@ -426,7 +428,7 @@ LookupError ExpectedExitError(const ExportedCamera& table,
           [&](int i, int j) -> Eigen::Vector2d {
             const Eigen::Vector3d direction =
                 projection.octahedron().DirectionAt(TexelCenter(i, j, side));
-            const auto position = projection.PlaceNear(direction, start);
+            const auto position = projection.ProjectNear(direction, start);
             return position ? ToUnitImage(size, *position)
                             : NoPosition(direction);
           },
@@ -460,7 +462,7 @@ LookupError ExitError(const ExportedCamera& table,
 constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
 // The largest table is slow to compute; it is used only if it helps.
 constexpr int kUsualExitSide = 2049;
-constexpr double kCloseEnoughExitPx = 0.01;
+constexpr double kDefaultMaxErrorPx = 0.01;
 
 struct ExitChoice {
   int side = 0;
@@ -481,7 +483,7 @@ ExitChoice MakeExit(const ExportedCamera& table,
 // computed, and the error is the predicted one.
 ExitChoice ChooseExit(const ExportedCamera& table,
                       const std::vector<float>& enter) {
-  const double aim_px = table.max_error_px.value_or(kCloseEnoughExitPx);
+  const double aim_px = table.max_error_px.value_or(kDefaultMaxErrorPx);
   const ExitProjection projection(table, enter);
   const auto is_near = [&](const LookupError& error) {
     return error.max_px <= aim_px && error.num_lost == 0;

@@ -22,7 +22,7 @@ namespace {
 ExternalModel MakeKalibrModel(const std::string& name, const std::string& model,
                               std::vector<std::string> first,
                               const std::vector<std::string>& coefficients,
-                              double reach_rad) {
+                              double max_supported_angle_rad) {
   ExternalModel external_model;
   external_model.name = name;
   external_model.model = model;
@@ -31,7 +31,7 @@ ExternalModel MakeKalibrModel(const std::string& name, const std::string& model,
     external_model.parameters.push_back(parameter);
   external_model.parameters.insert(external_model.parameters.end(),
                                    coefficients.begin(), coefficients.end());
-  external_model.reach_rad = reach_rad;
+  external_model.max_supported_angle_rad = max_supported_angle_rad;
   return external_model;
 }
 
@@ -80,7 +80,7 @@ const ExternalModel& FindKalibrModel(const std::string& camera,
 // ---- Reading ---------------------------------------------------------------
 
 // Returns the second-last component of a topic: cam0 of /cam0/image_raw.
-std::string NameOfTopic(const YAML::Node& topic) {
+std::string GetCameraName(const YAML::Node& topic) {
   if (!topic.IsDefined() || !topic.IsScalar()) return "";
   const std::string text = topic.as<std::string>();
   const size_t last = text.rfind('/');
@@ -93,11 +93,11 @@ std::string NameOfTopic(const YAML::Node& topic) {
 // Cameras are named after their topics if these are complete and unique,
 // otherwise after Kalibr's keys. A single camera numbered by Kalibr remains
 // unnamed.
-void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
+void NameCameras(const YAML::Node& root, std::vector<InputCamera>* cameras) {
   std::set<std::string> names;
   for (size_t c = 0; c < cameras->size(); ++c) {
     const std::string key = fmt::format("cam{}", c);
-    (*cameras)[c].name = NameOfTopic(root[key]["rostopic"]);
+    (*cameras)[c].name = GetCameraName(root[key]["rostopic"]);
     names.insert((*cameras)[c].name);
   }
   if (cameras->size() == 1) {
@@ -112,14 +112,14 @@ void NameCameras(const YAML::Node& root, std::vector<ReadLens>* cameras) {
 constexpr char kDsecIntrinsics[] = "camera_matrix";
 constexpr char kDsecRectified[] = "camRect";
 
-ConvertedCamera ReadKalibrLens(const CameraKeys& camera) {
-  const auto text_of = [&](const char* key) {
+ConvertedCamera ReadKalibrIntrinsics(const CameraKeys& camera) {
+  const auto get_text = [&](const char* key) {
     if (!camera.Has(key)) throw InputError(fmt::format("'{}' is missing", key));
     return camera[key].as<std::string>();
   };
   ConvertedCamera lens;
   lens.external_model =
-      &FindKalibrModel(text_of("camera_model"), text_of("distortion_model"));
+      &FindKalibrModel(get_text("camera_model"), get_text("distortion_model"));
   if (camera.Has("resolution"))
     lens.size = GetListSize(camera["resolution"], "resolution");
   const char* const intrinsics =
@@ -188,8 +188,8 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
     const std::string key = fmt::format("cam{}", c);
     try {
       const CameraKeys keys(root[key], key);
-      ReadLens camera;
-      camera.lens = ReadKalibrLens(keys);
+      InputCamera camera;
+      camera.lens = ReadKalibrIntrinsics(keys);
       const std::optional<Pose> from_last = PoseFromLast(keys),
                                 from_imu = PoseFromImu(keys);
       if (c == 0) {
@@ -251,7 +251,7 @@ std::string PoseText(const Pose& pose) {
 std::string WriteKalibr(const WriteRequest& request) {
   std::string text;
   for (size_t c = 0; c < request.cameras.size(); ++c) {
-    const WrittenLens& camera = request.cameras[c];
+    const OutputCamera& camera = request.cameras[c];
     const ConvertedCamera& lens = camera.lens;
     const std::string key = fmt::format("cam{}", c);
     const size_t num_coefficients =
@@ -265,7 +265,7 @@ std::string WriteKalibr(const WriteRequest& request) {
         overlaps += fmt::format("{}{}", overlaps.empty() ? "" : ", ", other);
     if (camera.fit)
       text += fmt::format("# Fitted {}: {}\n", lens.external_model->name,
-                          FormatLensFit(*camera.fit));
+                          FormatModelFit(*camera.fit));
     text += fmt::format(
         "{}:\n  camera_model: {}\n  intrinsics: [{}]\n  distortion_model: {}\n"
         "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n"

@@ -20,14 +20,14 @@ bool IsKalibrTarget(const std::string& text) {
 }
 
 // Maximum number of rows or columns of target features.
-constexpr int kMostAlongSide = 1000;
+constexpr int kMaxAlongSide = 1000;
 
 int ReadCount(const YAML::Node& root, const char* key, int features) {
   const double count = FiniteNumber(root[key], key);
-  if (!(count >= 1 && count * features <= kMostAlongSide) ||
+  if (!(count >= 1 && count * features <= kMaxAlongSide) ||
       count != std::floor(count))
     throw InputError(fmt::format("{}: expected an integer from 1 to {}", key,
-                                 kMostAlongSide / features));
+                                 kMaxAlongSide / features));
   return static_cast<int>(count);
 }
 

@@ -15,7 +15,7 @@
 #include "exchange/keyed_writer.h"
 #include "exchange/opencv_model_list.h"
 #include "exchange/plain_trees.h"
-#include "exchange/radial_lens.h"
+#include "exchange/radial_model.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -74,7 +74,7 @@ bool MatchesFileKeys(const CameraKeys& keys, const KeyedModel& model,
   const std::vector<std::string> conditions = SplitText(model.says);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
-    KeyedWord said = SplitAtMark(condition, '?', camera);
+    KeyWithMark said = SplitAtMark(condition, '?', camera);
     said.key = FindFirstExistingKey(keys, said.key);
     if (said.words.empty()) {
       if (!keys.Has(said.key)) return false;
@@ -106,7 +106,7 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
       names += (names.empty() ? "" : ", ") + model.external_model.name;
     said.clear();
     for (const std::string& condition : SplitText(model.says)) {
-      const KeyedWord part = SplitAtMark(condition, '?', camera);
+      const KeyWithMark part = SplitAtMark(condition, '?', camera);
       if (part.words.empty()) continue;
       const std::string key = FindFirstExistingKey(keys, part.key);
       said += fmt::format("{}{} '{}'", said.empty() ? "" : ", ", key,
@@ -135,9 +135,10 @@ void ReduceMatrix(const std::string& key, std::vector<double>* numbers) {
 // Reads one entry of KeyedModel::values into parameter values.
 void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
                     const std::string& entry, const std::string& word,
-                    std::map<std::string, double>* values, ReadLens* camera) {
+                    std::map<std::string, double>* values,
+                    InputCamera* camera) {
   const bool may_be_missing = entry.find("?=") != std::string::npos;
-  KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
+  KeyWithMark part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
   part.key = FindFirstExistingKey(keys, part.key);
   if (!keys.Has(part.key)) {
     if (may_be_missing) return;
@@ -186,10 +187,10 @@ void ReadKeyedValue(const KeyedFormat& format, const CameraKeys& keys,
 
 // Looks up the image size by the suffix of the camera's token: "HD=1280x720
 // VGA=672x376".
-ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
+ImageSize ParseNamedSize(const std::string& sizes, const std::string& word) {
   ImageSize size;
   for (const std::string& entry : SplitText(sizes)) {
-    const KeyedWord part = SplitAtMark(entry, '?', "");
+    const KeyWithMark part = SplitAtMark(entry, '?', "");
     const std::string end = "_" + part.key;
     if (word.size() < end.size() ||
         word.compare(word.size() - end.size(), end.size(), end) != 0)
@@ -203,8 +204,8 @@ ImageSize SizeOfWord(const std::string& sizes, const std::string& word) {
 ImageSize ReadKeyedSize(const KeyedFormat& format, const CameraKeys& keys,
                         const std::string& word) {
   const std::string sizes = format.size;
-  if (sizes.find('=') != std::string::npos) return SizeOfWord(sizes, word);
-  std::vector<std::string> names = SplitText(SubstituteWord(sizes, word));
+  if (sizes.find('=') != std::string::npos) return ParseNamedSize(sizes, word);
+  std::vector<std::string> names = SplitText(SubstituteCameraName(sizes, word));
   for (std::string& name : names) name = FindFirstExistingKey(keys, name);
   if (names.empty() || !keys.Has(names[0])) return {};
   if (names.size() == 1) return GetListSize(keys[names[0]], names[0]);
@@ -215,11 +216,11 @@ std::optional<Pose> ReadKeyedPose(const KeyedPose& pose, const CameraKeys& keys,
                                   const std::string& word) {
   std::vector<std::vector<double>> numbers;
   for (const std::string& text : SplitText(pose.keys)) {
-    const std::string key = SubstituteWord(text, word);
+    const std::string key = SubstituteCameraName(text, word);
     if (!keys.Has(key)) return std::nullopt;
     numbers.push_back(AllNumbers(keys[key], key));
   }
-  const std::string name = SubstituteWord(pose.keys, word);
+  const std::string name = SubstituteCameraName(pose.keys, word);
   const auto require = [&](bool is_right) {
     if (!is_right) throw InputError(fmt::format("{}: expected a pose", name));
   };
@@ -256,22 +257,22 @@ std::optional<Pose> ReadKeyedPose(const KeyedPose& pose, const CameraKeys& keys,
 // Reads a model with a radial polynomial. Its ray grid requires the image size.
 void ReadRadialModel(const std::map<std::string, double>& values,
                      const ReadRequest& request,
-                     std::vector<std::string>* warnings, ReadLens* camera) {
+                     std::vector<std::string>* warnings, InputCamera* camera) {
   if (camera->lens.skew_px != 0)
     throw InputError(
         fmt::format("camera matrix: a skew of {:g} px is not supported by {}",
                     camera->lens.skew_px, camera->lens.external_model->name));
   if (camera->lens.size == ImageSize{} && request.size)
     camera->lens.size = *request.size;
-  RadialLens lens;
+  RadialModel lens;
   lens.focal_px = {values.at("fx"), values.at("fy")};
   lens.center_px = {values.at("cx"), values.at("cy")};
   const auto coefficient = [&](const char* name) {
     return values.count(name) > 0 ? values.at(name) : 0.0;
   };
   lens.coefficients = {coefficient("c"), coefficient("b"), coefficient("a"), 0};
-  camera->lens = MakeRadialLens(camera->lens.external_model->name,
-                                camera->lens.size, lens, warnings);
+  camera->lens = MakeRadialCamera(camera->lens.external_model->name,
+                                  camera->lens.size, lens, warnings);
 }
 
 void ReadSizeFromValues(const std::map<std::string, double>& values,
@@ -295,20 +296,20 @@ void ConvertLengths(LengthUnit unit, const ImageSize& size,
   }
   if (unit == LengthUnit::kPixel) return;
   const int longer = std::max(size.width, size.height);
-  const bool is_by_sides = unit == LengthUnit::kImageSides;
+  const bool is_in_image_sides = unit == LengthUnit::kImageSides;
   for (const char* length : {"f", "fx", "cx"})
     if (values->count(length) > 0)
-      (*values)[length] *= is_by_sides ? size.width : longer;
+      (*values)[length] *= is_in_image_sides ? size.width : longer;
   for (const char* length : {"fy", "cy"})
     if (values->count(length) > 0)
-      (*values)[length] *= is_by_sides ? size.height : longer;
+      (*values)[length] *= is_in_image_sides ? size.height : longer;
 }
 
-ReadLens ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
-                         const std::string& word, const ReadRequest& request,
-                         std::vector<std::string>* warnings) {
+InputCamera ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
+                            const std::string& word, const ReadRequest& request,
+                            std::vector<std::string>* warnings) {
   const KeyedModel& model = FindKeyedModel(format, keys, word);
-  ReadLens camera;
+  InputCamera camera;
   camera.lens.external_model = &model.external_model;
   camera.lens.size = ReadKeyedSize(format, keys, word);
   std::map<std::string, double> values;
@@ -350,7 +351,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
   if (format.words.empty()) {
     contents->cameras.push_back(
         ReadKeyedCamera(format, keys, "", request, &contents->warnings));
-    ReadLens& camera = contents->cameras.back();
+    InputCamera& camera = contents->cameras.back();
     if (camera.name.empty()) camera.name = name;
   }
   for (const char* word : format.words) {
@@ -367,7 +368,7 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
   if (!format.words.empty() && contents->cameras.size() == first + 1)
     contents->cameras.back().name = name;
   // If only the second camera has a pose, it is relative to the first.
-  ReadLens& leader = contents->cameras[first];
+  InputCamera& leader = contents->cameras[first];
   if (contents->cameras.size() > first + 1 && !leader.camera_from_rig &&
       contents->cameras.back().camera_from_rig)
     leader.camera_from_rig = Pose{};
@@ -406,7 +407,7 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
 }
 
 // Returns the node at KeyedFormat::place.
-YAML::Node FindPlace(const YAML::Node& root, const std::string& place) {
+YAML::Node FindNode(const YAML::Node& root, const std::string& place) {
   const CameraKeys keys(root);
   const std::vector<std::string> places = SplitText(place, '|');
   for (const std::string& path : places)
@@ -430,7 +431,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
     ReadKeyedMap(format, CameraKeys(root), "", request, &contents);
     return contents;
   }
-  const YAML::Node maps = FindPlace(root, place);
+  const YAML::Node maps = FindNode(root, place);
   if (!maps.IsDefined() || (!maps.IsMap() && !maps.IsSequence()))
     throw InputError(fmt::format("'{}' is missing", place));
   ReadKeyedMaps(format, maps, request, &contents);

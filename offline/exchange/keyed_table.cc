@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "exchange/opencv_model_list.h"
-#include "exchange/radial_lens.h"
+#include "exchange/radial_model.h"
 
 namespace raygrid {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 #define KEYED_SFM \
   "focalLength=f_mm sensorWidth=sensor_width_mm principalPoint=cx,cy"
 
-bool HasAllWords(const std::string& text,
+bool ContainsAll(const std::string& text,
                  std::initializer_list<const char*> words) {
   return std::all_of(words.begin(), words.end(), [&](const char* word) {
     return text.find(word) != std::string::npos;
@@ -37,8 +37,8 @@ bool StartsLine(const std::string& text, const std::string& word) {
 // Whether a text has, for two cameras, three lines of 2 numbers each, and then
 // three lines of 4 numbers.
 bool IsInfiniTam(const std::string& text) {
-  constexpr size_t kLongest = 2000;
-  if (text.size() > kLongest) return false;
+  constexpr size_t kMaxBytes = 2000;
+  if (text.size() > kMaxBytes) return false;
   std::istringstream lines(text);
   std::string counts;
   for (std::string line; std::getline(lines, line) && counts.size() < 9;) {
@@ -51,9 +51,9 @@ bool IsInfiniTam(const std::string& text) {
 }
 
 // Whether a text is one line of 4, 8 or 9 numbers.
-bool IsLineOfNumbers(const std::string& text) {
-  constexpr size_t kLongest = 400;
-  if (text.size() > kLongest) return false;
+bool IsNumberLine(const std::string& text) {
+  constexpr size_t kMaxBytes = 400;
+  if (text.size() > kMaxBytes) return false;
   const std::string line = FindNumberLine(text);
   if (line.find_first_not_of("0123456789.+-eE \t\r") != std::string::npos)
     return false;
@@ -70,12 +70,12 @@ ExternalModel MakeKeyedPinhole(const char* name,
                                const std::vector<std::string>& coefficients) {
   ExternalModel external_model =
       MakeExternalModel(name, models::kOpenCv, coefficients);
-  external_model.reach_rad = M_PI / 2;
+  external_model.max_supported_angle_rad = M_PI / 2;
   return external_model;
 }
 ExternalModel MakeKeyedFisheye(const char* name) {
   ExternalModel external_model = MakeOpenCvFisheyeModel(name);
-  external_model.reach_rad = M_PI;
+  external_model.max_supported_angle_rad = M_PI;
   return external_model;
 }
 ExternalModel MakeKeyedOmni(const char* name) {
@@ -96,7 +96,7 @@ ExternalModel KeyedSingleFocal(const char* name, const char* model,
                                std::vector<std::string> coefficients) {
   coefficients.insert(coefficients.begin(), {"f", "cx", "cy"});
   ExternalModel external_model = {name, model, coefficients};
-  external_model.reach_rad = M_PI / 2;
+  external_model.max_supported_angle_rad = M_PI / 2;
   return external_model;
 }
 
@@ -108,7 +108,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "Gyroflow's lens profile .json",
        KeyedSyntax::kJson,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"\"fisheye_params\"", "\"calib_dimension\""});
        },
        "",
@@ -132,7 +132,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=k1,k2",
          true},
-        {MakeRadialLensModel("ptlens"), "distortion_model=ptlens",
+        {MakeRadialExternalModel("ptlens"), "distortion_model=ptlens",
          "fisheye_params/camera_matrix=K "
          "fisheye_params/distortion_coeffs~=a,b,c",
          true}},
@@ -181,9 +181,9 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "settings .yaml of ORB-SLAM2 and 3, and of OpenVSLAM",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return (HasAllWords(text, {"Camera.fx"}) ||
-                 HasAllWords(text, {"Camera1.fx"})) &&
-                !HasAllWords(text, {"Camera.fxl"});
+         return (ContainsAll(text, {"Camera.fx"}) ||
+                 ContainsAll(text, {"Camera1.fx"})) &&
+                !ContainsAll(text, {"Camera.fxl"});
        },
        "",
        {"Camera", "Camera1", "Camera2"},
@@ -242,7 +242,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "camodocal's and VINS's camera .yaml",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text, {"model_type:", "projection_parameters:"});
+         return ContainsAll(text, {"model_type:", "projection_parameters:"});
        },
        "",
        {},
@@ -282,7 +282,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "sensor.yaml of EuRoC, ASL and Kimera",
        KeyedSyntax::kYaml,
        [](const std::string& text) {
-         return HasAllWords(
+         return ContainsAll(
              text,
              {"T_BS", "intrinsics:", "distortion_model:", "camera_model:"});
        },
@@ -311,7 +311,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "calibration .toml of anipose, freemocap and Pose2Sim",
        KeyedSyntax::kToml,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"matrix", "distortions", "rotation", "=", "["}) &&
                 text.find('{') == std::string::npos;
        },
@@ -332,7 +332,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "OKVIS's configuration .yaml",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text, {"T_SC", "image_dimension", "focal_length",
+         return ContainsAll(text, {"T_SC", "image_dimension", "focal_length",
                                    "distortion_type"});
        },
        "cameras",
@@ -361,7 +361,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "OpenSfM's camera_models.json and reconstruction.json",
        KeyedSyntax::kJson,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"\"projection_type\"", "\"width\"", "\"focal"});
        },
        "cameras|*",
@@ -403,7 +403,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "KITTI's calib_cam_to_cam.txt",
        KeyedSyntax::kLines,
        [](const std::string& text) {
-         return HasAllWords(text, {"K_00:", "D_00:", "S_00:"});
+         return ContainsAll(text, {"K_00:", "D_00:", "S_00:"});
        },
        "",
        {"00", "01", "02", "03"},
@@ -435,7 +435,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "cameras .yaml of SVO Pro and maplab",
        KeyedSyntax::kYaml,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"T_B_C:", "cameras:", "camera:", "distortion:"});
        },
        "cameras",
@@ -467,8 +467,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "camera .yaml of vikit: SVO, FAST-LIVO and FAST-LIVO2",
        KeyedSyntax::kYaml,
        [](const std::string& text) {
-         return HasAllWords(text, {"cam_model:", "cam_fx:"}) ||
-                HasAllWords(text, {"ros__parameters:", "model:", "fx:", "d0:"});
+         return ContainsAll(text, {"cam_model:", "cam_fx:"}) ||
+                ContainsAll(text, {"ros__parameters:", "model:", "fx:", "d0:"});
        },
        "",
        {},
@@ -492,8 +492,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "Toolbox for MATLAB",
        KeyedSyntax::kAssignments,
        [](const std::string& text) {
-         return HasAllWords(text, {"fc = [", "cc = [", "kc = ["}) ||
-                HasAllWords(text, {"fc_left = [", "kc_right = ["});
+         return ContainsAll(text, {"fc = [", "cc = [", "kc = ["}) ||
+                ContainsAll(text, {"fc_left = [", "kc_right = ["});
        },
        "",
        {"", "_left", "_right"},
@@ -510,7 +510,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "calib.txt of the Middlebury stereo benchmark",
        KeyedSyntax::kAssignments,
        [](const std::string& text) {
-         return HasAllWords(text, {"cam0=[", "cam1=[", "baseline="});
+         return ContainsAll(text, {"cam0=[", "cam1=[", "baseline="});
        },
        "",
        {"cam0", "cam1"},
@@ -526,8 +526,8 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "BoofCV's intrinsic and stereo .yaml",
        KeyedSyntax::kYaml,
        [](const std::string& text) {
-         return HasAllWords(text, {"pinhole:", "skew:", "model:"}) &&
-                !HasAllWords(text, {"model_type:"});
+         return ContainsAll(text, {"pinhole:", "skew:", "model:"}) &&
+                !ContainsAll(text, {"model_type:"});
        },
        "",
        {"", "left/", "right/", "intrinsic/"},
@@ -557,7 +557,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "OpenMVG's sfm_data.json",
        KeyedSyntax::kJson,
        [](const std::string& text) {
-         return HasAllWords(text, {"\"sfm_data_version\"", "\"intrinsics\""});
+         return ContainsAll(text, {"\"sfm_data_version\"", "\"intrinsics\""});
        },
        "intrinsics",
        {},
@@ -597,7 +597,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "AliceVision's and Meshroom's .sfm",
        KeyedSyntax::kJson,
        [](const std::string& text) {
-         return HasAllWords(text, {"\"intrinsics\"", "\"distortionParams\"",
+         return ContainsAll(text, {"\"intrinsics\"", "\"distortionParams\"",
                                    "\"version\"", "\"principalPoint\""});
        },
        "intrinsics",
@@ -656,7 +656,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "OV2SLAM's parameters .yaml",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text, {"Camera.fxl", "Camera.model_left"});
+         return ContainsAll(text, {"Camera.fxl", "Camera.model_left"});
        },
        "",
        {"left", "right"},
@@ -692,7 +692,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "OpenPose's camera .xml",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"<CameraMatrix", "<Intrinsics", "<Distortion"});
        },
        "",
@@ -710,7 +710,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "SLStudio's calibration .xml",
        KeyedSyntax::kStorage,
        [](const std::string& text) {
-         return HasAllWords(text, {"<Kc", "<kc", "<frameWidth"});
+         return ContainsAll(text, {"<Kc", "<kc", "<frameWidth"});
        },
        "",
        {},
@@ -755,7 +755,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "scene .txt of ScanNet",
        KeyedSyntax::kAssignments,
        [](const std::string& text) {
-         return HasAllWords(text, {"fx_color", "mx_color", "colorWidth"});
+         return ContainsAll(text, {"fx_color", "mx_color", "colorWidth"});
        },
        "",
        {"color", "depth"},
@@ -771,7 +771,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "info.txt of .sens files: ScanNet, 3RScan, 12Scenes",
        KeyedSyntax::kAssignments,
        [](const std::string& text) {
-         return HasAllWords(text,
+         return ContainsAll(text,
                             {"m_calibrationColorIntrinsic", "m_colorWidth"});
        },
        "",
@@ -789,7 +789,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "SN*.conf of ZED cameras",
        KeyedSyntax::kToml,
        [](const std::string& text) {
-         return HasAllWords(text, {"[LEFT_CAM_", "[STEREO]"});
+         return ContainsAll(text, {"[LEFT_CAM_", "[STEREO]"});
        },
        "",
        {"LEFT_CAM_2K", "RIGHT_CAM_2K", "LEFT_CAM_FHD", "RIGHT_CAM_FHD",
@@ -807,7 +807,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "camera parameters .ini of Orbbec's viewer",
        KeyedSyntax::kToml,
        [](const std::string& text) {
-         return HasAllWords(text, {"[ColorIntrinsic]", "[DepthIntrinsic]"});
+         return ContainsAll(text, {"[ColorIntrinsic]", "[DepthIntrinsic]"});
        },
        "",
        {"Color", "Depth"},
@@ -828,7 +828,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "raw calibration .json of Azure Kinect",
        KeyedSyntax::kJson,
        [](const std::string& text) {
-         return HasAllWords(
+         return ContainsAll(
              text, {"\"CalibrationInformation\"", "\"ModelParameters\""});
        },
        "CalibrationInformation/Cameras",
@@ -848,7 +848,7 @@ const std::vector<KeyedFormat>& ListKeyedFormats() {
        "calib.txt of one line, as in DROID-SLAM: fx fy cx cy [k1 k2 p1 p2 "
        "[k3]]",
        KeyedSyntax::kNumbers,
-       IsLineOfNumbers,
+       IsNumberLine,
        "",
        {},
        {{MakeKeyedPinhole("pinhole", 5), "",
@@ -884,7 +884,7 @@ std::string FindNumberLine(const std::string& text) {
   return found;
 }
 
-std::string SubstituteWord(std::string key, const std::string& word) {
+std::string SubstituteCameraName(std::string key, const std::string& word) {
   for (const auto& [mark, text] :
        {std::pair('@', word), {'%', word.substr(0, 1)}})
     for (size_t at = key.find(mark); at != std::string::npos;
@@ -893,15 +893,15 @@ std::string SubstituteWord(std::string key, const std::string& word) {
   return key;
 }
 
-KeyedWord SplitAtMark(const std::string& text, char mark,
-                      const std::string& word) {
+KeyWithMark SplitAtMark(const std::string& text, char mark,
+                        const std::string& word) {
   const size_t equals = text.find('=');
-  KeyedWord parted = {text.substr(0, equals), equals == std::string::npos
-                                                  ? ""
-                                                  : text.substr(equals + 1)};
+  KeyWithMark parted = {text.substr(0, equals), equals == std::string::npos
+                                                    ? ""
+                                                    : text.substr(equals + 1)};
   parted.has_mark = parted.key.back() == mark;
   if (parted.has_mark) parted.key.pop_back();
-  parted.key = SubstituteWord(parted.key, word);
+  parted.key = SubstituteCameraName(parted.key, word);
   return parted;
 }
 

@@ -121,15 +121,15 @@ std::string FindNumberLine(const std::string& text);
 
 /// An entry "KEY?=VALUES" split into "KEY" and "VALUES", and whether '?' is
 /// present; '@' in the key is replaced by the camera's token.
-struct KeyedWord {
+struct KeyWithMark {
   std::string key, words;
   bool has_mark = false;
 };
-KeyedWord SplitAtMark(const std::string& text, char mark,
-                      const std::string& word);
+KeyWithMark SplitAtMark(const std::string& text, char mark,
+                        const std::string& word);
 
 /// Replaces '@' in a key by the camera's token, and '%' by its first letter.
-std::string SubstituteWord(std::string key, const std::string& word);
+std::string SubstituteCameraName(std::string key, const std::string& word);
 
 }  // namespace raygrid
 

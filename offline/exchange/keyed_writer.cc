@@ -71,7 +71,7 @@ double KeyedValue(const KeyedFormat& format, const ConvertedCamera& lens,
 void AddSize(const KeyedFormat& format, const ImageSize& size,
              const std::string& word, Json* map) {
   const std::vector<std::string> keys =
-      SplitText(SubstituteWord(format.size, word));
+      SplitText(SubstituteCameraName(format.size, word));
   if (keys.size() == 1)
     SetAt(FirstKey(keys[0]), Json::array({size.width, size.height}), map);
   if (keys.size() != 2) return;
@@ -81,7 +81,7 @@ void AddSize(const KeyedFormat& format, const ImageSize& size,
 
 void AddModel(const KeyedModel& model, Json* map) {
   for (const std::string& condition : SplitText(model.says)) {
-    const KeyedWord said = SplitAtMark(condition, '?', "");
+    const KeyWithMark said = SplitAtMark(condition, '?', "");
     const std::string word = FirstKey(said.words);
     if (word == "true" || word == "false")
       SetAt(said.key, word == "true", map);
@@ -95,9 +95,10 @@ void AddModel(const KeyedModel& model, Json* map) {
 // them and may be alone.
 void TrimValues(bool is_line, std::vector<double>* numbers) {
   constexpr size_t kCoefficients = 4, kMatrix = 4;
-  const size_t fewest = is_line ? kMatrix + kCoefficients : kCoefficients;
-  while (numbers->size() > fewest && numbers->back() == 0) numbers->pop_back();
-  if (is_line && numbers->size() == fewest &&
+  const size_t min_count = is_line ? kMatrix + kCoefficients : kCoefficients;
+  while (numbers->size() > min_count && numbers->back() == 0)
+    numbers->pop_back();
+  if (is_line && numbers->size() == min_count &&
       std::all_of(numbers->begin() + kMatrix, numbers->end(),
                   [](double number) { return number == 0; }))
     numbers->resize(kMatrix);
@@ -105,12 +106,13 @@ void TrimValues(bool is_line, std::vector<double>* numbers) {
 
 // Returns the projection matrix of a rectified camera, or K [I t] of a camera
 // that is parallel to the first one.
-Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
-                             const Eigen::Matrix3d& k) {
+Eigen::MatrixXd MakeProjectionMatrix(const OutputCamera& camera,
+                                     const Eigen::Matrix3d& k) {
   if (camera.rectified) return camera.rectified->p;
-  constexpr double kTurned = 1e-9;
+  constexpr double kMaxRotationRad = 1e-9;
   const Pose pose = camera.camera_from_rig.value_or(Pose{});
-  if (pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) > kTurned)
+  if (pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) >
+      kMaxRotationRad)
     throw InputError(
         "the cameras are rotated relative to each other, but projection "
         "matrices require a rectified pair: export the rectified.yaml of "
@@ -121,11 +123,12 @@ Eigen::MatrixXd ProjectionOf(const WrittenLens& camera,
 }
 
 void AddValues(const KeyedFormat& format, const KeyedModel& model,
-               const WrittenLens& camera, const std::string& word, Json* map) {
+               const OutputCamera& camera, const std::string& word, Json* map) {
   const ConvertedCamera& lens = camera.lens;
   for (const std::string& entry : SplitText(model.values)) {
     const bool may_be_missing = entry.find("?=") != std::string::npos;
-    const KeyedWord part = SplitAtMark(entry, may_be_missing ? '?' : '~', word);
+    const KeyWithMark part =
+        SplitAtMark(entry, may_be_missing ? '?' : '~', word);
     const std::string key = FirstKey(part.key);
     if (part.words == "K" || part.words == "P") {
       Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
@@ -134,8 +137,9 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
       k(0, 2) = lens.Value("cx");
       k(1, 2) = lens.Value("cy");
       SetAt(key,
-            MakeMatrixJson(format, part.words == "K" ? Eigen::MatrixXd(k)
-                                                     : ProjectionOf(camera, k)),
+            MakeMatrixJson(format, part.words == "K"
+                                       ? Eigen::MatrixXd(k)
+                                       : MakeProjectionMatrix(camera, k)),
             map);
       continue;
     }
@@ -162,12 +166,12 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
     const Eigen::AngleAxisd turn(pose.rotation);
     const Eigen::Vector3d vector = turn.angle() * turn.axis();
     const Eigen::Matrix3d matrix = pose.rotation.toRotationMatrix();
-    SetAt(SubstituteWord(keys[0], word),
+    SetAt(SubstituteCameraName(keys[0], word),
           FlatMatrix(row.kind == PoseKind::kVectors
                          ? Eigen::MatrixXd(vector.transpose())
                          : Eigen::MatrixXd(matrix)),
           map);
-    SetAt(SubstituteWord(keys[1], word),
+    SetAt(SubstituteCameraName(keys[1], word),
           FlatMatrix(pose.translation.transpose()), map);
     return;
   }
@@ -183,14 +187,14 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
     SetAt(keys[0], numbers, map);
 }
 
-void AddCamera(const KeyedFormat& format, const WrittenLens& camera,
+void AddCamera(const KeyedFormat& format, const OutputCamera& camera,
                const std::string& word, Json* map) {
   const KeyedModel& model = GetKeyedModel(format, *camera.lens.external_model);
   for (const auto& [key, text] : format.written) SetAt(key, text, map);
   if (format.fit_key[0] != 0 && camera.fit)
     SetAt(format.fit_key,
           fmt::format("nearest {}: {}", model.external_model.name,
-                      FormatLensFit(*camera.fit)),
+                      FormatModelFit(*camera.fit)),
           map);
   if (format.camera_name[0] != 0 && !camera.name.empty())
     SetAt(format.camera_name, Printable(camera.name), map);
@@ -212,13 +216,13 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
                                  request.cameras.size(), format.name,
                                  format.words.size()));
   for (size_t k = 0; k < request.cameras.size(); ++k) {
-    const WrittenLens& camera = request.cameras[k];
+    const OutputCamera& camera = request.cameras[k];
     if (place.empty()) {
       AddCamera(format, camera, format.words.empty() ? "" : format.words[k],
                 &root);
       continue;
     }
-    WrittenLens named = camera;
+    OutputCamera named = camera;
     if (named.name.empty()) named.name = fmt::format("cam_{}", k);
     Json map = Json::object();
     AddCamera(format, named, "", &map);
@@ -246,12 +250,12 @@ std::string FormatScalar(const Json& value) {
 std::string YamlScalar(const Json& value) {
   if (!value.is_string()) return FormatScalar(value);
   const std::string text = value.get<std::string>();
-  const bool is_word =
+  const bool is_text =
       !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) &&
       std::all_of(text.begin(), text.end(), [](unsigned char c) {
         return std::isalnum(c) || c == '_' || c == '-';
       });
-  return is_word && text.size() > 3 && text != "null" ? text : QuotedYaml(text);
+  return is_text && text.size() > 3 && text != "null" ? text : QuotedYaml(text);
 }
 
 // Formats a list in brackets, the common syntax of YAML and TOML.
@@ -321,12 +325,12 @@ std::string FitComments(const KeyedFormat& format,
                         const WriteRequest& request) {
   std::string text;
   if (format.fit_key[0] != 0) return text;
-  for (const WrittenLens& camera : request.cameras)
+  for (const OutputCamera& camera : request.cameras)
     if (camera.fit)
       text += fmt::format("# {}{}nearest {}: {}\n", Printable(camera.name),
                           camera.name.empty() ? "" : ": ",
                           camera.lens.external_model->name,
-                          FormatLensFit(*camera.fit));
+                          FormatModelFit(*camera.fit));
   return text;
 }
 

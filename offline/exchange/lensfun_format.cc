@@ -12,7 +12,7 @@
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
 #include "exchange/opencv_model_list.h"
-#include "exchange/radial_lens.h"
+#include "exchange/radial_model.h"
 #include "exchange/xml.h"
 #include "exchange/yaml_numbers.h"
 
@@ -29,9 +29,9 @@ Eigen::Vector2d SidesPx(const ImageSize& size) {
 }
 
 ExternalModel MakeLensfunModel(const char* name, const char* model,
-                               double reach_rad) {
+                               double max_supported_angle_rad) {
   ExternalModel external_model = {name, model, {"f", "cx", "cy", "k1", "k2"}};
-  external_model.reach_rad = reach_rad;
+  external_model.max_supported_angle_rad = max_supported_angle_rad;
   return external_model;
 }
 
@@ -56,7 +56,7 @@ double LensfunAttribute(const XmlElement& element, const std::string& name,
              : LensfunNumber(found->second, element.name + ": " + name);
 }
 
-std::string TextOfChild(const XmlElement& element, const std::string& name) {
+std::string GetChildText(const XmlElement& element, const std::string& name) {
   const XmlElement* child = element.Child(name);
   return child ? child->text : "";
 }
@@ -78,7 +78,7 @@ double AspectRatio(const std::string& text) {
 }
 
 double CropFactor(const XmlElement& element) {
-  const std::string text = TextOfChild(element, "cropfactor");
+  const std::string text = GetChildText(element, "cropfactor");
   if (text.empty()) throw InputError("'cropfactor' is missing");
   const double crop = LensfunNumber(text, "cropfactor");
   if (!(crop > 0.01 && crop < 1000))
@@ -86,7 +86,7 @@ double CropFactor(const XmlElement& element) {
   return crop;
 }
 
-RadialProjection ProjectionOf(const std::string& type) {
+RadialProjection ReadProjection(const std::string& type) {
   static const std::map<std::string, RadialProjection> projections = {
       {"", RadialProjection::kRectilinear},
       {"rectilinear", RadialProjection::kRectilinear},
@@ -112,7 +112,7 @@ struct Polynomial {
   std::array<double, 4> c = {};
 };
 
-Polynomial PolynomialOf(const XmlElement& distortion) {
+Polynomial ReadPolynomial(const XmlElement& distortion) {
   const auto found = distortion.attributes.find("model");
   const std::string model =
       found == distortion.attributes.end() ? "" : found->second;
@@ -145,14 +145,15 @@ double ParaxialFocalMm(const XmlElement& calibration, double nominal_mm,
 
 // Makes the camera model of a lens at one focal length. crop: the camera's crop
 // factor.
-RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
-                          const XmlElement& distortion, double crop,
-                          const ImageSize& size) {
+RadialModel ReadRadialModel(const XmlElement& lens,
+                            const XmlElement& calibration,
+                            const XmlElement& distortion, double crop,
+                            const ImageSize& size) {
   const double focal_mm = LensfunAttribute(distortion, "focal", NAN);
   if (!(focal_mm > 0))
     throw InputError(fmt::format(
         "line {}: missing focal length of the distortion", distortion.line));
-  const Polynomial polynomial = PolynomialOf(distortion);
+  const Polynomial polynomial = ReadPolynomial(distortion);
   if (!(polynomial.d > 0))
     throw InputError(
         fmt::format("line {}: the distortion is degenerate at the image centre",
@@ -161,11 +162,11 @@ RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
   const double pixels_per_mm = sides_px.norm() * crop / kDiagonalMm;
   const double unit_mm =
       kDiagonalMm / CropFactor(lens) / 2 /
-      std::hypot(1, AspectRatio(TextOfChild(lens, "aspect-ratio")));
+      std::hypot(1, AspectRatio(GetChildText(lens, "aspect-ratio")));
   const double paraxial_mm =
       ParaxialFocalMm(calibration, focal_mm, polynomial.d);
-  RadialLens radial;
-  radial.projection = ProjectionOf(TextOfChild(lens, "type"));
+  RadialModel radial;
+  radial.projection = ReadProjection(GetChildText(lens, "type"));
   radial.focal_px.setConstant(paraxial_mm * pixels_per_mm);
   Eigen::Vector2d off_center(0, 0);
   if (const XmlElement* center = lens.Child("center"))
@@ -181,8 +182,8 @@ RadialLens ReadRadialLens(const XmlElement& lens, const XmlElement& calibration,
 }
 
 // Returns the projection and distortion model, e.g. "equisolid ptlens".
-std::string NameOfLens(const XmlElement& lens, const XmlElement& distortion) {
-  const std::string type = TextOfChild(lens, "type");
+std::string MakeLensName(const XmlElement& lens, const XmlElement& distortion) {
+  const std::string type = GetChildText(lens, "type");
   const auto model = distortion.attributes.find("model");
   return fmt::format(
       "{} {}", type.empty() ? "rectilinear" : type,
@@ -197,7 +198,7 @@ std::string FileName(const std::string& text) {
 }
 
 // Returns the camera's crop factor if the file has exactly one camera.
-std::optional<double> CropOfCamera(const std::vector<XmlElement>& elements) {
+std::optional<double> ReadCropFactor(const std::vector<XmlElement>& elements) {
   std::optional<double> crop;
   for (const XmlElement& element : elements) {
     if (element.name != "camera") continue;
@@ -224,7 +225,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
   const XmlElement root = ParseXml(request.text);
   const std::vector<XmlElement> elements =
       root.name == "lens" ? std::vector<XmlElement>{root} : root.children;
-  const std::optional<double> crop_of_camera = CropOfCamera(elements);
+  const std::optional<double> crop_factor = ReadCropFactor(elements);
   if (!request.size)
     throw InputError("missing image size; specify --image-size WxH");
   ExchangeContents contents;
@@ -239,20 +240,21 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
             fmt::format("more than {} distortions; copy the one of your lens "
                         "and focal length into a separate file",
                         kMost));
-      const RadialLens radial = ReadRadialLens(
+      const RadialModel radial = ReadRadialModel(
           lens, *calibration, distortion,
-          crop_of_camera.value_or(CropFactor(lens)), *request.size);
-      ReadLens& camera = contents.cameras.emplace_back();
-      camera.name = fmt::format("{}-{}mm", FileName(TextOfChild(lens, "model")),
-                                FileName(distortion.attributes.at("focal")));
-      camera.lens = MakeRadialLens(NameOfLens(lens, distortion), *request.size,
-                                   radial, &contents.warnings);
+          crop_factor.value_or(CropFactor(lens)), *request.size);
+      InputCamera& camera = contents.cameras.emplace_back();
+      camera.name =
+          fmt::format("{}-{}mm", FileName(GetChildText(lens, "model")),
+                      FileName(distortion.attributes.at("focal")));
+      camera.lens = MakeRadialCamera(MakeLensName(lens, distortion),
+                                     *request.size, radial, &contents.warnings);
     }
   }
   if (contents.cameras.size() == 1 && !elements.empty())
     for (const XmlElement& lens : elements)
       if (lens.Child("calibration"))
-        contents.cameras.front().name = TextOfChild(lens, "model");
+        contents.cameras.front().name = GetChildText(lens, "model");
   return contents;
 }
 
@@ -271,7 +273,7 @@ std::string Escaped(const std::string& text) {
 
 // Writes a camera with crop factor 1 and the size of the calibration images.
 std::string WriteLensfun(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   const Eigen::Vector2d sides_px = SidesPx(lens.size);
   const double mm_per_pixel = kDiagonalMm / sides_px.norm();
@@ -282,7 +284,7 @@ std::string WriteLensfun(const WriteRequest& request) {
   std::string text = "<lensdatabase version=\"1\">\n";
   if (camera.fit)
     text += fmt::format("    <!-- Fitted {}: {} -->\n",
-                        lens.external_model->name, FormatLensFit(*camera.fit));
+                        lens.external_model->name, FormatModelFit(*camera.fit));
   return text +
          fmt::format(
              "    <lens>\n"

@@ -60,7 +60,7 @@ ConvertedCamera ReadDewarp(const CameraKeys& dewarp,
 ExchangeContents ReadLibcamera(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
-  ReadLens camera;
+  InputCamera camera;
   camera.lens = ReadDewarp(CameraKeys(MakeDewarpNode(root), kTuningDewarp),
                            &contents.warnings);
   const YAML::Node own = root[kRaygridKey];
@@ -81,7 +81,7 @@ bool IsLibcamera(const std::string& text) {
 
 // raygrid's additional keys are harmless: libcamera ignores unknown keys.
 std::string WriteLibcamera(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   std::string own = fmt::format("  {}: [{}, {}]\n", kTuningSize,
                                 lens.size.width, lens.size.height);
@@ -89,7 +89,7 @@ std::string WriteLibcamera(const WriteRequest& request) {
   if (!camera.serial.empty())
     own += "  serial: " + QuotedYaml(camera.serial) + "\n";
   if (camera.fit)
-    own += "  fit: " + QuotedYaml(FormatLensFit(*camera.fit)) + "\n";
+    own += "  fit: " + QuotedYaml(FormatModelFit(*camera.fit)) + "\n";
   return fmt::format(
       "%YAML 1.1\n---\nversion: 1\nmodules:\n  - Dewarp:\n      cm: [\n"
       "        {},\n        {},\n        {},\n      ]\n      coefficients: [\n"

@@ -27,7 +27,7 @@ const std::vector<ExternalModel>& GetMetashapeModels() {
                           {"k1", "k2", "k3", "k4", "p2", "p1"})};
     for (ExternalModel& external_model : made) {
       external_model.origin = PixelOrigin::kImageCenter;
-      external_model.reach_rad = M_PI / 2;
+      external_model.max_supported_angle_rad = M_PI / 2;
     }
     return made;
   }();
@@ -36,7 +36,7 @@ const std::vector<ExternalModel>& GetMetashapeModels() {
 
 // Returns the metashape's names of a model's coefficients, in the order of the
 // model.
-std::vector<std::string> KeysOf(const ExternalModel& external_model) {
+std::vector<std::string> ListKeys(const ExternalModel& external_model) {
   return external_model.Has("k4")
              ? std::vector<std::string>{"k1", "k2", "k3", "k4", "p1", "p2"}
              : std::vector<std::string>{"k1", "k2", "k3", "p1", "p2"};
@@ -45,7 +45,7 @@ std::vector<std::string> KeysOf(const ExternalModel& external_model) {
 // ---- Reading ---------------------------------------------------------------
 
 // Returns a parameter; Metashape omits parameters that are 0.
-double NumberOf(const CameraKeys& keys, const std::string& name) {
+double ReadNumber(const CameraKeys& keys, const std::string& name) {
   return keys.Has(name) ? FiniteNumber(keys[name], name) : 0;
 }
 
@@ -66,12 +66,12 @@ const ExternalModel& FindMetashapeModel(const std::string& name) {
 }
 
 // Throws for non-zero parameters that the model does not support.
-void RequireNothingElse(const CameraKeys& keys,
-                        const ExternalModel& external_model) {
+void RequireOnlyKnownKeys(const CameraKeys& keys,
+                          const ExternalModel& external_model) {
   std::vector<std::string> others = {"p3", "p4"};
   if (!external_model.Has("k4")) others.push_back("k4");
   for (const std::string& name : others)
-    if (NumberOf(keys, name) != 0)
+    if (ReadNumber(keys, name) != 0)
       throw InputError(
           fmt::format("non-zero {} of a {} is not supported; optimize the "
                       "cameras in Metashape without it",
@@ -90,8 +90,8 @@ void RequireNothingElse(const CameraKeys& keys,
 
 // Converts the child elements of a calibration to a map. The image size may be
 // in attributes.
-CameraKeys KeysOfCalibration(const XmlElement& calibration,
-                             const std::string& name) {
+CameraKeys MakeCalibrationKeys(const XmlElement& calibration,
+                               const std::string& name) {
   YAML::Node map(YAML::NodeType::Map);
   for (const XmlElement& child : calibration.children) {
     if (calibration.Child(child.name) != &child)
@@ -111,16 +111,16 @@ ConvertedCamera ReadCalibration(const CameraKeys& keys,
                                 std::vector<std::string>* warnings) {
   ConvertedCamera lens;
   lens.external_model = &FindMetashapeModel(projection);
-  RequireNothingElse(keys, *lens.external_model);
+  RequireOnlyKnownKeys(keys, *lens.external_model);
   if (keys.Has("width") || keys.Has("height"))
     lens.size = {SidePx(keys["width"], "width"),
                  SidePx(keys["height"], "height")};
   const double f = RequiredNumber(keys, "f");
-  lens.values = {f + NumberOf(keys, "b1"), f, NumberOf(keys, "cx"),
-                 NumberOf(keys, "cy")};
-  lens.skew_px = NumberOf(keys, "b2");
-  for (const std::string& key : KeysOf(*lens.external_model))
-    lens.values.push_back(NumberOf(keys, key));
+  lens.values = {f + ReadNumber(keys, "b1"), f, ReadNumber(keys, "cx"),
+                 ReadNumber(keys, "cy")};
+  lens.skew_px = ReadNumber(keys, "b2");
+  for (const std::string& key : ListKeys(*lens.external_model))
+    lens.values.push_back(ReadNumber(keys, key));
   keys.Skip({"projection", "date"});
   keys.Finish(*lens.external_model, warnings);
   return lens;
@@ -162,10 +162,10 @@ void ReadSensors(const XmlElement& root, ExchangeContents* contents) {
       continue;
     }
     const std::string type = GetAttribute(*calibration, "type");
-    ReadLens camera;
+    InputCamera camera;
     camera.name = name;
     camera.lens =
-        ReadCalibration(KeysOfCalibration(*calibration, name),
+        ReadCalibration(MakeCalibrationKeys(*calibration, name),
                         type.empty() ? GetAttribute(*sensor, "type") : type,
                         &contents->warnings);
     if (GetAttribute(*calibration, "class") == "initial")
@@ -186,7 +186,7 @@ ExchangeContents ReadMetashape(const ReadRequest& request) {
   if (root.name != kRoot)
     throw InputError(fmt::format("the root element is '{}', not '{}' or '{}'",
                                  Printable(root.name), kRoot, kDocument));
-  const CameraKeys keys = KeysOfCalibration(root, "");
+  const CameraKeys keys = MakeCalibrationKeys(root, "");
   contents.cameras.emplace_back().lens =
       ReadCalibration(keys, keys.Word("projection"), &contents.warnings);
   return contents;
@@ -203,12 +203,12 @@ bool IsMetashape(const std::string& text) {
 // ---- Writing ---------------------------------------------------------------
 
 std::string WriteMetashape(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   if (camera.fit)
     text += fmt::format("<!-- Fitted {}: {} -->\n", lens.external_model->name,
-                        FormatLensFit(*camera.fit));
+                        FormatModelFit(*camera.fit));
   text += fmt::format("<{}>\n", kRoot);
   const auto add = [&](const std::string& name, const std::string& value) {
     text += fmt::format("  <{0}>{1}</{0}>\n", name, value);
@@ -221,7 +221,7 @@ std::string WriteMetashape(const WriteRequest& request) {
   add("cx", FormatReal(lens.Value("cx")));
   add("cy", FormatReal(lens.Value("cy")));
   add("b1", FormatReal(fx - fy));
-  const std::vector<std::string> keys = KeysOf(*lens.external_model);
+  const std::vector<std::string> keys = ListKeys(*lens.external_model);
   const std::vector<double> coefficients = lens.ValuesFrom(4);
   for (size_t k = 0; k < keys.size(); ++k)
     add(keys[k], FormatReal(coefficients[k]));

@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/word_lines.h"
+#include "dataset/token_lines.h"
 #include "exchange/count_text.h"
 
 namespace raygrid {
@@ -20,7 +20,7 @@ constexpr char kNoValue[] = "-";
 
 // Returns the column names of a vnlog: the words of the first line that begins
 // with a single '#'. Empty if other lines precede it.
-std::vector<std::string> FindLegend(const std::string& text) {
+std::vector<std::string> ReadLegend(const std::string& text) {
   constexpr size_t kHeadBytes = 1 << 16;
   std::istringstream lines(text.substr(0, kHeadBytes));
   for (std::string line; std::getline(lines, line) && line[0] == '#';) {
@@ -40,13 +40,13 @@ struct CornerColumns {
 };
 
 bool IsMrcalCorners(const std::string& text) {
-  const std::vector<std::string> legend = FindLegend(text);
+  const std::vector<std::string> legend = ReadLegend(text);
   return legend.size() >= 3 && legend[0] == "filename" && legend[1] == "x" &&
          legend[2] == "y";
 }
 
 CornerColumns ParseColumns(const std::string& text) {
-  const std::vector<std::string> legend = FindLegend(text);
+  const std::vector<std::string> legend = ReadLegend(text);
   if (!IsMrcalCorners(text) || legend.size() > 4)
     throw InputError(
         "its columns must be '# filename x y', optionally followed by 'level' "
@@ -77,7 +77,7 @@ struct CornerCounts {
 };
 
 // Whether mrcal uses a detected corner.
-bool IsOccupied(const WordLines& line, const CornerColumns& columns,
+bool IsOccupied(const TokenLines& line, const CornerColumns& columns,
                 CornerCounts* counts) {
   if (columns.count < 4) return true;
   if (line.Text(3) == kNoValue) return false;
@@ -86,7 +86,7 @@ bool IsOccupied(const WordLines& line, const CornerColumns& columns,
   return columns.has_level ? value >= 0 : value > 0;
 }
 
-std::optional<Eigen::Vector2d> ParseCorner(const WordLines& line,
+std::optional<Eigen::Vector2d> ParseCorner(const TokenLines& line,
                                            const CornerColumns& columns,
                                            CornerCounts* counts) {
   if (line.Text(1) == kNoValue && line.Text(2) == kNoValue) return std::nullopt;
@@ -97,20 +97,20 @@ std::optional<Eigen::Vector2d> ParseCorner(const WordLines& line,
 
 // Throws for a wrong number of columns. mrgingham omits the last column for
 // images without a detected target.
-void RequireColumns(const WordLines& line, const CornerColumns& columns) {
+void RequireColumns(const TokenLines& line, const CornerColumns& columns) {
   const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
   if (line.size() != columns.count && !is_short)
     line.Refuse(fmt::format("has {} fields, but the legend has {}", line.size(),
                             columns.count));
 }
 
-std::vector<CornerRows> RowsOf(const ReadRequest& request,
-                               const CornerColumns& columns,
-                               CornerCounts* counts) {
-  WordLines line(request.path, request.text, "corners in mrcal's format");
+std::vector<CornerRows> ReadCornerRows(const ReadRequest& request,
+                                       const CornerColumns& columns,
+                                       CornerCounts* counts) {
+  TokenLines line(request.path, request.text, "corners in mrcal's format");
   std::vector<CornerRows> images;
   std::set<std::string> names;
-  while (line.NextWithWords()) {
+  while (line.NextNonEmpty()) {
     RequireColumns(line, columns);
     const std::string& name = line.Text(0);
     if (images.empty() || images.back().image != name) {
@@ -129,15 +129,15 @@ std::vector<CornerRows> RowsOf(const ReadRequest& request,
 // Returns the sum of the norms of second differences along rows of the given
 // number of columns, in pixels. Large values indicate a wrong number of
 // columns, because rows then wrap.
-double ComputeBend(const CornerRows& image, int columns) {
-  double bend = 0;
+double ComputeSagitta(const CornerRows& image, int columns) {
+  double sagitta = 0;
   for (size_t k = 0; k + 2 < image.corners.size(); ++k) {
     if (static_cast<int>(k) % columns + 2 >= columns) continue;
     const auto &a = image.corners[k], &b = image.corners[k + 1],
                &c = image.corners[k + 2];
-    if (a && b && c) bend += (*a - 2 * *b + *c).norm();
+    if (a && b && c) sagitta += (*a - 2 * *b + *c).norm();
   }
-  return bend;
+  return sagitta;
 }
 
 // Throws if columns and rows are exchanged, which the number of corners cannot
@@ -149,9 +149,9 @@ void RequireBoardOrientation(const std::vector<CornerRows>& images,
   double configuration = 0, turned = 0;
   for (const CornerRows& image : images) {
     configuration +=
-        ComputeBend(image, board.width) / (board.width - 2) / board.height;
+        ComputeSagitta(image, board.width) / (board.width - 2) / board.height;
     turned +=
-        ComputeBend(image, board.height) / (board.height - 2) / board.width;
+        ComputeSagitta(image, board.height) / (board.height - 2) / board.width;
   }
   if (configuration > 3 * turned)
     throw InputError(fmt::format(
@@ -159,7 +159,8 @@ void RequireBoardOrientation(const std::vector<CornerRows>& images,
         board.height, board.width, board.width, board.height));
 }
 
-ImageFeatures FeaturesOfRows(const CornerRows& image, const ImageSize& board) {
+ImageFeatures MakeImageFeatures(const CornerRows& image,
+                                const ImageSize& board) {
   const size_t expected = static_cast<size_t>(board.width) * board.height;
   if (image.corners.size() != expected)
     throw InputError(fmt::format(
@@ -194,14 +195,15 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
         "missing board size; specify it in corners with --board-size "
         "COLUMNSxROWS, such as --board-size 10x10");
   CornerCounts counts;
-  const std::vector<CornerRows> images = RowsOf(request, columns, &counts);
+  const std::vector<CornerRows> images =
+      ReadCornerRows(request, columns, &counts);
   ExchangeContents contents;
   for (const CornerRows& image : images) {
     if (image.corners.size() == 1 && !image.corners[0]) {
       ++counts.without_board;
       continue;
     }
-    ImageFeatures features = FeaturesOfRows(image, *request.board);
+    ImageFeatures features = MakeImageFeatures(image, *request.board);
     counts.rejected += image.corners.size() - features.features.size();
     if (!features.features.empty())
       contents.corners.push_back(std::move(features));

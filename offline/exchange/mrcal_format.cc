@@ -81,7 +81,7 @@ const ExternalModel& FindMrcalModel(const std::string& name) {
 
 // Parses the grid from a name such as
 // LENSMODEL_SPLINED_STEREOGRAPHIC_order=3_Nx=30_Ny=20_fov_x_deg=170.
-SplinedStereographic::Grid GridOfName(const std::string& name) {
+SplinedStereographic::Grid ParseGrid(const std::string& name) {
   static const std::regex words(
       std::string(kSplined) +
       "_order=([0-9]{1,4})_Nx=([0-9]{1,4})_Ny=([0-9]{1,4})_"
@@ -106,10 +106,10 @@ SplinedStereographic::Grid GridOfName(const std::string& name) {
 }
 
 // mrcal stores fx, fy, cx, cy before the control points.
-std::shared_ptr<const SplinedStereographic> SplineOf(
+std::shared_ptr<const SplinedStereographic> MakeSpline(
     const std::string& name, const ImageSize& size,
     const std::vector<double>& intrinsics) {
-  const SplinedStereographic::Grid grid = GridOfName(name);
+  const SplinedStereographic::Grid grid = ParseGrid(name);
   const int count = 2 * grid.columns * grid.rows;
   if (static_cast<int>(intrinsics.size()) != 4 + count)
     throw InputError(fmt::format("intrinsics: expected {} numbers, found {}",
@@ -123,7 +123,7 @@ std::shared_ptr<const SplinedStereographic> SplineOf(
 
 // mrcal before version 1 calls models DISTORTION_..., and the pinhole model
 // DISTORTION_NONE.
-std::string ModelNameOf(const CameraKeys& root) {
+std::string ReadModelName(const CameraKeys& root) {
   constexpr char kOldKey[] = "distortion_model", kOldPrefix[] = "DISTORTION_";
   const bool is_old = !root.Has("lensmodel") && root.Has(kOldKey);
   const char* const key = is_old ? kOldKey : "lensmodel";
@@ -136,8 +136,8 @@ std::string ModelNameOf(const CameraKeys& root) {
   return kPrefix + (behind == "NONE" ? "PINHOLE" : behind);
 }
 
-ConvertedCamera LensOf(const CameraKeys& root) {
-  const std::string name = ModelNameOf(root);
+ConvertedCamera ReadCameraModel(const CameraKeys& root) {
+  const std::string name = ReadModelName(root);
   const bool is_spline = name.rfind(kSplined, 0) == 0;
   ConvertedCamera lens;
   lens.external_model = &FindMrcalModel(is_spline ? kSplined : name);
@@ -147,7 +147,7 @@ ConvertedCamera LensOf(const CameraKeys& root) {
   lens.size = GetListSize(root[size_key], size_key);
   lens.values = FiniteNumbers(root["intrinsics"], "intrinsics");
   if (is_spline) {
-    lens.spline = SplineOf(name, lens.size, lens.values);
+    lens.spline = MakeSpline(name, lens.size, lens.values);
     lens.values.clear();
   }
   return lens;
@@ -183,8 +183,8 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
   const std::string yaml = ConvertToYaml(request.text);
   const CameraKeys root(LoadForeignMap(request.path, yaml));
   ExchangeContents contents;
-  ReadLens camera;
-  camera.lens = LensOf(root);
+  InputCamera camera;
+  camera.lens = ReadCameraModel(root);
   camera.camera_from_rig = ReadMrcalPose(root);
   camera.valid_region = ParseValidRegion(root, camera.lens.size);
   root.Skip({"rt_cam_ref", "extrinsics", "icam_intrinsics",
@@ -199,7 +199,7 @@ ExchangeContents ReadMrcal(const ReadRequest& request) {
 // ---- Writing ---------------------------------------------------------------
 
 // Returns the name of a camera's model and its parameters in mrcal's order.
-std::pair<std::string, std::vector<double>> ModelOf(
+std::pair<std::string, std::vector<double>> GetNameAndValues(
     const ConvertedCamera& lens) {
   if (!lens.spline) return {lens.external_model->name, lens.values};
   const SplinedStereographic::Grid& grid = lens.spline->grid();
@@ -226,8 +226,8 @@ std::string FormatRegion(const ValidityMask& valid_region,
 
 // For a camera that is not in a rig, the reference frame is the camera frame.
 std::string WriteMrcal(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
-  const auto [model, values] = ModelOf(camera.lens);
+  const OutputCamera& camera = request.cameras.front();
+  const auto [model, values] = GetNameAndValues(camera.lens);
   Pose pose = camera.camera_from_rig.value_or(Pose{});
   if (!camera.camera_from_rig && camera.fit)
     pose.rotation = camera.fit->lens_from_camera;
@@ -236,7 +236,7 @@ std::string WriteMrcal(const WriteRequest& request) {
   const std::string rt = RealTexts({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});
   std::string text = Comment("raygrid camera ", camera.name);
   text += Comment("serial ", camera.serial);
-  if (camera.fit) text += Comment("fit: ", FormatLensFit(*camera.fit));
+  if (camera.fit) text += Comment("fit: ", FormatModelFit(*camera.fit));
   text += fmt::format("{{\n    'lensmodel': '{}',\n\n", model);
   text += fmt::format("    'intrinsics': [ {},],\n\n", RealTexts(values));
   if (camera.valid_region)

@@ -8,7 +8,7 @@
 
 #include "camera/central_generic.h"
 #include "dataset/error.h"
-#include "exchange/lens_selection.h"
+#include "exchange/external_model_selection.h"
 
 namespace raygrid {
 namespace {
@@ -61,32 +61,32 @@ ConvertedCamera FitNearestGrid(const ImageSize& size,
                                const DirectionAtPixel& direction,
                                const std::string& why,
                                std::vector<std::string>* warnings) {
-  constexpr double kNearEnoughPx = 0.002, kMostWithout = 0.9;
-  constexpr int kFewest = 12, kMost = 96;
+  constexpr double kMaxRmsPx = 0.002, kMaxUndefinedFraction = 0.9;
+  constexpr int kMinKnots = 12, kMaxKnots = 96;
   const DirectionCamera camera(size, direction);
-  if (ComputeUndefinedFraction(camera) > kMostWithout)
+  if (ComputeUndefinedFraction(camera) > kMaxUndefinedFraction)
     throw InputError(
         fmt::format("less than 10 % of the {} x {} image has a valid ray; "
                     "check parameters and image size",
                     size.width, size.height));
   ConvertedCamera lens = {&GetNearestGridModel(), size, {}};
-  LensFit fit;
+  ModelFit fit;
   const Area image = WholeImage(size);
   const double longest = std::max(image.width(), image.height());
-  for (int along = kFewest;; along += along / 2) {
+  for (int along = kMinKnots;; along += along / 2) {
     const auto points = [&](double extent) {
       return 3 + std::max(1, static_cast<int>(
                                  std::lround((along - 3) * extent / longest)));
     };
     lens.grid = std::make_shared<CentralGeneric>(FitCentralGeneric(
         camera, image, points(image.width()), points(image.height())));
-    fit = MeasureLensFit(camera, nullptr, *lens.grid, *lens.external_model,
-                         Eigen::Quaterniond::Identity());
-    if (fit.rms_px < kNearEnoughPx || along + along / 2 > kMost) break;
+    fit = ComputeModelFit(camera, nullptr, *lens.grid, *lens.external_model,
+                          Eigen::Quaterniond::Identity());
+    if (fit.rms_px < kMaxRmsPx || along + along / 2 > kMaxKnots) break;
   }
   warnings->push_back(
       fmt::format("{}: converted to central-generic with fit error {}", why,
-                  FormatLensFit(fit)));
+                  FormatModelFit(fit)));
   return lens;
 }
 
@@ -103,7 +103,7 @@ ConvertedCamera FitSkewedGrid(const ConvertedCamera& lens,
         "camera matrix: a skew of {:g} px is out of range", lens.skew_px));
   ConvertedCamera straight = lens;
   straight.skew_px = 0;
-  const auto made = MakeLens(straight);
+  const auto made = MakeCameraModel(straight);
   // The shear moves pixels from outside the image into it, so the area is
   // widened.
   const auto wide = made->Parametric()->CloneWithArea(

@@ -17,7 +17,7 @@ namespace {
 
 constexpr char kNerfModel[] = "camera_model";
 constexpr char kFrames[] = "frames";
-constexpr char kFramePlace[] = "transform_matrix";
+constexpr char kFramePosition[] = "transform_matrix";
 constexpr char kNerfFisheye[] = "OPENCV_FISHEYE";
 constexpr char kNgpFisheye[] = "is_fisheye";
 
@@ -40,7 +40,7 @@ const std::vector<ExternalModel>& GetNerfstudioModels() {
                           {"k1", "k2", "k3", "k4"})};
     for (ExternalModel& external_model : made) {
       external_model.origin = PixelOrigin::kImageCorner;
-      external_model.reach_rad =
+      external_model.max_supported_angle_rad =
           external_model.name == kNerfFisheye ? M_PI : M_PI / 2;
     }
     return made;
@@ -78,7 +78,7 @@ const std::vector<std::string> kSceneKeys = {kFrames,
                                              "from_na",
                                              "render_aabb",
                                              "file_path",
-                                             kFramePlace,
+                                             kFramePosition,
                                              "sharpness",
                                              "mask_path",
                                              "depth_file_path",
@@ -119,7 +119,8 @@ std::vector<double> ReadCoefficients(const CameraKeys& camera) {
 }
 
 // instant-ngp uses a flag instead of a model name.
-std::string NerfModelOf(const CameraKeys& camera, const YAML::Node& root) {
+std::string ReadNerfstudioModelName(const CameraKeys& camera,
+                                    const YAML::Node& root) {
   const YAML::Node flag = camera[kNgpFisheye];
   bool is_fisheye = false;
   if (flag.IsDefined() && !YAML::convert<bool>::decode(flag, is_fisheye) &&
@@ -169,13 +170,13 @@ const ExternalModel& FindNerfstudioModel(
                   kNerfModel, Printable(model), kNerfFisheye));
 }
 
-ConvertedCamera ReadNerfstudioLens(const YAML::Node& root,
-                                   std::vector<std::string>* warnings) {
+ConvertedCamera ReadNerfstudioIntrinsics(const YAML::Node& root,
+                                         std::vector<std::string>* warnings) {
   const CameraKeys camera(MakeCameraNode(root));
   const std::vector<double> coefficients = ReadCoefficients(camera);
   ConvertedCamera lens;
   lens.external_model =
-      &FindNerfstudioModel(NerfModelOf(camera, root), coefficients);
+      &FindNerfstudioModel(ReadNerfstudioModelName(camera, root), coefficients);
   if (camera.Has("w") || camera.Has("h"))
     lens.size = {SidePx(camera["w"], "w"), SidePx(camera["h"], "h")};
   for (const auto& [parameter, key] : kIntrinsics)
@@ -192,15 +193,15 @@ ConvertedCamera ReadNerfstudioLens(const YAML::Node& root,
 BoardPose ReadFrame(const YAML::Node& frame) {
   if (!frame.IsMap() || !frame["file_path"])
     throw InputError("'file_path' is missing");
-  const YAML::Node rows = frame[kFramePlace];
+  const YAML::Node rows = frame[kFramePosition];
   if (!rows || !rows.IsSequence() || rows.size() < 3)
-    throw InputError(fmt::format("{}: not 4 x 4", kFramePlace));
+    throw InputError(fmt::format("{}: not 4 x 4", kFramePosition));
   std::vector<double> numbers;
   for (size_t row = 0; row < 3; ++row)
-    for (const double number : FiniteNumbers(rows[row], kFramePlace, 4))
+    for (const double number : FiniteNumbers(rows[row], kFramePosition, 4))
       numbers.push_back(number);
   return {frame["file_path"].as<std::string>(), 0,
-          Rotated(PoseFromMatrix(numbers, kFramePlace)).Inverse()};
+          Rotated(PoseFromMatrix(numbers, kFramePosition)).Inverse()};
 }
 
 void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
@@ -221,8 +222,8 @@ void ReadFrames(const YAML::Node& frames, ExchangeContents* contents) {
 ExchangeContents ReadNerfstudio(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
-  ReadLens camera;
-  camera.lens = ReadNerfstudioLens(root, &contents.warnings);
+  InputCamera camera;
+  camera.lens = ReadNerfstudioIntrinsics(root, &contents.warnings);
   ParseRaygridJson(root[kRaygridKey], &camera);
   contents.cameras.push_back(std::move(camera));
   if (root["fisheye_crop_radius"])
@@ -245,11 +246,12 @@ Json MakeFrameJson(const BoardPose& pose) {
     rows.push_back(
         {r(row, 0), r(row, 1), r(row, 2), place.translation[row] + 0.0});
   rows.push_back({0.0, 0.0, 0.0, 1.0});
-  return {{"file_path", Printable(pose.image)}, {kFramePlace, std::move(rows)}};
+  return {{"file_path", Printable(pose.image)},
+          {kFramePosition, std::move(rows)}};
 }
 
 std::string WriteNerfstudio(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   RequireOneBoard("nerfstudio", request.cameras);
   Json root = {{kNerfModel, lens.external_model->name},

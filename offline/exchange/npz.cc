@@ -66,7 +66,7 @@ void AddToZip(zip_t* archive, const std::string& name,
     FailToZip(zip_strerror(archive));
 }
 
-std::string ReadWhole(zip_source_t* source) {
+std::string ReadEntry(zip_source_t* source) {
   zip_stat_t facts;
   if (zip_source_stat(source, &facts) < 0 || zip_source_open(source) < 0)
     FailToZip(zip_error_strerror(zip_source_error(source)));
@@ -123,26 +123,26 @@ std::vector<size_t> ParseShape(const std::string& name,
 }
 
 // Returns the element size of a type in bytes; 0 for unsupported types.
-size_t SizeOfType(const std::string& type) {
+size_t GetTypeSize(const std::string& type) {
   for (const char* known : {"<f4", "<f8", "<i2", "<u2", "<i4", "<u4", "<i8"})
     if (type == known) return static_cast<size_t>(type[2] - '0');
   return 0;
 }
 
-void RequireWhole(const NpyArray& array) {
+void RequireComplete(const NpyArray& array) {
   size_t left = array.bytes.size();
-  const size_t size = SizeOfType(array.type);
+  const size_t size = GetTypeSize(array.type);
   if (size == 0)
     throw InputError(
         fmt::format("{}: unsupported dtype '{}'; save it as float64",
                     array.name, array.type));
-  bool is_whole = left % size == 0;
+  bool is_complete = left % size == 0;
   left /= size;
   for (const size_t length : array.shape) {
-    is_whole = is_whole && length > 0 && left % length == 0;
-    if (is_whole) left /= length;
+    is_complete = is_complete && length > 0 && left % length == 0;
+    if (is_complete) left /= length;
   }
-  if (!is_whole || left != 1)
+  if (!is_complete || left != 1)
     throw InputError(array.name +
                      ": the amount of data does not match its shape");
 }
@@ -166,7 +166,7 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
       order("'fortran_order': *(True|False)"), shape("'shape': *\\(([^)]*)\\)");
   std::smatch found_type, found_order, found_shape;
   if (may_be_other && (!std::regex_search(header, found_type, type) ||
-                       SizeOfType(found_type[1]) == 0))
+                       GetTypeSize(found_type[1]) == 0))
     return {name, found_type.empty() ? "" : found_type[1].str(), {}, ""};
   if (!std::regex_search(header, found_type, type) ||
       !std::regex_search(header, found_order, order) ||
@@ -178,7 +178,7 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
     throw InputError(name +
                      ": Fortran order is not supported; save "
                      "numpy.ascontiguousarray() of it");
-  RequireWhole(array);
+  RequireComplete(array);
   return array;
 }
 
@@ -211,7 +211,7 @@ std::string WriteNpz(const std::vector<NpyArray>& arrays) {
     AddToZip(archive.get(), arrays[k].name + ".npy", contents[k]);
   if (zip_close(archive.get()) < 0) FailToZip(zip_strerror(archive.get()));
   archive.release();
-  return ReadWhole(source.get());
+  return ReadEntry(source.get());
 }
 
 bool IsNpz(const std::string& bytes) {

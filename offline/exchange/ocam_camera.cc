@@ -58,8 +58,8 @@ struct OcamSample {
 };
 
 // Samples pixels of the valid region and their directions for the fit.
-std::vector<OcamSample> SamplesOf(const CameraModel& camera,
-                                  const ValidityMask* valid_region) {
+std::vector<OcamSample> SampleCamera(const CameraModel& camera,
+                                     const ValidityMask* valid_region) {
   constexpr double kAcross = 28;
   const Area& area = camera.area();
   const double step_px =
@@ -94,7 +94,7 @@ class OcamFit {
 
   Fitted Fit(int degree) const {
     constexpr int kRounds = 12;
-    constexpr double kEnough = 1e-6;
+    constexpr double kTolerance = 1e-6;
     Eigen::VectorXd x = Start(degree);
     Eigen::VectorXd residuals = Residuals(x);
     double damping = 1e-6;
@@ -114,9 +114,9 @@ class OcamFit {
       x = next;
       residuals = after;
       damping /= 10;
-      if (before_sum - residuals.squaredNorm() < kEnough * before_sum) break;
+      if (before_sum - residuals.squaredNorm() < kTolerance * before_sum) break;
     }
-    Fitted fitted = {NumbersOf(x), ComputeRotation(x), 0};
+    Fitted fitted = {MakeNumbers(x), ComputeRotation(x), 0};
     fitted.rms_px = std::sqrt(residuals.squaredNorm() /
                               static_cast<double>(samples_.size()));
     return fitted;
@@ -151,7 +151,7 @@ class OcamFit {
     return x;
   }
 
-  OcamNumbers NumbersOf(const Eigen::VectorXd& x) const {
+  OcamNumbers MakeNumbers(const Eigen::VectorXd& x) const {
     OcamNumbers numbers = {{}, x[0], x[1], x[2], x[3], x[4]};
     numbers.polynomial.assign(x.size() - kFirst + 1, 0);
     numbers.polynomial[0] = x[kFirst] * Scale();
@@ -172,7 +172,7 @@ class OcamFit {
 
   Eigen::VectorXd Residuals(const Eigen::VectorXd& x) const {
     constexpr double kAnywherePx = 1e9, kLostPx = 100;
-    const OcamCamera camera(size_, NumbersOf(x));
+    const OcamCamera camera(size_, MakeNumbers(x));
     const Eigen::Quaterniond turn = ComputeRotation(x);
     Eigen::VectorXd residuals(2 * samples_.size());
     for (size_t k = 0; k < samples_.size(); ++k) {
@@ -232,14 +232,14 @@ std::optional<Eigen::Vector3d> OcamCamera::Unproject(
 // Newton's method safeguarded by bisection.
 std::optional<double> OcamCamera::Radius(double angle_rad) const {
   constexpr int kSteps = 24, kIterations = 60;
-  constexpr double kBeyond = 1.25, kEnough = 1e-13;
+  constexpr double kSearchMargin = 1.25, kTolerance = 1e-13;
   const double sine = std::sin(angle_rad), cosine = std::cos(angle_rad);
   if (sine == 0) return cosine > 0 ? std::optional(0.0) : std::nullopt;
   // Negative while the radius is too small.
   const auto excess = [&](double radius) {
     return radius * cosine + ValueAt(numbers_.polynomial, radius) * sine;
   };
-  const double end = kBeyond * max_radius_;
+  const double end = kSearchMargin * max_radius_;
   double low = 0, high = 0;
   for (int k = 1; k <= kSteps && !(excess(high) > 0); ++k) {
     low = high;
@@ -255,7 +255,7 @@ std::optional<double> OcamCamera::Radius(double angle_rad) const {
     if (!(next > low && next < high)) next = (low + high) / 2;
     const double step = std::abs(next - radius);
     radius = next;
-    if (step <= kEnough * end) break;
+    if (step <= kTolerance * end) break;
   }
   return radius;
 }
@@ -295,7 +295,7 @@ void OcamCamera::SetParameters(const Eigen::VectorXd& parameters) {
 
 std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
   constexpr int kSamples = 400, kFewest = 5, kMost = 24;
-  constexpr double kEnoughPx = 0.01;
+  constexpr double kMaxErrorPx = 0.01;
   std::vector<double> angles, radii;
   for (int k = 0; k <= kSamples; ++k) {
     const double radius = camera.max_radius() * k / kSamples;
@@ -316,7 +316,7 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
       least_px = worst_px;
       best = polynomial;
     }
-    if (least_px < kEnoughPx) break;
+    if (least_px < kMaxErrorPx) break;
   }
   return best;
 }
@@ -330,7 +330,8 @@ ExternalGrid FitOcamCamera(const CameraModel& camera,
   options.held = {"p1", "p2", "sx1", "sy1"};
   const FittedModel near = FitNearestModel(models::kThinPrismFisheye, camera,
                                            camera.area(), options);
-  const OcamFit fit(camera.image_size(), SamplesOf(camera, valid_region), near);
+  const OcamFit fit(camera.image_size(), SampleCamera(camera, valid_region),
+                    near);
   OcamFit::Fitted best = fit.Fit(kUsualDegree);
   for (int degree = kUsualDegree + 1;
        degree <= kMostDegree && best.rms_px > kCloseEnoughPx; ++degree) {

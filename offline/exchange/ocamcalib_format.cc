@@ -92,7 +92,7 @@ std::string CountedReals(const std::vector<double>& numbers) {
 // Parsers expect a comment line before each block, and reject text after the
 // last block.
 std::string WriteOcamCalib(const WriteRequest& request) {
-  const WrittenLens& written = request.cameras.front();
+  const OutputCamera& written = request.cameras.front();
   const auto& camera = dynamic_cast<const OcamCamera&>(*written.lens.grid);
   const OcamNumbers& n = camera.numbers();
   std::string text;
@@ -112,7 +112,7 @@ std::string WriteOcamCalib(const WriteRequest& request) {
       fmt::format("{} {}", written.lens.size.height, written.lens.size.width));
   if (written.fit)
     text +=
-        fmt::format("#fitted polynomial: {}\n", FormatLensFit(*written.fit));
+        fmt::format("#fitted polynomial: {}\n", FormatModelFit(*written.fit));
   return text;
 }
 

@@ -49,9 +49,9 @@ ImageSize GetBoardSize(const YAML::Node& root, const ReadRequest& request,
 
 // Reads image_points of OpenCV's calibration sample: one row of corners per
 // image, in the order of a board with board_width columns.
-std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root,
-                                      const StoredMatrix& points,
-                                      const ImageSize& board) {
+std::vector<ImageFeatures> CollectFeatures(const YAML::Node& root,
+                                           const StoredMatrix& points,
+                                           const ImageSize& board) {
   std::vector<ImageFeatures> images;
   for (int row = 0; row < points.rows; ++row) {
     ImageFeatures& image = images.emplace_back();
@@ -69,13 +69,13 @@ std::vector<ImageFeatures> FeaturesOf(const YAML::Node& root,
 
 }  // namespace
 
-void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
-                  ReadLens* camera) {
+void ReadBoardFeatures(const YAML::Node& root, const ReadRequest& request,
+                       InputCamera* camera) {
   if (!root[kPointsKey]) return;
   const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
   try {
-    camera->features =
-        FeaturesOf(root, points, GetBoardSize(root, request, points.columns));
+    camera->features = CollectFeatures(
+        root, points, GetBoardSize(root, request, points.columns));
   } catch (const InputError& error) {
     camera->missing_features_reason = error.what();
   }
@@ -85,8 +85,8 @@ ExchangeContents ReadCornersOnly(const YAML::Node& root,
                                  const ReadRequest& request) {
   const StoredMatrix points = ParseStoredPoints(root[kPointsKey], kPointsKey);
   ExchangeContents contents;
-  contents.corners =
-      FeaturesOf(root, points, GetBoardSize(root, request, points.columns));
+  contents.corners = CollectFeatures(
+      root, points, GetBoardSize(root, request, points.columns));
   return contents;
 }
 

@@ -16,8 +16,8 @@ constexpr char kPointsKey[] = "image_points";
 
 /// Reads a camera's features, or sets the reason why there are none: an
 /// undefined board is not an error of the camera.
-void TakeFeatures(const YAML::Node& root, const ReadRequest& request,
-                  ReadLens* camera);
+void ReadBoardFeatures(const YAML::Node& root, const ReadRequest& request,
+                       InputCamera* camera);
 
 /// Reads the corners of a file without a camera. Throws InputError.
 ExchangeContents ReadCornersOnly(const YAML::Node& root,

@@ -36,10 +36,10 @@ std::optional<Pose> PoseInFile(const CameraKeys& keys) {
   return PoseFromMatrix(rows, "R");
 }
 
-ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
-                    const ReadRequest& request,
-                    std::vector<std::string>* warnings) {
-  ReadLens camera;
+InputCamera ReadCamera(const CameraKeys& keys, const Affixes& affixes,
+                       const ReadRequest& request,
+                       std::vector<std::string>* warnings) {
+  InputCamera camera;
   ConvertedCamera& lens = camera.lens;
   lens.size = ReadImageSize(keys, affixes);
   ReadIntrinsics(keys, affixes, &lens);
@@ -68,14 +68,14 @@ ReadLens ReadCamera(const CameraKeys& keys, const Affixes& affixes,
 }
 
 // Reads a single camera and the other data of its file.
-ReadLens ReadSingle(const CameraKeys& keys, const YAML::Node& root,
-                    const ReadRequest& request,
-                    std::vector<std::string>* warnings) {
-  ReadLens camera = ReadCamera(keys, {}, request, warnings);
+InputCamera ReadSingle(const CameraKeys& keys, const YAML::Node& root,
+                       const ReadRequest& request,
+                       std::vector<std::string>* warnings) {
+  InputCamera camera = ReadCamera(keys, {}, request, warnings);
   camera.name = TextAt(keys, kNameKeys);
   camera.serial = keys.Word("serial");
   camera.camera_from_rig = PoseInFile(keys);
-  TakeFeatures(root, request, &camera);
+  ReadBoardFeatures(root, request, &camera);
   camera.poses = ReadBoardPoses(root);
   keys.Skip(kOtherKeys);
   keys.NameOnly(kVagueKeys);
@@ -135,9 +135,9 @@ YAML::Node JoinIntrinsics(const YAML::Node& node) {
 }
 
 // Appends numbers to the names of cameras that have the same name.
-void RenameEqual(std::vector<ReadLens>* cameras) {
+void RenameEqual(std::vector<InputCamera>* cameras) {
   std::set<std::string> names;
-  for (const ReadLens& camera : *cameras) names.insert(camera.name);
+  for (const InputCamera& camera : *cameras) names.insert(camera.name);
   if (names.size() == cameras->size()) return;
   for (size_t c = 0; c < cameras->size(); ++c)
     (*cameras)[c].name = fmt::format("cam{}", c);
@@ -155,7 +155,7 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
       const YAML::Node joined = JoinIntrinsics(node);
       const CameraKeys keys(joined);
       if (HasMatrix(keys) && HasCoefficients(keys)) {
-        ReadLens camera =
+        InputCamera camera =
             ReadSingle(keys, joined, request, &contents->warnings);
         if (root.IsMap() && entry.first.IsScalar())
           camera.name = entry.first.as<std::string>();
@@ -178,7 +178,7 @@ ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
         ReadSingle(keys, root, request, &contents.warnings));
     return contents;
   }
-  if (const auto cameras = FindCameras(keys); !cameras.empty()) {
+  if (const auto cameras = FindCameraAffixes(keys); !cameras.empty()) {
     ReadSeveral(keys, cameras, request, &contents);
     return contents;
   }

@@ -21,21 +21,21 @@ ExchangeContents ReadOpenCv(const ReadRequest& request) {
   return opencv_file::ReadTree(root, request);
 }
 
-void AddFit(const LensFit& fit, FileStorageText* text) {
+void AddFit(const ModelFit& fit, FileStorageText* text) {
   const Eigen::Quaterniond& q = fit.lens_from_camera;
   text->BeginMap("raygrid_fit");
   text->Add("rms_px", fit.rms_px);
   text->Add("p99_px", fit.p99_px);
   text->Add("max_px", fit.max_px);
   text->Add("pixels", static_cast<int>(fit.num_pixels));
-  text->Add("pixels_beyond", static_cast<int>(fit.num_beyond));
+  text->Add("pixels_beyond", static_cast<int>(fit.num_unrepresentable));
   text->Add("lens_from_camera_wxyz",
             StoredMatrix{1, 4, {q.w(), q.x(), q.y(), q.z()}});
   text->EndMap();
 }
 
 std::string WriteOpenCv(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   FileStorageText text(FileStorageText::KindOf(request.path));
   if (!camera.name.empty()) text.Add("camera_name", camera.name);

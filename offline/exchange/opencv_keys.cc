@@ -307,7 +307,7 @@ DistortionCoefficients Coefficients(const CameraKeys& keys,
   return {matrix.data, matrix.rows == 4 && matrix.columns == 1};
 }
 
-std::vector<Affixes> FindCameras(const CameraKeys& keys) {
+std::vector<Affixes> FindCameraAffixes(const CameraKeys& keys) {
   std::vector<Affixes> found;
   const auto add = [&](const Affixes& affixes) {
     if (HasMatrix(keys, affixes)) found.push_back(affixes);

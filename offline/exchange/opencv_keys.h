@@ -28,7 +28,7 @@ struct Affixes {
 
 /// Returns the affixes in a file of several cameras; empty if no key with
 /// affixes is a camera matrix.
-std::vector<Affixes> FindCameras(const CameraKeys& keys);
+std::vector<Affixes> FindCameraAffixes(const CameraKeys& keys);
 
 /// Returns the first of these keys that exists, or "".
 std::string FindKey(const CameraKeys& keys, const KeyList& names,

@@ -22,7 +22,7 @@ inline ExternalModel MakeOpenCvModel(const std::string& name, int count) {
   ExternalModel external_model =
       MakeExternalModel(name, count > 8 ? models::kOpenCv14 : models::kOpenCv,
                         {all.begin(), all.begin() + count});
-  external_model.reach_rad = M_PI / 2;
+  external_model.max_supported_angle_rad = M_PI / 2;
   return external_model;
 }
 
@@ -31,7 +31,7 @@ inline ExternalModel MakeOpenCvModel(const std::string& name, int count) {
 inline ExternalModel MakeOpenCvFisheyeModel(const std::string& name) {
   ExternalModel external_model = MakeExternalModel(
       name, models::kThinPrismFisheye, {"k1", "k2", "k3", "k4"});
-  external_model.reach_rad = M_PI / 2;
+  external_model.max_supported_angle_rad = M_PI / 2;
   return external_model;
 }
 

@@ -63,14 +63,14 @@ const ExternalModel& FindModelByCount(size_t count) {
 
 // The camera model that a file states, and the key that states it.
 struct SaidModel {
-  LensFamily family = LensFamily::kPinhole;
+  ModelFamily family = ModelFamily::kPinhole;
   std::string key, word;
 };
 
 std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
                                      const Affixes& affixes) {
   std::optional<SaidModel> said;
-  const auto say = [&](LensFamily family, const std::string& key) {
+  const auto say = [&](ModelFamily family, const std::string& key) {
     // "pinhole" combined with a fisheye distortion model is a fisheye camera.
     const bool is_vague = said && said->word == "pinhole";
     if (said && !is_vague && said->family != family &&
@@ -83,19 +83,19 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
   const std::string xi = affixes.before + "xi" + affixes.behind;
   // xi = 0 is a pinhole camera of programs that support both models.
   if (keys.Has(xi) && AllNumbers(keys[xi], xi) != std::vector<double>{0})
-    say(LensFamily::kOmni, xi);
+    say(ModelFamily::kOmni, xi);
   for (const std::string& key : kFisheyeKeys) {
     const std::string word = Lowercase(keys.Word(key));
     if (word == "1" || word == "true" || word == "yes")
-      say(LensFamily::kFisheye, key);
+      say(ModelFamily::kFisheye, key);
     else if (word == "0" || word == "false" || word == "no")
-      say(LensFamily::kPinhole, key);
+      say(ModelFamily::kPinhole, key);
     else
       continue;
     keys.Skip({key});
   }
   for (const std::string& key : kModelKeys) {
-    const auto family = ParseLensFamily(keys.Word(key));
+    const auto family = ParseModelFamily(keys.Word(key));
     if (!family) continue;
     say(*family, key);
     keys.Skip({key});
@@ -112,16 +112,16 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
                                     std::vector<std::string>* warnings) {
   std::vector<double>& d = coefficients->numbers;
   const auto said = ModelInFile(keys, affixes);
-  bool is_fisheye = said && said->family == LensFamily::kFisheye;
+  bool is_fisheye = said && said->family == ModelFamily::kFisheye;
   // RealSense states an inverse distortion model even if all coefficients are
   // 0.
-  const bool is_nothing = std::all_of(
+  const bool are_all_zero = std::all_of(
       d.begin(), d.end(), [](double number) { return number == 0; });
-  if (said && said->family == LensFamily::kOther && !is_nothing)
+  if (said && said->family == ModelFamily::kOther && !are_all_zero)
     throw InputError(fmt::format(
         "'{}' is {}, but only pinhole, fisheye and omnidir are supported",
         said->key, Printable(said->word)));
-  if (said && said->family == LensFamily::kOmni) {
+  if (said && said->family == ModelFamily::kOmni) {
     if (!keys.Has(affixes.before + "xi" + affixes.behind))
       throw InputError("missing 'xi' of the omnidirectional camera");
     return FindOpenCvModel(kOmnidir);

@@ -30,7 +30,7 @@ constexpr char kObjectPoints[] = "locationInObjectSpace";
 constexpr char kImagePoints[] = "locationInImageSpace";
 constexpr char kSpacing[] = "calobjectSpacing";
 constexpr int kFloat64 = 6;  // OpenCV's CV_64F
-constexpr int kFarthestCorner = 1000;
+constexpr int kMaxCornerIndex = 1000;
 
 const std::vector<ExternalModel>& GetPhotonVisionModels() {
   static const std::vector<ExternalModel> external_models = {
@@ -46,8 +46,8 @@ Json ParsePhotonJson(const std::string& text) {
   const auto keeps = [](int, Json::parse_event_t event, Json& parsed) {
     return event != Json::parse_event_t::key || parsed != "snapshotData";
   };
-  constexpr size_t kMaxBytesWithPictures = 1 << 30;
-  RequireSmallTree("", text, kTreeMarks, kMaxBytesWithPictures);
+  constexpr size_t kMaxBytesWithImages = 1 << 30;
+  RequireSmallTree("", text, kTreeMarks, kMaxBytesWithImages);
   try {
     return Json::parse(text, keeps);
   } catch (const Json::parse_error& error) {
@@ -101,7 +101,7 @@ std::vector<double> PhotonCoefficients(const Json& root) {
   throw InputError(fmt::format("'{}' is missing", kPhotonDistortion[0]));
 }
 
-void RequireOpenCvLens(const Json& root) {
+void RequireOpenCvModel(const Json& root) {
   const Json& model = ValueAt(root, kLensModel);
   if (model.is_null() || model == kOpenCvLens) return;
   throw InputError(
@@ -110,8 +110,8 @@ void RequireOpenCvLens(const Json& root) {
                   kOpenCvLens));
 }
 
-ConvertedCamera ReadPhotonLens(const Json& root) {
-  RequireOpenCvLens(root);
+ConvertedCamera ReadPhotonIntrinsics(const Json& root) {
+  RequireOpenCvModel(root);
   ConvertedCamera lens;
   lens.size = {PhotonSidePx(root, "width"), PhotonSidePx(root, "height")};
   ReadCameraMatrix(PhotonNumbers(root, kPhotonMatrix), kPhotonMatrix, &lens);
@@ -148,8 +148,8 @@ struct PhotonView {
   std::string image;
   std::vector<PhotonCorner> corners;  // used by PhotonVision's calibration
   std::optional<Pose> camera_from_board;
-  Eigen::Vector2d lowest_m;  // smallest coordinates of object points; infinite
-                             // if there are none
+  Eigen::Vector2d min_position_m;  // smallest coordinates of object points;
+                                   // infinite if there are none
 };
 
 struct PhotonCounts {
@@ -169,7 +169,7 @@ bool IsUsed(const Json& view, size_t corner) {
 
 // Returns the detected corners. Undetected ones are at (-1, -1) both on the
 // board and in the image.
-std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
+std::vector<PhotonCorner> ReadCorners(const Json& view, PhotonCounts* counts) {
   const Json &places = ListAt(view, kObjectPoints),
              &pixels = ListAt(view, kImagePoints);
   if (places.size() != pixels.size())
@@ -191,13 +191,13 @@ std::vector<PhotonCorner> CornersOf(const Json& view, PhotonCounts* counts) {
 
 // Returns the smallest coordinates of object points. Undetected corners also
 // have their positions, except on ChArUco boards.
-Eigen::Vector2d FindLowestPosition(const Json& view) {
-  Eigen::Vector2d lowest(INFINITY, INFINITY);
+Eigen::Vector2d ComputeMinPosition(const Json& view) {
+  Eigen::Vector2d min_position(INFINITY, INFINITY);
   for (const Json& point : ListAt(view, kObjectPoints)) {
     const Eigen::Vector2d place = PlanePoint(point, kObjectPoints);
-    if (place.minCoeff() >= 0) lowest = lowest.cwiseMin(place);
+    if (place.minCoeff() >= 0) min_position = min_position.cwiseMin(place);
   }
-  return lowest;
+  return min_position;
 }
 
 // Returns nullopt if the solver provided no pose.
@@ -222,9 +222,9 @@ PhotonView ReadPhotonView(const Json& view, size_t index,
   const Json& name = ValueAt(view, "snapshotName");
   const std::string image = name.is_string() ? name.get<std::string>() : "";
   return {image.empty() ? fmt::format("view{:04}", index) : image,
-          CornersOf(view, counts),
+          ReadCorners(view, counts),
           PhotonPose(ValueAt(view, "optimisedCameraToObject")),
-          FindLowestPosition(view)};
+          ComputeMinPosition(view)};
 }
 
 std::vector<PhotonView> ReadPhotonViews(const Json& root,
@@ -265,27 +265,29 @@ double EstimateSpacing(const Json& root, const std::vector<PhotonView>& views) {
 
 // Returns the 0-based column and row of a corner relative to the board's
 // origin.
-Eigen::Vector2i PlaceOf(const PhotonCorner& corner, double spacing) {
-  constexpr double kMostOff = 0.02;
+Eigen::Vector2i ComputeGridPosition(const PhotonCorner& corner,
+                                    double spacing) {
+  constexpr double kMaxGridDeviation = 0.02;
   const Eigen::Vector2d exact = corner.on_board / spacing;
-  const Eigen::Vector2d whole = exact.array().round();
-  if (!((exact - whole).cwiseAbs().maxCoeff() < kMostOff) ||
-      !(whole.cwiseAbs().maxCoeff() <= kFarthestCorner))
+  const Eigen::Vector2d rounded = exact.array().round();
+  if (!((exact - rounded).cwiseAbs().maxCoeff() < kMaxGridDeviation) ||
+      !(rounded.cwiseAbs().maxCoeff() <= kMaxCornerIndex))
     throw InputError(
         fmt::format("{}: ({:g}, {:g}) is not a corner of a board with {} {:g}",
                     kObjectPoints, corner.on_board.x(), corner.on_board.y(),
                     kSpacing, spacing));
-  return whole.cast<int>();
+  return rounded.cast<int>();
 }
 
 // Returns the position of the first corner: on ChArUco boards, it is one square
 // from the board's origin.
 Eigen::Vector2i FindFirstPosition(const std::vector<PhotonView>& views,
                                   double spacing) {
-  Eigen::Vector2d lowest(INFINITY, INFINITY);
-  for (const PhotonView& view : views) lowest = lowest.cwiseMin(view.lowest_m);
+  Eigen::Vector2d min_position(INFINITY, INFINITY);
+  for (const PhotonView& view : views)
+    min_position = min_position.cwiseMin(view.min_position_m);
   const bool is_charuco =
-      lowest.allFinite() && lowest.minCoeff() > 0.5 * spacing;
+      min_position.allFinite() && min_position.minCoeff() > 0.5 * spacing;
   return is_charuco ? Eigen::Vector2i(1, 1) : Eigen::Vector2i(0, 0);
 }
 
@@ -305,11 +307,12 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
   const std::vector<PhotonView> views = ReadPhotonViews(root, &counts);
   const double spacing = EstimateSpacing(root, views);
   const Eigen::Vector2i first = FindFirstPosition(views, spacing);
-  ReadLens& camera = contents->cameras.back();
+  InputCamera& camera = contents->cameras.back();
   for (const PhotonView& view : views) {
     ImageFeatures image = {view.image, {}};
     for (const PhotonCorner& corner : view.corners) {
-      const Eigen::Vector2i place = PlaceOf(corner, spacing) - first;
+      const Eigen::Vector2i place =
+          ComputeGridPosition(corner, spacing) - first;
       image.features.push_back({0, place.x(), place.y(),
                                 FromProgram(PixelOrigin::kFirstPixelCenter,
                                             camera.lens.size, corner.pixel)});
@@ -333,8 +336,8 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
 }
 
 void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
-  ReadLens& camera = contents->cameras.emplace_back();
-  camera.lens = ReadPhotonLens(root);
+  InputCamera& camera = contents->cameras.emplace_back();
+  camera.lens = ReadPhotonIntrinsics(root);
   FinishPhotonKeys(root, *camera.lens.external_model, &contents->warnings);
   ParseRaygridJson(YAML::Load(ValueAt(root, kRaygridKey).dump()), &camera);
   AddPhotonViews(root, contents);
@@ -369,7 +372,7 @@ Json PhotonMatrix(int rows, const std::vector<double>& data) {
 }
 
 std::string WritePhotonVision(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   const Json root = {
       {kPhotonSize,

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-std::string WithoutSpaces(const std::string& text) {
+std::string RemoveSpaces(const std::string& text) {
   constexpr char kSpaces[] = " \t\r\n";
   const size_t first = text.find_first_not_of(kSpaces);
   if (first == std::string::npos) return "";
@@ -32,7 +32,7 @@ void RequireText(const std::string& text) {
 }
 
 // Removes the comment of a line and counts the brackets that remain open.
-std::string WithoutComment(const std::string& line, int* depth) {
+std::string RemoveComment(const std::string& line, int* depth) {
   char quote = 0;
   for (size_t k = 0; k < line.size(); ++k) {
     const char c = line[k];
@@ -98,7 +98,7 @@ YAML::Node ParseToml(const std::string& text) {
   for (int number = 1; std::getline(lines, line); ++number) {
     const int first = number;
     int depth = 0;
-    std::string statement = WithoutSpaces(WithoutComment(line, &depth));
+    std::string statement = RemoveSpaces(RemoveComment(line, &depth));
     if (statement.empty()) continue;
     const size_t equals = statement.find('=');
     if (statement[0] == '[') {
@@ -107,19 +107,19 @@ YAML::Node ParseToml(const std::string& text) {
                    "expected a table; arrays of tables are not supported");
       table.emplace();
       root.Add(
-          Unquoted(WithoutSpaces(statement.substr(1, statement.size() - 2))),
+          Unquoted(RemoveSpaces(statement.substr(1, statement.size() - 2))),
           table->node(), number);
       continue;
     }
     if (equals == std::string::npos)
       RefuseLine(number, "expected 'KEY = VALUE'");
     while (depth > 0 && std::getline(lines, line)) {
-      statement += " " + WithoutSpaces(WithoutComment(line, &depth));
+      statement += " " + RemoveSpaces(RemoveComment(line, &depth));
       ++number;
     }
     if (depth != 0) RefuseLine(first, "unclosed bracket");
     (table ? *table : root)
-        .Add(Unquoted(WithoutSpaces(statement.substr(0, equals))),
+        .Add(Unquoted(RemoveSpaces(statement.substr(0, equals))),
              TomlValue(statement.substr(equals + 1), first), first);
   }
   return root.node();
@@ -138,15 +138,15 @@ YAML::Node ParseKeyLines(const std::string& text, char mark) {
           [](char c) { return c == '[' || c == ']' || c == ';' || c == ','; },
           ' ');
     }
-    const std::string words_of_line = WithoutSpaces(line);
-    if (words_of_line.empty() || words_of_line[0] == '#') continue;
+    const std::string stripped_line = RemoveSpaces(line);
+    if (stripped_line.empty() || stripped_line[0] == '#') continue;
     const size_t colon = line.find(mark);
     if (colon == std::string::npos)
       RefuseLine(number, fmt::format("expected 'KEY{} NUMBERS'", mark));
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);
-    root.Add(WithoutSpaces(line.substr(0, colon)),
+    root.Add(RemoveSpaces(line.substr(0, colon)),
              list.size() == 1 ? YAML::Node(list[0].as<std::string>()) : list,
              number);
   }
@@ -190,11 +190,11 @@ YAML::Node ParseRosIni(const std::string& text) {
   };
   int number = 1;
   for (; std::getline(lines, line); ++number) {
-    const std::string words = WithoutSpaces(line);
+    const std::string words = RemoveSpaces(line);
     if (words.empty() || words[0] == '#') continue;
     if (words[0] == '[') {
       finish(number);
-      section = WithoutSpaces(words.substr(1, words.find(']') - 1));
+      section = RemoveSpaces(words.substr(1, words.find(']') - 1));
       if (section != "image" && section != "externals" && !root.Has("name"))
         root.Add("name", YAML::Node(section), number);
     } else if (words.find_first_not_of("0123456789.+-eE \t") ==

@@ -22,7 +22,7 @@ struct LatticePosition {
   Eigen::Vector2i place;
 };
 
-std::map<int32_t, LatticePosition> PlacesOfFeatures(
+std::map<int32_t, LatticePosition> ListFeaturePositions(
     const PuzzlepaintDataset& dataset) {
   std::map<int32_t, LatticePosition> places;
   for (size_t k = 0; k < dataset.geometries.size(); ++k)
@@ -33,7 +33,7 @@ std::map<int32_t, LatticePosition> PlacesOfFeatures(
 
 // The file does not describe the board's appearance, so the board is imported
 // as a point set.
-Board BoardOfGeometry(const PuzzlepaintGeometry& geometry, int id) {
+Board MakeBoard(const PuzzlepaintGeometry& geometry, int id) {
   Board board;
   board.id = id;
   board.kind = "points";
@@ -60,7 +60,7 @@ FeatureTable ReadPuzzlepaintDataset(const std::string& path,
            {dataset.image_sizes[c], GetCameraFeatures(dataset, c)}});
     for (const PuzzlepaintGeometry& geometry : dataset.geometries)
       table.boards.push_back(
-          BoardOfGeometry(geometry, static_cast<int>(table.boards.size())));
+          MakeBoard(geometry, static_cast<int>(table.boards.size())));
     return table;
   });
 }
@@ -115,9 +115,8 @@ FeatureIds AddGeometries(const std::vector<Board>& boards,
   return ids;
 }
 
-std::vector<PuzzlepaintFeature> FeaturesOfImage(const FeatureIds& ids,
-                                                const ImageSize& size,
-                                                const ImageFeatures& image) {
+std::vector<PuzzlepaintFeature> MakePuzzlepaintFeatures(
+    const FeatureIds& ids, const ImageSize& size, const ImageFeatures& image) {
   std::vector<PuzzlepaintFeature> features;
   for (const Feature& feature : image.features) {
     const auto id = ids.find({feature.board, feature.column, feature.row});
@@ -149,7 +148,7 @@ void AddImagesets(const FeatureTable& table, const FeatureIds& ids,
         dataset->imagesets.back().cameras.resize(table.cameras.size());
       }
       dataset->imagesets[at->second].cameras[c] =
-          FeaturesOfImage(ids, own.image_size, image);
+          MakePuzzlepaintFeatures(ids, own.image_size, image);
     }
   }
 }
@@ -178,7 +177,8 @@ TableOutput WritePuzzlepaintDataset(const FeatureTable& table) {
 std::vector<ImageFeatures> GetCameraFeatures(const PuzzlepaintDataset& dataset,
                                              size_t camera) {
   const std::vector<std::string> names = GetImageNames(dataset);
-  const std::map<int32_t, LatticePosition> places = PlacesOfFeatures(dataset);
+  const std::map<int32_t, LatticePosition> places =
+      ListFeaturePositions(dataset);
   std::vector<ImageFeatures> images;
   for (size_t i = 0; i < names.size(); ++i) {
     ImageFeatures image = {names[i], {}};

@@ -18,8 +18,8 @@ namespace raygrid {
 namespace {
 
 constexpr char kDatasetMagic[] = "calib_data";
-constexpr int kMostAlongBoard = 1000, kMaxBoardPoints = 100000;
-constexpr int kMostPoses = 1000000;
+constexpr int kMaxAlongBoard = 1000, kMaxBoardPoints = 100000;
+constexpr int kMaxPoses = 1000000;
 
 // ---- dataset.bin -----------------------------------------------------------
 
@@ -37,10 +37,10 @@ uint32_t GetCount(ByteReader* reader, size_t least_bytes) {
 }
 
 ImageSize GetImageSize(ByteReader* reader) {
-  constexpr uint32_t kLongestPx = 1000000;
+  constexpr uint32_t kMaxSidePx = 1000000;
   const auto width = ReadInteger<uint32_t>(reader),
              height = ReadInteger<uint32_t>(reader);
-  if (width < 1 || height < 1 || width > kLongestPx || height > kLongestPx)
+  if (width < 1 || height < 1 || width > kMaxSidePx || height > kMaxSidePx)
     throw InputError(fmt::format("invalid image size {} x {}", width, height));
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -71,33 +71,33 @@ PuzzlepaintImageset GetImageset(ByteReader* reader,
   return imageset;
 }
 
-void AddPlace(int32_t id, int32_t column, int32_t row,
-              PuzzlepaintGeometry* geometry) {
+void AddPosition(int32_t id, int32_t column, int32_t row,
+                 PuzzlepaintGeometry* geometry) {
   if (id < 0)
     throw InputError(
         fmt::format("feature {} of a board: must not be negative", id));
-  if (std::min(column, row) < 0 || std::max(column, row) >= kMostAlongBoard)
+  if (std::min(column, row) < 0 || std::max(column, row) >= kMaxAlongBoard)
     throw InputError(
         fmt::format("feature {}: column {} and row {} must be 0 to {}", id,
-                    column, row, kMostAlongBoard - 1));
+                    column, row, kMaxAlongBoard - 1));
   if (!geometry->places.emplace(id, Eigen::Vector2i(column, row)).second)
     throw InputError(fmt::format("duplicate feature {} on its board", id));
 }
 
 PuzzlepaintGeometry GetGeometry(ByteReader* reader) {
-  constexpr size_t kPlaceBytes = 12;
-  constexpr float kLeastM = 1e-6F, kMostM = 100;
+  constexpr size_t kPositionBytes = 12;
+  constexpr float kMinM = 1e-6F, kMaxM = 100;
   PuzzlepaintGeometry geometry;
   geometry.cell_m = reader->GetFinite<float>();
-  if (!(geometry.cell_m >= kLeastM && geometry.cell_m <= kMostM))
+  if (!(geometry.cell_m >= kMinM && geometry.cell_m <= kMaxM))
     throw InputError(
         fmt::format("cell size {:g} m is out of range, {:g} to {:g} m",
-                    geometry.cell_m, kLeastM, kMostM));
-  for (auto count = GetCount(reader, kPlaceBytes); count > 0; --count) {
+                    geometry.cell_m, kMinM, kMaxM));
+  for (auto count = GetCount(reader, kPositionBytes); count > 0; --count) {
     const auto id = ReadInteger<int32_t>(reader),
                column = ReadInteger<int32_t>(reader),
                row = ReadInteger<int32_t>(reader);
-    AddPlace(id, column, row, &geometry);
+    AddPosition(id, column, row, &geometry);
   }
   return geometry;
 }
@@ -185,7 +185,7 @@ void RequireList(const YAML::Node& node, const std::string& name) {
     throw InputError(fmt::format("{}: expected a list", name));
 }
 
-Pose PoseOfNode(const YAML::Node& node, const std::string& name) {
+Pose ReadPose(const YAML::Node& node, const std::string& name) {
   std::array<double, 7> numbers;
   const char* const keys[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
   for (size_t k = 0; k < numbers.size(); ++k)
@@ -288,17 +288,17 @@ PuzzlepaintPoses ParsePuzzlepaintPoses(const std::string& path,
                                        const std::string& text) {
   const YAML::Node root = LoadMap(path, text);
   PuzzlepaintPoses poses;
-  poses.count = WholeNumber(root["pose_count"], "pose_count", kMostPoses);
+  poses.count = WholeNumber(root["pose_count"], "pose_count", kMaxPoses);
   RequireList(root["poses"], "poses");
   int k = 0;
   for (const YAML::Node& node : root["poses"]) {
     const std::string name = fmt::format("poses[{}]", k++);
     if (!node.IsMap()) throw InputError(name + ": expected a mapping");
-    const int index = WholeNumber(node["index"], name + ": index", kMostPoses);
+    const int index = WholeNumber(node["index"], name + ": index", kMaxPoses);
     if (index >= poses.count)
       throw InputError(fmt::format("{}: index {} exceeds pose_count {}", name,
                                    index, poses.count));
-    if (!poses.poses.emplace(index, PoseOfNode(node, name)).second)
+    if (!poses.poses.emplace(index, ReadPose(node, name)).second)
       throw InputError(fmt::format("{}: index {} is a duplicate", name, index));
   }
   return poses;
@@ -335,13 +335,13 @@ std::map<int, Eigen::Vector3d> ParsePuzzlepaintPoints(const std::string& path,
     throw InputError("points: expected three coordinates per point");
   const YAML::Node list = root["feature_id_to_point_index"];
   RequireList(list, "feature_id_to_point_index");
-  constexpr int kMostIds = 1 << 30;
+  constexpr int kMaxIds = 1 << 30;
   std::map<int, Eigen::Vector3d> points;
   for (const YAML::Node& item : list) {
     if (!item.IsMap())
       throw InputError("feature_id_to_point_index: expected a mapping");
-    const int id = WholeNumber(item["feature_id"], "feature_id", kMostIds),
-              index = WholeNumber(item["point_index"], "point_index", kMostIds);
+    const int id = WholeNumber(item["feature_id"], "feature_id", kMaxIds),
+              index = WholeNumber(item["point_index"], "point_index", kMaxIds);
     if (static_cast<size_t>(index) >= numbers.size() / 3)
       throw InputError(fmt::format("point_index {}: out of range, {} points",
                                    index, numbers.size() / 3));

@@ -72,8 +72,8 @@ int GridSide(const YAML::Node& root, const std::string& name) {
   return static_cast<int>(side);
 }
 
-std::vector<Eigen::Vector3d> VectorsOf(const YAML::Node& root,
-                                       const std::string& name, int count) {
+std::vector<Eigen::Vector3d> ReadVectors(const YAML::Node& root,
+                                         const std::string& name, int count) {
   const std::vector<double> numbers =
       FiniteNumbers(root[name], name, 3 * count);
   std::vector<Eigen::Vector3d> vectors;
@@ -88,7 +88,7 @@ std::vector<Eigen::Vector3d> VectorsOf(const YAML::Node& root,
 std::vector<Eigen::Vector3d> ComputeDirections(const YAML::Node& root,
                                                const std::string& name,
                                                int count) {
-  std::vector<Eigen::Vector3d> directions = VectorsOf(root, name, count);
+  std::vector<Eigen::Vector3d> directions = ReadVectors(root, name, count);
   for (Eigen::Vector3d& direction : directions) {
     if (!(direction.norm() > 1e-6))
       throw InputError(fmt::format("{}: zero-length direction", name));
@@ -97,7 +97,7 @@ std::vector<Eigen::Vector3d> ComputeDirections(const YAML::Node& root,
   return directions;
 }
 
-UnitGrid GridOf(const YAML::Node& root, const ExternalModel& external_model) {
+UnitGrid ReadGrid(const YAML::Node& root, const ExternalModel& external_model) {
   const ImageSize size = {SidePx(root["width"], "width"),
                           SidePx(root["height"], "height")};
   const int columns = GridSide(root, "grid_width"),
@@ -109,11 +109,11 @@ UnitGrid GridOf(const YAML::Node& root, const ExternalModel& external_model) {
           rows,
           ComputeDirections(root, has_points ? "direction_grid" : "grid",
                             columns * rows),
-          has_points ? VectorsOf(root, "point_grid", columns * rows)
+          has_points ? ReadVectors(root, "point_grid", columns * rows)
                      : std::vector<Eigen::Vector3d>{}};
 }
 
-std::shared_ptr<const CameraModel> NearestToUnitGrid(const UnitGrid& grid) {
+std::shared_ptr<const CameraModel> FitNearestCamera(const UnitGrid& grid) {
   const int columns = grid.columns(), rows = grid.rows();
   if (grid.IsCentral())
     return std::make_shared<CentralGeneric>(
@@ -122,33 +122,33 @@ std::shared_ptr<const CameraModel> NearestToUnitGrid(const UnitGrid& grid) {
       FitNonCentralGeneric(grid, grid.area(), columns, rows));
 }
 
-ConvertedCamera ReadPuzzlepaintLens(const YAML::Node& root,
-                                    std::vector<std::string>* warnings) {
+ConvertedCamera ReadPuzzlepaintIntrinsics(const YAML::Node& root,
+                                          std::vector<std::string>* warnings) {
   ConvertedCamera lens;
   lens.external_model = &FindPuzzlepaintModel(root);
-  const UnitGrid grid = GridOf(root, *lens.external_model);
+  const UnitGrid grid = ReadGrid(root, *lens.external_model);
   lens.size = grid.image_size();
   const CameraKeys keys(root);
   keys.Skip({"type", "width", "height", "calibration_*", "grid_width",
              "grid_height", "grid", "point_grid", "direction_grid"});
   keys.Finish(*lens.external_model, warnings);
-  lens.grid = NearestToUnitGrid(grid);
-  const LensFit fit =
-      MeasureLensFit(grid, nullptr, *lens.grid, *lens.external_model,
-                     Eigen::Quaterniond::Identity());
+  lens.grid = FitNearestCamera(grid);
+  const ModelFit fit =
+      ComputeModelFit(grid, nullptr, *lens.grid, *lens.external_model,
+                      Eigen::Quaterniond::Identity());
   warnings->push_back(
       "converted from a grid of unit vectors to stereographic coordinates with "
       "fit error " +
-      FormatLensFit(fit));
+      FormatModelFit(fit));
   return lens;
 }
 
 ExchangeContents ReadPuzzlepaint(const ReadRequest& request) {
   const YAML::Node root = LoadForeignMap(request.path, request.text);
   ExchangeContents contents;
-  ReadLens& camera = contents.cameras.emplace_back();
+  InputCamera& camera = contents.cameras.emplace_back();
   ReadCameraState(request, &camera, &contents.warnings);
-  camera.lens = ReadPuzzlepaintLens(root, &contents.warnings);
+  camera.lens = ReadPuzzlepaintIntrinsics(root, &contents.warnings);
   return contents;
 }
 
@@ -164,7 +164,7 @@ std::string FormatVectors(const std::string& name,
 }
 
 std::string WritePuzzlepaint(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const auto& grid = dynamic_cast<const UnitGrid&>(*camera.lens.grid);
   const UnitGrid::Bounds& bounds = grid.bounds();
   std::string text;
@@ -174,7 +174,7 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
       text += fmt::format("# raygrid's {} {}\n", what, Printable(words));
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n", camera.lens.external_model->name,
-                        FormatLensFit(*camera.fit));
+                        FormatModelFit(*camera.fit));
   text += fmt::format(
       "type : {}\nwidth : {}\nheight : {}\n{} : {}\ncalibration_min_y : {}\n"
       "calibration_max_x : {}\ncalibration_max_y : {}\ngrid_width : {}\n"
@@ -190,7 +190,7 @@ std::string WritePuzzlepaint(const WriteRequest& request) {
 
 // ---- Writing a state -------------------------------------------------------
 
-std::vector<CompanionFile> WriteStateOfOne(const WriteRequest& request) {
+std::vector<CompanionFile> WriteSingleCameraState(const WriteRequest& request) {
   if (request.cameras.front().poses.empty()) return {};
   if (ParseCameraFileIndex(request.path) != 0)
     throw Error(ExitCode::kUsage,
@@ -202,18 +202,18 @@ std::vector<CompanionFile> WriteStateOfOne(const WriteRequest& request) {
 
 // Sorts cameras by number, which is the order of their names, as in
 // dataset.bin.
-std::vector<WrittenLens> InOrder(std::vector<WrittenLens> cameras) {
+std::vector<OutputCamera> InOrder(std::vector<OutputCamera> cameras) {
   std::stable_sort(cameras.begin(), cameras.end(),
-                   [](const WrittenLens& a, const WrittenLens& b) {
+                   [](const OutputCamera& a, const OutputCamera& b) {
                      return a.name < b.name;
                    });
   return cameras;
 }
 
-std::vector<CompanionFile> WriteStateOfRig(const WriteRequest& request) {
-  const std::vector<WrittenLens> cameras = InOrder(request.cameras);
+std::vector<CompanionFile> WriteRigState(const WriteRequest& request) {
+  const std::vector<OutputCamera> cameras = InOrder(request.cameras);
   std::vector<CompanionFile> files;
-  for (const WrittenLens& camera : cameras) {
+  for (const OutputCamera& camera : cameras) {
     const std::string path =
         MakeStateFilePath(request.path, static_cast<int>(files.size()));
     files.push_back({path, WritePuzzlepaint({path, {camera}, {}})});
@@ -241,9 +241,9 @@ Format MakePuzzlepaintFormat() {
   format.read = ReadPuzzlepaint;
   format.write = WritePuzzlepaint;
   format.beside = ListStateFiles;
-  format.write_beside = WriteStateOfOne;
+  format.write_beside = WriteSingleCameraState;
   format.file_in_folder = MakeStateFilePath;
-  format.write_folder = WriteStateOfRig;
+  format.write_folder = WriteRigState;
   return format;
 }
 

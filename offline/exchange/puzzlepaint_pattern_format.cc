@@ -42,14 +42,14 @@ BoardTag ReadPatternTag(const YAML::Node& node, const std::string& name) {
 }
 
 ExchangeContents ReadPuzzlepaintPattern(const ReadRequest& request) {
-  constexpr int kLeastSquares = 3, kMaxSquareCount = 1001;
+  constexpr int kMinSquares = 3, kMaxSquareCount = 1001;
   RequireYamlFile(request.path, request.text);
   const YAML::Node root = YAML::Load(request.text);
   if (!root.IsMap()) throw InputError("not a pattern: expected a mapping");
   Board board;
   board.kind = "star";
   const auto features = [&](const char* key) {
-    return ReadCountInRange(root[key], key, kLeastSquares, kMaxSquareCount) - 1;
+    return ReadCountInRange(root[key], key, kMinSquares, kMaxSquareCount) - 1;
   };
   board.columns = features("squares_x");
   board.rows = features("squares_y");

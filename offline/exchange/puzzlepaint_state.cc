@@ -103,8 +103,8 @@ std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
 }
 
 // Returns the indices of the boards that a camera observed in an image.
-std::set<int> BoardsSeen(const PuzzlepaintDataset& dataset, int imageset,
-                         int camera) {
+std::set<int> ListObservedBoards(const PuzzlepaintDataset& dataset,
+                                 int imageset, int camera) {
   std::set<int> boards;
   for (const PuzzlepaintFeature& feature :
        dataset.imagesets[imageset].cameras[camera])
@@ -120,7 +120,7 @@ bool HasCamera(const PuzzlepaintDataset& dataset, int camera) {
 
 // Whether the dataset has as many imagesets as there are poses and contains the
 // camera.
-bool IsDatasetOf(const PuzzlepaintState& state, int camera) {
+bool MatchesCamera(const PuzzlepaintState& state, int camera) {
   return state.dataset && HasCamera(*state.dataset, camera) &&
          static_cast<int>(state.dataset->imagesets.size()) ==
              state.rig_from_world->count;
@@ -128,9 +128,9 @@ bool IsDatasetOf(const PuzzlepaintState& state, int camera) {
 
 // Without board positions, the world frame is assumed to be that of the only
 // board.
-std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
-                                     const Pose& camera_from_rig) {
-  const bool has_dataset = IsDatasetOf(state, index);
+std::vector<BoardPose> ListCameraPoses(const PuzzlepaintState& state, int index,
+                                       const Pose& camera_from_rig) {
+  const bool has_dataset = MatchesCamera(state, index);
   const std::map<int, Pose> boards =
       has_dataset ? BoardsInWorld(state) : std::map<int, Pose>{};
   const std::vector<std::string> names =
@@ -143,7 +143,7 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
       poses.push_back({name, 0, camera_from_world});
       continue;
     }
-    for (const int board : BoardsSeen(*state.dataset, image, index))
+    for (const int board : ListObservedBoards(*state.dataset, image, index))
       if (const auto at = boards.find(board); at != boards.end())
         poses.push_back({name, board, camera_from_world * at->second});
   }
@@ -153,7 +153,7 @@ std::vector<BoardPose> PosesOfCamera(const PuzzlepaintState& state, int index,
 // ---- Writing ---------------------------------------------------------------
 
 // Returns the number if an image's name is one; nullopt for other names.
-std::optional<int> NumberOfImage(const std::string& name) {
+std::optional<int> ParseImageNumber(const std::string& name) {
   constexpr size_t kMaxDigits = 6;
   if (name.empty() || name.size() > kMaxDigits ||
       name.find_first_not_of("0123456789") != std::string::npos ||
@@ -176,7 +176,7 @@ struct NumberedImages {
 
 // Numbers images by the dataset if there is one, otherwise by their names if
 // all are numbers, otherwise consecutively.
-NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
+NumberedImages NumberImages(const std::vector<OutputCamera>& cameras,
                             const PuzzlepaintDataset* dataset) {
   NumberedImages images;
   if (dataset) {
@@ -185,26 +185,26 @@ NumberedImages NumberImages(const std::vector<WrittenLens>& cameras,
     return images;
   }
   bool are_numbers = true;
-  for (const WrittenLens& camera : cameras)
+  for (const OutputCamera& camera : cameras)
     for (const BoardPose& pose : camera.poses)
-      are_numbers = are_numbers && NumberOfImage(pose.image);
-  for (const WrittenLens& camera : cameras)
+      are_numbers = are_numbers && ParseImageNumber(pose.image);
+  for (const OutputCamera& camera : cameras)
     for (const BoardPose& pose : camera.poses)
       if (images.numbers.count(pose.image) == 0)
         images.Put(pose.image, are_numbers
-                                   ? *NumberOfImage(pose.image)
+                                   ? *ParseImageNumber(pose.image)
                                    : static_cast<int>(images.names.size()));
   return images;
 }
 
-std::string FormatRigPoses(const std::vector<WrittenLens>& cameras,
+std::string FormatRigPoses(const std::vector<OutputCamera>& cameras,
                            const std::string& dataset_path,
                            const PuzzlepaintDataset* dataset) {
   const NumberedImages images = NumberImages(cameras, dataset);
   PuzzlepaintPoses poses;
   std::map<int, std::string> names;
   poses.count = static_cast<int>(images.names.size());
-  for (const WrittenLens& camera : cameras)
+  for (const OutputCamera& camera : cameras)
     for (const BoardPose& pose : camera.poses) {
       const auto number = images.numbers.find(pose.image);
       if (number == images.numbers.end())
@@ -220,10 +220,10 @@ std::string FormatRigPoses(const std::vector<WrittenLens>& cameras,
   return FormatPuzzlepaintPoses(poses, names);
 }
 
-std::string FormatCameraPoses(const std::vector<WrittenLens>& cameras) {
+std::string FormatCameraPoses(const std::vector<OutputCamera>& cameras) {
   PuzzlepaintPoses poses;
   std::map<int, std::string> names;
-  for (const WrittenLens& camera : cameras) {
+  for (const OutputCamera& camera : cameras) {
     const int index = poses.count++;
     poses.poses[index] = camera.camera_from_rig.value_or(Pose{});
     names[index] = camera.name;
@@ -274,7 +274,7 @@ std::string MakeStateFilePath(const std::string& folder, int camera) {
       .string();
 }
 
-void ReadCameraState(const ReadRequest& request, ReadLens* camera,
+void ReadCameraState(const ReadRequest& request, InputCamera* camera,
                      std::vector<std::string>* warnings) {
   const std::optional<int> number = ParseCameraFileIndex(request.path);
   if (!number) return;
@@ -296,25 +296,25 @@ void ReadCameraState(const ReadRequest& request, ReadLens* camera,
   }
   camera->camera_from_rig = own->second;
   if (!state.rig_from_world) return;
-  if (state.dataset && !IsDatasetOf(state, index))
+  if (state.dataset && !MatchesCamera(state, index))
     warnings->push_back(
         "dataset.bin does not match the poses; images are named by number");
   if (state.dataset && state.dataset->geometries.size() > 1 &&
       state.points.empty())
     warnings->push_back(
         "several boards but no points.yaml: assuming poses of board 0");
-  camera->poses = PosesOfCamera(state, index, own->second);
+  camera->poses = ListCameraPoses(state, index, own->second);
 }
 
 std::vector<CompanionFile> WriteState(const std::string& path,
-                                      const std::vector<WrittenLens>& cameras,
+                                      const std::vector<OutputCamera>& cameras,
                                       const std::vector<std::string>& beside) {
   RequireOneBoard("puzzlepaint", cameras);
   const std::vector<std::string> paths = ListStateFiles(path);
   std::vector<CompanionFile> files = {{paths[0], FormatCameraPoses(cameras)}};
   const bool has_poses =
       std::any_of(cameras.begin(), cameras.end(),
-                  [](const WrittenLens& lens) { return !lens.poses.empty(); });
+                  [](const OutputCamera& lens) { return !lens.poses.empty(); });
   if (!has_poses) return files;
   std::optional<PuzzlepaintDataset> dataset;
   if (beside.size() > 2 && !beside[2].empty())

@@ -24,13 +24,13 @@ std::vector<std::string> ListStateFiles(const std::string& path);
 
 /// Reads the camera's pose in the rig, and board poses, from the companion
 /// files. Throws InputError with the file's name.
-void ReadCameraState(const ReadRequest& request, ReadLens* camera,
+void ReadCameraState(const ReadRequest& request, InputCamera* camera,
                      std::vector<std::string>* warnings);
 
 /// Makes the companion files of cameras, which are ordered by index. path: file
 /// of the first camera; beside: texts of ListStateFiles(path).
 std::vector<CompanionFile> WriteState(const std::string& path,
-                                      const std::vector<WrittenLens>& cameras,
+                                      const std::vector<OutputCamera>& cameras,
                                       const std::vector<std::string>& beside);
 
 }  // namespace raygrid

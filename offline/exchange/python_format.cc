@@ -20,7 +20,7 @@ using opencv_file::ReadNamed;
 using opencv_file::ReadTree;
 
 // Converts a numeric array to nested lists; other arrays are omitted.
-YAML::Node ListsOf(const NpyArray& array) {
+YAML::Node ToNestedLists(const NpyArray& array) {
   const std::vector<double> numbers = NpyNumbers(array);
   YAML::Node list(YAML::NodeType::Sequence);
   const size_t columns = array.shape.empty() ? 1 : array.shape.back();
@@ -40,8 +40,8 @@ YAML::Node ListsOf(const NpyArray& array) {
 
 // Converts an archive to a tree. Text and pickled objects are skipped: they
 // contain no parameters.
-YAML::Node TreeOfNpz(const std::string& bytes) {
-  constexpr size_t kMostNumbers = 64;
+YAML::Node MakeTree(const std::string& bytes) {
+  constexpr size_t kMaxNumbers = 64;
   YAML::Node root(YAML::NodeType::Map);
   for (const NpyArray& array : ReadNpz(bytes, true)) {
     if (array.bytes.empty()) {
@@ -50,8 +50,8 @@ YAML::Node TreeOfNpz(const std::string& bytes) {
     }
     size_t count = 1;
     for (const size_t side : array.shape) count *= side;
-    if (count > kMostNumbers) continue;  // large arrays are corners or poses
-    root[array.name] = ListsOf(array);
+    if (count > kMaxNumbers) continue;  // large arrays are corners or poses
+    root[array.name] = ToNestedLists(array);
   }
   return root;
 }
@@ -59,19 +59,19 @@ YAML::Node TreeOfNpz(const std::string& bytes) {
 // Whether a text has a key of YAML or JSON, or for the mark '=' of TOML, with
 // any prefix of a stereo pair.
 bool HasKeyInText(const std::string& text, const KeyList& names, char mark) {
-  const auto is_word = [](char c) {
+  const auto is_name_character = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
   };
   for (const std::string& name : names)
     for (size_t at = text.find(name); at != std::string::npos;
          at = text.find(name, at + 1)) {
-      if (at > 0 && is_word(text[at - 1]) && text[at - 1] != '_' &&
+      if (at > 0 && is_name_character(text[at - 1]) && text[at - 1] != '_' &&
           text[at - 1] != '.')
         continue;
       size_t end = at + name.size();
       // The keys of a pair have suffixes such as _left or 1.
       const size_t most = std::min(text.size(), end + 6);
-      while (end < most && is_word(text[end])) ++end;
+      while (end < most && is_name_character(text[end])) ++end;
       if (end < text.size() && (text[end] == '"' || text[end] == '\'')) ++end;
       end = text.find_first_not_of(" \t", end);
       if (end == std::string::npos || text[end] != mark) continue;
@@ -94,7 +94,7 @@ bool HasAnyKey(const std::string& text, char mark) {
 }
 
 ExchangeContents ReadPython(const ReadRequest& request) {
-  if (IsNpz(request.text)) return ReadTree(TreeOfNpz(request.text), request);
+  if (IsNpz(request.text)) return ReadTree(MakeTree(request.text), request);
   if (HasAnyKey(request.text, '='))
     return ReadTree(ParseToml(request.text), request);
   const YAML::Node root = ParseFileStorage(request.path, request.text);

@@ -27,17 +27,18 @@ struct RaySample {
 // Returns all rays, or every n-th row and column, including the last ones, of
 // large tables.
 std::vector<RaySample> SamplesOf(const RayTable& rays) {
-  constexpr size_t kMostAlong = 320;
+  constexpr size_t kMaxAlong = 320;
   const size_t step =
-      std::max<size_t>(1, std::max(rays.x.size(), rays.y.size()) / kMostAlong);
-  const auto is_taken = [&](size_t k, size_t count) {
+      std::max<size_t>(1, std::max(rays.x.size(), rays.y.size()) / kMaxAlong);
+  const auto is_selected = [&](size_t k, size_t count) {
     return k % step == 0 || k + 1 == count;
   };
   std::vector<RaySample> samples;
   for (size_t row = 0; row < rays.y.size(); ++row)
     for (size_t column = 0; column < rays.x.size(); ++column) {
       const size_t k = row * rays.x.size() + column;
-      if (!is_taken(row, rays.y.size()) || !is_taken(column, rays.x.size()) ||
+      if (!is_selected(row, rays.y.size()) ||
+          !is_selected(column, rays.x.size()) ||
           !rays.directions[k].allFinite())
         continue;
       samples.push_back(
@@ -72,14 +73,14 @@ void RequireCameraAxes(const RayTable& rays,
 
 // Whether all observation lines of a table pass through the origin.
 bool IsCentralTable(const std::vector<RaySample>& samples) {
-  constexpr double kNothingM = 1e-9;
+  constexpr double kMaxOriginDistanceM = 1e-9;
   return std::all_of(samples.begin(), samples.end(), [](const RaySample& ray) {
-    return ray.origin.cross(ray.direction).norm() <= kNothingM;
+    return ray.origin.cross(ray.direction).norm() <= kMaxOriginDistanceM;
   });
 }
 
-std::string ModelOfTable(const std::string& model,
-                         const std::vector<RaySample>& samples) {
+std::string SelectTableModel(const std::string& model,
+                             const std::vector<RaySample>& samples) {
   if (model.empty())
     return IsCentralTable(samples) ? kCentralGeneric : kNonCentralGeneric;
   if (model == kCentralGeneric || model == kNonCentralGeneric) return model;
@@ -108,7 +109,7 @@ std::unique_ptr<CameraModel> FitGridTo(const RayTable& rays,
   };
   const BSplineSurface directions =
       surface([](const RaySample& ray) { return ToChart(ray.direction); });
-  if (FindDominantHandedness(directions) < 0)
+  if (ComputeDominantHandedness(directions) < 0)
     throw InputError(
         fmt::format("{}: the image is mirrored; axes must be x right, y down, "
                     "z forward, and t of an STMap increases upwards",
@@ -165,7 +166,8 @@ Area ComputeArea(const std::vector<RaySample>& samples) {
 
 // Returns the number of control points along the longer axis for four samples
 // per cell.
-int MostPointsAlong(const Area& area, const std::vector<RaySample>& samples) {
+int ComputeMaxPointsAlong(const Area& area,
+                          const std::vector<RaySample>& samples) {
   const double sample_px = std::sqrt(area.width() * area.height() /
                                      static_cast<double>(samples.size()));
   return 3 + static_cast<int>(std::max(area.width(), area.height()) /
@@ -200,10 +202,10 @@ int PointsAlong(double extent, double longest, int along) {
 // and columns are not those of the image.
 double ComputeEmptyCellFraction(const ImageSize& size,
                                 const std::vector<RaySample>& samples) {
-  constexpr int kMostAlong = 64, kSamplesAlong = 4;
+  constexpr int kMaxAlong = 64, kSamplesAlong = 4;
   const int along =
       std::clamp(static_cast<int>(std::sqrt(samples.size())) / kSamplesAlong, 1,
-                 kMostAlong);
+                 kMaxAlong);
   std::vector<bool> is_seen(static_cast<size_t>(along) * along);
   const auto cell_of = [&](double place, int pixels) {
     return std::clamp(static_cast<int>((place + 0.5) / pixels * along), 0,
@@ -232,14 +234,15 @@ double ComputeUndefinedFraction(const RayTable& rays,
 
 RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
                    int num_threads) {
-  constexpr double kNearEnoughPx = 0.002, kAsGood = 1.25;
+  constexpr double kMaxRmsPx = 0.002, kMaxErrorRatio = 1.25;
   constexpr int kFewest = 8, kMost = 96;
   const std::vector<RaySample> samples = SamplesOf(rays);
   RequireCameraAxes(rays, samples);
-  const bool is_central = ModelOfTable(model, samples) == kCentralGeneric;
+  const bool is_central = SelectTableModel(model, samples) == kCentralGeneric;
   const Area area = ComputeArea(samples);
   const double longest = std::max(area.width(), area.height());
-  const int most = std::clamp(MostPointsAlong(area, samples), kFewest, kMost);
+  const int most =
+      std::clamp(ComputeMaxPointsAlong(area, samples), kFewest, kMost);
   std::vector<RayGrid> grids;
   for (int along = kFewest; along <= most; along += along / 2) {
     RayGrid grid;
@@ -249,15 +252,15 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
         FitGridTo(rays, samples, area, grid.columns, grid.rows, is_central);
     MeasureGrid(samples, num_threads, &grid);
     grids.push_back(std::move(grid));
-    if (grids.back().rms_px < kNearEnoughPx) break;
+    if (grids.back().rms_px < kMaxRmsPx) break;
   }
   double least_px = grids.front().rms_px;
   for (const RayGrid& grid : grids) least_px = std::min(least_px, grid.rms_px);
-  const double enough_px = std::max(kNearEnoughPx, kAsGood * least_px);
+  const double accepted_px = std::max(kMaxRmsPx, kMaxErrorRatio * least_px);
   RayGrid best = std::move(*std::find_if(
       grids.begin(), grids.end(),
-      [&](const RayGrid& grid) { return grid.rms_px <= enough_px; }));
-  best.part_without_rays = ComputeUndefinedFraction(rays, samples);
+      [&](const RayGrid& grid) { return grid.rms_px <= accepted_px; }));
+  best.fraction_without_rays = ComputeUndefinedFraction(rays, samples);
   best.left_out_rms_px =
       ComputeCheckerboardRmsPx(rays, samples, area, best, num_threads);
   return best;

@@ -20,7 +20,7 @@ struct RayGrid {
   /// RMS error at every second pixel of a grid fitted to the other pixels,
   /// which estimates the error between the table's pixels.
   double left_out_rms_px = 0;
-  double part_without_rays = 0;
+  double fraction_without_rays = 0;
 };
 
 /// Fits the grid with the fewest control points whose RMS error is below 0.002

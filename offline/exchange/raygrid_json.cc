@@ -4,21 +4,21 @@
 
 namespace raygrid {
 
-Json MakeRaygridJson(const WrittenLens& camera) {
+Json MakeRaygridJson(const OutputCamera& camera) {
   Json own = Json::object();
   if (!camera.name.empty()) own["name"] = Printable(camera.name);
   if (!camera.serial.empty()) own["serial"] = Printable(camera.serial);
-  if (camera.fit) own["fit"] = FormatLensFit(*camera.fit);
+  if (camera.fit) own["fit"] = FormatModelFit(*camera.fit);
   return own;
 }
 
-void ParseRaygridJson(const YAML::Node& own, ReadLens* camera) {
+void ParseRaygridJson(const YAML::Node& own, InputCamera* camera) {
   if (!own.IsDefined() || !own.IsMap()) return;
-  const auto text_of = [&](const char* key) {
+  const auto get_text = [&](const char* key) {
     return own[key] && own[key].IsScalar() ? own[key].as<std::string>() : "";
   };
-  camera->name = text_of("name");
-  camera->serial = text_of("serial");
+  camera->name = get_text("name");
+  camera->serial = get_text("serial");
 }
 
 }  // namespace raygrid

@@ -16,10 +16,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr char kRaygridKey[] = "raygrid";
 
-Json MakeRaygridJson(const WrittenLens& camera);
+Json MakeRaygridJson(const OutputCamera& camera);
 
 /// Sets name and serial if the object exists.
-void ParseRaygridJson(const YAML::Node& own, ReadLens* camera);
+void ParseRaygridJson(const YAML::Node& own, InputCamera* camera);
 
 }  // namespace raygrid
 

@@ -15,8 +15,8 @@ namespace raygrid {
 namespace {
 
 // Makes an array of rows x columns x 3 numbers.
-NpyArray ArrayOfVectors(const std::string& name, const RayTable& rays,
-                        const std::vector<Eigen::Vector3d>& vectors) {
+NpyArray MakeVectorArray(const std::string& name, const RayTable& rays,
+                         const std::vector<Eigen::Vector3d>& vectors) {
   return MakeNpyArray(name, {rays.y.size(), rays.x.size(), 3},
                       vectors.front().data());
 }
@@ -35,9 +35,9 @@ TableOutput WriteRays(const RayTable& rays) {
       MakeNpyArray("image_size", {2}, size),
       MakeNpyArray("x", {x.size()}, x.data()),
       MakeNpyArray("y", {y.size()}, y.data()),
-      ArrayOfVectors("directions", rays, rays.directions)};
+      MakeVectorArray("directions", rays, rays.directions)};
   if (!rays.origins.empty())
-    arrays.push_back(ArrayOfVectors("origins", rays, rays.origins));
+    arrays.push_back(MakeVectorArray("origins", rays, rays.origins));
   return {{{rays.path, WriteNpz(arrays)}},
           fmt::format(
               "{} of {} x {} pixels, unit vectors{}",
@@ -55,7 +55,7 @@ const NpyArray* FindArray(const std::vector<NpyArray>& arrays,
   return nullptr;
 }
 
-std::vector<double> NumbersOf(const NpyArray& array, size_t num_axes) {
+std::vector<double> ReadNumbers(const NpyArray& array, size_t num_axes) {
   if (array.shape.size() != num_axes)
     throw InputError(fmt::format("{}: has {} dimensions instead of {}",
                                  array.name, array.shape.size(), num_axes));
@@ -63,9 +63,9 @@ std::vector<double> NumbersOf(const NpyArray& array, size_t num_axes) {
 }
 
 // Reads an array of rows x columns x 3 numbers.
-std::vector<Eigen::Vector3d> VectorsOf(const NpyArray& array, size_t rows,
-                                       size_t columns) {
-  const std::vector<double> numbers = NumbersOf(array, 3);
+std::vector<Eigen::Vector3d> ReadVectorArray(const NpyArray& array, size_t rows,
+                                             size_t columns) {
+  const std::vector<double> numbers = ReadNumbers(array, 3);
   if (array.shape != std::vector<size_t>{rows, columns, 3})
     throw InputError(fmt::format(
         "{}: has shape {} x {} x {} instead of {} x {} x 3", array.name,
@@ -83,7 +83,7 @@ std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
   std::vector<double> places(count);
   for (size_t k = 0; k < count; ++k) places[k] = static_cast<double>(k);
   const NpyArray* array = FindArray(arrays, name);
-  if (array) places = NumbersOf(*array, 1);
+  if (array) places = ReadNumbers(*array, 1);
   if (places.size() != count)
     throw InputError(fmt::format("{}: has {} entries, but 'directions' has {}",
                                  name, places.size(), count));
@@ -100,11 +100,11 @@ std::vector<double> CollectFeaturePositions(const std::vector<NpyArray>& arrays,
 
 // Returns the image size of the file, or the smallest one that contains the
 // last positions.
-ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
+ImageSize ReadSize(const std::vector<NpyArray>& arrays, const RayTable& rays) {
   double width = std::floor(rays.x.back()) + 1,
          height = std::floor(rays.y.back()) + 1;
   if (const NpyArray* array = FindArray(arrays, "image_size")) {
-    const std::vector<double> size = NumbersOf(*array, 1);
+    const std::vector<double> size = ReadNumbers(*array, 1);
     if (size.size() != 2 || !(size[0] >= width) || !(size[1] >= height))
       throw InputError(
           "image_size: expected the width and height of an image that contains "
@@ -112,13 +112,13 @@ ImageSize SizeOf(const std::vector<NpyArray>& arrays, const RayTable& rays) {
     width = size[0];
     height = size[1];
   }
-  constexpr double kFarAway = 1e9;
+  constexpr double kMaxExtent = 1e9;
   const std::string why =
       rays.x.front() < 0 || rays.y.front() < 0
           ? "x, y: must not be negative"
           : DescribeSizeLimit(
-                static_cast<uint64_t>(std::min(width, kFarAway)),
-                static_cast<uint64_t>(std::min(height, kFarAway)));
+                static_cast<uint64_t>(std::min(width, kMaxExtent)),
+                static_cast<uint64_t>(std::min(height, kMaxExtent)));
   if (!why.empty()) throw InputError(why);
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -135,7 +135,7 @@ void NormalizeDirections(RayTable* rays) {
   }
 }
 
-RayTable RaysOf(const std::vector<NpyArray>& arrays) {
+RayTable MakeRayTable(const std::vector<NpyArray>& arrays) {
   const NpyArray* directions = FindArray(arrays, "directions");
   if (!directions)
     throw InputError("missing array 'directions' of rows x columns x 3");
@@ -145,17 +145,17 @@ RayTable RaysOf(const std::vector<NpyArray>& arrays) {
   RayTable rays;
   rays.y = CollectFeaturePositions(arrays, "y", directions->shape[0]);
   rays.x = CollectFeaturePositions(arrays, "x", directions->shape[1]);
-  rays.image_size = SizeOf(arrays, rays);
-  rays.directions = VectorsOf(*directions, rays.y.size(), rays.x.size());
+  rays.image_size = ReadSize(arrays, rays);
+  rays.directions = ReadVectorArray(*directions, rays.y.size(), rays.x.size());
   if (const NpyArray* origins = FindArray(arrays, "origins"))
-    rays.origins = VectorsOf(*origins, rays.y.size(), rays.x.size());
+    rays.origins = ReadVectorArray(*origins, rays.y.size(), rays.x.size());
   NormalizeDirections(&rays);
   return rays;
 }
 
 RayTable ReadRays(const std::string& path, const std::string& bytes) {
   try {
-    RayTable rays = RaysOf(ReadNpz(bytes));
+    RayTable rays = MakeRayTable(ReadNpz(bytes));
     rays.path = path;
     return rays;
   } catch (const InputError& error) {

@@ -70,9 +70,10 @@ std::optional<std::string> ModelInFile(const CameraKeys& keys) {
   if (has_model)
     return keys["distortion_model"].IsScalar() ? keys.Word("distortion_model")
                                                : "";
-  if (!ParseLensFamily(camera)) return std::nullopt;
+  if (!ParseModelFamily(camera)) return std::nullopt;
   keys.Skip({"camera_model"});
-  return *ParseLensFamily(camera) == LensFamily::kPinhole ? kPlumbBob : camera;
+  return *ParseModelFamily(camera) == ModelFamily::kPinhole ? kPlumbBob
+                                                            : camera;
 }
 
 // Returns a matrix: in files, a mapping with data; in messages, a list. nullopt
@@ -94,8 +95,8 @@ std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
   return std::nullopt;
 }
 
-std::vector<double> MatrixOf(const CameraKeys& keys, const char* in_files,
-                             const char* in_messages, int count) {
+std::vector<double> ReadMatrix(const CameraKeys& keys, const char* in_files,
+                               const char* in_messages, int count) {
   if (const auto matrix = MatrixIn(keys, in_files, in_messages, count))
     return *matrix;
   throw InputError(fmt::format("'{}' is missing", in_files));
@@ -105,13 +106,13 @@ std::vector<double> MatrixOf(const CameraKeys& keys, const char* in_files,
 ImageSize SizeIn(const CameraKeys& keys) {
   const char* const prefix =
       keys.Has("image_width") || keys.Has("image_height") ? "image_" : "";
-  const auto side_of = [&](const std::string& side) {
+  const auto get_side = [&](const std::string& side) {
     return SidePx(keys[prefix + side], prefix + side);
   };
   if (!keys.Has(fmt::format("{}width", prefix)) &&
       !keys.Has(fmt::format("{}height", prefix)))
     return {};
-  return {side_of("width"), side_of("height")};
+  return {get_side("width"), get_side("height")};
 }
 
 // Single cameras may lack R and P; if only one is missing, it gets the default
@@ -148,11 +149,11 @@ void AddWarnings(const CameraKeys& keys, ExchangeContents* contents) {
     const std::string word = keys[key].IsDefined() ? keys.Word(key) : "";
     return !word.empty() && word != "0" && word != "1";
   };
-  bool is_part = false;
+  bool is_binned_or_cropped = false;
   for (const char* key : {"binning_x", "binning_y", "roi/x_offset",
                           "roi/y_offset", "roi/width", "roi/height"})
-    is_part = is_set(key) || is_part;
-  if (is_part)
+    is_binned_or_cropped = is_set(key) || is_binned_or_cropped;
+  if (is_binned_or_cropped)
     contents->warnings.push_back(
         "binning and region of interest are ignored: the camera is that of the "
         "full frame");
@@ -174,12 +175,12 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
                                const ReadRequest& request) {
   const CameraKeys keys(root);
   ExchangeContents contents;
-  ReadLens camera;
+  InputCamera camera;
   camera.name = keys["camera_name"].IsDefined() ? keys.Word("camera_name") : "";
   camera.lens.size = SizeIn(keys);
-  ReadCameraMatrix(MatrixOf(keys, "camera_matrix", "K", 9), "camera_matrix",
+  ReadCameraMatrix(ReadMatrix(keys, "camera_matrix", "K", 9), "camera_matrix",
                    &camera.lens);
-  std::vector<double> d = MatrixOf(keys, "distortion_coefficients", "D", -1);
+  std::vector<double> d = ReadMatrix(keys, "distortion_coefficients", "D", -1);
   const auto in_file = ModelInFile(keys);
   const std::string model = in_file.value_or(
       request.external_model.empty() ? kPlumbBob : request.external_model);
@@ -193,7 +194,7 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
   return contents;
 }
 
-RosMatrices MakeRosMatrices(const WrittenLens& camera) {
+RosMatrices MakeRosMatrices(const OutputCamera& camera) {
   const ConvertedCamera& lens = camera.lens;
   const double fx = lens.Value("fx"), fy = lens.Value("fy"),
                cx = lens.Value("cx"), cy = lens.Value("cy");
@@ -233,13 +234,13 @@ std::string FormatMatrix(const char* name, int rows, int columns,
 }
 
 std::string WriteRos(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const ConvertedCamera& lens = camera.lens;
   const RosMatrices matrices = MakeRosMatrices(camera);
   std::string text;
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n", lens.external_model->name,
-                        FormatLensFit(*camera.fit));
+                        FormatModelFit(*camera.fit));
   text += fmt::format("image_width: {}\nimage_height: {}\n", lens.size.width,
                       lens.size.height);
   if (!camera.name.empty())

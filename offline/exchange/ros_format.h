@@ -19,7 +19,7 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
 struct RosMatrices {
   std::vector<double> k, d, r, p;
 };
-RosMatrices MakeRosMatrices(const WrittenLens& camera);
+RosMatrices MakeRosMatrices(const OutputCamera& camera);
 
 }  // namespace raygrid
 

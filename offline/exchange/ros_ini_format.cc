@@ -26,7 +26,7 @@ bool IsRosIni(const std::string& text) {
 constexpr char kFourCoefficients[] = "equidistant";
 
 // Renames INI keys to those of the .yaml format.
-YAML::Node TreeOfRosIni(const std::string& text) {
+YAML::Node ParseRosIniTree(const std::string& text) {
   const YAML::Node ini = ParseRosIni(text);
   const std::map<std::string, std::string> names = {
       {"width", "image_width"},
@@ -63,7 +63,7 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
     end = std::min(text.find(image, first + 1), text.size());
     const auto lines = std::count(text.begin(), text.begin() + at, '\n');
     ExchangeContents one = ReadRosCamera(
-        TreeOfRosIni(std::string(lines, '\n') + text.substr(at, end - at)),
+        ParseRosIniTree(std::string(lines, '\n') + text.substr(at, end - at)),
         request);
     if (one.cameras.front().lens.external_model->name == kFourCoefficients)
       one.warnings.push_back(
@@ -74,7 +74,8 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
                         one.warnings.end());
   }
   if (all.cameras.size() > 1) {
-    for (ReadLens& camera : all.cameras)  // "narrow_stereo/left" becomes "left"
+    for (InputCamera& camera :
+         all.cameras)  // "narrow_stereo/left" becomes "left"
       camera.name.erase(0, camera.name.rfind('/') + 1);
     ComputePairPoses(&all.cameras);
   }
@@ -90,7 +91,7 @@ std::string IniRows(const std::string& key, const std::vector<double>& numbers,
 }
 
 std::string WriteRosIni(const WriteRequest& request) {
-  const WrittenLens& camera = request.cameras.front();
+  const OutputCamera& camera = request.cameras.front();
   const RosMatrices matrices = MakeRosMatrices(camera);
   std::string name;  // section names must not contain brackets
   for (const char c : Printable(camera.name))
@@ -98,7 +99,7 @@ std::string WriteRosIni(const WriteRequest& request) {
   std::string text = "# Camera intrinsics\n\n";
   if (camera.fit)
     text += fmt::format("# Fitted {}: {}\n\n", camera.lens.external_model->name,
-                        FormatLensFit(*camera.fit));
+                        FormatModelFit(*camera.fit));
   return text +
          fmt::format("[image]\n\nwidth\n{}\n\nheight\n{}\n\n[{}]\n\n",
                      camera.lens.size.width, camera.lens.size.height,

@@ -76,7 +76,7 @@ class ExrInput : public Imf::IStream {
 
 // Returns the size of a pixel window. Throws if a file of num_bytes cannot
 // contain it.
-ImageSize SizeOfWindow(const Imath::Box2i& window, size_t num_bytes) {
+ImageSize GetWindowSize(const Imath::Box2i& window, size_t num_bytes) {
   constexpr int64_t kMaxPixelsPerByte = 1024;
   const int64_t width = int64_t{window.max.x} - window.min.x + 1,
                 height = int64_t{window.max.y} - window.min.y + 1;
@@ -103,7 +103,7 @@ void RequireStChannels(const Imf::ChannelList& channels) {
 }
 
 // Reads the pixels of the file's data window; the alpha channel is optional.
-std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
+std::vector<StPixel> ReadPixels(Imf::InputFile* file, const ImageSize& size) {
   RequireStChannels(file->header().channels());
   const Imath::Box2i& window = file->header().dataWindow();
   std::vector<StPixel> pixels(static_cast<size_t>(size.width) * size.height,
@@ -122,10 +122,10 @@ std::vector<StPixel> PixelsOf(Imf::InputFile* file, const ImageSize& size) {
 // Whether a pixel has a source: partially transparent pixels mix neighbouring
 // values, and programs fill undefined pixels with -1 or black.
 bool HasPosition(const StPixel& pixel, bool has_alpha) {
-  constexpr float kWhole = 0.999F;
+  constexpr float kMinOpaqueAlpha = 0.999F;
   const auto [s, t, unused, alpha] = pixel;
   return std::isfinite(s) && std::isfinite(t) &&
-         (!has_alpha || alpha >= kWhole) && !(s == -1 && t == -1) &&
+         (!has_alpha || alpha >= kMinOpaqueAlpha) && !(s == -1 && t == -1) &&
          !(s == 0 && t == 0);
 }
 
@@ -141,34 +141,36 @@ Eigen::Vector2d PlaceOf(const StPixel& pixel, const ImageSize& size) {
       {double{pixel[0]} * size.width, (1 - double{pixel[1]}) * size.height});
 }
 
-ViewTable ViewOfExr(const std::string& path, const std::string& bytes,
-                    const std::optional<ImageSize>& source_size) {
+ViewTable ReadExrView(const std::string& path, const std::string& bytes,
+                      const std::optional<ImageSize>& source_size) {
   ExrInput input(path, bytes);
   Imf::InputFile file(input);
-  const Imath::Box2i &shown = file.header().displayWindow(),
+  const Imath::Box2i &display_window = file.header().displayWindow(),
                      &stored = file.header().dataWindow();
   ViewTable view;
   view.path = path;
-  view.size = SizeOfWindow(shown, bytes.size());
+  view.size = GetWindowSize(display_window, bytes.size());
   view.source_size = source_size.value_or(view.size);
-  const ImageSize stored_size = SizeOfWindow(stored, bytes.size());
-  const std::vector<StPixel> pixels = PixelsOf(&file, stored_size);
+  const ImageSize stored_size = GetWindowSize(stored, bytes.size());
+  const std::vector<StPixel> pixels = ReadPixels(&file, stored_size);
   const bool has_alpha = HasAlpha(pixels);
   view.sources.resize(view.num_pixels(), Eigen::Vector2d(NAN, NAN));
   size_t k = 0;
   for (int y = stored.min.y; y <= stored.max.y; ++y)
     for (int x = stored.min.x; x <= stored.max.x; ++x, ++k)
-      if (shown.intersects(Imath::V2i(x, y)) &&
+      if (display_window.intersects(Imath::V2i(x, y)) &&
           HasPosition(pixels[k], has_alpha))
-        view.sources[static_cast<size_t>(y - shown.min.y) * view.size.width +
-                     (x - shown.min.x)] = PlaceOf(pixels[k], view.source_size);
+        view.sources[static_cast<size_t>(y - display_window.min.y) *
+                         view.size.width +
+                     (x - display_window.min.x)] =
+            PlaceOf(pixels[k], view.source_size);
   return view;
 }
 
 ViewTable ReadStMap(const std::string& path, const std::string& bytes,
                     const std::optional<ImageSize>& source_size) {
   try {
-    return ViewOfExr(path, bytes, source_size);
+    return ReadExrView(path, bytes, source_size);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path, error.what()));
   } catch (const std::exception& error) {  // thrown by OpenEXR

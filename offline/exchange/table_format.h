@@ -131,7 +131,7 @@ struct TableFormat {
   FeatureTable (*read_features)(const std::string& path,
                                 const std::string& bytes) = nullptr;
 
-  bool Takes(const std::string& option) const;
+  bool AcceptsOption(const std::string& option) const;
   /// Returns whether it is made of a view, and accepts the options of views.
   bool IsOfView() const { return write_view || mesh_unit; }
   bool IsImported() const {

@@ -55,7 +55,7 @@ const TableFormat* RecognizeTable(const std::string& bytes) {
   return nullptr;
 }
 
-bool TableFormat::Takes(const std::string& option) const {
+bool TableFormat::AcceptsOption(const std::string& option) const {
   return std::find(options.begin(), options.end(), option) != options.end();
 }
 

@@ -10,14 +10,14 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
-#include "dataset/word_lines.h"
+#include "dataset/token_lines.h"
 
 namespace raygrid {
 namespace {
 
-constexpr size_t kTumWords = 8;
+constexpr size_t kTumColumns = 8;
 
-std::optional<double> NumberOfWord(const std::string& word) {
+std::optional<double> ParseNumber(const std::string& word) {
   double number = 0;
   const char* const end = word.data() + word.size();
   const auto [next, fault] = std::from_chars(word.data(), end, number);
@@ -40,13 +40,13 @@ bool AreStamps(const std::vector<BoardPose>& poses) {
   return std::all_of(poses.begin(), poses.end(), [](const BoardPose& pose) {
     const std::string stem = std::filesystem::path(pose.image).stem();
     return stem.find_first_not_of("0123456789.") == std::string::npos &&
-           NumberOfWord(stem);
+           ParseNumber(stem);
   });
 }
 
 // Throws if there are several targets: a trajectory has one pose per time
 // stamp.
-void RequireOneBoardOf(const PoseTable& table) {
+void RequireSingleBoard(const PoseTable& table) {
   for (const BoardPose& pose : table.poses)
     if (pose.board != table.poses.front().board)
       throw InputError(fmt::format(
@@ -55,14 +55,14 @@ void RequireOneBoardOf(const PoseTable& table) {
           table.path, table.poses.front().board, pose.board));
 }
 
-std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
+std::vector<TumRow> MakeTumRows(const PoseTable& table) {
   const bool are_stamps = AreStamps(table.poses);
   std::vector<TumRow> rows;
   for (const BoardPose& pose : table.poses) {
     TumRow& row = rows.emplace_back();
     row.stamp = are_stamps ? std::filesystem::path(pose.image).stem().string()
                            : std::to_string(rows.size() - 1);
-    row.seconds = NumberOfWord(row.stamp).value_or(0);
+    row.seconds = ParseNumber(row.stamp).value_or(0);
     row.board_from_camera = pose.camera_from_board.Inverse();
   }
   std::stable_sort(
@@ -76,10 +76,10 @@ std::vector<TumRow> RowsOfPoses(const PoseTable& table) {
 }
 
 TableOutput WriteTum(const PoseTable& table) {
-  RequireOneBoardOf(table);
+  RequireSingleBoard(table);
   std::string text =
       "# timestamp tx ty tz qx qy qz qw: camera in the board's frame, metres\n";
-  for (const TumRow& row : RowsOfPoses(table)) {
+  for (const TumRow& row : MakeTumRows(table)) {
     const Eigen::Vector3d& t = row.board_from_camera.translation;
     const Eigen::Quaterniond& q = row.board_from_camera.rotation;
     text += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
@@ -100,7 +100,7 @@ TableOutput WriteTum(const PoseTable& table) {
 // Whether the first line that is not a comment has eight numbers that end with
 // a unit quaternion, which excludes lines of intrinsics.
 bool IsTum(const std::string& bytes) {
-  constexpr size_t kMostBytes = 1000;
+  constexpr size_t kMaxBytes = 1000;
   size_t at = 0;
   while (at < bytes.size() && (bytes[at] == '#' || bytes[at] == '\n')) {
     at = bytes.find('\n', at);
@@ -108,25 +108,25 @@ bool IsTum(const std::string& bytes) {
   }
   if (at >= bytes.size()) return false;
   const std::string line =
-      bytes.substr(at, std::min(bytes.find('\n', at) - at, kMostBytes));
-  constexpr double kMostOff = 0.1;  // tolerance of the norm; files may have few
-                                    // digits
+      bytes.substr(at, std::min(bytes.find('\n', at) - at, kMaxBytes));
+  constexpr double kNormTolerance = 0.1;  // tolerance of the norm; files may
+                                          // have few digits
   std::istringstream words(line);
   std::vector<double> numbers;
   for (std::string word; words >> word;) {
-    const auto number = NumberOfWord(word);
+    const auto number = ParseNumber(word);
     if (!number) return false;
     numbers.push_back(*number);
   }
-  return numbers.size() == kTumWords &&
+  return numbers.size() == kTumColumns &&
          std::abs(std::hypot(std::hypot(numbers[4], numbers[5]),
                              std::hypot(numbers[6], numbers[7])) -
-                  1) < kMostOff;
+                  1) < kNormTolerance;
 }
 
 // Formats a time stamp as an image name with plain digits: programs also write
 // stamps such as 1.5e+09.
-std::string NameOfStamp(const std::string& word, double stamp) {
+std::string MakeImageName(const std::string& word, double stamp) {
   constexpr double kMaxDigits = 1e15;
   const bool has_exponent = word.find_first_of("eE") != std::string::npos;
   return has_exponent && std::abs(stamp) < kMaxDigits ? fmt::format("{}", stamp)
@@ -136,11 +136,11 @@ std::string NameOfStamp(const std::string& word, double stamp) {
 std::vector<BoardPose> ReadTum(const std::string& path,
                                const std::string& bytes) {
   constexpr double kRounding = 1e-2;
-  WordLines line(path, bytes, "a TUM trajectory");
+  TokenLines line(path, bytes, "a TUM trajectory");
   std::vector<BoardPose> poses;
   std::set<double> stamps;
-  while (line.NextWithWords()) {
-    if (line.size() != kTumWords)
+  while (line.NextNonEmpty()) {
+    if (line.size() != kTumColumns)
       line.Refuse(
           fmt::format("has {} fields, expected timestamp tx ty tz qx qy qz qw",
                       line.size()));
@@ -153,8 +153,8 @@ std::vector<BoardPose> ReadTum(const std::string& path,
       line.Refuse("qx qy qz qw must be a unit quaternion");
     const Pose board_from_camera = {rotation.normalized(),
                                     {number(1), number(2), number(3)}};
-    poses.push_back(
-        {NameOfStamp(line.Text(0), number(0)), 0, board_from_camera.Inverse()});
+    poses.push_back({MakeImageName(line.Text(0), number(0)), 0,
+                     board_from_camera.Inverse()});
   }
   return poses;
 }

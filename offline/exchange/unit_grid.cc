@@ -54,9 +54,9 @@ Eigen::Vector3d Interpolate(const BSplineSurface& lattice,
 // Whether the parametrization of directions can represent a vector: it cannot
 // represent the backward direction.
 bool HasChart(const Eigen::Vector3d& vector) {
-  constexpr double kShortest = 1e-6;
-  return vector.norm() > kShortest &&
-         vector.norm() + vector.z() > kShortest * vector.norm();
+  constexpr double kMinNorm = 1e-6;
+  return vector.norm() > kMinNorm &&
+         vector.norm() + vector.z() > kMinNorm * vector.norm();
 }
 
 // Fits control points to vectors sampled at pixels.

@@ -68,13 +68,13 @@ ValidityMask FindLargestComponent(ValidityMask rest) {
 
 // Whether the mask contains the cell on the right of a step from a corner. The
 // cell on the left of a step is on the right of the previous step.
-bool HoldsBeside(const ValidityMask& mask, const Place& corner, int step) {
+bool IsValidRightOf(const ValidityMask& mask, const Place& corner, int step) {
   constexpr Place kRight[4] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
   return Holds(mask, corner + kRight[step % 4]);
 }
 
-Eigen::Vector2d PixelOfCorner(const Place& corner, const ValidityMask& mask,
-                              const ImageSize& size) {
+Eigen::Vector2d ToPixel(const Place& corner, const ValidityMask& mask,
+                        const ImageSize& size) {
   return {std::min(corner.column * mask.knot_spacing_px, size.width) - 0.5,
           std::min(corner.row * mask.knot_spacing_px, size.height) - 0.5};
 }
@@ -82,8 +82,7 @@ Eigen::Vector2d PixelOfCorner(const Place& corner, const ValidityMask& mask,
 // Returns the centre of a cell, clipped to the image.
 Eigen::Vector2d GetCellCenter(const Place& cell, const ValidityMask& mask,
                               const ImageSize& size) {
-  return (PixelOfCorner(cell, mask, size) +
-          PixelOfCorner(cell + Place{1, 1}, mask, size)) /
+  return (ToPixel(cell, mask, size) + ToPixel(cell + Place{1, 1}, mask, size)) /
          2;
 }
 
@@ -124,16 +123,16 @@ ValidRegion ComputeValidRegion(const ValidityMask& mask,
   if (first == part.is_valid.end()) return {};
   const int cell = static_cast<int>(first - part.is_valid.begin());
   const Place start = {cell % part.columns, cell / part.columns};
-  ValidRegion region = {PixelOfCorner(start, part, size)};
+  ValidRegion region = {ToPixel(start, part, size)};
   int step = 0;
   for (Place corner = start + kSteps[step]; !(corner == start);
        corner = corner + kSteps[step]) {
     const int before = step;
-    if (!HoldsBeside(part, corner, step))
+    if (!IsValidRightOf(part, corner, step))
       step = (step + 1) % 4;
-    else if (HoldsBeside(part, corner, step + 3))
+    else if (IsValidRightOf(part, corner, step + 3))
       step = (step + 3) % 4;
-    if (step != before) region.push_back(PixelOfCorner(corner, part, size));
+    if (step != before) region.push_back(ToPixel(corner, part, size));
   }
   region.push_back(region.front());
   return region;

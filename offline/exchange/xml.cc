@@ -13,10 +13,10 @@ namespace raygrid {
 namespace {
 
 std::string Trimmed(const std::string& text) {
-  constexpr char kSpace[] = " \t\r\n";
-  const size_t first = text.find_first_not_of(kSpace);
+  constexpr char kWhitespace[] = " \t\r\n";
+  const size_t first = text.find_first_not_of(kWhitespace);
   if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+  return text.substr(first, text.find_last_not_of(kWhitespace) - first + 1);
 }
 
 // Builds the tree from expat's events.

@@ -8,7 +8,7 @@
 #include "calibration/calibration.h"
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -94,7 +94,7 @@ ExperimentFeatures SelectFeatures(const ExperimentOptions& options,
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
   simulation.seed = options.seed + 1;
-  features.truth = MakeSimulatedLens(lens, options.size);
+  features.truth = MakeSimulatedCamera(lens, options.size);
   features.pattern = ChessboardPattern(30, 24, 0.02);
   features.dataset =
       SimulateObservations(*features.truth, features.pattern, simulation)
@@ -132,7 +132,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
 std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file) {
   if (!file.uncertainty) return std::nullopt;
   const UncertaintyLattice& lattice = file.uncertainty->lattice;
-  if (lattice.deviation_px.empty()) return file.uncertainty->mask;
+  if (lattice.stddev_px.empty()) return file.uncertainty->mask;
   const double limit_px = std::max(kKnownPx, lattice.MedianPx());
   ValidityMask known = ValidityMask::Over(file.camera->image_size());
   for (size_t k = 0; k < known.is_valid.size(); ++k)
@@ -148,7 +148,7 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
   fit.free_rotation = true;
   if (camera.known && camera.known->HasValidCells())
     fit.valid_region = &*camera.known;
-  for (const std::string& name : LensNames(ModelUse::kCompare)) {
+  for (const std::string& name : ListModelNames(ModelUse::kCompare)) {
     FittedModel fitted =
         FitParametricModel(name, *camera.model, camera.model->area(), fit);
     if (std::isfinite(fitted.rms_px))

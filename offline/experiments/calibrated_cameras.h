@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "evaluation/calibration_result.h"
 #include "experiments/experiment.h"
 

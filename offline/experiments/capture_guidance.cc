@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
-constexpr int kMostImages = 200;
+constexpr int kMaxImages = 200;
 // From kManyImages images on, the camera is evaluated only after every kAtOnce
 // images, unless the next view depends on it.
 constexpr int kManyImages = 80, kAtOnce = 10;
@@ -28,7 +28,7 @@ constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
 
 // Horizontal fields of view from 50 to 140 degrees, with an offset principal
 // point.
-ThinPrismFisheye RandomLens(const ImageSize& size, uint64_t seed) {
+ThinPrismFisheye MakeRandomCamera(const ImageSize& size, uint64_t seed) {
   Random random(seed);
   const double half_rad = random.Uniform(25, 70) * M_PI / 180;
   const double k1 = random.Uniform(-0.08, 0.04);
@@ -147,7 +147,7 @@ struct Operator {
   // Returns the features detected when the operator attempts a view; few if the
   // attempt fails.
   std::vector<Feature> Try(const BoardView& view) {
-    const auto pose = PoseOf(view, board(), truth);
+    const auto pose = ComputePose(view, board(), truth);
     if (!pose) return {};
     std::vector<Feature> seen = VisibleFeatures(truth, board(), Held(*pose));
     const Area found = GetFeatureArea(truth.image_size());
@@ -159,7 +159,7 @@ struct Operator {
     return seen;
   }
 
-  bool IsWhole(const std::vector<Feature>& features) const {
+  bool HasAllPoints(const std::vector<Feature>& features) const {
     return static_cast<int>(features.size()) == board().num_points();
   }
 
@@ -180,7 +180,7 @@ struct Operator {
     Bars best_bars = Bars::Zero();
     for (int k = 0; k < kTries;) {
       std::vector<Feature> seen = SelectRandomView();
-      if (!IsWhole(seen)) continue;
+      if (!HasAllPoints(seen)) continue;
       ++k;
       const Bars bars = ComputeBars(seen, board(), truth.image_size());
       double nearest = INFINITY;
@@ -248,7 +248,7 @@ CaptureRun SimulateCapture(Follows follows, const ThinPrismFisheye& truth,
   SimulationOptions noise;
   noise.noise_px = kFeatureNoisePx;
   CaptureRun capture;
-  while (capture.num_images < kMostImages && !capture.is_done) {
+  while (capture.num_images < kMaxImages && !capture.is_done) {
     std::vector<ImageFeatures> images;
     const bool is_each_looked_at =
         capture.num_images < kManyImages || follows == Follows::kNextView;
@@ -277,7 +277,8 @@ constexpr Follows kOperators[] = {Follows::kNextView, Follows::kBars,
 constexpr const char* kOperatorNames[] = {"next view", "ROS's bars", "nothing"};
 constexpr int kNumOperators = 3;
 
-std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
+std::vector<Condition> ListGuidanceConditions(
+    const ExperimentOptions& options) {
   return {{"lenses", fmt::format("{}, equidistant with distortion, 50 to 140 "
                                  "degrees across {} x {} px",
                                  options.num_images, options.size.width,
@@ -298,13 +299,14 @@ std::vector<Condition> GuidanceConditions(const ExperimentOptions& options) {
           {"camera", "16 knots along the longer side"},
           {"until", fmt::format("95 % of the rays are within {:g} px of ground "
                                 "truth; at most {} images",
-                                kTargetPx, kMostImages)},
+                                kTargetPx, kMaxImages)},
           {"seed", std::to_string(options.seed)}};
 }
 
 // Returns the total number of images of the guided operator relative to that of
 // another one.
-double PartOf(const std::vector<CaptureRun>& captures, int follower) {
+double ComputeImageRatio(const std::vector<CaptureRun>& captures,
+                         int follower) {
   double guided = 0, other = 0;
   for (size_t i = 0; i < captures.size(); i += kNumOperators) {
     guided += captures[i].num_images;
@@ -317,8 +319,8 @@ double PartOf(const std::vector<CaptureRun>& captures, int follower) {
 
 ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options) {
   const Pattern pattern = GuidanceBoard();
-  const int num_lenses = options.num_images;
-  std::vector<CaptureRun> captures(num_lenses * kNumOperators);
+  const int num_cameras = options.num_images;
+  std::vector<CaptureRun> captures(num_cameras * kNumOperators);
   int num_done = 0;
   const auto num_all = static_cast<int>(captures.size());
   std::mutex progress;
@@ -326,16 +328,16 @@ ExperimentResult CompareCaptureGuidance(const ExperimentOptions& options) {
     const uint64_t seed = options.seed * 1000 + k / kNumOperators;
     captures[k] =
         SimulateCapture(kOperators[k % kNumOperators],
-                        RandomLens(options.size, seed), pattern, seed);
+                        MakeRandomCamera(options.size, seed), pattern, seed);
     const std::lock_guard lock(progress);
     if (options.progress) options.progress(double(++num_done) / num_all);
   });
   ExperimentResult table;
-  table.conditions = GuidanceConditions(options);
+  table.conditions = ListGuidanceConditions(options);
   for (int k = 1; k < kNumOperators; ++k)
     table.conditions.push_back(
         {fmt::format("images, next view to {}", kOperatorNames[k]),
-         fmt::format("{:.2f}", PartOf(captures, k))});
+         fmt::format("{:.2f}", ComputeImageRatio(captures, k))});
   table.columns = {"lens", "operator_follows", "images", "is_known",
                    "predicted_px"};
   table.chart.title = "Images until convergence";

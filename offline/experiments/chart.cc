@@ -70,7 +70,7 @@ class Axes {
                          (Scaled(ticks_.back()) - Scaled(ticks_.front())) *
                          (kBottom - kTop);
   }
-  bool Shows(const ChartPoint& point) const {
+  bool ContainsPoint(const ChartPoint& point) const {
     return point.y > 0 || !is_logarithmic_;
   }
   const std::vector<double>& ticks() const { return ticks_; }
@@ -198,7 +198,7 @@ std::string Series(const ChartSeries& series, int style, const Axes& axes) {
   std::string path, markers;
   bool goes_on = false;  // after a visible point
   for (const ChartPoint& point : series.points) {
-    const bool went_on = std::exchange(goes_on, axes.Shows(point));
+    const bool went_on = std::exchange(goes_on, axes.ContainsPoint(point));
     if (!goes_on) continue;
     const double x = axes.X(point.x), y = axes.Y(point.y);
     path += fmt::format("{}{:.1f} {:.1f}", went_on ? "L" : "M", x, y);

@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "dataset/files.h"
-#include "dataset/word_lines.h"
+#include "dataset/token_lines.h"
 #include "exchange/pixel_origin.h"
 
 namespace raygrid {
@@ -17,9 +17,9 @@ namespace {
 constexpr char kExpected[] = "a COLMAP text model";
 
 ImageSize ReadSize(const std::string& path) {
-  WordLines lines(path, ReadFile(path), kExpected);
+  TokenLines lines(path, ReadFile(path), kExpected);
   ImageSize size;
-  while (lines.NextWithWords()) {
+  while (lines.NextNonEmpty()) {
     const ImageSize own = {lines.Get<int>(2), lines.Get<int>(3)};
     if (size.width > 0 && own != size)
       lines.Refuse(
@@ -35,9 +35,9 @@ ImageSize ReadSize(const std::string& path) {
 // Reads the points, and maps each point's ID to its index.
 std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
                                         std::map<int64_t, int>* indices) {
-  WordLines lines(path, ReadFile(path), kExpected);
+  TokenLines lines(path, ReadFile(path), kExpected);
   std::vector<Eigen::Vector3d> points;
-  while (lines.NextWithWords()) {
+  while (lines.NextNonEmpty()) {
     const bool is_new =
         indices->emplace(lines.Get<int64_t>(0), points.size()).second;
     if (!is_new) lines.Refuse("duplicate point");
@@ -47,7 +47,7 @@ std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
   return points;
 }
 
-ColmapModel::Image ReadHead(const WordLines& lines) {
+ColmapModel::Image ReadHead(const TokenLines& lines) {
   ColmapModel::Image image;
   const Eigen::Quaterniond rotation(lines.Get<double>(1), lines.Get<double>(2),
                                     lines.Get<double>(3), lines.Get<double>(4));
@@ -60,7 +60,7 @@ ColmapModel::Image ReadHead(const WordLines& lines) {
 }
 
 std::vector<ColmapModel::Observation> ReadObservations(
-    const WordLines& lines, const std::map<int64_t, int>& indices) {
+    const TokenLines& lines, const std::map<int64_t, int>& indices) {
   std::vector<ColmapModel::Observation> observations;
   if (lines.size() % 3 != 0) lines.Refuse("expected x, y and a point id each");
   for (size_t i = 0; i < lines.size(); i += 3) {
@@ -87,8 +87,8 @@ ColmapModel ReadColmapModel(const std::string& folder) {
   std::map<int64_t, int> indices;
   model.points = ReadPoints(path("points3D.txt"), &indices);
   const std::string images = path("images.txt");
-  WordLines lines(images, ReadFile(images), kExpected);
-  while (lines.NextWithWords()) {
+  TokenLines lines(images, ReadFile(images), kExpected);
+  while (lines.NextNonEmpty()) {
     model.images.push_back(ReadHead(lines));
     if (lines.Next())  // the second line may be empty
       model.images.back().observations = ReadObservations(lines, indices);

@@ -16,13 +16,13 @@
 #include "features/refinement/camera_refinement.h"
 #include "features/refinement/feature_refinement.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
 namespace {
 
-constexpr char kBiasLens[] = "fisheye";
+constexpr char kBiasCamera[] = "fisheye";
 constexpr int kWindows[] = {11, 15, 21, 31};
 constexpr int kNumWindows = 4;
 constexpr int kBiasColumns = 14, kBiasRows = 10;
@@ -44,7 +44,7 @@ Board MakeBoard() {
 
 // Returns the homography whose second derivatives best approximate those of the
 // mapping: A s (1 - h s) instead of A s + W (u^2, u v, v^2).
-LocalMapping WithoutCurvature(LocalMapping mapping) {
+LocalMapping RemoveCurvature(LocalMapping mapping) {
   const Eigen::Matrix<double, 2, 3> bend =
       mapping.linear.inverse() * mapping.curvature.leftCols<3>();
   mapping.perspective -=
@@ -78,7 +78,7 @@ class Photographer {
 
   // Refines features with curvature, and from the same initial positions
   // without it.
-  Measured Take(const Pose& pose, int number) const {
+  Measured RenderView(const Pose& pose, int number) const {
     ImagingOptions imaging;
     imaging.blur_px = options_.blur_px;
     imaging.read_noise = options_.read_noise;
@@ -96,7 +96,7 @@ class Photographer {
               auto mapping = ComputeCameraMapping(camera_, pose, board_,
                                                   feature, kWindows[w]);
               if (mapping && way == kHomography)
-                mapping = WithoutCurvature(*mapping);
+                mapping = RemoveCurvature(*mapping);
               return mapping;
             }));
     return measured;
@@ -233,7 +233,7 @@ ImageFeatures RefineInPhotograph(const GreyImage& image,
             auto mapping =
                 ComputeCameraMapping(camera, pose, board, feature, window);
             if (mapping && way == kHomography)
-              mapping = WithoutCurvature(*mapping);
+              mapping = RemoveCurvature(*mapping);
             return mapping;
           })};
 }
@@ -351,7 +351,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   if (options.data.features || !options.data.images.empty() ||
       !options.data.cameras.empty())
     return MeasureUsersShift(options);
-  const auto camera = MakeSimulatedLens(kBiasLens, options.size);
+  const auto camera = MakeSimulatedCamera(kBiasCamera, options.size);
   const Photographer photographer(*camera, options);
   const std::vector<Pose> poses =
       ChoosePoses(*camera, photographer.board(), options);
@@ -360,7 +360,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   std::mutex mutex;
   int num_done = 0;
   ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
-    images[i] = photographer.Take(poses[i], i);
+    images[i] = photographer.RenderView(poses[i], i);
     const std::lock_guard<std::mutex> lock(mutex);
     if (options.progress) options.progress(0.6 * ++num_done / count);
   });
@@ -369,7 +369,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   table.conditions = {
       {"images", fmt::format("{} of {} x {} px, rendered", count,
                              options.size.width, options.size.height)},
-      {"lens", fmt::format("{}, 145 degrees", kBiasLens)},
+      {"lens", fmt::format("{}, 145 degrees", kBiasCamera)},
       {"board", fmt::format("{} x {} stars, squares of 22 to 34 px",
                             kBiasColumns, kBiasRows)},
       {"blur", fmt::format("{:g} px (1 sigma)", options.blur_px)},

@@ -31,7 +31,7 @@ struct NamedCamera {
 };
 
 /// Two cameras of one rig.
-struct NamedStereo {
+struct StereoRig {
   std::string name;
   std::shared_ptr<const CameraModel> left, right;
   Pose right_from_left;
@@ -48,9 +48,9 @@ struct ExperimentData {
   std::vector<NamedCamera> cameras;
   std::optional<CalibrationResult> result;  ///< with budget facts, if available
   std::optional<ColmapModel> trajectory;
-  std::vector<NamedStereo> rigs;
+  std::vector<StereoRig> rigs;
   std::vector<std::string> images;  ///< paths
-  double nearest_m = 0;             ///< scene distance; 0: not specified
+  double min_distance_m = 0;        ///< scene distance; 0: not specified
 };
 
 /// Options common to all experiments.
@@ -76,7 +76,7 @@ struct Condition {
 using Cell = std::variant<std::string, int, double>;
 
 /// A picture, written to NAME-name.png.
-struct ExperimentPicture {
+struct ExperimentImage {
   std::string name;
   Image image;
 };
@@ -86,7 +86,7 @@ struct ExperimentResult {
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;
   Chart chart;
-  std::vector<ExperimentPicture> pictures;
+  std::vector<ExperimentImage> pictures;
 };
 
 struct Experiment {

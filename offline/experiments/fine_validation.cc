@@ -10,14 +10,14 @@
 #include "calibration/camera_initialization.h"
 #include "calibration/camera_result.h"
 #include "calibration/model_adjustment.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "dataset/error.h"
 #include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
-#include "experiments/picture_sheet.h"
-#include "report/pictures.h"
-#include "simulation/bumpy_lens.h"
+#include "experiments/image_sheet.h"
+#include "report/plots.h"
+#include "simulation/bumpy_camera.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -26,7 +26,7 @@ namespace {
 constexpr double kBumpHeightPx = 0.2;
 constexpr double kFinePupilShiftM = 2e-4;  // at 1 rad off axis
 constexpr double kFineNoisePx = 0.03;      // per coordinate
-constexpr int kMostFeatures = 1050;        // per image
+constexpr int kMaxFeatures = 1050;         // per image
 constexpr int kTestEvery = 5;
 
 struct FineModel {
@@ -41,7 +41,7 @@ struct FineModel {
 
 std::vector<FineModel> FineModels() {
   std::vector<FineModel> models;
-  for (const std::string& name : LensNames(ModelUse::kCompare))
+  for (const std::string& name : ListModelNames(ModelUse::kCompare))
     models.push_back({name, 0});
   for (const char* name : {models::kCentralGeneric, models::kNonCentralGeneric})
     for (const double knot_spacing_px : {30, 20, 10})
@@ -51,18 +51,19 @@ std::vector<FineModel> FineModels() {
 
 // Returns a lens with a horizontal field of view of 62 degrees and barrel
 // distortion.
-BumpyLens FineLens(const ImageSize& size, double bump_width_px, uint64_t seed) {
-  constexpr double kBeyondPx = 50;
+BumpyCamera MakeFineBumpsCamera(const ImageSize& size, double bump_width_px,
+                                uint64_t seed) {
+  constexpr double kMarginPx = 50;
   const Area area = {-1, -1, double(size.width), double(size.height)};
   const double f_px = 0.83 * size.width;
   const OpenCvModel lens(
       size,
-      {area.x0 - kBeyondPx, area.y0 - kBeyondPx, area.x1 + kBeyondPx,
-       area.y1 + kBeyondPx},
+      {area.x0 - kMarginPx, area.y0 - kMarginPx, area.x1 + kMarginPx,
+       area.y1 + kMarginPx},
       {f_px, 1.002 * f_px, size.width * 0.503 - 0.5, size.height * 0.495 - 0.5,
        -0.28, 0.09, 0, 0, 0, 0, 7e-4, -4e-4});
-  return BumpyLens(lens, area,
-                   {bump_width_px, kBumpHeightPx, kFinePupilShiftM, seed});
+  return BumpyCamera(lens, area,
+                     {bump_width_px, kBumpHeightPx, kFinePupilShiftM, seed});
 }
 
 Pattern FineBoard() {
@@ -104,16 +105,18 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
         return IsInACorner(feature.pixel, camera.image_size());
       });
-  std::vector<Feature> taken(seen.begin(), others);
+  std::vector<Feature> training_features(seen.begin(), others);
   int num_left = static_cast<int>(seen.end() - others);
   for (auto feature = others; feature != seen.end(); ++feature) {
-    const int num_wanted = kMostFeatures - static_cast<int>(taken.size());
-    if (random.Uniform(0, num_left--) < num_wanted) taken.push_back(*feature);
+    const int num_wanted =
+        kMaxFeatures - static_cast<int>(training_features.size());
+    if (random.Uniform(0, num_left--) < num_wanted)
+      training_features.push_back(*feature);
   }
   SimulationOptions noise;
   noise.noise_px = kFineNoisePx;
-  AddNoise(noise, &random, &taken);
-  return taken;
+  AddNoise(noise, &random, &training_features);
+  return training_features;
 }
 
 // Images for calibration, and held-out images.
@@ -210,12 +213,12 @@ std::string FormatCaption(const FineModel& model, const FineMetrics& metrics) {
   return fmt::format("{}: test {:.3g} px{}", label, metrics.test_px, bias);
 }
 
-std::vector<Condition> FineConditions(const ExperimentOptions& options) {
+std::vector<Condition> ListFineConditions(const ExperimentOptions& options) {
   return {
       {"images", fmt::format("{} of {} x {} px, every fifth held out; a star "
                              "board, up to {} features each",
                              options.num_images, options.size.width,
-                             options.size.height, kMostFeatures)},
+                             options.size.height, kMaxFeatures)},
       {"features", "simulated, not detected in rendered images"},
       {"noise", fmt::format("{:g} px per axis", kFineNoisePx)},
       {"lens",
@@ -229,7 +232,7 @@ std::vector<Condition> FineConditions(const ExperimentOptions& options) {
 
 ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
   ExperimentResult table;
-  table.conditions = FineConditions(options);
+  table.conditions = ListFineConditions(options);
   table.columns = {"bump_px",
                    "model",
                    "cell_px",
@@ -266,7 +269,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
   const std::vector<FineModel> models = FineModels();
   int num_done = 0;
   for (const double width_px : options.bump_widths_px) {
-    const BumpyLens truth = FineLens(options.size, width_px, options.seed);
+    const BumpyCamera truth =
+        MakeFineBumpsCamera(options.size, width_px, options.seed);
     const FineImages images =
         SimulateFineImages(truth, pattern.boards.front(), options);
     table.conditions.push_back(
@@ -280,7 +284,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
         InitializeCamera(images.training, pattern, adjustment);
     ChartSeries series = {
         fmt::format("local distortion {:g} px wide", width_px), {}, false};
-    std::vector<SheetPicture> pictures;
+    std::vector<SheetImage> pictures;
     for (size_t i = 0; i < models.size(); ++i) {
       const FineModel& model = models[i];
       try {
@@ -288,8 +292,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
             model, truth, images, pattern, start, width_px, options, &table);
         series.points.push_back({double(i), metrics.test_px});
         pictures.push_back({FormatCaption(model, metrics),
-                            DrawDirectionPicture(metrics.training, options.size,
-                                                 WholeImage(options.size))});
+                            DrawDirectionPlot(metrics.training, options.size,
+                                              WholeImage(options.size))});
       } catch (const Error& error) {
         table.conditions.push_back({fmt::format("{}, local distortion {:g} px",
                                                 model.Label(), width_px),
@@ -304,7 +308,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     table.chart.series.push_back(std::move(series));
     table.pictures.push_back(
         {fmt::format("directions-{:g}px", width_px),
-         PictureSheet(
+         ComposeImageSheet(
              pictures,
              {fmt::format(
                   "Local distortion {:g} px wide. Direction of the nearest",

@@ -93,15 +93,15 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 }
 
 // Medians over scenes.
-struct PlaceErrors {
-  std::vector<double> by_frames_m;
+struct PositionErrors {
+  std::vector<double> frame_errors_m;
   double shared_m = 0;  // offset common to all scenes
   double rest_m = 0;    // the remainder after averaging all frames
 };
 
-PlaceErrors MeasurePlaces(const CameraModel& camera,
-                          const ComparedCameras& compared,
-                          const ExperimentOptions& options) {
+PositionErrors MeasurePositionErrors(const CameraModel& camera,
+                                     const ComparedCameras& compared,
+                                     const ExperimentOptions& options) {
   const Area area = ComputeCommonArea(compared.cameras);
   std::vector<Errors> scenes(kScenes);
   ParallelFor(kScenes, NumThreads(options.num_threads), [&](int i) {
@@ -110,9 +110,9 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
         MakeScene(compared, area, &random);
     scenes[i] = LocalizeScene(camera, scene, options.seed * 7919 + i + 1);
   });
-  PlaceErrors errors;
+  PositionErrors errors;
   for (size_t k = 0; k < std::size(kNumFrames); ++k)
-    errors.by_frames_m.push_back(
+    errors.frame_errors_m.push_back(
         MedianLength(scenes, k, Eigen::Vector3d::Zero()));
   const Eigen::Vector3d offset = SharedOffset(scenes);
   errors.shared_m = offset.norm();
@@ -125,8 +125,8 @@ PlaceErrors MeasurePlaces(const CameraModel& camera,
 ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   // For the user's features, the last model is the paper's reference.
   const ComparedCameras compared = SelectComparedCameras(
-      options, LensNames(ModelUse::kCompare, {models::kNonCentralGeneric,
-                                              models::kCentralGeneric}));
+      options, ListModelNames(ModelUse::kCompare, {models::kNonCentralGeneric,
+                                                   models::kCentralGeneric}));
   ExperimentResult table;
   table.conditions = compared.conditions;
   table.conditions.push_back(
@@ -154,14 +154,15 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
   for (const char* column : {"shared_mm", "rest_mm"})
     table.columns.emplace_back(column);
   for (const NamedCamera& camera : compared.cameras) {
-    const PlaceErrors errors = MeasurePlaces(*camera.model, compared, options);
+    const PositionErrors errors =
+        MeasurePositionErrors(*camera.model, compared, options);
     std::vector<Cell> row;
     row.emplace_back(camera.name);
     ChartSeries series = {camera.name, {}, true};
-    for (size_t k = 0; k < errors.by_frames_m.size(); ++k) {
-      row.emplace_back(1000 * errors.by_frames_m[k]);
-      if (std::isfinite(errors.by_frames_m[k]))
-        series.points.push_back({double(k), 1000 * errors.by_frames_m[k]});
+    for (size_t k = 0; k < errors.frame_errors_m.size(); ++k) {
+      row.emplace_back(1000 * errors.frame_errors_m[k]);
+      if (std::isfinite(errors.frame_errors_m[k]))
+        series.points.push_back({double(k), 1000 * errors.frame_errors_m[k]});
     }
     row.emplace_back(1000 * errors.shared_m);
     row.emplace_back(1000 * errors.rest_m);

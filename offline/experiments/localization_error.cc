@@ -11,7 +11,7 @@
 #include "evaluation/residual_statistics.h"
 #include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kBoardColumns = 12, kBoardRows = 9;
 constexpr double kBoardSquareM = 0.012;
-constexpr char kBoardLens[] = "pinhole";
+constexpr char kBoardCamera[] = "pinhole";
 constexpr double kMinSquarePx = 20, kMaxSquarePx = 32, kMaxTiltDeg = 45;
 constexpr double kMarginPx = 2;  // between board and image edge
 
@@ -75,8 +75,9 @@ std::vector<Pose> ChoosePoses(const CameraModel& camera,
 // not found.
 using FeatureErrors = std::vector<std::optional<Eigen::Array2d>>;
 
-FeatureErrors ErrorsOf(const std::vector<Feature>& found,
-                       const std::vector<Feature>& truth, const Board& board) {
+FeatureErrors ComputeFeatureErrors(const std::vector<Feature>& found,
+                                   const std::vector<Feature>& truth,
+                                   const Board& board) {
   FeatureErrors true_pixels(board.num_points()), errors(board.num_points());
   for (const Feature& feature : truth)
     true_pixels[board.PointIndex(feature.column, feature.row)] =
@@ -110,8 +111,8 @@ class BoardTrial {
         RenderImage(rays, {{&surface_, pose}}, imaging, 1), imaging));
     Outcome outcome = {static_cast<int>(truth.size()), {}};
     for (const auto& detector : detectors_)
-      outcome.errors.push_back(
-          ErrorsOf(detector->Detect(image).features, truth, board_));
+      outcome.errors.push_back(ComputeFeatureErrors(
+          detector->Detect(image).features, truth, board_));
     return outcome;
   }
 
@@ -128,7 +129,7 @@ using Outcomes = std::vector<std::vector<BoardTrial::Outcome>>;
 
 Outcomes RunAll(const std::vector<BoardTrial>& trials,
                 const ExperimentOptions& options) {
-  const auto camera = MakeSimulatedLens(kBoardLens, options.size);
+  const auto camera = MakeSimulatedCamera(kBoardCamera, options.size);
   const std::vector<Pose> poses = ChoosePoses(*camera, options);
   const int num_threads = NumThreads(options.num_threads);
   const PixelRays rays(*camera, num_threads);
@@ -182,7 +183,8 @@ LocalizationError SummarizeCandidate(
       const Eigen::Array2d error = errors[index].value();
       squares += error.square();
       for (int k = 0; k < 2; ++k) absolute[k].push_back(std::abs(error[k]));
-      summary.largest_px = std::max(summary.largest_px, error.matrix().norm());
+      summary.max_error_px =
+          std::max(summary.max_error_px, error.matrix().norm());
     }
   }
   summary.num_compared = static_cast<int>(absolute[0].size());
@@ -226,7 +228,7 @@ std::vector<LocalizationError> MeasureLocalization(
   return errors;
 }
 
-std::vector<Condition> LocalizationConditions(
+std::vector<Condition> ListLocalizationConditions(
     const ExperimentOptions& options) {
   const ImagingOptions imaging = Imaging(options, 0);
   return {
@@ -234,7 +236,7 @@ std::vector<Condition> LocalizationConditions(
        fmt::format(
            "{} of {} x {} px, rendered with the same poses for all variants",
            options.num_images, options.size.width, options.size.height)},
-      {"lens", fmt::format("{}, 65 degrees", kBoardLens)},
+      {"lens", fmt::format("{}, 65 degrees", kBoardCamera)},
       {"board", fmt::format("{} x {} features, fully visible", kBoardColumns,
                             kBoardRows)},
       {"squares", fmt::format("{:g} to {:g} px, tilted by 0 to {:g} degrees",
@@ -272,8 +274,9 @@ std::vector<Cell> LocalizationCells(std::vector<Cell> first,
   for (const int count :
        {error.num_visible, error.num_found, error.num_compared})
     first.push_back(count);
-  for (const double px : {error.median_px.x(), error.median_px.y(),
-                          error.rms_px.x(), error.rms_px.y(), error.largest_px})
+  for (const double px :
+       {error.median_px.x(), error.median_px.y(), error.rms_px.x(),
+        error.rms_px.y(), error.max_error_px})
     first.push_back(px);
   return first;
 }

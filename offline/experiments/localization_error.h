@@ -23,7 +23,7 @@ struct LocalizationError {
   int num_compared = 0;      ///< features found with every board and method
   Eigen::Array2d median_px;  ///< medians of |x| and |y|
   Eigen::Array2d rms_px;     ///< RMS of x and y
-  double largest_px = 0;     ///< maximum distance
+  double max_error_px = 0;   ///< maximum distance
 };
 
 /// Returns the boards of all experiments: 12 x 9 features, squares of 12 mm.
@@ -39,7 +39,8 @@ std::vector<LocalizationError> MeasureLocalization(
     const std::vector<DetectedBoard>& boards, const ExperimentOptions& options);
 
 /// Describes the conditions of MeasureLocalization().
-std::vector<Condition> LocalizationConditions(const ExperimentOptions& options);
+std::vector<Condition> ListLocalizationConditions(
+    const ExperimentOptions& options);
 /// Returns the conditions of MeasureLocalization() in one line.
 std::string LocalizationNote(const ExperimentOptions& options);
 

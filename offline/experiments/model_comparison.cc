@@ -4,8 +4,8 @@
 #include "dataset/error.h"
 #include "evaluation/model_difference.h"
 #include "experiments/calibrated_cameras.h"
-#include "experiments/picture_sheet.h"
-#include "report/pictures.h"
+#include "experiments/image_sheet.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
@@ -50,13 +50,13 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   table.chart.y_label = "difference, px";
   ChartSeries median = {"median", {}, false}, rms = {"RMS", {}, false},
               p99 = {"99 % below", {}, false};
-  std::vector<SheetPicture> directions, magnitudes;
+  std::vector<SheetImage> directions, magnitudes;
   const double step_px = std::max(
       1.0, std::max(camera->area().width(), camera->area().height()) / 160);
   double full_scale_px = 0;
   std::vector<ModelDifference> differences;
   std::vector<std::string> names;
-  for (const std::string& name : LensNames(ModelUse::kCompare)) {
+  for (const std::string& name : ListModelNames(ModelUse::kCompare)) {
     const FittedModel fitted =
         FitParametricModel(name, *camera, camera->area(), {true});
     differences.push_back(CompareModels(*camera, *fitted.model, step_px));
@@ -84,25 +84,25 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
     const ModelDifference& d = differences[i];
     const auto places = Places(d);
     magnitudes.push_back({fmt::format("{}: RMS {:.3f} px", names[i], d.rms_px),
-                          DrawMagnitudePicture(places, camera->image_size(),
-                                               camera->area(), full_scale_px)});
+                          DrawMagnitudePlot(places, camera->image_size(),
+                                            camera->area(), full_scale_px)});
     directions.push_back(
         {names[i],
-         DrawDirectionPicture(places, camera->image_size(), camera->area())});
+         DrawDirectionPlot(places, camera->image_size(), camera->area())});
   }
   const Image wheel = DrawDirectionLegend(96),
               bar = DrawColorLegend(ColorScale::kMagnitude, "0",
                                     fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
       {"magnitude",
-       PictureSheet(magnitudes,
-                    {"Pixel distance between rays of the generic camera",
-                     "projected by the fitted model and their pixels."},
-                    &bar)},
-      {"direction", PictureSheet(directions,
-                                 {"Direction of the difference, by the",
-                                  "colours of the wheel."},
-                                 &wheel)}};
+       ComposeImageSheet(magnitudes,
+                         {"Pixel distance between rays of the generic camera",
+                          "projected by the fitted model and their pixels."},
+                         &bar)},
+      {"direction", ComposeImageSheet(directions,
+                                      {"Direction of the difference, by the",
+                                       "colours of the wheel."},
+                                      &wheel)}};
   table.chart.series = {median, rms, p99};
   return table;
 }

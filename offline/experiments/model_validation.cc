@@ -4,15 +4,15 @@
 #include "evaluation/model_difference.h"
 #include "experiments/calibrated_cameras.h"
 #include "experiments/fine_validation.h"
-#include "experiments/picture_sheet.h"
-#include "report/pictures.h"
+#include "experiments/image_sheet.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
 
 std::vector<ModelChoice> ValidatedModels() {
   std::vector<ModelChoice> choices;
-  for (const std::string& name : LensNames(ModelUse::kCompare))
+  for (const std::string& name : ListModelNames(ModelUse::kCompare))
     choices.push_back({name});
   for (const int cells : {8, 16, 24})
     choices.push_back({models::kCentralGeneric, cells});
@@ -64,14 +64,14 @@ void AddValidationRow(const ExperimentFeatures& features,
   series->test.points.push_back({place, result.camera.held_out->median_px});
 }
 
-SheetPicture Directions(const ModelChoice& choice,
-                        const CalibrationResult& result) {
+SheetImage Directions(const ModelChoice& choice,
+                      const CalibrationResult& result) {
   const CameraModel& camera = *result.camera.camera;
-  return {fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
-                      result.camera.held_out->median_px,
-                      result.bias_kl.value_or(0)),
-          DrawDirectionPicture(result.training, camera.image_size(),
-                               camera.area())};
+  return {
+      fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
+                  result.camera.held_out->median_px,
+                  result.bias_kl.value_or(0)),
+      DrawDirectionPlot(result.training, camera.image_size(), camera.area())};
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
   ErrorSeries series;
-  std::vector<SheetPicture> pictures;
+  std::vector<SheetImage> pictures;
   const std::vector<ModelChoice> choices = ValidatedModels();
   const size_t count = choices.size();
   for (size_t i = 0; i < count; ++i) {
@@ -113,11 +113,12 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   const Image wheel = DrawDirectionLegend(96);
   table.pictures.push_back(
       {"directions",
-       PictureSheet(pictures,
-                    {"Direction of the nearest training residual",
-                     "(projected - observed), by the colours of the wheel.",
-                     "Patches of one colour: model error, not noise."},
-                    &wheel)});
+       ComposeImageSheet(
+           pictures,
+           {"Direction of the nearest training residual",
+            "(projected - observed), by the colours of the wheel.",
+            "Patches of one colour: model error, not noise."},
+           &wheel)});
   return table;
 }
 

@@ -1,3 +1,5 @@
+#include "evaluation/noncentrality.h"
+
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -5,9 +7,8 @@
 #include <cmath>
 
 #include "dataset/error.h"
-#include "evaluation/line_spread.h"
 #include "experiments/calibrated_cameras.h"
-#include "experiments/picture_sheet.h"
+#include "experiments/image_sheet.h"
 #include "report/color_scale.h"
 
 namespace raygrid {
@@ -109,7 +110,7 @@ std::vector<double> OffsetsMm(const CameraModel& camera,
 ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   constexpr double kBoardM = 0.5, kInfinitelyFarM = 1e4;
   const Camera camera = GetCamera(options);
-  const LineSpread spread = MeasureLineSpread(*camera.model);
+  const Noncentrality spread = ComputeNoncentrality(*camera.model);
   ExperimentResult table;
   table.conditions = camera.conditions;
   table.conditions.push_back(
@@ -128,15 +129,16 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   ChartSeries far = {"exact at infinity", {}, true},
               near = {"exact at 0.5 m", {}, true};
   for (const double distance_m : kDistancesM) {
-    const Effect if_far = EffectAt(*camera.model, spread.nearest_point,
-                                   kInfinitelyFarM, distance_m);
+    const Effect distant_effect = EffectAt(*camera.model, spread.nearest_point,
+                                           kInfinitelyFarM, distance_m);
     const Effect if_near =
         EffectAt(*camera.model, spread.nearest_point, kBoardM, distance_m);
-    table.rows.push_back({distance_m, if_far.rms_px, if_far.max_px,
-                          if_near.rms_px, if_near.max_px});
+    table.rows.push_back({distance_m, distant_effect.rms_px,
+                          distant_effect.max_px, if_near.rms_px,
+                          if_near.max_px});
     const double place = static_cast<double>(table.chart.ticks.size());
     table.chart.ticks.push_back({place, fmt::format("{:g}", distance_m)});
-    far.points.push_back({place, if_far.rms_px});
+    far.points.push_back({place, distant_effect.rms_px});
     near.points.push_back({place, if_near.rms_px});
   }
   table.chart.series = {far, near};
@@ -149,10 +151,11 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
                       fmt::format("{:.3g} mm", 1000 * spread.max_m));
   table.pictures.push_back(
       {"offsets",
-       PictureSheet({{"Distance of each observation line from the common point",
-                      HeatMap(offsets, kColumns, 0, 1000 * spread.max_m,
-                              kCellPx, ColorScale::kMagnitude)}},
-                    {"over the calibrated area"}, &bar)});
+       ComposeImageSheet(
+           {{"Distance of each observation line from the common point",
+             HeatMap(offsets, kColumns, 0, 1000 * spread.max_m, kCellPx,
+                     ColorScale::kMagnitude)}},
+           {"over the calibrated area"}, &bar)});
   return table;
 }
 

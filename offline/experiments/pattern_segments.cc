@@ -9,7 +9,7 @@ namespace {
 constexpr int kSegmentCounts[] = {4, 6, 8, 12, 16, 20, 24, 28, 32};
 constexpr int kChessboardSegments = 4;  // meet at each corner
 
-std::vector<DetectedBoard> BoardsOfSegments() {
+std::vector<DetectedBoard> MakeSegmentBoards() {
   std::vector<DetectedBoard> boards;
   for (const int segments : kSegmentCounts)
     boards.push_back({ExperimentStarBoard(segments), {{}}});
@@ -61,11 +61,11 @@ void AddToChart(const Board& board, const LocalizationError& error,
 }  // namespace
 
 ExperimentResult ComparePatternSegments(const ExperimentOptions& options) {
-  const std::vector<DetectedBoard> boards = BoardsOfSegments();
+  const std::vector<DetectedBoard> boards = MakeSegmentBoards();
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
   ExperimentResult result;
-  result.conditions = LocalizationConditions(options);
+  result.conditions = ListLocalizationConditions(options);
   result.conditions.push_back(
       {"chessboard", "squares as wide as the spacing of stars"});
   result.conditions.push_back(

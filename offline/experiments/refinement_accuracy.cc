@@ -65,15 +65,15 @@ ExperimentResult CompareFeatureRefinements(const ExperimentOptions& options) {
   const std::vector<LocalizationError> errors =
       MeasureLocalization(boards, options);
   ExperimentResult result;
-  result.conditions = LocalizationConditions(options);
+  result.conditions = ListLocalizationConditions(options);
   result.conditions.push_back(
       {"stars", std::to_string(kSegments) + " segments"});
   result.columns = LocalizationColumns({"pattern", "refinement"});
   result.chart = MakeEmptyChart(options);
-  const LocalizationError* of_board = errors.data();
+  const LocalizationError* board_errors = errors.data();
   for (const DetectedBoard& board : boards) {
-    AddBoard(board.board.kind, of_board, &result);
-    of_board += board.ways.size();
+    AddBoard(board.board.kind, board_errors, &result);
+    board_errors += board.ways.size();
   }
   return result;
 }

@@ -14,7 +14,7 @@
 #include "evaluation/residual_statistics.h"
 #include "experiments/experiment.h"
 #include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -40,7 +40,7 @@ ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
   simulation.shared_noise_features = 8;
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   return {name,
-          SimulateObservations(*MakeSimulatedLens("example", options.size),
+          SimulateObservations(*MakeSimulatedCamera("example", options.size),
                                pattern, simulation)
               .dataset,
           pattern};
@@ -95,10 +95,10 @@ bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
 std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
                                            const CalibrationResult& second) {
   constexpr int kColumns = 64;
-  constexpr double kNearPart = 1 / 16.0;  // relative to the width
+  constexpr double kNearFraction = 1 / 16.0;  // relative to the width
   const CameraModel &a = *first.camera.camera, &b = *second.camera.camera;
   const Area& area = a.area();
-  const double near_px = kNearPart * area.width();
+  const double near_px = kNearFraction * area.width();
   const auto &ua = *first.camera.uncertainty, &ub = *second.camera.uncertainty;
   std::vector<Place> places;
   int index = 0;
@@ -161,7 +161,7 @@ void RemoveRotation(std::vector<Place>* places) {
 // both variances.
 struct Spread {
   double difference2 = 0, stated2 = 0, scatter2 = 0;
-  std::vector<double> by_stated2, by_scatter2;
+  std::vector<double> stated_variances, scatter_variances;
 
   void Add(const Place& place) {
     const double own2 = place.difference_px.squaredNorm() / 2;
@@ -170,8 +170,8 @@ struct Spread {
     difference2 += own2;
     stated2 += own_stated2;
     scatter2 += own_scatter2;
-    by_stated2.push_back(own2 / own_stated2);
-    by_scatter2.push_back(own2 / own_scatter2);
+    stated_variances.push_back(own2 / own_stated2);
+    scatter_variances.push_back(own2 / own_scatter2);
   }
   void Add(const Spread& other) {
     const auto append = [](const std::vector<double>& from,
@@ -181,10 +181,10 @@ struct Spread {
     difference2 += other.difference2;
     stated2 += other.stated2;
     scatter2 += other.scatter2;
-    append(other.by_stated2, &by_stated2);
-    append(other.by_scatter2, &by_scatter2);
+    append(other.stated_variances, &stated_variances);
+    append(other.scatter_variances, &scatter_variances);
   }
-  int count() const { return static_cast<int>(by_stated2.size()); }
+  int count() const { return static_cast<int>(stated_variances.size()); }
 };
 
 double RootMean(const std::vector<double>& squares) {
@@ -197,8 +197,9 @@ double RootMean(const std::vector<double>& squares) {
 // axes, is smaller if all pixels are displaced equally, and ignores a few
 // outliers.
 double TypicalRoot(const std::vector<double>& squares) {
-  constexpr double kMedianOfNormal = M_LN2;  // for half the sum of two squares
-  return std::sqrt(Quantile(squares, 0.5) / kMedianOfNormal);
+  constexpr double kMedianOfSquaredNormal =
+      M_LN2;  // for half the sum of two squares
+  return std::sqrt(Quantile(squares, 0.5) / kMedianOfSquaredNormal);
 }
 
 struct Repetition {
@@ -209,7 +210,7 @@ struct Repetition {
 
 // Returns the 90 % interval of the RMS of this many independent standard normal
 // numbers, from the quantiles of chi-squared (Wilson and Hilferty 1931).
-std::array<double, 2> ChanceRange(double numbers) {
+std::array<double, 2> ComputeRandomRange(double numbers) {
   constexpr double kQuantile95 = 1.6449;
   const double variance = 2 / (9 * numbers);
   const auto root = [&](double sign) {
@@ -295,12 +296,12 @@ std::vector<std::optional<Repetition>> RepeatAll(
   return repetitions;
 }
 
-std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
-                        const Repetition& repetition,
-                        const std::optional<double>& numbers) {
+std::vector<Cell> MakeRow(const std::string& set, const std::string& pair,
+                          const Repetition& repetition,
+                          const std::optional<double>& numbers) {
   const auto chance = [&](int end) -> Cell {
     if (!numbers) return std::string("none");
-    return ChanceRange(*numbers)[end];
+    return ComputeRandomRange(*numbers)[end];
   };
   const Spread &valid_region = repetition.valid_region,
                &known = repetition.known;
@@ -316,10 +317,10 @@ std::vector<Cell> RowOf(const std::string& set, const std::string& pair,
           root(valid_region.difference2, valid_region.stated2),
           root(valid_region.difference2, valid_region.scatter2),
           known.count(),
-          RootMean(known.by_stated2),
-          TypicalRoot(known.by_stated2),
-          RootMean(known.by_scatter2),
-          TypicalRoot(known.by_scatter2),
+          RootMean(known.stated_variances),
+          TypicalRoot(known.stated_variances),
+          RootMean(known.scatter_variances),
+          TypicalRoot(known.scatter_variances),
           chance(0),
           chance(1)};
 }
@@ -358,8 +359,9 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
     for (int k = 0; k < kPairs; ++k) {
       if (!repetitions[k]) continue;
       const Repetition& own = *repetitions[k];
-      table.rows.push_back(RowOf(sets[i].name, std::to_string(k + 1), own, {}));
-      ratios.points.push_back({k + 1.0, RootMean(own.known.by_scatter2)});
+      table.rows.push_back(
+          MakeRow(sets[i].name, std::to_string(k + 1), own, {}));
+      ratios.points.push_back({k + 1.0, RootMean(own.known.scatter_variances)});
       all.valid_region.Add(own.valid_region);
       all.known.Add(own.known);
     }
@@ -367,8 +369,8 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       throw Error(
           ExitCode::kTooFew,
           "no two halves give overlapping valid regions; use more images");
-    table.rows.push_back(RowOf(sets[i].name, "all", all,
-                               ComputeIndependentParameters(repetitions)));
+    table.rows.push_back(MakeRow(sets[i].name, "all", all,
+                                 ComputeIndependentParameters(repetitions)));
     table.chart.series.push_back(ratios);
     if (options.progress)
       options.progress(static_cast<double>(i + 1) /

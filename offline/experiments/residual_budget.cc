@@ -10,7 +10,7 @@
 #include "evaluation/budget_assessment.h"
 #include "experiments/experiment.h"
 #include "simulation/faulty_observations.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -26,7 +26,7 @@ void AddVerdict(const ResidualBudget& budget, const std::string& prefix,
 
 // ---- A user's calibration ---------------------------------------------------
 
-void AddPart(const std::string& name, double part, ExperimentResult* table) {
+void AddShare(const std::string& name, double part, ExperimentResult* table) {
   table->rows.push_back({name, ToPercent(part), std::string("-"),
                          std::string("-"), std::string("")});
 }
@@ -40,16 +40,16 @@ void AddCauseRow(ErrorCause cause, const CauseShare& share,
     return;
   }
   table->rows.push_back(
-      {std::string(ToString(cause)), ToPercent(share.in_turn),
+      {std::string(ToString(cause)), ToPercent(share.sequential_share),
        fmt::format("{:.2f}", 100 * share.alone),
-       fmt::format("{:.2f}", 100 * share.chance_high),
+       fmt::format("{:.2f}", 100 * share.random_limit),
        std::string(share.is_indistinguishable
                        ? "indistinguishable from the largest"
                    : share.IsDetermined() ? "significant"
                                           : "not significant")});
 }
 
-Chart ChartOfBudget(const ResidualBudget& budget) {
+Chart MakeBudgetChart(const ResidualBudget& budget) {
   Chart chart;
   chart.title = "Residual budget";
   chart.note =
@@ -71,16 +71,16 @@ Chart ChartOfBudget(const ResidualBudget& budget) {
     const CauseShare& share = budget.Of(cause);
     const double x = tick(ToString(cause));
     if (!share.is_observable) continue;
-    parts.points.push_back({x, percent(share.in_turn)});
+    parts.points.push_back({x, percent(share.sequential_share)});
     alone.points.push_back({x, percent(share.alone)});
-    chance.points.push_back({x, percent(share.chance_high)});
+    chance.points.push_back({x, percent(share.random_limit)});
   }
   parts.points.push_back({tick("unexplained"), percent(budget.rest)});
   chart.series = {alone, chance, parts};  // the last is drawn on top
   return chart;
 }
 
-BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
+BudgetInput MakeUserInput(const ExperimentData& data, int num_threads) {
   if (data.result && (data.features || !data.cameras.empty()))
     throw Error(ExitCode::kUsage,
                 "residual-budget: --result includes features and a camera; "
@@ -103,8 +103,8 @@ BudgetInput InputOfUser(const ExperimentData& data, int num_threads) {
   return MakeBudgetInput(camera, *data.features, data.pattern, num_threads);
 }
 
-ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
-  const BudgetInput input = InputOfUser(options.data, options.num_threads);
+ExperimentResult ComputeUserBudget(const ExperimentOptions& options) {
+  const BudgetInput input = MakeUserInput(options.data, options.num_threads);
   const ResidualBudget budget = ComputeResidualBudget(input);
   if (!budget.unobservable_reason.empty())
     throw Error(ExitCode::kTooFew, "residual-budget: not observable: " +
@@ -121,21 +121,21 @@ ExperimentResult BudgetOfUser(const ExperimentOptions& options) {
   AddVerdict(budget, "", &table);
   table.columns = {"cause", "part_percent", "alone_percent",
                    "chance_high_percent", "remark"};
-  AddPart("noise", budget.noise, &table);
-  AddPart("outliers", budget.large, &table);
+  AddShare("noise", budget.noise, &table);
+  AddShare("outliers", budget.large, &table);
   for (int k = 0; k < kNumErrorCauses; ++k)
     AddCauseRow(static_cast<ErrorCause>(k),
                 budget.Of(static_cast<ErrorCause>(k)), &table);
-  AddPart("unexplained", budget.rest, &table);
-  table.chart = ChartOfBudget(budget);
+  AddShare("unexplained", budget.rest, &table);
+  table.chart = MakeBudgetChart(budget);
   return table;
 }
 
 // ---- Simulated faults -------------------------------------------------------
 
-ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
-  constexpr char kLens[] = "example";
-  const auto camera = MakeSimulatedLens(kLens, options.size);
+ExperimentResult ComputeFaultBudgets(const ExperimentOptions& options) {
+  constexpr char kCameraModel[] = "example";
+  const auto camera = MakeSimulatedCamera(kCameraModel, options.size);
   const Pattern pattern = ChessboardPattern(17, 11, 0.024);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
@@ -146,7 +146,7 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
       {"features",
        fmt::format("simulated, {} images of {} x {} px", options.num_images,
                    options.size.width, options.size.height)},
-      {"lens", kLens},
+      {"lens", kCameraModel},
       {"camera", "ground truth, with estimated poses"},
       {"noise", fmt::format("{:g} px per axis", simulation.noise_px)},
       {"seed", std::to_string(options.seed)}};
@@ -173,7 +173,8 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
                              budget.noise_px.mean(), ToPercent(budget.noise)};
     table.chart.ticks.push_back({double(f), ToString(fault)});
     for (int k = 0; k < kNumErrorCauses; ++k) {
-      const double part = budget.Of(static_cast<ErrorCause>(k)).in_turn;
+      const double part =
+          budget.Of(static_cast<ErrorCause>(k)).sequential_share;
       row.push_back(ToPercent(part));
       table.chart.series[k].points.push_back({double(f), 100 * part});
     }
@@ -190,8 +191,8 @@ ExperimentResult BudgetsOfFaults(const ExperimentOptions& options) {
 ExperimentResult SplitResiduals(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   if (data.result || data.features || !data.cameras.empty())
-    return BudgetOfUser(options);
-  return BudgetsOfFaults(options);
+    return ComputeUserBudget(options);
+  return ComputeFaultBudgets(options);
 }
 
 }  // namespace raygrid

@@ -8,12 +8,12 @@
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
 #include "experiments/calibrated_cameras.h"
+#include "experiments/image_sheet.h"
 #include "experiments/painted_wall.h"
-#include "experiments/picture_sheet.h"
 #include "experiments/stereo_matching.h"
 #include "report/color_scale.h"
 #include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_rig.h"
 
 namespace raygrid {
@@ -70,7 +70,7 @@ double BlocksRms(const std::vector<double>& values, int columns) {
   return std::sqrt(sum / std::max(1, count));
 }
 
-DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
+DepthErrors MeasureFrames(const StereoRig& cameras, const Matching& matching,
                           const Surface& wall, const cv::Mat& left,
                           const cv::Mat& right,
                           const ExperimentOptions& options) {
@@ -100,11 +100,11 @@ DepthErrors MeasureFrames(const NamedStereo& cameras, const Matching& matching,
 
 // The compared pairs. The last is the ground truth, or serves as the reference.
 struct ComparedPairs {
-  std::vector<NamedStereo> pairs;
+  std::vector<StereoRig> pairs;
   std::vector<Condition> conditions;
   bool is_simulated = false;  // both ground truth and images
 
-  const NamedStereo& truth() const { return pairs.back(); }
+  const StereoRig& truth() const { return pairs.back(); }
 };
 
 // Calibrates with the defaults of `raygrid calibrate`: target points are
@@ -118,8 +118,8 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
   calibration.num_threads = options.num_threads;
   // For the user's features, the last model is the paper's reference.
   for (const std::string& model :
-       LensNames(ModelUse::kAuto,
-                 {models::kNonCentralGeneric, models::kCentralGeneric})) {
+       ListModelNames(ModelUse::kAuto,
+                      {models::kNonCentralGeneric, models::kCentralGeneric})) {
     calibration.model = model;
     const RigResult result =
         Calibrate({{"left", left}, {"right", right}}, pattern, calibration);
@@ -141,8 +141,8 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
 }
 
 ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
-  const SimulatedRig rig =
-      MakeCameraRow(MakeSimulatedLens("example", options.size), 2, kBaselineM);
+  const SimulatedRig rig = MakeCameraRow(
+      MakeSimulatedCamera("example", options.size), 2, kBaselineM);
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = options.num_images;
@@ -173,7 +173,7 @@ ComparedPairs UsersPairs(const ExperimentOptions& options) {
     CalibratePairs(left, right, data.pattern, hold_out, options, &compared);
     others = "the others calibrated from the same features";
   } else if (data.rigs.size() == 1) {
-    const NamedStereo& rig = data.rigs[0];
+    const StereoRig& rig = data.rigs[0];
     const auto left = FitModels({rig.name, rig.left, rig.left_known});
     const auto right = FitModels({rig.name, rig.right, rig.right_known});
     for (const FittedCamera& l : left)
@@ -215,7 +215,7 @@ double CenterFocalPx(const CameraModel& camera) {
   return 2 * kStepPx / left->cross(*right).norm();
 }
 
-cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
+cv::Mat ReadGreyLevelImage(const std::string& path, const CameraModel& camera) {
   const GreyLevels grey = ReadGreyLevels(path);
   if (grey.size != camera.image_size())
     throw InputError(fmt::format(
@@ -231,20 +231,20 @@ cv::Mat ReadLevels(const std::string& path, const CameraModel& camera) {
 ExperimentResult CompareOnImages(const ComparedPairs& compared,
                                  const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
-  const NamedStereo& reference = compared.truth();
-  const double nearest_m =
-      data.nearest_m > 0 ? data.nearest_m : 10 * BaselineM(reference);
+  const StereoRig& reference = compared.truth();
+  const double min_distance_m =
+      data.min_distance_m > 0 ? data.min_distance_m : 10 * BaselineM(reference);
   Matching matching;
   matching.focal_px = CenterFocalPx(*reference.left);
   matching.min_disparity = 1;
   matching.max_disparity = static_cast<int>(
-      std::ceil(BaselineM(reference) * matching.focal_px / nearest_m));
+      std::ceil(BaselineM(reference) * matching.focal_px / min_distance_m));
   const int num_threads = NumThreads(options.num_threads);
   std::vector<StereoCloud> clouds;
-  for (const NamedStereo& rig : compared.pairs) {
-    clouds.push_back(
-        MatchStereo(rig, matching, ReadLevels(data.images[0], *rig.left),
-                    ReadLevels(data.images[1], *rig.right), num_threads));
+  for (const StereoRig& rig : compared.pairs) {
+    clouds.push_back(MatchStereo(
+        rig, matching, ReadGreyLevelImage(data.images[0], *rig.left),
+        ReadGreyLevelImage(data.images[1], *rig.right), num_threads));
     if (options.progress)
       options.progress(0.6 + 0.4 * double(clouds.size()) /
                                  double(compared.pairs.size()));
@@ -261,7 +261,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
            "normalised cross-correlation, {} px windows, parabola; disparities "
            "of 1 to {} px, depth at least {:.3g} m",
            matching.focal_px, 2 * Matching::kHalfWindowPx + 1,
-           matching.max_disparity, nearest_m)},
+           matching.max_disparity, min_distance_m)},
       {"aligned", "point clouds aligned to that with " + reference.name +
                       " by a similarity (Umeyama) without outliers"},
       {"blocks", "of 8 x 8 matches"}};
@@ -277,10 +277,10 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   table.chart.y_label = "depth difference, mm";
   ChartSeries median = {"median", {}, false},
               blocks = {"RMS of medians over blocks", {}, false};
-  std::vector<SheetPicture> maps;
+  std::vector<SheetImage> maps;
   double limit_mm = 0;
   for (size_t k = 0; k < clouds.size(); ++k) {
-    const NamedStereo& rig = compared.pairs[k];
+    const StereoRig& rig = compared.pairs[k];
     const DepthErrorMap map = CompareToSurface(clouds[k], surface);
     std::vector<double> disparity_px;  // d = b f / x
     for (size_t i = 0; i < map.error_mm.size(); ++i)
@@ -302,12 +302,12 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   table.chart.series = {median, blocks};
   const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias",
-       PictureSheet(maps,
-                    {"Depth difference from " + reference.name +
-                         ", in the left rectified image:",
-                     "negative: nearer, positive: farther, white: no match."},
-                    &bar)});
+      {"bias", ComposeImageSheet(
+                   maps,
+                   {"Depth difference from " + reference.name +
+                        ", in the left rectified image:",
+                    "negative: nearer, positive: farther, white: no match."},
+                   &bar)});
   return table;
 }
 
@@ -315,22 +315,22 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 
 // Returns the disparity range for a wall in front of a pair, with a margin for
 // its slope.
-Matching MatchingOnWall(const NamedStereo& pair) {
-  constexpr double kFarPart = 0.48, kNearPart = 1.9;
+Matching MatchingOnWall(const StereoRig& pair) {
+  constexpr double kMinDisparityRatio = 0.48, kMaxDisparityRatio = 1.9;
   Matching matching;
   matching.focal_px = CenterFocalPx(*pair.left);
   const double disparity_px = matching.focal_px / kBaselinesToWall;
-  matching.min_disparity =
-      std::max(1, static_cast<int>(std::floor(kFarPart * disparity_px)));
+  matching.min_disparity = std::max(
+      1, static_cast<int>(std::floor(kMinDisparityRatio * disparity_px)));
   matching.max_disparity =
-      static_cast<int>(std::ceil(kNearPart * disparity_px));
+      static_cast<int>(std::ceil(kMaxDisparityRatio * disparity_px));
   return matching;
 }
 
 // Measures the depths of a wall in images rendered with the last pair.
 ExperimentResult CompareOnWall(const ComparedPairs& compared,
                                const ExperimentOptions& options) {
-  const NamedStereo& truth = compared.truth();
+  const StereoRig& truth = compared.truth();
   const double baseline_m = BaselineM(truth);
   const PaintedWall wall(kBaselinesToWall * baseline_m);
   const Matching matching =
@@ -387,9 +387,9 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
                       {},
                       false},
               blocks = {"RMS of medians over blocks", {}, false};
-  std::vector<SheetPicture> maps;
+  std::vector<SheetImage> maps;
   double limit_mm = 0;
-  for (const NamedStereo& pair : compared.pairs) {
+  for (const StereoRig& pair : compared.pairs) {
     const DepthErrors errors =
         MeasureFrames(pair, matching, surface, left, right, options);
     const double place = static_cast<double>(table.chart.ticks.size());
@@ -411,13 +411,13 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
   table.chart.series = {one, mean, blocks};
   const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias",
-       PictureSheet(maps,
-                    {fmt::format("Depth error, mean of {} image pairs, in the "
-                                 "left rectified image:",
-                                 kDepthFrames),
-                     "negative: too near, positive: too far, white: no match."},
-                    &bar)});
+      {"bias", ComposeImageSheet(
+                   maps,
+                   {fmt::format("Depth error, mean of {} image pairs, in the "
+                                "left rectified image:",
+                                kDepthFrames),
+                    "negative: too near, positive: too far, white: no match."},
+                   &bar)});
   return table;
 }
 

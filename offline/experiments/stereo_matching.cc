@@ -18,13 +18,13 @@ constexpr int kHalfWindowPx = Matching::kHalfWindowPx;
 
 // ---- Rectification ---------------------------------------------------------
 
-Eigen::Vector3d RightCenter(const NamedStereo& cameras) {
+Eigen::Vector3d RightCenter(const StereoRig& cameras) {
   return cameras.right_from_left.Inverse().translation;
 }
 
 // Returns the rectified frame: x towards the right camera, z approximately
 // along the ray of the left image's centre.
-Eigen::Matrix3d RectifiedFromLeft(const NamedStereo& cameras) {
+Eigen::Matrix3d RectifiedFromLeft(const StereoRig& cameras) {
   const CameraModel& left = *cameras.left;
   const Eigen::Vector3d x = RightCenter(cameras).normalized();
   const Eigen::Vector3d center =
@@ -84,7 +84,7 @@ double Correlation(const cv::Mat& left, const cv::Mat& right, int u, int v,
          std::sqrt(std::max(1e-9, (aa - a * a / n) * (bb - b * b / n)));
 }
 
-bool IsWhole(const cv::Mat& image, int u, int v) {
+bool IsComplete(const cv::Mat& image, int u, int v) {
   for (int j = -kHalfWindowPx; j <= kHalfWindowPx; ++j)
     for (int i = -kHalfWindowPx; i <= kHalfWindowPx; ++i)
       if (image.at<float>(v + j, u + i) < 0) return false;
@@ -95,7 +95,7 @@ bool IsWhole(const cv::Mat& image, int u, int v) {
 std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
                             const Matching& matching, int u, int v) {
   constexpr double kMinCorrelation = 0.8;
-  if (u - matching.max_disparity - 1 < kHalfWindowPx || !IsWhole(left, u, v))
+  if (u - matching.max_disparity - 1 < kHalfWindowPx || !IsComplete(left, u, v))
     return std::nullopt;
   std::vector<double> scores;
   for (int d = matching.min_disparity; d <= matching.max_disparity; ++d)
@@ -104,7 +104,7 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
   const auto k = best - scores.begin();
   if (*best < kMinCorrelation || k == 0 ||
       k + 1 == static_cast<std::ptrdiff_t>(scores.size()) ||
-      !IsWhole(right, u - matching.min_disparity - static_cast<int>(k), v))
+      !IsComplete(right, u - matching.min_disparity - static_cast<int>(k), v))
     return std::nullopt;
   const double below = best[-1], above = best[1];
   return matching.min_disparity + static_cast<double>(k) +
@@ -114,7 +114,7 @@ std::optional<double> Match(const cv::Mat& left, const cv::Mat& right,
 // ---- Depth -----------------------------------------------------------------
 
 // Returns the depth that corresponds to the centre of the disparity range.
-double CenterDepthM(const NamedStereo& cameras, const Matching& matching) {
+double CenterDepthM(const StereoRig& cameras, const Matching& matching) {
   return RightCenter(cameras).norm() * matching.focal_px * 2 /
          (matching.min_disparity + matching.max_disparity);
 }
@@ -122,9 +122,9 @@ double CenterDepthM(const NamedStereo& cameras, const Matching& matching) {
 // Returns the midpoint of the shortest segment between the observation lines of
 // two pixels, in the left camera's frame; nullopt if it is not in front of the
 // cameras.
-std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
-                                             const Eigen::Vector2d& left,
-                                             const Eigen::Vector2d& right) {
+std::optional<Eigen::Vector3d> ComputeMidpoint(const StereoRig& cameras,
+                                               const Eigen::Vector2d& left,
+                                               const Eigen::Vector2d& right) {
   const auto a = cameras.left->Line(left),
              in_right = cameras.right->Line(right);
   if (!a || !in_right) return std::nullopt;
@@ -149,11 +149,11 @@ std::optional<Eigen::Vector3d> NearestToBoth(const NamedStereo& cameras,
 
 }  // namespace
 
-double BaselineM(const NamedStereo& cameras) {
+double BaselineM(const StereoRig& cameras) {
   return RightCenter(cameras).norm();
 }
 
-StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
+StereoCloud MatchStereo(const StereoRig& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads) {
   const ImageSize& size = cameras.left->image_size();
@@ -183,14 +183,14 @@ StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
           RectifiedRay(matching, cameras.right->image_size(), u - *disparity,
                        v));
       if (!in_left || !in_right) continue;
-      if (const auto point = NearestToBoth(cameras, *in_left, *in_right))
+      if (const auto point = ComputeMidpoint(cameras, *in_left, *in_right))
         cloud.points[j * cloud.columns + i] = {*in_left, *point};
     }
   });
   return cloud;
 }
 
-Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
+Surface MakeSurface(const StereoCloud& cloud, const StereoRig& cameras,
                     const Matching& matching) {
   constexpr double kSmooth = 0.03;  // inverse depth, between control points
   const ImageSize size = cameras.left->image_size();
@@ -220,9 +220,9 @@ Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
       const auto& node = cloud.points[(j + k / 2) * cloud.columns + i + k % 2];
       if (!node) return std::nullopt;
       const double inverse = 1 / (rectified_from_left * node->point).z();
-      const double part_x = k % 2 == 0 ? 1 - (x - i) : x - i;
-      const double part_y = k / 2 == 0 ? 1 - (y - j) : y - j;
-      sum += part_x * part_y * inverse;
+      const double weight_x = k % 2 == 0 ? 1 - (x - i) : x - i;
+      const double weight_y = k / 2 == 0 ? 1 - (y - j) : y - j;
+      sum += weight_x * weight_y * inverse;
       low = std::min(low, inverse);
       high = std::max(high, inverse);
     }

@@ -20,7 +20,7 @@ struct Matching {
   int min_disparity = 0, max_disparity = 0;
 };
 
-double BaselineM(const NamedStereo& cameras);
+double BaselineM(const StereoRig& cameras);
 
 /// A point in the left camera's frame.
 struct StereoPoint {
@@ -36,7 +36,7 @@ struct StereoCloud {
 };
 
 /// Matches two 32-bit floating-point grey images.
-StereoCloud MatchStereo(const NamedStereo& cameras, const Matching& matching,
+StereoCloud MatchStereo(const StereoRig& cameras, const Matching& matching,
                         const cv::Mat& left, const cv::Mat& right,
                         int num_threads);
 
@@ -46,7 +46,7 @@ using Surface =
 
 /// Makes a surface from a cloud of the same images; undefined where the cloud
 /// is not smooth.
-Surface MakeSurface(const StereoCloud& cloud, const NamedStereo& cameras,
+Surface MakeSurface(const StereoCloud& cloud, const StereoRig& cameras,
                     const Matching& matching);
 
 /// Depth errors of a cloud relative to a surface, after alignment by a

@@ -24,14 +24,15 @@ constexpr int kFirstFrames = 12;  // for alignment of the paths
 // The errors of the initial trajectory, as accumulated by odometry: rotation
 // about each axis, relative translation and scale errors of each step; and
 // depth errors of points. Standard deviations.
-constexpr double kTurnDeg = 0.1, kStepPart = 0.02, kScalePart = 0.005;
-constexpr double kDepthPart = 0.05;
+constexpr double kRotationDeg = 0.1, kStepFraction = 0.02,
+                 kScaleFraction = 0.005;
+constexpr double kDepthFraction = 0.05;
 constexpr int kNumStarts = 2;
 
 // For the user's features, the last model is the paper's reference.
 std::vector<std::string> DriftModels() {
-  return LensNames(ModelUse::kAuto,
-                   {models::kCentralGeneric, models::kNonCentralGeneric});
+  return ListModelNames(ModelUse::kAuto,
+                        {models::kCentralGeneric, models::kNonCentralGeneric});
 }
 
 struct Trajectory {
@@ -86,7 +87,7 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
   return points;
 }
 
-constexpr size_t kMinSeen = 8;  // points per image
+constexpr size_t kMinObserved = 8;  // points per image
 
 Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
   const CameraModel& truth = compared.truth();
@@ -109,7 +110,7 @@ Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
       if (area.Contains(seen, -2) && AllDefined(compared, seen))
         view.observations.push_back({k, seen});
     }
-    if (view.observations.size() < kMinSeen)
+    if (view.observations.size() < kMinObserved)
       throw Error(ExitCode::kTooFew,
                   "trajectory-drift: the common valid region of the cameras is "
                   "too small; calibrate from more images");
@@ -132,7 +133,7 @@ Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
     for (const auto& observation : image.observations)
       if (area.Contains(observation.pixel) && num_seen[observation.point] > 1)
         view.observations.push_back({observation.point, observation.pixel});
-    if (view.observations.size() < kMinSeen) continue;
+    if (view.observations.size() < kMinObserved) continue;
     view.pose = static_cast<int>(trajectory.camera_from_world.size());
     trajectory.camera_from_world.push_back(image.camera_from_world);
     trajectory.views.push_back(std::move(view));
@@ -142,7 +143,7 @@ Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
         ExitCode::kTooFew,
         fmt::format("--colmap-model: only {} images have at least {} points in "
                     "the calibrated area; at least {} are required",
-                    trajectory.views.size(), kMinSeen, 2 * kFirstFrames));
+                    trajectory.views.size(), kMinObserved, 2 * kFirstFrames));
   return trajectory;
 }
 
@@ -168,9 +169,9 @@ Eigen::Vector3d RandomVector(Random* random) {
 // first image that observes them.
 Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
   Random random(seed);
-  const double turn_rad = kTurnDeg * M_PI / 180;
+  const double turn_rad = kRotationDeg * M_PI / 180;
   Reconstruction start = {{trajectory.camera_from_world[0]}, trajectory.points};
-  std::vector<bool> is_placed(trajectory.points.size(), false);
+  std::vector<bool> is_perturbed(trajectory.points.size(), false);
   double scale = 1;
   for (size_t i = 0; i < trajectory.views.size(); ++i) {
     const Pose& pose = trajectory.camera_from_world[i];
@@ -178,17 +179,17 @@ Reconstruction PerturbedStart(const Trajectory& trajectory, uint64_t seed) {
       Pose step = pose * trajectory.camera_from_world[i - 1].Inverse();
       step.rotation =
           RotationFromVector(turn_rad * RandomVector(&random)) * step.rotation;
-      scale *= std::exp(kScalePart * random.Normal());
+      scale *= std::exp(kScaleFraction * random.Normal());
       step.translation =
-          scale * (step.translation +
-                   kStepPart * step.translation.norm() * RandomVector(&random));
+          scale * (step.translation + kStepFraction * step.translation.norm() *
+                                          RandomVector(&random));
       start.camera_from_world.push_back(step * start.camera_from_world.back());
     }
     const Pose world_from_camera = start.camera_from_world.back().Inverse();
     for (const Observation& observation : trajectory.views[i].observations) {
-      if (is_placed[observation.point]) continue;
-      is_placed[observation.point] = true;
-      const double depth = scale * std::exp(kDepthPart * random.Normal());
+      if (is_perturbed[observation.point]) continue;
+      is_perturbed[observation.point] = true;
+      const double depth = scale * std::exp(kDepthFraction * random.Normal());
       start.points[observation.point] =
           world_from_camera *
           (depth * (pose * trajectory.points[observation.point]));
@@ -282,11 +283,11 @@ double EndDifferencePercent(const Reconstruction& found,
 // ---- Experiment ------------------------------------------------------------
 
 // The optimizations of a trajectory with one camera.
-struct DriftOfCamera {
-  std::vector<AdjustmentResult> by_start;
+struct CameraDrift {
+  std::vector<AdjustmentResult> results_by_start;
 
   bool Converged() const {
-    return std::all_of(by_start.begin(), by_start.end(),
+    return std::all_of(results_by_start.begin(), results_by_start.end(),
                        [](const AdjustmentResult& a) { return a.converged; });
   }
 };
@@ -301,13 +302,13 @@ std::vector<Reconstruction> MakeStarts(const Trajectory& trajectory,
   return starts;
 }
 
-DriftOfCamera AdjustFromStarts(const CameraModel& camera,
-                               const Trajectory& trajectory,
-                               const std::vector<Reconstruction>& starts,
-                               const ExperimentOptions& options) {
-  DriftOfCamera drift;
+CameraDrift AdjustFromStarts(const CameraModel& camera,
+                             const Trajectory& trajectory,
+                             const std::vector<Reconstruction>& starts,
+                             const ExperimentOptions& options) {
+  CameraDrift drift;
   for (const Reconstruction& start : starts)
-    drift.by_start.push_back(
+    drift.results_by_start.push_back(
         OptimizeTrajectory(camera, trajectory, start, options));
   return drift;
 }
@@ -335,7 +336,8 @@ void AddStartConditions(ExperimentResult* table) {
            "perturbed per step by {:g} degrees about each axis, {:g} % of the "
            "step and {:g} % of the scale; points by {:g} % of their depth (1 "
            "sigma); start_error is the position error at its end",
-           kTurnDeg, 100 * kStepPart, 100 * kScalePart, 100 * kDepthPart)});
+           kRotationDeg, 100 * kStepFraction, 100 * kScaleFraction,
+           100 * kDepthFraction)});
   table->conditions.push_back({"other start",
                                "another random initialization; both should "
                                "converge to the same error"});
@@ -349,10 +351,11 @@ struct EndErrors {
 };
 
 void AddDriftRow(const NamedCamera& camera, size_t index, int trajectory,
-                 const DriftOfCamera& drift, const EndErrors& errors,
+                 const CameraDrift& drift, const EndErrors& errors,
                  ExperimentResult* table) {
-  table->rows.push_back({camera.name, trajectory, drift.by_start[0].median_px,
-                         errors.before, errors.after[0], errors.after[1]});
+  table->rows.push_back({camera.name, trajectory,
+                         drift.results_by_start[0].median_px, errors.before,
+                         errors.after[0], errors.after[1]});
   table->chart.series[index].points.push_back(
       {trajectory - 1.0, errors.after[0]});
   if (!drift.Converged())
@@ -388,12 +391,12 @@ ExperimentResult OptimizeSimulatedTrajectories(
     const std::vector<Reconstruction> starts =
         MakeStarts(trajectory, options, k);
     for (size_t c = 0; c < cameras.size(); ++c) {
-      const DriftOfCamera drift =
+      const CameraDrift drift =
           AdjustFromStarts(*cameras[c].model, trajectory, starts, options);
       AddDriftRow(cameras[c], c, k + 1, drift,
                   {EndErrorPercent(starts[0], trajectory),
-                   {EndErrorPercent(drift.by_start[0], trajectory),
-                    EndErrorPercent(drift.by_start[1], trajectory)}},
+                   {EndErrorPercent(drift.results_by_start[0], trajectory),
+                    EndErrorPercent(drift.results_by_start[1], trajectory)}},
                   &table);
       if (options.progress)
         options.progress(0.5 + 0.5 * (k + double(c + 1) / cameras.size()) /
@@ -437,14 +440,14 @@ ExperimentResult OptimizeUserTrajectory(const ExperimentOptions& options) {
   const Trajectory trajectory =
       MakeTrajectory(model, ComputeCommonArea(cameras));
   const std::vector<Reconstruction> starts = MakeStarts(trajectory, options, 0);
-  std::vector<DriftOfCamera> drifts;
+  std::vector<CameraDrift> drifts;
   for (const NamedCamera& camera : cameras) {
     drifts.push_back(
         AdjustFromStarts(*camera.model, trajectory, starts, options));
     if (options.progress)
       options.progress(double(drifts.size()) / double(cameras.size()));
   }
-  const AdjustmentResult& reference = drifts.back().by_start[0];
+  const AdjustmentResult& reference = drifts.back().results_by_start[0];
 
   ExperimentResult table = EmptyTable(cameras);
   table.conditions = compared.conditions;
@@ -466,12 +469,13 @@ ExperimentResult OptimizeUserTrajectory(const ExperimentOptions& options) {
   table.chart.is_logarithmic = false;
   table.chart.ticks = {{0, "user-provided images"}};
   for (size_t c = 0; c < cameras.size(); ++c)
-    AddDriftRow(
-        cameras[c], c, 1, drifts[c],
-        {EndDifferencePercent(starts[0], reference, trajectory),
-         {EndDifferencePercent(drifts[c].by_start[0], reference, trajectory),
-          EndDifferencePercent(drifts[c].by_start[1], reference, trajectory)}},
-        &table);
+    AddDriftRow(cameras[c], c, 1, drifts[c],
+                {EndDifferencePercent(starts[0], reference, trajectory),
+                 {EndDifferencePercent(drifts[c].results_by_start[0], reference,
+                                       trajectory),
+                  EndDifferencePercent(drifts[c].results_by_start[1], reference,
+                                       trajectory)}},
+                &table);
   return table;
 }
 

@@ -89,9 +89,9 @@ std::optional<Guess> SelectByMajority(
 }
 
 bool IsWhole(const ImageDetection& image, const Board& board) {
-  constexpr double kMostOf = 0.8;
+  constexpr double kMinVisibleFraction = 0.8;
   return static_cast<double>(image.features.size()) >=
-         kMostOf * board.num_points();
+         kMinVisibleFraction * board.num_points();
 }
 
 // Inverts the image.
@@ -134,8 +134,8 @@ std::vector<int> SelectExampleImages(const FolderDetection& found,
   // Chessboard corners have no IDs: with a wrong size, chessboards are hardly
   // ever detected. Markers may partially match a wrong board.
   const bool is_chessboard = !board.HasMarkers();
-  const double enough = is_chessboard ? 0.25 : 0.9;
-  if (count - num_doubtful > enough * count) return {};
+  const double min_fraction = is_chessboard ? 0.25 : 0.9;
+  if (count - num_doubtful > min_fraction * count) return {};
   const auto num_reported =
       std::count_if(found.images.begin(), found.images.end(),
                     [](const auto& image) { return !image.features.empty(); });

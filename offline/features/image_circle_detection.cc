@@ -13,18 +13,18 @@ namespace {
 
 // A cell is illuminated if its level exceeds this fraction of the range from
 // the dark level to the level at the image centre.
-constexpr double kLitPart = 0.1;
-// An edge is sharp if levels exceed kSharpPart of the range at a distance of
-// kSharpWidth, as a fraction of the radius, inside it. Vignetting alone does
-// not produce such an edge.
-constexpr double kSharpPart = 0.2, kSharpWidth = 0.04;
+constexpr double kLitFraction = 0.1;
+// An edge is sharp if levels exceed kSharpFraction of the range at a distance
+// of kMaxSharpWidth, as a fraction of the radius, inside it. Vignetting alone
+// does not produce such an edge.
+constexpr double kSharpFraction = 0.2, kMaxSharpWidth = 0.04;
 constexpr int kDirections = 720;
 // A quadrant of the circle is visible if at least kMinInQuarter of the
 // kDirections directions intersect the circle there.
 constexpr int kMinInQuarter = 8, kMinQuarters = 3;
 constexpr double kMinInliers = 0.7;
 // Maximum fraction of illuminated cells outside the circle, as by reflections.
-constexpr double kMaxLitBeyond = 0.005;
+constexpr double kMaxLitFractionOutside = 0.005;
 
 struct Circle {
   Eigen::Vector2d center;
@@ -35,13 +35,13 @@ struct Circle {
   }
 };
 
-struct Levels {
-  double lit = 0, sharp = 0;  // thresholds of kLitPart and kSharpPart
+struct Thresholds {
+  double lit = 0, sharp = 0;  // thresholds of kLitFraction and kSharpFraction
 };
 
 // Computes thresholds between the dark level, which is the 0.5 % quantile of
 // the cells, and the median of cells in the central half of rows and columns.
-std::optional<Levels> FindLevels(const BrightestCells& cells) {
+std::optional<Thresholds> ComputeThresholds(const BrightestCells& cells) {
   std::vector<float> midpoint, all = cells.levels;
   for (int row = cells.rows / 4; row < cells.rows * 3 / 4; ++row)
     for (int column = cells.columns / 4; column < cells.columns * 3 / 4;
@@ -54,9 +54,9 @@ std::optional<Levels> FindLevels(const BrightestCells& cells) {
   };
   const double bright = nth(&midpoint, midpoint.size() / 2);
   const double dark = nth(&all, all.size() / 200);
-  if (!(dark < kLitPart * bright)) return std::nullopt;
-  return Levels{dark + kLitPart * (bright - dark),
-                dark + kSharpPart * (bright - dark)};
+  if (!(dark < kLitFraction * bright)) return std::nullopt;
+  return Thresholds{dark + kLitFraction * (bright - dark),
+                    dark + kSharpFraction * (bright - dark)};
 }
 
 // Returns, for each direction from the image centre, the outermost pixel where
@@ -119,8 +119,8 @@ std::vector<Eigen::Vector2d> Near(const Circle& circle, double distance_px,
 
 // Returns the circle with the most inliers among circles through three distant
 // edge pixels (RANSAC).
-std::optional<Circle> CircleOfMost(const std::vector<Eigen::Vector2d>& edge,
-                                   double knot_spacing_px) {
+std::optional<Circle> FitCircleRansac(const std::vector<Eigen::Vector2d>& edge,
+                                      double knot_spacing_px) {
   std::optional<Circle> best;
   size_t most = 0;
   for (size_t k = 0; k < edge.size(); ++k) {
@@ -154,13 +154,14 @@ bool IsSharp(const BrightestCells& cells, double sharp, const Circle& circle,
              const std::vector<Eigen::Vector2d>& edge) {
   const auto bright = std::count_if(
       edge.begin(), edge.end(), [&](const Eigen::Vector2d& pixel) {
-        return cells.At(pixel + kSharpWidth * (circle.center - pixel)) > sharp;
+        return cells.At(pixel + kMaxSharpWidth * (circle.center - pixel)) >
+               sharp;
       });
   return 2 * static_cast<size_t>(bright) > edge.size();
 }
 
-bool IsDarkBeyond(const BrightestCells& cells, double lit,
-                  const Circle& circle) {
+bool IsDarkOutside(const BrightestCells& cells, double lit,
+                   const Circle& circle) {
   int num_beyond = 0, num_lit = 0;
   for (int row = 0; row < cells.rows; ++row)
     for (int column = 0; column < cells.columns; ++column) {
@@ -173,7 +174,7 @@ bool IsDarkBeyond(const BrightestCells& cells, double lit,
       ++num_beyond;
       num_lit += cells.levels[row * cells.columns + column] > lit;
     }
-  return num_lit <= kMaxLitBeyond * num_beyond;
+  return num_lit <= kMaxLitFractionOutside * num_beyond;
 }
 
 }  // namespace
@@ -237,10 +238,10 @@ bool BrightestCells::IsInside(const Eigen::Vector2d& pixel) const {
 }
 
 std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest) {
-  const auto levels = FindLevels(brightest);
+  const auto levels = ComputeThresholds(brightest);
   if (!levels) return std::nullopt;
   const std::vector<Eigen::Vector2d> edge = EdgePixels(brightest, levels->lit);
-  const auto circle = CircleOfMost(edge, brightest.knot_spacing_px);
+  const auto circle = FitCircleRansac(edge, brightest.knot_spacing_px);
   if (!circle) return std::nullopt;
   const std::vector<Eigen::Vector2d> near =
       Near(*circle, 1.5 * brightest.knot_spacing_px, edge);
@@ -248,7 +249,7 @@ std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest) {
           kMinInliers * static_cast<double>(edge.size()) ||
       !IsCircleVisible(*circle, near) ||
       !IsSharp(brightest, levels->sharp, *circle, near) ||
-      !IsDarkBeyond(brightest, levels->lit, *circle))
+      !IsDarkOutside(brightest, levels->lit, *circle))
     return std::nullopt;
   return ImageCircle{circle->center,
                      Eigen::Vector2d::Constant(circle->radius_px)};

@@ -50,24 +50,25 @@ PlacedMarker MarkerAt(double x, double y, double side_m) {
 }
 
 // parity: column + row modulo 2 of the squares with markers.
-MarkerLayout CharucoLayout(int across, int parity, double marker_part) {
+MarkerLayout CharucoLayout(int across, int parity, double marker_fraction) {
   MarkerLayout layout = {across, M_SQRT2, {}};
   for (int row = 0; static_cast<int>(layout.markers.size()) < kMaxMarkers;
        ++row)
     for (int column = 0; column < across; ++column)
       if ((column + row) % 2 == parity)
-        layout.markers.push_back(MarkerAt(column + (1 - marker_part) / 2,
-                                          row + (1 - marker_part) / 2,
-                                          marker_part));
+        layout.markers.push_back(MarkerAt(column + (1 - marker_fraction) / 2,
+                                          row + (1 - marker_fraction) / 2,
+                                          marker_fraction));
   return layout;
 }
 
-MarkerLayout TagLayout(int across, bool is_numbered_from_top, double tag_part) {
+MarkerLayout TagLayout(int across, bool is_numbered_from_top,
+                       double tag_fraction) {
   MarkerLayout layout = {across, 1, {}};
   for (int k = 0; k < kMaxMarkers; ++k) {
     const int row = k / across;
     layout.markers.push_back(
-        MarkerAt(k % across, is_numbered_from_top ? row : -row, tag_part));
+        MarkerAt(k % across, is_numbered_from_top ? row : -row, tag_fraction));
   }
   return layout;
 }
@@ -85,12 +86,12 @@ void Compare(const MarkerLayout& layout,
   const int agreement = all.Agreement();
   if (agreement <= best->agreement) return;
   const MarkerConstellation consistent = all.Consistent();
-  constexpr double kMinPart = 0.6, kClearPart = 0.95;
+  constexpr double kMinConsistentFraction = 0.6, kMinClearFraction = 0.95;
   if (consistent.size() < kMinMarkers ||
-      consistent.size() < kMinPart * all.size())
+      consistent.size() < kMinConsistentFraction * all.size())
     return;
   best->agreement = agreement;
-  best->is_clear = consistent.size() >= kClearPart * all.size();
+  best->is_clear = consistent.size() >= kMinClearFraction * all.size();
   best->across = layout.across;
   best->max_marker = 0;
   for (const DetectedMarker& marker : consistent.seen())
@@ -110,8 +111,9 @@ struct DictionaryView {
   int num_squares = 0;
 };
 
-DictionaryView ViewOf(const cv::Mat& readable, const Dictionary& dictionary,
-                      int first_marker) {
+DictionaryView MakeDictionaryView(const cv::Mat& readable,
+                                  const Dictionary& dictionary,
+                                  int first_marker) {
   std::vector<std::vector<cv::Point2f>> corners, others;
   std::vector<int> ids;
   cv::aruco::detectMarkers(readable, Predefined(dictionary), corners, ids,
@@ -137,11 +139,11 @@ std::vector<int> ListSizesToTry(int asked_across) {
   return tries;
 }
 
-std::vector<Dictionary> ListDictionariesToTry(const std::string& asked) {
+std::vector<Dictionary> ListDictionariesToTry(const std::string& known_board) {
   std::vector<Dictionary> tries(std::begin(kDictionaries),
                                 std::end(kDictionaries));
   std::stable_partition(tries.begin(), tries.end(), [&](const Dictionary& d) {
-    return asked.compare(0, std::string(d.name).size(), d.name) == 0;
+    return known_board.compare(0, std::string(d.name).size(), d.name) == 0;
   });
   return tries;
 }
@@ -166,10 +168,11 @@ constexpr GridTags kGridTags[] = {{"tag36h11", 2, TagFamily::k36h11WideBorder},
 
 // The requested family comes first; for other kinds of boards, the default
 // family.
-std::vector<GridTags> ListGridTagsToTry(const Board& asked) {
+std::vector<GridTags> ListGridTagsToTry(const Board& known_board) {
   std::vector<GridTags> tries(std::begin(kGridTags), std::end(kGridTags));
   std::stable_partition(tries.begin(), tries.end(), [&](const GridTags& t) {
-    return asked.tag_family == t.name && asked.border_cells == t.border_cells;
+    return known_board.tag_family == t.name &&
+           known_board.border_cells == t.border_cells;
   });
   return tries;
 }
@@ -186,7 +189,7 @@ std::vector<DetectedMarker> SelectFamilyMarkers(
   return seen;
 }
 
-std::vector<DetectedMarker> QuarterTurned(std::vector<DetectedMarker> markers,
+std::vector<DetectedMarker> RotateMarkers(std::vector<DetectedMarker> markers,
                                           int turns) {
   for (DetectedMarker& marker : markers)
     std::rotate(marker.corners_px.begin(), marker.corners_px.begin() + turns,
@@ -198,35 +201,36 @@ std::vector<DetectedMarker> QuarterTurned(std::vector<DetectedMarker> markers,
 // border width, which are stated in kind; the other properties of the guess are
 // determined here.
 void CompareGrids(const std::vector<DetectedMarker>& seen, Guess kind,
-                  const Board& asked, BestLayout* best, Guess* guess) {
-  const bool is_asked = asked.IsTagGrid();
-  const double tag_part = 1 / (1 + (is_asked ? asked.spacing_ratio : 0.3));
+                  const Board& known_board, BestLayout* best, Guess* guess) {
+  const bool is_known = known_board.IsTagGrid();
+  const double tag_fraction =
+      1 / (1 + (is_known ? known_board.spacing_ratio : 0.3));
   if (static_cast<int>(seen.size()) < kMinMarkers) return;
   kind.kind = "aprilgrid";
   kind.has_corner_squares =
-      kind.border_cells == 2 && (!is_asked || asked.has_corner_squares);
+      kind.border_cells == 2 && (!is_known || known_board.has_corner_squares);
   const bool is_usual_first =
-      is_asked ? asked.is_numbered_from_top : kind.border_cells == 1;
+      is_known ? known_board.is_numbered_from_top : kind.border_cells == 1;
   for (int turns = 0; turns < 4; ++turns) {
-    const std::vector<DetectedMarker> turned = QuarterTurned(seen, turns);
+    const std::vector<DetectedMarker> turned = RotateMarkers(seen, turns);
     for (const bool from_top : {is_usual_first, !is_usual_first}) {
       for (const int across :
-           ListSizesToTry(is_asked ? asked.columns / 2 : 2)) {
+           ListSizesToTry(is_known ? known_board.columns / 2 : 2)) {
         const int before = best->agreement;
-        Compare(TagLayout(across, from_top, tag_part), turned, best);
+        Compare(TagLayout(across, from_top, tag_fraction), turned, best);
         if (best->agreement == before) continue;
         *guess = kind;
         guess->columns = 2 * best->across;
         guess->rows = 2 * best->num_rows;
         guess->max_marker = best->max_marker;
         guess->is_numbered_from_top = from_top;
-        if (best->is_clear && MatchesRequest(*guess, asked)) return;
+        if (best->is_clear && MatchesRequest(*guess, known_board)) return;
       }
     }
   }
 }
 
-Guess GuessOfFamily(const std::string& family, int border_cells) {
+Guess MakeFamilyGuess(const std::string& family, int border_cells) {
   Guess guess;
   guess.dictionary = family;
   guess.border_cells = border_cells;
@@ -235,47 +239,54 @@ Guess GuessOfFamily(const std::string& family, int border_cells) {
 
 }  // namespace
 
-bool HasRequestedMarkers(const Guess& guess, const Board& asked) {
-  if (asked.IsTagGrid())
-    return asked.tag_family.compare(0, guess.dictionary.size(),
-                                    guess.dictionary) == 0 &&
-           guess.border_cells == asked.border_cells &&
-           guess.has_corner_squares == asked.has_corner_squares;
-  return asked.dictionary.compare(0, guess.dictionary.size(),
-                                  guess.dictionary) == 0;
+bool HasRequestedMarkers(const Guess& guess, const Board& known_board) {
+  if (known_board.IsTagGrid())
+    return known_board.tag_family.compare(0, guess.dictionary.size(),
+                                          guess.dictionary) == 0 &&
+           guess.border_cells == known_board.border_cells &&
+           guess.has_corner_squares == known_board.has_corner_squares;
+  return known_board.dictionary.compare(0, guess.dictionary.size(),
+                                        guess.dictionary) == 0;
 }
 
-bool MatchesRequest(const Guess& guess, const Board& asked) {
-  if (guess.kind != asked.kind || guess.is_mirrored || guess.is_negative)
+bool MatchesRequest(const Guess& guess, const Board& known_board) {
+  if (guess.kind != known_board.kind || guess.is_mirrored || guess.is_negative)
     return false;
   if (!guess.HasMarkers())
-    return guess.columns == asked.columns && guess.rows == asked.rows;
-  return guess.columns == asked.columns && guess.rows <= asked.rows &&
-         guess.is_numbered_from_top == asked.is_numbered_from_top &&
-         HasRequestedMarkers(guess, asked);
+    return guess.columns == known_board.columns &&
+           guess.rows == known_board.rows;
+  return guess.columns == known_board.columns &&
+         guess.rows <= known_board.rows &&
+         guess.is_numbered_from_top == known_board.is_numbered_from_top &&
+         HasRequestedMarkers(guess, known_board);
 }
 
-std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
-  const bool is_asked = !asked.dictionary.empty();
-  const double marker_part = is_asked ? asked.marker_m / asked.square_m : 0.75;
+std::optional<Guess> GuessCharuco(const GreyImage& image,
+                                  const Board& known_board) {
+  const bool is_known = !known_board.dictionary.empty();
+  const double marker_fraction =
+      is_known ? known_board.marker_m / known_board.square_m : 0.75;
   std::vector<MarkerLayout> layouts;
-  for (const int across : ListSizesToTry(is_asked ? asked.columns + 1 : 3))
+  for (const int across :
+       ListSizesToTry(is_known ? known_board.columns + 1 : 3))
     for (const int parity : {0, 1})
-      layouts.push_back(CharucoLayout(across, parity, marker_part));
+      layouts.push_back(CharucoLayout(across, parity, marker_fraction));
   BestLayout best;
   Guess guess;
-  enum class Shown { kAsSeen, kMirrored, kNegative };
-  for (const Shown shown :
-       {Shown::kAsSeen, Shown::kMirrored, Shown::kNegative}) {
-    if (shown == Shown::kNegative && best.agreement > 0) break;
-    const GreyImage changed = shown == Shown::kAsSeen     ? image
-                              : shown == Shown::kMirrored ? MirrorImage(image)
-                                                          : Negative(image);
+  enum class ImageVariant { kUnchanged, kMirrored, kNegative };
+  for (const ImageVariant shown :
+       {ImageVariant::kUnchanged, ImageVariant::kMirrored,
+        ImageVariant::kNegative}) {
+    if (shown == ImageVariant::kNegative && best.agreement > 0) break;
+    const GreyImage changed = shown == ImageVariant::kUnchanged ? image
+                              : shown == ImageVariant::kMirrored
+                                  ? MirrorImage(image)
+                                  : Negative(image);
     const cv::Mat readable = ReadableImage(changed);
     for (const Dictionary& dictionary :
-         ListDictionariesToTry(asked.dictionary)) {
+         ListDictionariesToTry(known_board.dictionary)) {
       const auto [seen, num_squares] =
-          ViewOf(readable, dictionary, asked.first_marker);
+          MakeDictionaryView(readable, dictionary, known_board.first_marker);
       if (num_squares < kMinMarkers) break;  // too few for any dictionary
       if (static_cast<int>(seen.size()) < kMinMarkers) continue;
       for (const MarkerLayout& layout : layouts) {
@@ -284,23 +295,23 @@ std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked) {
         if (best.agreement == before) continue;
         guess.kind = "charuco";
         guess.dictionary = dictionary.name;
-        guess.is_mirrored = shown == Shown::kMirrored;
+        guess.is_mirrored = shown == ImageVariant::kMirrored;
         guess.columns = best.across - 1;
         guess.rows = best.num_rows - 1;
         guess.max_marker = best.max_marker;
-        guess.is_negative = shown == Shown::kNegative;
-        if (best.is_clear && MatchesRequest(guess, asked)) return guess;
+        guess.is_negative = shown == ImageVariant::kNegative;
+        if (best.is_clear && MatchesRequest(guess, known_board)) return guess;
       }
     }
   }
   if (best.agreement == 0) return std::nullopt;
-  guess.max_marker += asked.first_marker;
+  guess.max_marker += known_board.first_marker;
   return guess;
 }
 
 std::optional<Guess> GuessAprilGrid(const GreyImage& image,
-                                    const Board& asked) {
-  const std::vector<GridTags> kinds = ListGridTagsToTry(asked);
+                                    const Board& known_board) {
+  const std::vector<GridTags> kinds = ListGridTagsToTry(known_board);
   BestLayout best;
   Guess guess;
   // libapriltag also decodes many tags with a different border width: both
@@ -317,25 +328,28 @@ std::optional<Guess> GuessAprilGrid(const GreyImage& image,
     }
     const auto tags = FindGridTags(shown, families, search);
     for (const GridTags& kind : tried) {
-      Guess of_kind = GuessOfFamily(kind.name, kind.border_cells);
+      Guess of_kind = MakeFamilyGuess(kind.name, kind.border_cells);
       of_kind.is_mirrored = is_mirrored;
-      CompareGrids(SelectFamilyMarkers(tags, kind.family, asked.first_marker),
-                   of_kind, asked, &best, &guess);
+      CompareGrids(
+          SelectFamilyMarkers(tags, kind.family, known_board.first_marker),
+          of_kind, known_board, &best, &guess);
     }
   };
   compare(image, false, TagSearch::kThorough, true);
-  if (best.is_clear && MatchesRequest(guess, asked)) return guess;
+  if (best.is_clear && MatchesRequest(guess, known_board)) return guess;
   compare(MirrorImage(image), true, TagSearch::kQuick, true);
   if (best.agreement > 0) return guess;
   compare(image, false, TagSearch::kQuick, false);
   if (best.agreement > 0) return guess;
   const cv::Mat readable = ReadableImage(image);
-  for (const Dictionary& dictionary : ListDictionariesToTry(asked.tag_family)) {
+  for (const Dictionary& dictionary :
+       ListDictionariesToTry(known_board.tag_family)) {
     if (dictionary.is_april_tag) continue;
     const auto [seen, num_squares] =
-        ViewOf(readable, dictionary, asked.first_marker);
+        MakeDictionaryView(readable, dictionary, known_board.first_marker);
     if (num_squares < kMinMarkers) break;
-    CompareGrids(seen, GuessOfFamily(dictionary.name, 1), asked, &best, &guess);
+    CompareGrids(seen, MakeFamilyGuess(dictionary.name, 1), known_board, &best,
+                 &guess);
   }
   if (best.agreement == 0) return std::nullopt;
   return guess;

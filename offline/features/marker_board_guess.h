@@ -38,15 +38,17 @@ struct Guess {
 };
 
 /// Whether the markers, if any, are of the requested board's kind.
-bool HasRequestedMarkers(const Guess& guess, const Board& asked);
+bool HasRequestedMarkers(const Guess& guess, const Board& known_board);
 /// Whether the guess is consistent with the requested board.
-bool MatchesRequest(const Guess& guess, const Board& asked);
+bool MatchesRequest(const Guess& guess, const Board& known_board);
 
 /// Returns the layout that the markers in the image support best, of all
 /// dictionaries and families, the requested one first. nullopt if markers are
 /// too few or inconsistent.
-std::optional<Guess> GuessCharuco(const GreyImage& image, const Board& asked);
-std::optional<Guess> GuessAprilGrid(const GreyImage& image, const Board& asked);
+std::optional<Guess> GuessCharuco(const GreyImage& image,
+                                  const Board& known_board);
+std::optional<Guess> GuessAprilGrid(const GreyImage& image,
+                                    const Board& known_board);
 
 /// Returns the name of one of ArUco's dictionaries with the smallest number of
 /// markers that includes max_marker; other names are unchanged.

@@ -206,10 +206,10 @@ std::string FileName(const std::string& path) {
 
 // Throws if images have the same file name, which identifies them in all files.
 void RequireDistinctNames(const std::vector<std::string>& paths) {
-  std::map<std::string, std::string> path_of_name;
+  std::map<std::string, std::string> path_by_name;
   for (const std::string& path : paths) {
     RequireStorableName("image", FileName(path));
-    const auto [place, is_new] = path_of_name.emplace(FileName(path), path);
+    const auto [place, is_new] = path_by_name.emplace(FileName(path), path);
     if (!is_new)
       throw InputError(
           fmt::format("{} and {} have the same name; rename or remove one",
@@ -252,7 +252,7 @@ ImageSize ComputeCommonSize(const std::vector<std::string>& paths,
 }
 
 // Removes the path at the start of an error message.
-std::string WithoutPath(const std::string& failure, const std::string& path) {
+std::string RemovePath(const std::string& failure, const std::string& path) {
   const std::string start = path + ": ";
   return failure.compare(0, start.size(), start) == 0
              ? failure.substr(start.size())
@@ -269,7 +269,7 @@ FolderDetection Collect(const std::vector<std::string>& paths,
     std::optional<DetectedImage>& seen = outcomes[i].seen;
     if (!seen) {
       folder.skipped.push_back(
-          {paths[i], WithoutPath(outcomes[i].failure, paths[i])});
+          {paths[i], RemovePath(outcomes[i].failure, paths[i])});
     } else if (seen->size != size) {
       folder.skipped.push_back(
           {paths[i], fmt::format("{} x {} pixels, but most images have {} x {}",

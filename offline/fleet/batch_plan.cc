@@ -60,7 +60,7 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"like", kPrior},
     {"times", kTimestamps}};
 // Former names of limits, also valid for one minor version.
-const std::map<std::string, std::string> kFormerFigures = {
+const std::map<std::string, std::string> kFormerMetrics = {
     {"trusted_part", "valid_fraction"},
     {"valid_share", "valid_fraction"},
     {"worst_deviation_px", "max_uncertainty_px"}};
@@ -105,7 +105,7 @@ void RequireKnownKeys(const YAML::Node& map, const std::string& what,
 
 // Formats a condition, or a comma-separated list of several, as the value of
 // --vary-with.
-std::string FormatCondition(const YAML::Node& value) {
+std::string FormatOperatingPoint(const YAML::Node& value) {
   const std::vector<YAML::Node> several =
       value.IsSequence() ? std::vector<YAML::Node>(value.begin(), value.end())
                          : std::vector<YAML::Node>{value};
@@ -128,7 +128,7 @@ std::string FormatOption(const YAML::Node& value, const std::string& key) {
     RequireYamlList(value, "image_size", 2);
     return fmt::format("{}x{}", value[0].as<int>(), value[1].as<int>());
   }
-  if (key == kVaryWith) return FormatCondition(value);
+  if (key == kVaryWith) return FormatOperatingPoint(value);
   if (!value.IsScalar())
     throw InputError(fmt::format("key '{}': expected a single value", key));
   return value.as<std::string>();
@@ -183,22 +183,22 @@ bool IsNumber(const std::string& text) {
 // unit.
 void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
                        const YAML::Node& plan) {
-  const bool has_condition = Find(node, plan, kVaryWith).IsDefined();
+  const bool has_variation = Find(node, plan, kVaryWith).IsDefined();
   const YAML::Node shutter = Find(node, plan, "rolling_shutter");
   const bool has_shutter = shutter && IsTrue(shutter, "rolling_shutter");
   const auto& files = unit.option_files;
-  if (!has_condition &&
+  if (!has_variation &&
       (files.count(kOperatingPoints) || !unit.cameras_at.empty()))
     throw InputError(fmt::format(
         "unit {}: {} requires vary_with: lens_position or vary_with: "
         "temperature",
         unit.serial, unit.cameras_at.empty() ? kOperatingPoints : kImagesAt));
-  if (has_shutter && has_condition)
+  if (has_shutter && has_variation)
     throw InputError(fmt::format(
         "unit {}: rolling_shutter and vary_with cannot be combined; "
         "remove one of them",
         unit.serial));
-  if (has_condition && !unit.features.empty() && !files.count(kOperatingPoints))
+  if (has_variation && !unit.features.empty() && !files.count(kOperatingPoints))
     throw InputError(
         fmt::format("unit {}: vary_with requires the operating point of each "
                     "image in features; specify operating_points: FILE.csv",
@@ -208,7 +208,7 @@ void RequireOptionsFit(const BatchUnit& unit, const YAML::Node& node,
       throw InputError(fmt::format("unit {}: images_at: '{}' is not a number",
                                    unit.serial, Printable(value)));
   if (!unit.cameras_at.empty() &&
-      FormatCondition(Find(node, plan, kVaryWith)).find(',') !=
+      FormatOperatingPoint(Find(node, plan, kVaryWith)).find(',') !=
           std::string::npos)
     throw InputError(
         fmt::format("unit {}: images_at takes values of one quantity; for both "
@@ -289,8 +289,8 @@ MetricLimits ReadLimits(const YAML::Node& node) {
   const std::vector<std::string>& names = ListMetricNames();
   for (const auto& entry : node) {
     std::string name = entry.first.as<std::string>();
-    if (const auto former = kFormerFigures.find(name);
-        former != kFormerFigures.end())
+    if (const auto former = kFormerMetrics.find(name);
+        former != kFormerMetrics.end())
       name = former->second;
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw InputError(fmt::format("limits: unknown '{}'; expected {}",

@@ -25,7 +25,7 @@ std::vector<Eigen::Vector3d> SampleDirections(const CameraModel& camera) {
   return directions;
 }
 
-std::vector<std::optional<Eigen::Vector2d>> PixelsOf(
+std::vector<std::optional<Eigen::Vector2d>> ProjectDirections(
     const CameraModel& camera, const std::vector<Eigen::Vector3d>& directions) {
   std::vector<std::optional<Eigen::Vector2d>> pixels;
   for (const Eigen::Vector3d& direction : directions)
@@ -68,21 +68,23 @@ ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
     }
     if (file.camera->image_size() != *size) continue;
     units.rows.push_back(k);
-    pixels.push_back(PixelsOf(*file.camera, directions));
+    pixels.push_back(ProjectDirections(*file.camera, directions));
   }
-  std::vector<size_t> seen_by_all;
+  std::vector<size_t> common_directions;
   for (size_t d = 0; d < directions.size(); ++d) {
     bool is_seen = true;
-    for (const auto& of_unit : pixels) is_seen &= of_unit[d].has_value();
-    if (is_seen) seen_by_all.push_back(d);
+    for (const auto& unit_pixels : pixels)
+      is_seen &= unit_pixels[d].has_value();
+    if (is_seen) common_directions.push_back(d);
   }
-  units.input.pixels.resize(static_cast<Eigen::Index>(pixels.size()),
-                            2 * static_cast<Eigen::Index>(seen_by_all.size()));
+  units.input.pixels.resize(
+      static_cast<Eigen::Index>(pixels.size()),
+      2 * static_cast<Eigen::Index>(common_directions.size()));
   for (size_t u = 0; u < pixels.size(); ++u)
-    for (size_t k = 0; k < seen_by_all.size(); ++k)
+    for (size_t k = 0; k < common_directions.size(); ++k)
       units.input.pixels.block<1, 2>(static_cast<Eigen::Index>(u),
                                      2 * static_cast<Eigen::Index>(k)) =
-          pixels[u][seen_by_all[k]]->transpose();
+          pixels[u][common_directions[k]]->transpose();
   for (const auto& [name, is_positive] :
        {std::pair("focal_px", false), std::pair("center_x_px", false),
         std::pair("center_y_px", false), std::pair("held_out_median_px", true),

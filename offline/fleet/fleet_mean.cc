@@ -12,7 +12,7 @@
 #include "camera/lens_displacements.h"
 #include "camera/stereographic.h"
 #include "fleet/area_polynomials.h"
-#include "fleet/fleet_spread.h"
+#include "fleet/population_estimation.h"
 #include "fleet/robust_series.h"
 
 namespace raygrid {
@@ -92,7 +92,7 @@ using SmoothFit = Eigen::Matrix<double, kNumPolynomials, 2>;
 SmoothFit FitSmooth(const PixelField& displacements,
                     const std::vector<Polynomials>& polynomials) {
   constexpr int kRounds = 15;
-  constexpr double kLeastFarPx = 0.1;
+  constexpr double kMinScalePx = 0.1;
   const auto count = std::count_if(displacements.begin(), displacements.end(),
                                    [](const auto& d) { return d.has_value(); });
   Eigen::MatrixXd basis(count, kNumPolynomials), values(count, 2);
@@ -114,7 +114,7 @@ SmoothFit FitSmooth(const PixelField& displacements,
     // sizes are the residuals of the previous round; they are not available in
     // the first round.
     if (round > 0)
-      far_px = std::max(kLeastFarPx, Median({sizes.begin(), sizes.end()}));
+      far_px = std::max(kMinScalePx, Median({sizes.begin(), sizes.end()}));
   }
   return fit;
 }
@@ -122,7 +122,7 @@ SmoothFit FitSmooth(const PixelField& displacements,
 // Marks the units without large deviations at any pixel.
 std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
                                 const std::vector<Polynomials>& polynomials) {
-  constexpr double kTimesMost = 5;
+  constexpr double kMaxRatio = 5;
   constexpr double kMinPx = 0.5;
   constexpr size_t kEachPixel = 17;  // subsampling suffices
   std::vector<bool> is_usual(fits.size(), true);
@@ -139,7 +139,7 @@ std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
     std::vector<double> sorted = distances;
     std::sort(sorted.begin(), sorted.end());
     const double limit_px =
-        kTimesMost * std::max(kMinPx, sorted[3 * sorted.size() / 4]);
+        kMaxRatio * std::max(kMinPx, sorted[3 * sorted.size() / 4]);
     for (size_t u = 0; u < fits.size(); ++u)
       if (distances[u] > limit_px) is_usual[u] = false;
   }
@@ -227,7 +227,7 @@ std::optional<CameraFile> ComputeMeanCamera(
   std::vector<CameraFile> usual;
   for (size_t u = 0; u < cameras.size(); ++u)
     if (is_usual[u]) usual.push_back(cameras[u]);
-  file.spread = EstimateSpread(*file.camera, usual);
+  file.spread = EstimatePopulationCovariance(*file.camera, usual);
   file.name = fmt::format("mean of {} units", cameras.size());
   return file;
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "fleet/control_chart_picture.h"
+#include "fleet/control_chart_svg.h"
 #include "fleet/fleet_text.h"
 #include "report/html.h"
 
@@ -131,7 +131,7 @@ std::string DescribeLimits(const ControlChart& chart,
   return text + ".";
 }
 
-std::string MeaningOfChart(const std::string& name, int num_directions) {
+std::string DescribeChart(const std::string& name, int num_directions) {
   if (name == "lens")
     return fmt::format(
         " (Hotelling's T²): distance from the mean along the {} principal "
@@ -171,7 +171,7 @@ std::string MakeChartSection(const FleetAnalysis& fleet) {
       fleet.batches.batches.empty()
           ? ""
           : "; the strip below shows the lens batches by colour",
-      100 * kFleetChance);
+      100 * kFleetFalseAlarmProbability);
   ChartSurroundings surroundings = MakeChartSurroundings(fleet);
   for (const ControlChart& chart : fleet.statistics.charts) {
     surroundings.jumps.clear();
@@ -184,7 +184,7 @@ std::string MakeChartSection(const FleetAnalysis& fleet) {
         "<figure><figcaption><b>{}</b>{} {}</figcaption>\n<div "
         "class=\"scroll\">{}</div></figure>\n",
         EscapeHtml(Upper(GetMetricTitle(chart.name))),
-        MeaningOfChart(chart.name, fleet.statistics.num_directions),
+        DescribeChart(chart.name, fleet.statistics.num_directions),
         DescribeLimits(chart, fleet, surroundings.jumps, has_drift),
         MakeControlChartSvg(chart, surroundings));
   }
@@ -211,7 +211,7 @@ std::string MakeBatchesSection(const BatchComparison& batches) {
                                          : FormatChartValue(metric.means[b]));
     row.push_back(metric.means.empty()
                       ? "&ndash;"
-                      : fmt::format("{:.3g}", metric.deviation_within));
+                      : fmt::format("{:.3g}", metric.within_batch_stddev));
     row.push_back(EscapeHtml(FormatProbability(metric.chance)));
     row.emplace_back(metric.differs ? "<b>differs</b>" : "");
     rows.push_back(row);
@@ -228,12 +228,12 @@ std::string MakeBatchesSection(const BatchComparison& batches) {
              "units are excluded. Standard deviations of errors are relative. "
              "Batches calibrated at different times may differ for other "
              "reasons.</p>\n",
-             100 * kFleetChance, kMinBatchUnits);
+             100 * kFleetFalseAlarmProbability, kMinBatchUnits);
 }
 
 // Returns a standard deviation without line breaks.
-std::string DeviationCell(const GaugeMetric& metric, double deviation) {
-  std::string text = FormatGaugeDeviation(metric, deviation);
+std::string FormatStdDevCell(const GaugeMetric& metric, double deviation) {
+  std::string text = FormatGaugeStdDev(metric, deviation);
   return text.replace(text.find(' '), 1, "&nbsp;");
 }
 
@@ -243,18 +243,18 @@ std::string PercentOrNone(const std::optional<double>& part) {
 
 HtmlRow MakeGaugeRow(const GaugeMetric& metric) {
   HtmlRow row = {EscapeHtml(GetMetricTitle(metric.name)),
-                 DeviationCell(metric, metric.repeatability)};
+                 FormatStdDevCell(metric, metric.repeatability)};
   for (const GaugeFactor& factor : metric.factors)
     row.push_back(
-        DeviationCell(metric, factor.deviation) +
+        FormatStdDevCell(metric, factor.deviation) +
         (factor.chance
              ? fmt::format(" (p value {})", FormatProbability(*factor.chance))
              : ""));
-  row.push_back(DeviationCell(metric, metric.gauge));
-  row.push_back(PercentOrNone(metric.part_of_fleet));
+  row.push_back(FormatStdDevCell(metric, metric.gauge));
+  row.push_back(PercentOrNone(metric.fraction_of_fleet));
   row.push_back(metric.num_classes ? fmt::format("{:.0f}", *metric.num_classes)
                                    : "&ndash;");
-  row.push_back(PercentOrNone(metric.part_of_limits));
+  row.push_back(PercentOrNone(metric.fraction_of_limits));
   return row;
 }
 

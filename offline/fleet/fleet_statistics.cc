@@ -9,16 +9,16 @@
 #include <limits>
 #include <map>
 
-#include "fleet/lens_directions.h"
+#include "fleet/principal_directions.h"
 #include "fleet/robust_series.h"
 
 namespace raygrid {
 namespace {
 
 // Returns the control limit in standard deviations for a probability, if the
-// standard deviation is estimated by EstimateNeighbourDeviation(), which has
+// standard deviation is estimated by EstimateNeighbourStdDev(), which has
 // 0.31 times as many degrees of freedom as values.
-double DeviationsAt(double chance, double count) {
+double ComputeSigmaLimit(double chance, double count) {
   return boost::math::quantile(
       boost::math::complement(boost::math::students_t(0.31 * count), chance));
 }
@@ -49,8 +49,8 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
 // variances (Tracy, Young, Mason, "Multivariate control charts for individual
 // observations", 1992): its T^2 cannot exceed (n - 1)^2 / n, unlike that of a
 // new unit.
-double ComputeOwnHotellingLimit(double chance, double count,
-                                double num_directions) {
+double ComputeHotellingLimitOfOthers(double chance, double count,
+                                     double num_directions) {
   const double rest = count - num_directions - 1;
   if (rest < 1) return INFINITY;
   const boost::math::beta_distribution<> distribution(num_directions / 2,
@@ -61,7 +61,7 @@ double ComputeOwnHotellingLimit(double chance, double count,
 
 // Returns the design matrix of the mean: one column for each segment, or a
 // line.
-Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
+Eigen::MatrixXd MakeMeanDesign(const MeanChanges& changes, Eigen::Index count) {
   if (!changes.drifts.empty()) {
     Eigen::MatrixXd line(count, 2);
     line << Eigen::VectorXd::Ones(count),
@@ -81,14 +81,14 @@ Eigen::MatrixXd MeansOf(const MeanChanges& changes, Eigen::Index count) {
 
 // Lenses relative to the medians of pixels, and the design matrix of their
 // mean.
-struct CenteredLenses {
+struct CenteredProjections {
   Eigen::MatrixXd rows, means;
 };
 
 // Centres lenses about the mean of inliers, which is a possible lens. The
 // medians of pixels are not: the difference would appear in the shape of all
 // units of a segment.
-Eigen::MatrixXd CenterAboutInliers(const CenteredLenses& lenses,
+Eigen::MatrixXd CenterAboutInliers(const CenteredProjections& lenses,
                                    const std::vector<bool>& is_usual) {
   Eigen::MatrixXd rows = lenses.rows, means = lenses.means;
   for (size_t i = 0; i < is_usual.size(); ++i)
@@ -102,18 +102,18 @@ Eigen::MatrixXd CenterAboutInliers(const CenteredLenses& lenses,
 
 // The two control charts of lenses after removing jumps, and the principal
 // directions.
-struct LensCharts {
+struct ProjectionCharts {
   std::vector<double> lens, shape;
   double lens_limit = 0, shape_limit = 0;
-  LensDirections directions;
+  PrincipalDirections directions;
 };
 
 // A segment whose mean is distorted by an outlier would be rejected entirely
 // and never recover: therefore, the half nearest to the mean is always accepted
 // as inliers.
-void KeepInliersOfSegments(const CenteredLenses& lenses,
-                           const std::vector<double>& shape,
-                           std::vector<bool>* is_usual) {
+void KeepInliersBySegment(const CenteredProjections& lenses,
+                          const std::vector<double>& shape,
+                          std::vector<bool>* is_usual) {
   for (Eigen::Index part = 0; part < lenses.means.cols(); ++part) {
     std::vector<double> shapes;
     bool has_usual = false;
@@ -131,7 +131,8 @@ void KeepInliersOfSegments(const CenteredLenses& lenses,
 }
 
 // Limits are computed from inliers only: outliers are removed iteratively.
-LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
+ProjectionCharts ComputeProjectionCharts(const CenteredProjections& lenses,
+                                         double chance) {
   const auto count = static_cast<size_t>(lenses.rows.rows());
   std::vector<bool> is_usual(count, true);
   // The initial inliers are the half closest to the median, by pixels.
@@ -140,7 +141,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
     distances.push_back(lenses.rows.row(i).squaredNorm());
   const double median = Median(distances);
   for (size_t i = 0; i < count; ++i) is_usual[i] = distances[i] <= 4 * median;
-  LensCharts charts;
+  ProjectionCharts charts;
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::MatrixXd rows = CenterAboutInliers(lenses, is_usual);
@@ -159,24 +160,24 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
                                 .sum());
     }
     // Extreme outliers would inflate the control limit and mask themselves.
-    constexpr double kFarOff = 20;
-    const double far_off = kFarOff * Median(charts.shape);
+    constexpr double kMaxMedianRatio = 20;
+    const double max_shape = kMaxMedianRatio * Median(charts.shape);
     for (size_t i = 0; i < count; ++i)
-      if (is_usual[i] && charts.shape[i] <= far_off)
+      if (is_usual[i] && charts.shape[i] <= max_shape)
         usual_rest.push_back(charts.shape[i]);
     charts.lens_limit = ComputeHotellingLimit(
         chance, static_cast<double>(usual_rest.size()),
         static_cast<double>(charts.directions.variances.size()));
     charts.shape_limit = SquaresLimit(chance, usual_rest);
-    const double own_limit = ComputeOwnHotellingLimit(
+    const double hotelling_limit = ComputeHotellingLimitOfOthers(
         chance, static_cast<double>(usual_rest.size()),
         static_cast<double>(charts.directions.variances.size()));
     std::vector<bool> next;
     for (size_t i = 0; i < count; ++i)
       next.push_back(charts.lens[i] <=
-                         (is_usual[i] ? own_limit : charts.lens_limit) &&
+                         (is_usual[i] ? hotelling_limit : charts.lens_limit) &&
                      charts.shape[i] <= charts.shape_limit);
-    KeepInliersOfSegments(lenses, charts.shape, &next);
+    KeepInliersBySegment(lenses, charts.shape, &next);
     if (next == is_usual) break;
     is_usual = next;
   }
@@ -185,7 +186,7 @@ LensCharts ChartLenses(const CenteredLenses& lenses, double chance) {
 
 // Returns the principal directions of differences between neighbouring units,
 // which are robust to jumps.
-LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
+PrincipalDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   const Eigen::Index count = pixels.rows() - 1;
   const Eigen::MatrixXd differences =
       (pixels.bottomRows(count) - pixels.topRows(count)) / M_SQRT2;
@@ -198,8 +199,8 @@ LensDirections NeighbourDirections(const Eigen::MatrixXd& pixels) {
   return ComputeDirections(differences, is_usual);
 }
 
-void AddNamed(const std::string& name, const MeanChanges& changes,
-              FleetStatistics* statistics) {
+void AppendChanges(const std::string& name, const MeanChanges& changes,
+                   FleetStatistics* statistics) {
   for (MeanJump jump : changes.jumps) {
     jump.name = name;
     statistics->jumps.push_back(jump);
@@ -211,47 +212,48 @@ void AddNamed(const std::string& name, const MeanChanges& changes,
 }
 
 // Removes the changes of the mean along the principal directions.
-CenteredLenses CenterAboutMean(const Eigen::MatrixXd& pixels, double chance,
-                               FleetStatistics* statistics) {
+CenteredProjections CenterAboutMean(const Eigen::MatrixXd& pixels,
+                                    double chance,
+                                    FleetStatistics* statistics) {
   const Eigen::Index count = pixels.rows();
   const Eigen::MatrixXd scores = pixels * NeighbourDirections(pixels).axes;
   std::vector<std::vector<double>> series;
   for (Eigen::Index k = 0; k < scores.cols(); ++k)
     series.emplace_back(scores.col(k).data(), scores.col(k).data() + count);
   const MeanChanges changes = FindMeanChanges(series, chance);
-  AddNamed("lens", changes, statistics);
+  AppendChanges("lens", changes, statistics);
   Eigen::MatrixXd rows = pixels;
   for (Eigen::Index k = 0; k < rows.cols(); ++k) {
     const std::vector<double> center_line = ComputeCenterLine(
         {rows.col(k).data(), rows.col(k).data() + count}, changes);
     rows.col(k) -= Eigen::Map<const Eigen::VectorXd>(center_line.data(), count);
   }
-  return {rows, MeansOf(changes, count)};
+  return {rows, MakeMeanDesign(changes, count)};
 }
 
 void AddMetricChart(const FleetMetric& metric, double chance,
-                    double change_chance, FleetStatistics* statistics) {
+                    double change_probability, FleetStatistics* statistics) {
   const std::vector<double> values = metric.Scattering();
-  MeanChanges changes = FindMeanChanges({values}, change_chance);
+  MeanChanges changes = FindMeanChanges({values}, change_probability);
   const std::vector<double> center_line = ComputeCenterLine(values, changes);
-  const auto figure_of = [&](double value) {
+  const auto get_metric = [&](double value) {
     return metric.is_positive ? std::exp(value) : value;
   };
   for (MeanJump& jump : changes.jumps) {
-    jump.before = figure_of(center_line[jump.unit - 1]);
-    jump.after = figure_of(center_line[jump.unit]);
+    jump.before = get_metric(center_line[jump.unit - 1]);
+    jump.after = get_metric(center_line[jump.unit]);
   }
   for (MeanDrift& drift : changes.drifts) {
-    drift.first = figure_of(center_line.front());
-    drift.last = figure_of(center_line.back());
+    drift.first = get_metric(center_line.front());
+    drift.last = get_metric(center_line.back());
   }
-  AddNamed(metric.name, changes, statistics);
+  AppendChanges(metric.name, changes, statistics);
   // No limit can be estimated if most neighbours are equal, for example due to
   // few digits.
-  const double deviation = EstimateNeighbourDeviation(values);
+  const double deviation = EstimateNeighbourStdDev(values);
   const auto count = static_cast<double>(values.size());
   const double most = deviation > 0
-                          ? DeviationsAt(chance / 2, count) * deviation
+                          ? ComputeSigmaLimit(chance / 2, count) * deviation
                           : std::numeric_limits<double>::infinity();
   statistics->charts.push_back(
       {metric.name, values, center_line, -most, most, metric.is_positive});
@@ -286,13 +288,14 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   const Eigen::Index count = input.pixels.rows();
   if (count < kMinFleetUnits || input.pixels.cols() == 0) return statistics;
   // The false-alarm probability is split between lenses and each metric.
-  const double change_chance =
-      kFleetChance / (1 + static_cast<double>(input.metrics.size()));
-  const CenteredLenses centered =
-      CenterAboutMean(input.pixels, change_chance, &statistics);
-  const double chance =
-      kFleetChance / (static_cast<double>(2 + input.metrics.size()) * count);
-  const LensCharts lenses = ChartLenses(centered, chance);
+  const double change_probability =
+      kFleetFalseAlarmProbability /
+      (1 + static_cast<double>(input.metrics.size()));
+  const CenteredProjections centered =
+      CenterAboutMean(input.pixels, change_probability, &statistics);
+  const double chance = kFleetFalseAlarmProbability /
+                        (static_cast<double>(2 + input.metrics.size()) * count);
+  const ProjectionCharts lenses = ComputeProjectionCharts(centered, chance);
   statistics.num_directions =
       static_cast<int>(lenses.directions.variances.size());
   const std::vector<double> zeros(count, 0.0);
@@ -302,7 +305,7 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   statistics.charts.push_back(
       {"shape", lenses.shape, zeros, none, lenses.shape_limit});
   for (const FleetMetric& metric : input.metrics)
-    AddMetricChart(metric, chance, change_chance, &statistics);
+    AddMetricChart(metric, chance, change_probability, &statistics);
   std::stable_sort(
       statistics.jumps.begin(), statistics.jumps.end(),
       [](const MeanJump& a, const MeanJump& b) { return a.unit < b.unit; });

@@ -53,7 +53,7 @@ struct FleetStatistics {
 constexpr int kMinFleetUnits = 20;
 /// The probability of any false alarm in a fleet without outliers, and that of
 /// reporting any change of a constant mean.
-constexpr double kFleetChance = 0.05;
+constexpr double kFleetFalseAlarmProbability = 0.05;
 
 /// Finds the outliers of a fleet. Changes of the mean are found first
 /// (FindMeanChanges()). Two charts about the changing mean describe the lenses:
@@ -61,9 +61,9 @@ constexpr double kFleetChance = 0.05;
 /// "shape" the squared distance in pixels from the space of these directions,
 /// in which inliers do not vary. Each metric has a chart of its own.
 ///
-/// A fleet without outliers raises an alarm with probability kFleetChance over
-/// all charts and units, and one with a constant mean a jump or a drift with
-/// another kFleetChance.
+/// A fleet without outliers raises an alarm with probability
+/// kFleetFalseAlarmProbability over all charts and units, and one with a
+/// constant mean a jump or a drift with another kFleetFalseAlarmProbability.
 ///
 /// With fewer than kMinFleetUnits units, there are no charts.
 FleetStatistics FindOutliers(const FleetInput& input);

@@ -86,7 +86,7 @@ void AddCamera(const CameraFile& file, UnitRow* row) {
   double worst = 0;
   if (const auto known =
           file.stack ? ComputeMaxUncertainty(file) : file.uncertainty)
-    for (const double deviation : known->lattice.deviation_px)
+    for (const double deviation : known->lattice.stddev_px)
       if (std::isfinite(deviation)) worst = std::max(worst, deviation);
   if (worst > 0) row->metrics["max_uncertainty_px"] = worst;
 }

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <map>
 
-#include "fleet/control_chart_picture.h"
+#include "fleet/control_chart_svg.h"
 
 namespace raygrid {
 namespace {
 
-const ControlChart* FindChart(const FleetStatistics& statistics,
-                              const std::string& name) {
+const ControlChart* FindControlChart(const FleetStatistics& statistics,
+                                     const std::string& name) {
   for (const ControlChart& chart : statistics.charts)
     if (chart.name == name) return &chart;
   return nullptr;
@@ -89,7 +89,7 @@ std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
   for (const OutlierUnit& outliers : statistics.outliers) {
     if (outliers.unit != unit) continue;
     for (const std::string& name : outliers.charts) {
-      const ControlChart& chart = *FindChart(statistics, name);
+      const ControlChart& chart = *FindControlChart(statistics, name);
       const auto metric = [&](double value) {
         return FormatChartValue(chart.is_logarithm ? std::exp(value) : value);
       };
@@ -143,16 +143,16 @@ std::vector<std::string> DescribeGauge(const GaugeStudy& gauge) {
   for (const GaugeMetric& metric : gauge.metrics) {
     std::string sentence = fmt::format(
         "repeatability of {} ({}): {}", GetMetricTitle(metric.name),
-        metric.name, FormatGaugeDeviation(metric, metric.repeatability));
+        metric.name, FormatGaugeStdDev(metric, metric.repeatability));
     for (const GaugeFactor& factor : metric.factors)
       sentence += fmt::format(", {}s add {}", factor.name,
-                              FormatGaugeDeviation(metric, factor.deviation));
-    if (metric.part_of_fleet)
+                              FormatGaugeStdDev(metric, factor.deviation));
+    if (metric.fraction_of_fleet)
       sentence += fmt::format(", {:.1f} % of the fleet's variation",
-                              100 * *metric.part_of_fleet);
-    if (metric.part_of_limits)
+                              100 * *metric.fraction_of_fleet);
+    if (metric.fraction_of_limits)
       sentence += fmt::format("; 6 sigma is {:.1f} % of the tolerance",
-                              100 * *metric.part_of_limits);
+                              100 * *metric.fraction_of_limits);
     sentences.push_back(sentence);
   }
   sentences.insert(sentences.end(), gauge.unobservable_reason.begin(),
@@ -175,7 +175,7 @@ std::string DescribeDuration(const std::vector<UnitRow>& rows) {
       seconds[seconds.size() / 2], seconds.back(), seconds.size(), sum);
 }
 
-std::string FormatGaugeDeviation(const GaugeMetric& metric, double deviation) {
+std::string FormatGaugeStdDev(const GaugeMetric& metric, double deviation) {
   return metric.is_logarithm
              ? fmt::format("{:.3g} %", 100 * deviation)
              : fmt::format("{:.3g}{}", deviation, GetMetricUnit(metric.name));

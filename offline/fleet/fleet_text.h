@@ -34,7 +34,7 @@ std::vector<std::string> DescribeGauge(const GaugeStudy& gauge);
 std::string DescribeDuration(const std::vector<UnitRow>& rows);
 
 /// Formats "12.34 px", or "1.2 %" for a relative deviation.
-std::string FormatGaugeDeviation(const GaugeMetric& metric, double deviation);
+std::string FormatGaugeStdDev(const GaugeMetric& metric, double deviation);
 
 /// Formats "< 0.0001", or the value.
 std::string FormatProbability(double chance);

@@ -64,7 +64,7 @@ Eigen::MatrixXd Beside(const std::vector<Eigen::MatrixXd>& parts) {
   return all;
 }
 
-size_t NumLevels(const std::vector<std::string>& levels) {
+size_t CountFactorLevels(const std::vector<std::string>& levels) {
   return std::set<std::string>(levels.begin(), levels.end()).size();
 }
 
@@ -80,7 +80,7 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
   std::vector<std::string> names = {""};
   for (const auto& [name, levels] :
        {std::pair("operator", persons), std::pair("station", stations)})
-    if (NumLevels(levels) > 1) {
+    if (CountFactorLevels(levels) > 1) {
       parts.push_back(MakeIndicators(levels));
       names.emplace_back(name);
     }
@@ -122,17 +122,17 @@ GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
   double sum = variance;
   for (const GaugeTerm& term : model.terms) {
     const double added = Remaining(term.without, values) - left;
-    const double of_term = std::max(
+    const double term_variance = std::max(
         0.0,
         (added / num_columns - term.degrees_of_freedom * variance) / term.size);
-    GaugeFactor factor{term.name, std::sqrt(of_term), {}};
+    GaugeFactor factor{term.name, std::sqrt(term_variance), {}};
     if (values.cols() == 1 && variance > 0)
       factor.chance = boost::math::cdf(boost::math::complement(
           boost::math::fisher_f(term.degrees_of_freedom,
                                 model.degrees_of_freedom),
           std::max(0.0, added / term.degrees_of_freedom / variance)));
     metric.factors.push_back(factor);
-    sum += of_term;
+    sum += term_variance;
   }
   metric.repeatability = std::sqrt(variance);
   metric.gauge = std::sqrt(sum);
@@ -142,18 +142,18 @@ GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
 void CompareWithFleet(double fleet, GaugeMetric* metric) {
   if (!(fleet > 0)) return;
   metric->fleet = fleet;
-  metric->part_of_fleet = metric->gauge / fleet;
+  metric->fraction_of_fleet = metric->gauge / fleet;
   const double unit =
       std::sqrt(std::max(0.0, fleet * fleet - metric->gauge * metric->gauge));
   if (metric->gauge > 0)
     metric->num_classes = std::floor(M_SQRT2 * unit / metric->gauge);
 }
 
-double PixelDeviation(const Eigen::MatrixXd& pixels) {
+double ComputePixelStdDev(const Eigen::MatrixXd& pixels) {
   double sum = 0;
   for (Eigen::Index k = 0; k < pixels.cols(); ++k)
     sum += std::pow(
-        EstimateNeighbourDeviation(
+        EstimateNeighbourStdDev(
             {pixels.col(k).data(), pixels.col(k).data() + pixels.rows()}),
         2);
   return std::sqrt(sum / static_cast<double>(pixels.cols()));
@@ -162,7 +162,7 @@ double PixelDeviation(const Eigen::MatrixXd& pixels) {
 double ComputeFleetStdDev(const FleetInput& fleet, const std::string& name) {
   for (const FleetMetric& metric : fleet.metrics)
     if (metric.name == name)
-      return EstimateNeighbourDeviation(metric.Scattering());
+      return EstimateNeighbourStdDev(metric.Scattering());
   return 0;
 }
 
@@ -179,7 +179,7 @@ void CompareWithLimits(const MetricLimits& limits, GaugeMetric* metric) {
   if (found == limits.end() || metric->is_logarithm) return;
   const double width = found->second.second - found->second.first;
   if (std::isfinite(width) && width > 0)
-    metric->part_of_limits = 6 * metric->gauge / width;
+    metric->fraction_of_limits = 6 * metric->gauge / width;
 }
 
 }  // namespace
@@ -205,7 +205,7 @@ GaugeStudy StudyGauge(const FleetInput& input,
   if (input.pixels.cols() > 0) {
     GaugeMetric pixels = Analyse("pixels", input.pixels, model);
     if (has_fleet && fleet.pixels.cols() > 0)
-      CompareWithFleet(PixelDeviation(fleet.pixels), &pixels);
+      CompareWithFleet(ComputePixelStdDev(fleet.pixels), &pixels);
     study.metrics.push_back(pixels);
   }
   for (const FleetMetric& metric : input.metrics) {

@@ -32,9 +32,9 @@ struct GaugeMetric {
   double gauge = 0;                  ///< repeats and factors combined
   /// The standard deviation of units in the fleet, the gauge's fraction of it,
   /// and the number of distinct categories, sqrt(2) unit / gauge.
-  std::optional<double> fleet, part_of_fleet, num_classes;
+  std::optional<double> fleet, fraction_of_fleet, num_classes;
   /// Fraction of the plan's tolerance covered by six gauge standard deviations.
-  std::optional<double> part_of_limits;
+  std::optional<double> fraction_of_limits;
 };
 
 struct GaugeStudy {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "fleet/lens_directions.h"
+#include "fleet/principal_directions.h"
 
 namespace raygrid {
 namespace {
@@ -29,14 +29,15 @@ UnitsOfBatch ChooseUnits(const std::vector<std::string>& batches,
   return chosen;
 }
 
-double ChanceOf(double f, double degrees_of_freedom, double freedoms_within) {
+double ComputePValue(double f, double degrees_of_freedom,
+                     double freedoms_within) {
   if (!std::isfinite(f)) return f > 0 ? 0 : 1;
   return boost::math::cdf(boost::math::complement(
       boost::math::fisher_f(degrees_of_freedom, freedoms_within),
       std::max(f, 0.0)));
 }
 
-double MeanOfGroup(const std::vector<double>& values) {
+double ComputeMean(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
@@ -57,16 +58,16 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
       groups.back().push_back(value);
       all.push_back(value);
     }
-    const double mean = MeanOfGroup(groups.back());
+    const double mean = ComputeMean(groups.back());
     compared.means.push_back(metric.is_positive ? std::exp(mean) : mean);
   }
   double between = 0, within = 0, num_groups = 0, squares = 0;
   for (const std::vector<double>& group : groups) {
     if (group.empty()) continue;
     ++num_groups;
-    const double mean = MeanOfGroup(group);
+    const double mean = ComputeMean(group);
     between += static_cast<double>(group.size()) *
-               std::pow(mean - MeanOfGroup(all), 2);
+               std::pow(mean - ComputeMean(all), 2);
     for (const double value : group) {
       within += std::pow(value - mean, 2);
       squares += value * value;
@@ -79,17 +80,17 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
   if (degrees_of_freedom < 1 || freedoms_within < 1 ||
       between + within <= kRounding * squares)
     return compared;
-  compared.deviation_within = std::sqrt(within / freedoms_within);
+  compared.within_batch_stddev = std::sqrt(within / freedoms_within);
   compared.chance =
-      ChanceOf(between / degrees_of_freedom / (within / freedoms_within),
-               degrees_of_freedom, freedoms_within);
+      ComputePValue(between / degrees_of_freedom / (within / freedoms_within),
+                    degrees_of_freedom, freedoms_within);
   return compared;
 }
 
 // Returns Pillai's trace of the lenses' coefficients along the principal
 // directions, and its F approximation.
-BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
-                            const UnitsOfBatch& units) {
+BatchedMetric CompareProjections(const Eigen::MatrixXd& pixels,
+                                 const UnitsOfBatch& units) {
   BatchedMetric compared;
   compared.name = "lens";
   std::vector<int> rows;
@@ -122,7 +123,7 @@ BatchedMetric CompareLenses(const Eigen::MatrixXd& pixels,
   if (!(t > 0) || !std::isfinite(trace)) return compared;
   const double larger = std::max(p, degrees_of_freedom);
   compared.chance =
-      ChanceOf(t * trace / (larger * (s - trace)), s * larger, s * t);
+      ComputePValue(t * trace / (larger * (s - trace)), s * larger, s * t);
   return compared;
 }
 
@@ -138,12 +139,12 @@ BatchComparison CompareLensBatches(const FleetInput& input,
     comparison.batches.push_back(batch.first);
     comparison.num_units.push_back(static_cast<int>(batch.second.size()));
   }
-  comparison.metrics.push_back(CompareLenses(input.pixels, units));
+  comparison.metrics.push_back(CompareProjections(input.pixels, units));
   for (const FleetMetric& metric : input.metrics)
     comparison.metrics.push_back(CompareMetric(metric, units));
-  const auto num_figures = static_cast<double>(comparison.metrics.size());
+  const auto num_metrics = static_cast<double>(comparison.metrics.size());
   for (BatchedMetric& metric : comparison.metrics)
-    metric.differs = metric.chance < kFleetChance / num_figures;
+    metric.differs = metric.chance < kFleetFalseAlarmProbability / num_metrics;
   return comparison;
 }
 

@@ -17,7 +17,7 @@ struct BatchedMetric {
   /// with normally distributed logarithms: geometric mean, and the deviation of
   /// the logarithm. Empty for "lens".
   std::vector<double> means;
-  double deviation_within = 0;
+  double within_batch_stddev = 0;
 };
 
 /// The differences between batches.
@@ -34,7 +34,7 @@ constexpr int kMinBatchUnits = 3;
 /// lenses along their principal directions by Pillai's trace. Outliers, units
 /// without a batch and batches of fewer than kMinBatchUnits other units are
 /// omitted. For equal batches, the probability of any significant difference is
-/// kFleetChance.
+/// kFleetFalseAlarmProbability.
 ///
 /// batches: name of each unit's batch, or "". The result is empty for fewer
 /// than two batches.

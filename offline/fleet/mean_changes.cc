@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 // A segment [begin, end) of a series.
-struct SeriesPart {
+struct SeriesSegment {
   int begin = 0, end = 0;
 };
 
@@ -18,8 +18,9 @@ struct SeriesPart {
 struct StandardSeries {
   std::vector<double> values, sums;
 
-  double MeanOf(const SeriesPart& part) const {
-    return (sums[part.end] - sums[part.begin]) / (part.end - part.begin);
+  double ComputeMean(const SeriesSegment& segment) const {
+    return (sums[segment.end] - sums[segment.begin]) /
+           (segment.end - segment.begin);
   }
 };
 
@@ -27,7 +28,7 @@ std::vector<StandardSeries> Standardize(
     const std::vector<std::vector<double>>& series) {
   std::vector<StandardSeries> all;
   for (const std::vector<double>& values : series) {
-    const double deviation = EstimateNeighbourDeviation(values);
+    const double deviation = EstimateNeighbourStdDev(values);
     if (!(deviation > 0)) continue;
     StandardSeries standard{ClipOutliers(values, deviation), {0}};
     for (double& value : standard.values) {
@@ -42,45 +43,46 @@ std::vector<StandardSeries> Standardize(
 // Splits a segment at the largest change of the means, if the sum of squared
 // changes exceeds the limit, and recurses into both segments.
 void FindJumps(const std::vector<StandardSeries>& series,
-               const SeriesPart& part, double limit,
+               const SeriesSegment& segment, double limit,
                std::vector<MeanJump>* jumps) {
   constexpr int kFewest = 5;
   MeanJump best;
-  for (int cut = part.begin + kFewest; cut + kFewest <= part.end; ++cut) {
-    const double variance = 1.0 / (cut - part.begin) + 1.0 / (part.end - cut);
+  for (int cut = segment.begin + kFewest; cut + kFewest <= segment.end; ++cut) {
+    const double variance =
+        1.0 / (cut - segment.begin) + 1.0 / (segment.end - cut);
     double squares = 0;
     for (const StandardSeries& one : series)
-      squares +=
-          std::pow(one.MeanOf({cut, part.end}) - one.MeanOf({part.begin, cut}),
-                   2) /
-          variance;
+      squares += std::pow(one.ComputeMean({cut, segment.end}) -
+                              one.ComputeMean({segment.begin, cut}),
+                          2) /
+                 variance;
     if (squares > best.sigmas * best.sigmas)
       best = {"", cut, 0, 0, std::sqrt(squares)};
   }
   if (!(best.sigmas * best.sigmas > limit)) return;
-  FindJumps(series, {part.begin, best.unit}, limit, jumps);
+  FindJumps(series, {segment.begin, best.unit}, limit, jumps);
   jumps->push_back(best);
-  FindJumps(series, {best.unit, part.end}, limit, jumps);
+  FindJumps(series, {best.unit, segment.end}, limit, jumps);
 }
 
 // Returns the sum of squares explained by piecewise constant means, in addition
 // to a single mean.
-double ExplainedByParts(const StandardSeries& series,
-                        const std::vector<int>& cuts) {
+double ComputeExplainedBySegments(const StandardSeries& series,
+                                  const std::vector<int>& cuts) {
   const int count = static_cast<int>(series.values.size());
-  const double mean = series.MeanOf({0, count});
+  const double mean = series.ComputeMean({0, count});
   double explained = 0;
   int begin = 0;
   for (size_t k = 0; k <= cuts.size(); ++k) {
     const int end = k < cuts.size() ? cuts[k] : count;
     explained +=
-        (end - begin) * std::pow(series.MeanOf({begin, end}) - mean, 2);
+        (end - begin) * std::pow(series.ComputeMean({begin, end}) - mean, 2);
     begin = end;
   }
   return explained;
 }
 
-double ExplainedByLine(const StandardSeries& series) {
+double ComputeExplainedByLine(const StandardSeries& series) {
   const auto count = static_cast<double>(series.values.size());
   double products = 0;
   for (size_t i = 0; i < series.values.size(); ++i)
@@ -106,23 +108,25 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
   // deviation.
   const auto size = static_cast<double>(standard.size());
   const boost::math::fisher_f f(size, count - size - 1);
-  const auto limit_of = [&](double part) {
+  const auto compute_limit = [&](double segment) {
     return size * (count - 2) / (count - size - 1) *
-           boost::math::quantile(boost::math::complement(f, part));
+           boost::math::quantile(boost::math::complement(f, segment));
   };
-  FindJumps(standard, {0, count}, limit_of(chance / 2 / count), &changes.jumps);
-  double by_parts = 0, by_line = 0;
+  FindJumps(standard, {0, count}, compute_limit(chance / 2 / count),
+            &changes.jumps);
+  double explained_by_segments = 0, explained_by_line = 0;
   for (const StandardSeries& one : standard) {
-    by_parts += ExplainedByParts(one, changes.Cuts());
-    by_line += ExplainedByLine(one);
+    explained_by_segments += ComputeExplainedBySegments(one, changes.Cuts());
+    explained_by_line += ComputeExplainedByLine(one);
   }
   // The number of parameters: for each jump, a position, and a mean per series;
   // for the line, a slope per series.
   const double penalty = std::log(count);
   const auto num_jumps = static_cast<double>(changes.jumps.size());
-  if (by_line > limit_of(chance / 2) &&
-      by_line - size * penalty >= by_parts - num_jumps * (size + 1) * penalty)
-    changes = {{}, {{"", 0, 0, std::sqrt(by_line)}}};
+  if (explained_by_line > compute_limit(chance / 2) &&
+      explained_by_line - size * penalty >=
+          explained_by_segments - num_jumps * (size + 1) * penalty)
+    changes = {{}, {{"", 0, 0, std::sqrt(explained_by_line)}}};
   return changes;
 }
 

@@ -12,20 +12,20 @@ double Median(std::vector<double> values) {
   return *median;
 }
 
-double EstimateNeighbourDeviation(const std::vector<double>& values) {
+double EstimateNeighbourStdDev(const std::vector<double>& values) {
   std::vector<double> differences;
   for (size_t i = 1; i < values.size(); ++i)
     if (const double difference = std::abs(values[i] - values[i - 1]);
         std::isfinite(difference))
       differences.push_back(difference);
-  constexpr double kMedianOfDifference = 0.6744897502 * M_SQRT2;
-  return differences.empty() ? 0 : Median(differences) / kMedianOfDifference;
+  constexpr double kDifferenceMedian = 0.6744897502 * M_SQRT2;
+  return differences.empty() ? 0 : Median(differences) / kDifferenceMedian;
 }
 
 std::vector<double> ClipOutliers(const std::vector<double>& values,
                                  double deviation) {
   constexpr int kWidth = 5;
-  constexpr double kMostSigmas = 3;
+  constexpr double kMaxSigmas = 3;
   std::vector<double> clipped = values;
   const int count = static_cast<int>(values.size());
   for (int i = 0; i < count; ++i) {
@@ -34,7 +34,7 @@ std::vector<double> ClipOutliers(const std::vector<double>& values,
          ++k)
       if (std::isfinite(values[k])) near.push_back(values[k]);
     if (near.empty()) continue;
-    const double median = Median(near), most = kMostSigmas * deviation;
+    const double median = Median(near), most = kMaxSigmas * deviation;
     clipped[i] = std::isfinite(values[i])
                      ? std::clamp(values[i], median - most, median + most)
                      : median;
@@ -59,7 +59,7 @@ std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
 
 std::vector<double> FitRobustLine(const std::vector<double>& values) {
   const std::vector<double> clipped =
-      ClipOutliers(values, EstimateNeighbourDeviation(values));
+      ClipOutliers(values, EstimateNeighbourStdDev(values));
   const auto count = static_cast<double>(values.size());
   const double center_index = (count - 1) / 2;
   double mean = 0, products = 0, squares = 0, num_known = 0;

@@ -11,7 +11,7 @@ double Median(std::vector<double> values);
 
 /// Estimates the standard deviation from differences of neighbours, robust to
 /// jumps and outliers; 0 for fewer than two known values. NaN: unknown.
-double EstimateNeighbourDeviation(const std::vector<double>& values);
+double EstimateNeighbourStdDev(const std::vector<double>& values);
 
 /// Clamps values to three standard deviations from the median of neighbours, so
 /// that a single outlier is not a jump. NaN (unknown) becomes the median.

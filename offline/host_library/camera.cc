@@ -144,15 +144,15 @@ bool Camera<Scalar>::IsInValidRegion(const Vector2& pixel) const {
 
 template <typename Scalar>
 bool Camera<Scalar>::Uncertainty(const Vector2& pixel,
-                                 Scalar* deviation_px) const {
+                                 Scalar* stddev_px) const {
   const Eigen::Vector2d at = pixel.template cast<double>();
   const auto& uncertainty = data_->file->uncertainty;
   const Area& area = data_->model->area();
-  if (!uncertainty || !uncertainty->HasDeviations() || !area.Contains(at))
+  if (!uncertainty || !uncertainty->HasStdDevs() || !area.Contains(at))
     return false;
   const double deviation = uncertainty->lattice.At(area, at);
   if (!std::isfinite(deviation)) return false;
-  *deviation_px = static_cast<Scalar>(deviation);
+  *stddev_px = static_cast<Scalar>(deviation);
   return true;
 }
 

@@ -67,7 +67,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
         directions_(
             *model_->DirectionGrid(),
             [this](int k) { return model_->DirectionGrid()->points()[k]; }),
-        side_(FindUnfoldedSide(*model_->DirectionGrid())) {
+        side_(ComputeUnfoldedSide(*model_->DirectionGrid())) {
     if constexpr (!kIsCentral) SetOrigins();
   }
 
@@ -341,7 +341,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
 template <typename Scalar>
 std::shared_ptr<const Evaluator<Scalar>> MakeGridEvaluator(
     std::shared_ptr<const CameraModel> model) {
-  auto starts = std::make_shared<const StartTable>(CentralPart(*model));
+  auto starts = std::make_shared<const StartTable>(MakeCentral(*model));
   if (model->IsCentral())
     return std::make_shared<GridEvaluator<Scalar, true>>(std::move(model),
                                                          std::move(starts));

@@ -20,7 +20,7 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 }
 
 // Whether the quadrilateral is convex and not mirrored.
-bool IsImageOfSquare(const Corners& corners) {
+bool IsPlausibleSquare(const Corners& corners) {
   for (int k = 0; k < 4; ++k)
     if (!(Cross(corners[(k + 1) % 4] - corners[k],
                 corners[(k + 2) % 4] - corners[(k + 1) % 4]) > 0))
@@ -115,7 +115,7 @@ std::vector<DenseMatch> MakeMatches(const ImageFeatures& image,
       for (int column = 0; column + width < board.columns; ++column) {
         Corners pixels, points;
         if (features.FindSquare(column, row, width, &pixels, &points) &&
-            IsImageOfSquare(pixels))
+            IsPlausibleSquare(pixels))
           FillSquare(pixels, points, lattice, &filled);
       }
     }

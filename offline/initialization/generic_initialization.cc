@@ -81,7 +81,7 @@ Eigen::Matrix<double, N, 2> FitFunctions(const PixelLattice& lattice,
 }
 
 // Rotates the axes of the camera frame.
-void Turn(const Eigen::Quaterniond& rotation, PixelwiseModel* model) {
+void RotateModel(const Eigen::Quaterniond& rotation, PixelwiseModel* model) {
   for (auto& direction : model->directions)
     if (direction) direction = rotation * *direction;
   for (auto& pose : model->camera_from_board)
@@ -92,8 +92,9 @@ void RotateMeanToZ(PixelwiseModel* model) {
   Eigen::Vector3d mean(0, 0, 0);
   for (const auto& direction : model->directions)
     if (direction) mean += *direction;
-  Turn(Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()),
-       model);
+  RotateModel(
+      Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()),
+      model);
 }
 
 // Rotates about z until the linear part of the chart's Jacobian contains no
@@ -110,7 +111,7 @@ bool AlignAxesWithImage(const PixelLattice& lattice, PixelwiseModel* model) {
   if (!(linear.determinant() > 0)) return false;
   const double angle =
       std::atan2(linear(1, 0) - linear(0, 1), linear(0, 0) + linear(1, 1));
-  Turn(RotationFromVector({0, 0, -angle}), model);
+  RotateModel(RotationFromVector({0, 0, -angle}), model);
   return true;
 }
 
@@ -188,7 +189,7 @@ std::vector<SurfaceSample> CompleteSamples(const ChartValues& seen,
 
 // Returns the features of the views with poses, at most max_count per view; one
 // pose per view.
-std::vector<ChartObservation> ObservationsOf(
+std::vector<ChartObservation> MakeObservations(
     const std::vector<InitialView>& views, const Dataset& dataset,
     const Pattern& pattern, size_t max_count) {
   std::vector<ChartObservation> observations;
@@ -231,8 +232,9 @@ GenericInitialization AdjustedStart(
   }
   const Area area = options.area ? *options.area : GetFeatureArea(dataset);
   BSplineSurface surface = FitGrid(model, lattice, area, options.cells_along);
-  OptimizeInChart(ObservationsOf(views, dataset, pattern, kMaxAdjustedFeatures),
-                  &surface, &poses);
+  OptimizeInChart(
+      MakeObservations(views, dataset, pattern, kMaxAdjustedFeatures), &surface,
+      &poses);
   for (size_t v = 0; v < views.size(); ++v)
     views[v].camera_from_board = poses[v];
   return {CentralGeneric(dataset.image_size, surface), views, 0};
@@ -268,7 +270,7 @@ std::optional<GenericInitialization> InitializeFromThreeViews(
   GenericInitialization start =
       AdjustedStart(*model, dense, lattice, dataset, pattern, options);
   start.median_error_px = MedianReprojectionError(
-      start, ObservationsOf(start.views, dataset, pattern, SIZE_MAX));
+      start, MakeObservations(start.views, dataset, pattern, SIZE_MAX));
   return start;
 }
 

@@ -98,7 +98,8 @@ struct PoseEquations {
   Matrix6d matrix = Matrix6d::Zero();
 };
 
-PoseEquations EquationsOf(const std::vector<Sight>& sights, const Pose& pose) {
+PoseEquations MakeEquations(const std::vector<Sight>& sights,
+                            const Pose& pose) {
   PoseEquations equations;
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   for (const Sight& sight : sights) {
@@ -128,14 +129,14 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
   constexpr double kTolerance = 1e-12;      // relative decrease of the cost
   constexpr double kNegligiblePx2 = 1e-20;  // cost per ray
   double lambda = 1e-4;
-  PoseEquations equations = EquationsOf(sights, pose);
+  PoseEquations equations = MakeEquations(sights, pose);
   for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost);
        ++step) {
     Matrix6d damped = equations.matrix;
     damped.diagonal() *= 1 + lambda;
     const Vector6d update = -damped.ldlt().solve(equations.gradient);
     const Pose next = UpdatedPose(pose, update);
-    const PoseEquations next_equations = EquationsOf(sights, next);
+    const PoseEquations next_equations = MakeEquations(sights, next);
     const double change = next_equations.cost - equations.cost;
     const bool is_lower = change < 0;
     const bool stands = std::abs(change) <=

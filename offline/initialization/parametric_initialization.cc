@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kMaxParametricViews = 16;
 // Maximum RMS error of a successful fit.
-constexpr double kMaxRmsPart = 0.02;  // relative to the image width
+constexpr double kMaxRelativeRms = 0.02;  // relative to the image width
 
 // Discards the last digits for reproducible results: LAPACK, which OpenCV
 // calls, rounds differently depending on the memory alignment of its data.
@@ -61,7 +61,7 @@ std::optional<OpenCvModel> InitializeFromPlanarBoards(const Dataset& dataset,
                                             k[3]};
   for (const double value : parameters)
     if (!std::isfinite(value)) return std::nullopt;
-  if (!(rms < kMaxRmsPart * size.width) || parameters[0] <= 0 ||
+  if (!(rms < kMaxRelativeRms * size.width) || parameters[0] <= 0 ||
       parameters[1] <= 0)
     return std::nullopt;
   for (size_t i = 0; i < parameters.size(); ++i)

@@ -20,12 +20,12 @@ constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
 // Minimum fractions of a view's pixels with known directions, in order of
 // preference.
-constexpr double kOverlapParts[] = {0.7, 0.5, 0.3};
+constexpr double kMinOverlapFractions[] = {0.7, 0.5, 0.3};
 constexpr int kAveragingRounds = 3;
 // Maximum error of views that are consistent with the existing directions.
 constexpr double kMaxErrorPx = 8;
 
-Eigen::Vector3d RayOf(const Pose& pose, const Eigen::Vector2d& point) {
+Eigen::Vector3d ComputeRay(const Pose& pose, const Eigen::Vector2d& point) {
   return (pose * Eigen::Vector3d(point.x(), point.y(), 0)).normalized();
 }
 
@@ -33,7 +33,7 @@ std::vector<double> AngleErrors(const std::vector<PointRayMatch>& matches,
                                 const Pose& pose) {
   std::vector<double> errors;
   for (const PointRayMatch& match : matches)
-    errors.push_back((RayOf(pose, match.point) - match.ray).norm());
+    errors.push_back((ComputeRay(pose, match.point) - match.ray).norm());
   return errors;
 }
 
@@ -107,7 +107,7 @@ std::optional<BoardHomography> FitRaysRobustly(
   return homography;
 }
 
-Pose PoseOf(const BoardHomography& homography) {
+Pose ComputePose(const BoardHomography& homography) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
       homography.rays_from_board.leftCols<2>(),
       Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -151,13 +151,13 @@ Pose RefinePose(const std::vector<PointRayMatch>& matches, const Pose& start) {
       const Eigen::Vector3d moved = rotated + pose.translation;
       const double length = moved.norm();
       const Eigen::Vector3d ray = moved / length;
-      const Eigen::Matrix3d by_moved =
+      const Eigen::Matrix3d J_moved =
           (Eigen::Matrix3d::Identity() - ray * ray.transpose()) / length;
       Eigen::Matrix3d minus_cross;
       minus_cross << 0, rotated.z(), -rotated.y(), -rotated.z(), 0, rotated.x(),
           rotated.y(), -rotated.x(), 0;
       Eigen::Matrix<double, 3, 6> jacobian;
-      jacobian << by_moved * minus_cross, by_moved;
+      jacobian << J_moved * minus_cross, J_moved;
       const Eigen::Vector3d error = ray - match.ray;
       const double weight = 1 / (1 + error.squaredNorm() / (scale * scale));
       normal += weight * jacobian.transpose() * jacobian;
@@ -220,7 +220,8 @@ void AverageDirections(const std::vector<DenseView>& views,
   for (size_t v = 0; v < views.size(); ++v) {
     if (!model->camera_from_board[v]) continue;
     for (const DenseMatch& match : views[v].matches)
-      sums[match.pixel] += RayOf(*model->camera_from_board[v], match.point);
+      sums[match.pixel] +=
+          ComputeRay(*model->camera_from_board[v], match.point);
   }
   for (int i = 0; i < lattice.size(); ++i) {
     model->directions[i].reset();
@@ -247,14 +248,15 @@ std::vector<std::optional<Pose>> LocalizeSome(
 // Adds the views whose fraction of pixels with known directions is sufficient.
 // Returns false if no pose can be estimated.
 bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
-              double overlap_part, int num_threads, PixelwiseModel* model) {
+              double min_overlap_fraction, int num_threads,
+              PixelwiseModel* model) {
   std::vector<int> candidates;
   for (size_t v = 0; v < views.size(); ++v) {
     if (model->camera_from_board[v]) continue;
     const size_t count = MatchesWithDirections(views[v], *model).size();
     if (count >= kMinRays &&
         static_cast<double>(count) >=
-            overlap_part * static_cast<double>(views[v].matches.size()))
+            min_overlap_fraction * static_cast<double>(views[v].matches.size()))
       candidates.push_back(static_cast<int>(v));
   }
   const auto poses = LocalizeSome(views, *model, candidates, num_threads);
@@ -297,7 +299,7 @@ std::optional<LocalizedBoard> LocalizeOnRays(
   const auto homography = FitRaysRobustly(matches);
   if (!homography) return std::nullopt;
   LocalizedBoard localized;
-  localized.camera_from_board = RefinePose(matches, PoseOf(*homography));
+  localized.camera_from_board = RefinePose(matches, ComputePose(*homography));
   localized.median_error_rad =
       Median(AngleErrors(matches, localized.camera_from_board));
   return localized;
@@ -320,7 +322,7 @@ PixelwiseModel GrowPixelwiseModel(const std::vector<DenseView>& views,
     model.camera_from_board[triplet.views[k]] =
         triplet.poses.CameraFromBoard(k);
   AverageDirections(views, lattice, &model);
-  for (const double part : kOverlapParts) {
+  for (const double part : kMinOverlapFractions) {
     while (AddViews(views, lattice, part, num_threads, &model)) {
     }
   }

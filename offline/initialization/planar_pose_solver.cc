@@ -45,7 +45,7 @@ namespace {
 
 constexpr size_t kMinMatches = 8;
 constexpr double kMinConditioning = 1e-7;
-constexpr double kMinPartAhead = 0.9;
+constexpr double kMinFractionInFront = 0.9;
 constexpr double kOutlierMedians = 6;
 constexpr double kMinLossScaleM = 1e-9;
 
@@ -97,9 +97,9 @@ Eigen::Matrix3d FitHomography(const std::vector<PlaneMatch>& matches) {
     }
   }
   const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(equations);
-  const Eigen::Matrix<double, 9, 9> triangle =
+  const Eigen::Matrix<double, 9, 9> R =
       qr.matrixQR().topRows<9>().triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::Matrix<double, 9, 9>> svd(triangle,
+  const Eigen::JacobiSVD<Eigen::Matrix<double, 9, 9>> svd(R,
                                                           Eigen::ComputeFullV);
   const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
   Eigen::Matrix3d homography;
@@ -135,7 +135,7 @@ std::optional<Eigen::Matrix3d> EstimateFacingHomography(
         return homography.row(2).dot(match.from.homogeneous()) > 0;
       });
   if (static_cast<double>(ahead) <
-      kMinPartAhead * static_cast<double>(matches.size()))
+      kMinFractionInFront * static_cast<double>(matches.size()))
     return std::nullopt;
   return homography / homography.leftCols<2>().norm();
 }
@@ -175,8 +175,8 @@ Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
 }
 
 // Computes first_from_board from a homography and the centre.
-Pose PoseOfHomography(const Eigen::Matrix3d& homography,
-                      const Eigen::Vector3d& center) {
+Pose DecomposeHomography(const Eigen::Matrix3d& homography,
+                         const Eigen::Vector3d& center) {
   const Eigen::Matrix3d columns = PinholeAt(center).inverse() * homography;
   // Closest orthonormal pair to the first two columns, and their common scale.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
@@ -202,10 +202,10 @@ std::vector<PlaneMatch> MatchesToFirst(
 
 ThreeViews ScaleToMetres(const ThreeViews& normalized,
                          const Normalization& normalization) {
-  const auto in_space = [](const Eigen::Vector2d& point) {
+  const auto lift_to_plane = [](const Eigen::Vector2d& point) {
     return Eigen::Vector3d(point.x(), point.y(), 0);
   };
-  const Eigen::Vector3d first = in_space(normalization.centroid[0]);
+  const Eigen::Vector3d first = lift_to_plane(normalization.centroid[0]);
   ThreeViews views;
   views.center = normalized.center * normalization.unit_m + first;
   for (int view = 1; view < 3; ++view) {
@@ -213,7 +213,7 @@ ThreeViews ScaleToMetres(const ThreeViews& normalized,
     views.first_from_board[view] = {
         pose.rotation,
         pose.translation * normalization.unit_m + first -
-            pose.rotation * in_space(normalization.centroid[view])};
+            pose.rotation * lift_to_plane(normalization.centroid[view])};
   }
   return views;
 }
@@ -304,7 +304,7 @@ double DistanceFromBoard(const std::vector<BoardPointTriple>& matches,
 
 // Returns the standard deviation of the centre for errors with unit standard
 // deviation.
-double CenterDeviation(ceres::Problem* problem, ParameterBlocks* blocks) {
+double ComputeCenterStdDev(ceres::Problem* problem, ParameterBlocks* blocks) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = blocks->Pointers();
   options.apply_loss_function = true;
@@ -342,8 +342,8 @@ ThreeViewsSolution SolveThreeViews(
   if (!center) return solution;
   ThreeViews normalized;
   normalized.center = *center;
-  normalized.first_from_board[1] = PoseOfHomography(*h2, *center);
-  normalized.first_from_board[2] = PoseOfHomography(*h3, *center);
+  normalized.first_from_board[1] = DecomposeHomography(*h2, *center);
+  normalized.first_from_board[2] = DecomposeHomography(*h3, *center);
   solution.views = ScaleToMetres(normalized, normalization);
   solution.status = ThreeViewsStatus::kSolved;
   return solution;
@@ -376,7 +376,8 @@ ThreeViewsFit RefineThreeViews(const std::vector<BoardPointTriple>& matches,
   *views = refined;
   fit.converged = true;
   fit.median_m = MedianError(matches, refined);
-  fit.center_uncertainty = fit.median_m * CenterDeviation(&problem, &blocks) /
+  fit.center_uncertainty = fit.median_m *
+                           ComputeCenterStdDev(&problem, &blocks) /
                            DistanceFromBoard(matches, refined);
   return fit;
 }

@@ -14,7 +14,7 @@ constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // per view
 
 // Removes gross outliers, which are far from the midpoint of their neighbours
 // on either side. This may also remove inliers at an edge next to an outlier.
-std::vector<Feature> WithoutOutliers(const std::vector<Feature>& features) {
+std::vector<Feature> RemoveOutliers(const std::vector<Feature>& features) {
   constexpr double kTimesMedian = 8, kAlwaysPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;
   for (const Feature& feature : features)
@@ -49,11 +49,11 @@ std::vector<Feature> WithoutOutliers(const std::vector<Feature>& features) {
   return consistent;
 }
 
-PlanarView ViewOf(const ImageFeatures& image, const Board& board) {
+PlanarView MakePlanarView(const ImageFeatures& image, const Board& board) {
   std::vector<Feature> features;
   for (const Feature& feature : image.features)
     if (feature.board == board.id) features.push_back(feature);
-  features = WithoutOutliers(features);
+  features = RemoveOutliers(features);
   const std::vector<Eigen::Vector3d> nominal = board.NominalPoints();
   PlanarView view;
   const size_t step = features.size() / kMaxFeatures + 1;
@@ -74,7 +74,7 @@ std::vector<PlanarView> SamplePlanarViews(const Dataset& dataset,
   std::vector<PlanarView> all;
   for (const ImageFeatures& image : dataset.images) {
     for (const Board& board : pattern.boards) {
-      PlanarView view = ViewOf(image, board);
+      PlanarView view = MakePlanarView(image, board);
       if (view.points.size() >= kMinFeatures) all.push_back(std::move(view));
     }
   }

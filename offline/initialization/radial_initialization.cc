@@ -21,7 +21,7 @@ double ComputeQuantile(std::vector<double> values, double part) {
   return *at;
 }
 
-double MedianOf(const std::vector<double>& values) {
+double ComputeMedian(const std::vector<double>& values) {
   return ComputeQuantile(values, 0.5);
 }
 
@@ -30,7 +30,7 @@ double MedianOf(const std::vector<double>& values) {
 std::vector<double> RobustWeights(const std::vector<double>& errors) {
   std::vector<double> sizes;
   for (const double error : errors) sizes.push_back(std::abs(error));
-  const double scale = 3 * MedianOf(sizes) + 1e-12;
+  const double scale = 3 * ComputeMedian(sizes) + 1e-12;
   std::vector<double> weights;
   for (const double size : sizes) {
     const double part = size / scale;
@@ -104,8 +104,8 @@ double CenterCost(const std::vector<PlanarView>& views,
 
 // Finds the distortion centre by pattern search around the image centre, within
 // a tenth of the image size.
-Eigen::Vector2d FindCenter(const std::vector<PlanarView>& views,
-                           const ImageSize& size) {
+Eigen::Vector2d EstimateCenter(const std::vector<PlanarView>& views,
+                               const ImageSize& size) {
   const Eigen::Vector2d image_center((size.width - 1) / 2.0,
                                      (size.height - 1) / 2.0);
   const double limit_px = 0.1 * std::max(size.width, size.height);
@@ -205,10 +205,10 @@ double MedianForward(const CylindricalView& view, double sign,
     forward.push_back(view.rho[i] * Polynomial(g, view.r[i]) /
                           std::max(view.r[i], 1e-6) -
                       sign * view.tilt[i]);
-  return MedianOf(forward);
+  return ComputeMedian(forward);
 }
 
-double SumOfAbsolute(const std::vector<double>& errors) {
+double SumAbsoluteErrors(const std::vector<double>& errors) {
   constexpr double kCap = 0.2;  // radians; limits outliers
   double sum = 0;
   for (const double error : errors) sum += std::min(std::abs(error), kCap);
@@ -279,7 +279,7 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
   for (size_t v = 0; v < views.size(); ++v) {
     double best = INFINITY, best_sign = 1;
     for (const double sign : {1.0, -1.0}) {
-      const double cost = SumOfAbsolute(AzimuthErrors(
+      const double cost = SumAbsoluteErrors(AzimuthErrors(
           views[v], sign, MedianForward(views[v], sign, solution->g),
           solution->g));
       if (cost >= best) continue;
@@ -335,11 +335,11 @@ double AnglePerRadius(const Coefficients& g, double r) {
 
 // Returns the sum of absolute radial errors, each capped to limit the influence
 // of outliers; infinite if the projection folds.
-double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
+double ComputeCost(const std::vector<CylindricalView>& views, double max_angle,
                    const RadialSolution& solution) {
   constexpr double kCap = 0.05;
   for (double part = 0; part <= 1; part += 0.05)
-    if (!(AnglePerRadius(solution.g, part * farthest) > 0))
+    if (!(AnglePerRadius(solution.g, part * max_angle) > 0))
       return INFINITY;  // projection folds
   double cost = 0;
   for (size_t v = 0; v < views.size(); ++v) {
@@ -347,7 +347,7 @@ double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
       const double error =
           AngleError(views[v], i, solution.signs[v], solution.forward[v],
                      solution.g) /
-          AnglePerRadius(solution.g, std::min(views[v].r[i], farthest));
+          AnglePerRadius(solution.g, std::min(views[v].r[i], max_angle));
       cost += std::min(std::abs(error), kCap);
     }
   }
@@ -357,16 +357,15 @@ double ComputeCost(const std::vector<CylindricalView>& views, double farthest,
 // ---- Step 4 ----------------------------------------------------------------
 
 // Fits f, f k1 and f k2 by least squares over the observed radii.
-std::optional<ThinPrismFisheye> ToLens(const Coefficients& g, double farthest,
-                                       double unit_px,
-                                       const Eigen::Vector2d& center,
-                                       const ImageSize& size) {
+std::optional<ThinPrismFisheye> FitThinPrismFisheye(
+    const Coefficients& g, double max_angle, double unit_px,
+    const Eigen::Vector2d& center, const ImageSize& size) {
   constexpr int kSamples = 50;
   for (int terms = 3; terms >= 1; --terms) {
     Eigen::MatrixXd powers(kSamples, terms);
     Eigen::VectorXd radii(kSamples);
     for (int i = 0; i < kSamples; ++i) {
-      const double r = farthest * (i + 1) / kSamples;
+      const double r = max_angle * (i + 1) / kSamples;
       const double theta = std::atan2(r, Polynomial(g, r));
       radii[i] = r * unit_px;
       for (int k = 0; k < terms; ++k) powers(i, k) = std::pow(theta, 2 * k + 1);
@@ -410,26 +409,26 @@ std::optional<ThinPrismFisheye> InitializeFromRadialLines(
   NormalizeViews(&planar);
   const ImageSize& size = dataset.image_size;
   const double unit_px = std::hypot(size.width, size.height) / 2;
-  const Eigen::Vector2d center = FindCenter(planar, size);
+  const Eigen::Vector2d center = EstimateCenter(planar, size);
 
   std::vector<CylindricalView> views;
   for (const PlanarView& view : planar)
     views.push_back(ToCylindrical(view, center, unit_px));
-  const double farthest = ComputeMaxRadius(views);
+  const double max_angle = ComputeMaxRadius(views);
   std::optional<RadialSolution> best;
   double best_cost = INFINITY;
   for (size_t first = 0; first < views.size(); ++first) {
     for (const Degrees& degrees : kDegrees) {
       const auto solution = SolveFromView(views, first, degrees);
       if (!solution) continue;
-      const double cost = ComputeCost(views, farthest, *solution);
+      const double cost = ComputeCost(views, max_angle, *solution);
       if (cost >= best_cost) continue;
       best = solution;
       best_cost = cost;
     }
   }
   if (!best) return std::nullopt;
-  return ToLens(best->g, farthest, unit_px, center, size);
+  return FitThinPrismFisheye(best->g, max_angle, unit_px, center, size);
 }
 
 }  // namespace raygrid

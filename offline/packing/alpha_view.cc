@@ -45,19 +45,19 @@ class BorderlessSearch {
     const auto start = Start();
     if (!start) return std::nullopt;
     Eigen::Vector2d center = *start;
-    double focal_px = Widest(center, kMaxFocalPx);
+    double focal_px = FindMinFocalPx(center, kMaxFocalPx);
     // Pattern search in eight directions, with steps relative to half the
     // image.
-    for (double step = 0.25; step > 1e-3 && focal_px > ShortestPx();) {
+    for (double step = 0.25; step > 1e-3 && focal_px > ComputeMinFocalPx();) {
       bool is_better = false;
       for (int k = 0; k < 8 && !is_better; ++k) {
-        const double part = step * size_.width / 2.0 / focal_px;
+        const double step_radius = step * size_.width / 2.0 / focal_px;
         const Eigen::Vector2d next =
-            center + part * Eigen::Vector2d(std::cos(k * M_PI / 4),
-                                            std::sin(k * M_PI / 4));
-        if (!IsWithoutBorder(next, (1 - 1e-4) * focal_px)) continue;
+            center + step_radius * Eigen::Vector2d(std::cos(k * M_PI / 4),
+                                                   std::sin(k * M_PI / 4));
+        if (!HasNoBorder(next, (1 - 1e-4) * focal_px)) continue;
         center = next;
-        focal_px = Widest(next, focal_px);
+        focal_px = FindMinFocalPx(next, focal_px);
         is_better = true;
       }
       if (!is_better) step /= 2;
@@ -88,22 +88,22 @@ class BorderlessSearch {
           FindAreaOnPlane(cameras_[c], kUsefulStretchRad, 32).box);
     }
     const Eigen::Vector2d mean = sum / static_cast<double>(cameras_.size());
-    if (IsWithoutBorder(mean, kMaxFocalPx)) return mean;
+    if (HasNoBorder(mean, kMaxFocalPx)) return mean;
     if (cameras_.size() < 2 || common.isEmpty()) return std::nullopt;
     constexpr int kSteps = 16;
     for (int k = 0; k < kSteps * kSteps; ++k) {
-      const Eigen::Vector2d part((k % kSteps + 0.5) / kSteps,
-                                 (k / kSteps + 0.5) / kSteps);
+      const Eigen::Vector2d step_radius((k % kSteps + 0.5) / kSteps,
+                                        (k / kSteps + 0.5) / kSteps);
       const Eigen::Vector2d point =
-          common.min() + part.cwiseProduct(common.sizes());
-      if (IsWithoutBorder(point, kMaxFocalPx)) return point;
+          common.min() + step_radius.cwiseProduct(common.sizes());
+      if (HasNoBorder(point, kMaxFocalPx)) return point;
     }
     return std::nullopt;
   }
 
   // Limits the field of view: wider views would show mostly the region far off
   // the axis, or repetitions.
-  double ShortestPx() const {
+  double ComputeMinFocalPx() const {
     const double far = std::tan(kUsefulStretchRad);
     const double width = size_.width / 2.0, height = size_.height / 2.0;
     switch (cameras_.front().plane.projection) {
@@ -122,26 +122,26 @@ class BorderlessSearch {
   }
 
   // Returns the minimum focal length without border, at most long_px.
-  double Widest(const Eigen::Vector2d& center, double long_px) const {
-    double least = ShortestPx();
-    if (IsWithoutBorder(center, least)) return least;
-    double enough = long_px;
+  double FindMinFocalPx(const Eigen::Vector2d& center, double long_px) const {
+    double least = ComputeMinFocalPx();
+    if (HasNoBorder(center, least)) return least;
+    double upper_focal_px = long_px;
     for (int k = 0; k < 40; ++k) {
-      const double between = std::sqrt(least * enough);
-      (IsWithoutBorder(center, between) ? enough : least) = between;
+      const double between = std::sqrt(least * upper_focal_px);
+      (HasNoBorder(center, between) ? upper_focal_px : least) = between;
     }
-    return enough;
+    return upper_focal_px;
   }
 
-  bool IsWithoutBorder(const Eigen::Vector2d& center, double focal_px) const {
+  bool HasNoBorder(const Eigen::Vector2d& center, double focal_px) const {
     for (size_t c = 0; c < cameras_.size(); ++c)
-      if (!IsWithoutBorder(c, At(c, center, focal_px))) return false;
+      if (!HasNoBorder(c, At(c, center, focal_px))) return false;
     return true;
   }
 
   // Whether the view has no border. Evaluates points along the edges, each
   // initialized with its neighbour's source, and some interior points.
-  bool IsWithoutBorder(size_t c, const VirtualView& view) const {
+  bool HasNoBorder(size_t c, const VirtualView& view) const {
     constexpr int kSteps = 64;
     const double right = size_.width - 1, bottom = size_.height - 1;
     const std::array<Eigen::Vector2d, 5> corners = {

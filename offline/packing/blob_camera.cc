@@ -229,11 +229,11 @@ rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
 std::optional<LineDelay> BlobCamera::GetRowTime() const {
   constexpr double kQ10PerSecond = 1024 * 1e9;
   int32_t row_time_ns_q10;
-  uint32_t deviation_ns_q10;
-  if (rg_line_delay(&camera_, &row_time_ns_q10, &deviation_ns_q10) != RG_OK)
+  uint32_t stddev_ns_q10;
+  if (rg_line_delay(&camera_, &row_time_ns_q10, &stddev_ns_q10) != RG_OK)
     return std::nullopt;
   return LineDelay{row_time_ns_q10 / kQ10PerSecond,
-                   deviation_ns_q10 / kQ10PerSecond};
+                   stddev_ns_q10 / kQ10PerSecond};
 }
 
 std::optional<Capture> BlobCamera::GetCalibrationCapture() const {

@@ -74,15 +74,15 @@ class GridSearch {
   GridSearch(const CameraModel& camera, const RegularRegion& region,
              const ValidityMask* valid_region, double max_error_px)
       : camera_(camera), region_(region), max_error_px_(max_error_px) {
-    double most_per_radian = INFINITY;
+    double min_px_per_radian = INFINITY;
     for (const RegularRegion::Node& node : region.nodes())
       if (node.is_regular && !node.J_ray.isZero(0))
-        most_per_radian = std::min(most_per_radian, node.J_ray.norm());
-    most_per_radian *= kNegligibleRotation;
+        min_px_per_radian = std::min(min_px_per_radian, node.J_ray.norm());
+    min_px_per_radian *= kNegligibleRotation;
     for (size_t k = 0; k < region.nodes().size(); ++k) {
       const RegularRegion::Node& node = region.nodes()[k];
       const bool counts =
-          node.is_regular && node.J_ray.norm() < most_per_radian &&
+          node.is_regular && node.J_ray.norm() < min_px_per_radian &&
           (!valid_region ||
            valid_region->IsValidAt(region.GetPixel(static_cast<int>(k))));
       counts_.push_back(counts);
@@ -91,7 +91,7 @@ class GridSearch {
   }
 
   // Returns whether the fit error is within the limit at each relevant node.
-  std::vector<bool> FollowedBy(const BSplineSurface& surface) const {
+  std::vector<bool> FindReproducedNodes(const BSplineSurface& surface) const {
     std::vector<bool> is_followed(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {
       if (!counts_[k]) continue;
@@ -114,7 +114,8 @@ class GridSearch {
   }
 
   bool HasLargeLoss(const BSplineSurface& surface) const {
-    return ComputeLostFraction(FollowedBy(surface)) > kNegligiblePart;
+    return ComputeLostFraction(FindReproducedNodes(surface)) >
+           kNegligibleFraction;
   }
 
   // Returns the coarsest grid that fits everywhere; otherwise the coarsest one
@@ -127,15 +128,15 @@ class GridSearch {
     for (int half_log2 = 2; half_log2 <= kFinestHalfLog2; ++half_log2) {
       const double knot_spacing_px = longer / std::exp2(half_log2 / 2.0);
       if (half_log2 > kUsualHalfLog2 &&
-          (knot_spacing_px < kMinKnotSpacingPx || least <= kRoughPart ||
-           region_.Part() < kHardlyCut))
+          (knot_spacing_px < kMinKnotSpacingPx || least <= kRoughFraction ||
+           region_.Part() < kMinRegularFraction))
         break;
       candidates.push_back(FitTrimmed(area, knot_spacing_px));
       least = std::min(least, candidates.back().lost);
-      if (least <= (region_.IsWhole() ? 0 : kNegligiblePart))
+      if (least <= (region_.IsWhole() ? 0 : kNegligibleFraction))
         return candidates.back().surface;
     }
-    const double enough = std::max(kNegligiblePart, kAlmostLeast * least);
+    const double enough = std::max(kNegligibleFraction, kMaxRatioToMin * least);
     return std::find_if(
                candidates.begin(), candidates.end(),
                [&](const Candidate& each) { return each.lost <= enough; })
@@ -147,15 +148,15 @@ class GridSearch {
   // of at least 4 px. Near a fold, a finer grid would gain a few pixels for
   // four times the size.
   static constexpr int kUsualHalfLog2 = 14, kFinestHalfLog2 = 16;
-  static constexpr double kMinKnotSpacingPx = 4, kRoughPart = 0.01;
-  static constexpr double kHardlyCut = 0.999;
-  static constexpr double kNegligiblePart = 0.002, kAlmostLeast = 1.25;
+  static constexpr double kMinKnotSpacingPx = 4, kRoughFraction = 0.01;
+  static constexpr double kMinRegularFraction = 0.999;
+  static constexpr double kNegligibleFraction = 0.002, kMaxRatioToMin = 1.25;
   // Rays that hardly change between pixels are ignored, since their errors in
   // pixels are ill-conditioned.
   static constexpr double kNegligibleRotation = 20;
   static constexpr int kSamplesPerCell = 4;
   // Regularization that extrapolates the grid smoothly outside the region.
-  static constexpr double kSmoothnessBeyond = 1e-7;
+  static constexpr double kExtrapolationSmoothness = 1e-7;
 
   struct Candidate {
     BSplineSurface surface;
@@ -179,9 +180,9 @@ class GridSearch {
       else
         is_whole = false;
     }
-    BSplineSurface surface =
-        is_whole ? FitSurface(area, columns, rows, samples)
-                 : FitSurface(area, columns, rows, samples, kSmoothnessBeyond);
+    BSplineSurface surface = is_whole ? FitSurface(area, columns, rows, samples)
+                                      : FitSurface(area, columns, rows, samples,
+                                                   kExtrapolationSmoothness);
     DrawIntoChart(region_, true, &surface);
     return surface;
   }
@@ -191,9 +192,9 @@ class GridSearch {
   Candidate FitTrimmed(const Area& area, double knot_spacing_px) const {
     Candidate best;
     std::vector<bool> is_good(counts_.size(), true);
-    for (int round = 0; round < 2 && best.lost > kNegligiblePart; ++round) {
+    for (int round = 0; round < 2 && best.lost > kNegligibleFraction; ++round) {
       Candidate made = {Fit(area, knot_spacing_px, is_good)};
-      const std::vector<bool> is_followed = FollowedBy(made.surface);
+      const std::vector<bool> is_followed = FindReproducedNodes(made.surface);
       made.lost = ComputeLostFraction(is_followed);
       if (round == 0 || made.lost < best.lost) best = std::move(made);
       is_good = is_followed;
@@ -245,7 +246,7 @@ bool IsBlobGrid(const CameraModel& camera) {
 
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const ValidityMask* valid_region, double max_error_px) {
-  if (!region) return {CentralPart(camera), std::nullopt, true};
+  if (!region) return {MakeCentral(camera), std::nullopt, true};
   const GridSearch search(camera, *region, valid_region, max_error_px / 2);
   BSplineSurface surface;
   const BSplineSurface* own = camera.DirectionGrid();
@@ -257,11 +258,11 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   if (surface.num_points() == 0 || search.HasLargeLoss(surface)) {
     BSplineSurface fitted = search.Find();
     if (surface.num_points() == 0 ||
-        search.ComputeLostFraction(search.FollowedBy(fitted)) <
-            search.ComputeLostFraction(search.FollowedBy(surface)))
+        search.ComputeLostFraction(search.FindReproducedNodes(fitted)) <
+            search.ComputeLostFraction(search.FindReproducedNodes(surface)))
       surface = std::move(fitted);
   }
-  const std::vector<bool> is_followed = search.FollowedBy(surface);
+  const std::vector<bool> is_followed = search.FindReproducedNodes(surface);
   BlobGrid made = {CentralGeneric(camera.image_size(), surface), std::nullopt,
                    true};
   made.follows_all = search.ComputeLostFraction(is_followed) == 0;

@@ -8,7 +8,7 @@
 #include "camera/camera_uncertainty.h"
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
-#include "packing/narrow_grid.h"
+#include "packing/int16_grid.h"
 #include "packing/regular_region.h"
 #include "rg_blob.h"
 

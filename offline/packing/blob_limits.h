@@ -10,7 +10,7 @@ namespace raygrid {
 /// Maximum unprojection error that packing may add.
 constexpr double kMaxPackingErrorPx = 0.002;
 /// Maximum unprojection error that 16-bit control points may add.
-constexpr double kMaxNarrowErrorRad = 1e-6;
+constexpr double kMaxInt16ErrorRad = 1e-6;
 
 /// Throws Error(kQuality): a blob cannot represent the camera; what: why.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {

@@ -11,19 +11,19 @@ namespace {
 
 // Bilinear interpolation of an image with one sample type.
 template <typename Sample>
-class BilinearPicture {
+class BilinearImage {
  public:
-  explicit BilinearPicture(const Image& picture) : picture_(picture) {}
+  explicit BilinearImage(const Image& picture) : image_(picture) {}
 
   // Writes the channels at a position between the centres of the first and the
   // last pixel.
   void Sampled(const Eigen::Vector2d& position, uint8_t* to) const {
-    const int x0 = FirstOf(position.x(), picture_.size.width);
-    const int y0 = FirstOf(position.y(), picture_.size.height);
-    const int x1 = std::min(x0 + 1, picture_.size.width - 1);
-    const int y1 = std::min(y0 + 1, picture_.size.height - 1);
+    const int x0 = GetFirstIndex(position.x(), image_.size.width);
+    const int y0 = GetFirstIndex(position.y(), image_.size.height);
+    const int x1 = std::min(x0 + 1, image_.size.width - 1);
+    const int y1 = std::min(y0 + 1, image_.size.height - 1);
     const double u = position.x() - x0, v = position.y() - y0;
-    for (int c = 0; c < picture_.channels; ++c) {
+    for (int c = 0; c < image_.channels; ++c) {
       const double value =
           (1 - v) * ((1 - u) * At(x0, y0, c) + u * At(x1, y0, c)) +
           v * ((1 - u) * At(x0, y1, c) + u * At(x1, y1, c));
@@ -33,28 +33,27 @@ class BilinearPicture {
   }
 
  private:
-  static int FirstOf(double coordinate, int num_pixels) {
+  static int GetFirstIndex(double coordinate, int num_pixels) {
     return std::clamp(static_cast<int>(coordinate), 0,
                       std::max(0, num_pixels - 2));
   }
   double At(int x, int y, int c) const {
     Sample sample;
-    std::memcpy(
-        &sample,
-        &picture_.pixels[y * picture_.stride() +
-                         (static_cast<size_t>(x) * picture_.channels + c) *
-                             sizeof(Sample)],
-        sizeof(Sample));
+    std::memcpy(&sample,
+                &image_.pixels[y * image_.stride() +
+                               (static_cast<size_t>(x) * image_.channels + c) *
+                                   sizeof(Sample)],
+                sizeof(Sample));
     return sample;
   }
 
-  const Image& picture_;
+  const Image& image_;
 };
 
 template <typename Sample>
 void Distort(const SourceMap& map, const Image& picture, int num_threads,
              Image* result) {
-  const BilinearPicture<Sample> bilinear(picture);
+  const BilinearImage<Sample> bilinear(picture);
   const size_t pixel_bytes = picture.channels * sizeof(Sample);
   ParallelFor(map.height, num_threads, [&](int y) {
     uint8_t* to = &result->pixels[y * result->stride()];

@@ -76,8 +76,8 @@ BlobGrids::BlobGrids(const GridTask& task, double max_error_px,
     for (const CentralGeneric& model : made.models)
       sections_.push_back(QuantizeGrid(model));
     contents->grid = &sections_[0].section;
-    points.emplace(sections_, task.is_narrow_allowed, Truths(task),
-                   max_error_px, task.num_threads, contents);
+    points.emplace(sections_, task.is_int16_allowed, Truths(task), max_error_px,
+                   task.num_threads, contents);
     if (points->error().px <= max_error_px) return;
   }
   throw Error(ExitCode::kQuality,

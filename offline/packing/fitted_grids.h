@@ -24,7 +24,7 @@ struct GridTask {
   const RegularRegion* region;         ///< NULL: the format is exact
   const ValidityMask* valid_region;    ///< NULL: all pixels are valid
   const OperatingPointSamples* stack;  ///< NULL: no samples
-  bool is_narrow_allowed = true;
+  bool is_int16_allowed = true;
   int num_threads = 0;
 };
 

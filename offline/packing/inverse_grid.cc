@@ -15,8 +15,8 @@ constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
 constexpr int kMaxCellsForMore = 24;
 // With an initial error below this, one Newton step reaches the runtime's
 // accuracy.
-constexpr double kCloseEnoughPx = 1.0 / 32;
-constexpr double kCloseEnoughSlope = 0.02;  // relative
+constexpr double kTolerancePx = 1.0 / 32;
+constexpr double kSlopeTolerance = 0.02;  // relative
 // About three samples per cell along each axis.
 constexpr int kSamplesAcross = 200;
 constexpr int kEdgeSamples = 1000;
@@ -29,7 +29,7 @@ constexpr double kSmoothness = 1e-4;
 // coordinates below 16384.
 constexpr double kMaxChart = 4;
 constexpr double kMaxPixel = 16000;
-constexpr double kFewPixels = 3e4, kManyPixels = 1e6;
+constexpr double kMinPixels = 3e4, kMaxPixels = 1e6;
 
 // Pixels as a function of chart position.
 struct InverseSamples {
@@ -43,7 +43,7 @@ class SurfaceSampling {
                   const ValidityMask* valid_region)
       : surface_(surface),
         trusted_(valid_region),
-        handedness_(FindDominantHandedness(surface)) {}
+        handedness_(ComputeDominantHandedness(surface)) {}
 
   // Samples the area's edge densely and its interior more coarsely.
   InverseSamples Samples() const {
@@ -138,8 +138,8 @@ class InverseFitting {
   std::optional<InverseGrid> QuantizeInverseGrid(
       const BSplineSurface& fit,
       uint32_t max_fraction_bits = RG_NARROW_MAX_BITS) const {
-    const std::optional<NarrowGrid> points =
-        Narrow(Quantize(fit), max_fraction_bits);
+    const std::optional<Int16Grid> points =
+        QuantizeToInt16(Quantize(fit), max_fraction_bits);
     if (!points) return std::nullopt;
     InverseGrid inverse;
     inverse.points = *points;
@@ -160,16 +160,16 @@ class InverseFitting {
 
   // Whether one Newton step from the inverse's pixel, with its Jacobian,
   // suffices for all samples.
-  bool IsCloseEnough(const BSplineSurface& inverse,
-                     const std::vector<SurfaceSample>& samples) const {
+  bool IsWithinTolerance(const BSplineSurface& inverse,
+                         const std::vector<SurfaceSample>& samples) const {
     return std::all_of(
         samples.begin(), samples.end(), [&](const SurfaceSample& sample) {
           Eigen::Matrix2d there, back;
           surface_.Evaluate(sample.value, &there);
           const Eigen::Vector2d pixel = inverse.Evaluate(sample.pixel, &back);
-          return (pixel - sample.value).norm() <= kCloseEnoughPx &&
+          return (pixel - sample.value).norm() <= kTolerancePx &&
                  (back * there - Eigen::Matrix2d::Identity()).norm() <=
-                     kCloseEnoughSlope;
+                     kSlopeTolerance;
         });
   }
 
@@ -201,12 +201,12 @@ void SearchCells(const InverseFitting& fitting,
     const BSplineSurface fit = fitting.Fit(cells);
     const std::optional<InverseGrid> grid = fitting.QuantizeInverseGrid(fit);
     if (!grid) continue;
-    std::optional<ProjectionError> error = measure(*grid, kFewPixels);
+    std::optional<ProjectionError> error = measure(*grid, kMinPixels);
     if (error && error->valid_region.AreAllAccurate())
-      error = measure(*grid, kManyPixels);
+      error = measure(*grid, kMaxPixels);
     if (!error) continue;
     const EvaluatedInverseGrid made = {
-        *grid, *error, fitting.IsCloseEnough(fit, valid_region)};
+        *grid, *error, fitting.IsWithinTolerance(fit, valid_region)};
     if (*best && !IsBetter(made, **best)) continue;
     *best = made;
     if (made.is_close && error->valid_region.AreAllAccurate() &&
@@ -239,7 +239,7 @@ std::optional<EvaluatedInverseGrid> FitInverseGrid(
       SearchCells({surface, near, around}, samples.valid_region, measure,
                   &best);
   }
-  if (best) best->error = *measure(best->grid, kManyPixels);
+  if (best) best->error = *measure(best->grid, kMaxPixels);
   return best;
 }
 
@@ -270,7 +270,7 @@ std::optional<std::vector<EvaluatedInverseGrid>> FitJointly(
     made.push_back(
         {*std::move(grid),
          {},
-         fittings[k].IsCloseEnough(fits[k], samples[k].valid_region)});
+         fittings[k].IsWithinTolerance(fits[k], samples[k].valid_region)});
   }
   return made;
 }
@@ -315,7 +315,7 @@ std::optional<std::vector<EvaluatedInverseGrid>> FitInverseGridsJointly(
     if (!made) continue;
     bool is_measured = true;
     for (size_t k = 0; k < made->size() && is_measured; ++k) {
-      const auto error = measure(k, (*made)[k].grid, kManyPixels);
+      const auto error = measure(k, (*made)[k].grid, kMaxPixels);
       is_measured = error.has_value();
       if (error) (*made)[k].error = *error;
     }

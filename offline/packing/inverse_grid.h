@@ -7,7 +7,7 @@
 
 #include "camera/bspline_surface.h"
 #include "camera/camera_uncertainty.h"
-#include "packing/narrow_grid.h"
+#include "packing/int16_grid.h"
 #include "packing/projection_error.h"
 #include "rg_blob.h"
 
@@ -16,7 +16,7 @@ namespace raygrid {
 /// An inverse grid's section and its control points.
 struct InverseGrid {
   rg_inverse_section section = {};
-  NarrowGrid points;
+  Int16Grid points;
 };
 
 /// Measures the runtime's projection with an inverse grid, on about max_pixels

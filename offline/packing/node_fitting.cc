@@ -13,7 +13,7 @@ constexpr int kFitCell = SourceMap::kCellSize;
 
 // Returns the sums over a cell with a source at every pixel. They are sums of
 // integers, and therefore exact.
-CellSums::Sources SumWholeCell(const SourceMap& map, int column, int row) {
+CellSums::Sources SumInteriorCell(const SourceMap& map, int column, int row) {
   CellSums::Sources sums;
   for (int axis = 0; axis < 2; ++axis) {
     double plain[kFitCell] = {}, by_y[kFitCell] = {};  // by column of the cell
@@ -53,7 +53,7 @@ PartialSums SumCell(const SourceMap& map, int column, int row) {
   return sums;
 }
 
-CellSums::Products WholeProducts() {
+CellSums::Products MakeInteriorProducts() {
   CellSums::Products products = CellSums::Products::Zero();
   for (int y = 0; y < kFitCell; ++y) {
     for (int x = 0; x < kFitCell; ++x) {
@@ -90,14 +90,14 @@ class BlockBasis {
   const std::vector<EvaluateBasis>& factors() const { return factors_; }
   int num_cells() const { return cells_; }  // along an edge
 
-  Nodes NodesOf(int i, int j) const {
+  Nodes GetBlockNodes(int i, int j) const {
     Nodes nodes;
     for (int k = 0; k < 4; ++k)
       nodes[k] = blocks_.VertexIndex(i + k % 2, j + k / 2);
     if constexpr (kNodes == 8) {
       for (int k = 0; k < 2; ++k) {
-        nodes[4 + k] = blocks_.LeftBend(i + 1, j + k);
-        nodes[6 + k] = blocks_.UpperBend(i + k, j + 1);
+        nodes[4 + k] = blocks_.LeftSagittaIndex(i + 1, j + k);
+        nodes[6 + k] = blocks_.UpperSagittaIndex(i + k, j + 1);
       }
     }
     return nodes;
@@ -159,7 +159,7 @@ class NodeEquations {
     const BlockBasis<kNodes> basis(blocks);
     normals_ = {Normal::Zero()};
     for (const EvaluateBasis& factors : basis.factors())
-      normals_[kWhole] += Product(factors, sums.whole_products());
+      normals_[kWhole] += Product(factors, sums.interior_products());
     for (int j = 0; j < blocks.rows; ++j)
       for (int i = 0; i < blocks.columns; ++i)
         if (blocks.IsUsed(i, j)) AddBlock(sums, basis, i, j);
@@ -224,7 +224,8 @@ class NodeEquations {
 
   void AddBlock(const CellSums& sums, const BlockBasis<kNodes>& basis, int i,
                 int j) {
-    Block block = {i, j, basis.NodesOf(i, j), BlockPositions::Zero(), kWhole};
+    Block block = {i, j, basis.GetBlockNodes(i, j), BlockPositions::Zero(),
+                   kWhole};
     const int cells = basis.num_cells();
     // The last block may extend beyond the last cell.
     const int columns = std::min(cells, sums.columns() - i * cells);
@@ -339,7 +340,8 @@ class NodeEquations {
 };
 
 NodePositions FitLeastSquares(const CellSums& sums, const Blocks& blocks) {
-  if (blocks.layout.IsBent()) return NodeEquations<8>(sums, blocks).Solve();
+  if (blocks.layout.HasCurvedEdges())
+    return NodeEquations<8>(sums, blocks).Solve();
   return NodeEquations<4>(sums, blocks).Solve();
 }
 
@@ -377,15 +379,15 @@ NodePositions Balance(const SourceMap& map, const Blocks& blocks,
     const Eigen::RowVector2d moved = (moves.row(a) + moves.row(b)) / 2;
     moves.row(bend) = lack(x, y, line + fitted.row(bend)) - moved;
   };
-  for (int j = 0; j <= blocks.rows && blocks.layout.IsBent(); ++j) {
+  for (int j = 0; j <= blocks.rows && blocks.layout.HasCurvedEdges(); ++j) {
     for (int i = 0; i <= blocks.columns; ++i) {
       const int x = i << blocks.size_log2(), y = j << blocks.size_log2();
       const int half = blocks.size() / 2, k = blocks.VertexIndex(i, j);
-      if (i > 0 && needed[blocks.LeftBend(i, j)])
-        balance(k - 1, k, blocks.LeftBend(i, j), x - half, y);
-      if (j > 0 && needed[blocks.UpperBend(i, j)])
-        balance(blocks.VertexIndex(i, j - 1), k, blocks.UpperBend(i, j), x,
-                y - half);
+      if (i > 0 && needed[blocks.LeftSagittaIndex(i, j)])
+        balance(k - 1, k, blocks.LeftSagittaIndex(i, j), x - half, y);
+      if (j > 0 && needed[blocks.UpperSagittaIndex(i, j)])
+        balance(blocks.VertexIndex(i, j - 1), k, blocks.UpperSagittaIndex(i, j),
+                x, y - half);
     }
   }
   return fitted + moves;
@@ -397,14 +399,14 @@ CellSums::CellSums(const SourceMap& map, int num_threads)
     : columns_(map.columns),
       rows_(map.rows),
       sources_(map.cells.size()),
-      products_({WholeProducts()}),
+      products_({MakeInteriorProducts()}),
       which_(map.cells.size(), kWhole) {
   std::vector<std::vector<Products>> partial(map.rows);
   ParallelFor(map.rows, num_threads, [&](int row) {
     for (int column = 0; column < map.columns; ++column) {
       const int k = row * columns_ + column;
       if (map.cells[k] == SourceMap::Cell::kWhole) {
-        sources_[k] = SumWholeCell(map, column, row);
+        sources_[k] = SumInteriorCell(map, column, row);
         continue;
       }
       const PartialSums sums = SumCell(map, column, row);

@@ -32,7 +32,7 @@ class CellSums {
   bool IsWhole(int column, int row) const {
     return which_[row * columns_ + column] == kWhole;
   }
-  const Products& whole_products() const { return products_[kWhole]; }
+  const Products& interior_products() const { return products_[kWhole]; }
 
  private:
   static constexpr int kWhole = 0;

@@ -9,8 +9,8 @@
 #include "camera/noncentral_generic.h"
 #include "dataset/fixed_operating_point.h"
 #include "dataset/parallel_for.h"
-#include "packing/blob_figures.h"
 #include "packing/blob_limits.h"
+#include "packing/blob_uncertainty.h"
 #include "packing/fitted_grids.h"
 #include "packing/inverse_grid.h"
 #include "packing/remap_sections.h"
@@ -61,7 +61,7 @@ void RequirePackable(const CameraModel& camera) {
 // Checked before tables are fitted, which takes time. A blob's other sections
 // are camera, grid, inverse grid and quality, and optional ones, such as a mask
 // if the camera may not be regular everywhere.
-void RequireFewTables(const CameraFile& file, const PackOptions& options) {
+void CheckTableLimit(const CameraFile& file, const PackOptions& options) {
   const bool has_modes =
       std::any_of(options.remaps.begin(), options.remaps.end(),
                   [](const RemapRequest& remap) { return remap.mode; });
@@ -110,9 +110,9 @@ std::optional<CameraUncertainty> UncertaintyWithin(
 // the reason; nullopt if no region is excluded.
 std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
                                                  const GridsToPack& made,
-                                                 double left_out_part,
+                                                 double excluded_fraction,
                                                  double max_error_px) {
-  if (left_out_part <= 0) return std::nullopt;
+  if (excluded_fraction <= 0) return std::nullopt;
   std::string why;
   if (task.region && !task.region->IsWhole())
     why = fmt::format(
@@ -127,7 +127,7 @@ std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
   return fmt::format(
       "{:.2g} % of the image is excluded by the validity mask: {}; remap "
       "tables contain the border value there",
-      100 * left_out_part, why);
+      100 * excluded_fraction, why);
 }
 
 // Packs a camera calibrated over several conditions. The operating-point model
@@ -212,13 +212,13 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
   const CameraModel& camera = *file.camera;
   const auto* lines = dynamic_cast<const NonCentralGeneric*>(&camera);
   RequirePackable(camera);
-  RequireFewTables(file, options);
+  CheckTableLimit(file, options);
   // The central camera with the directions of a non-central camera, which is
   // exact for distant scenes.
   const std::optional<CentralGeneric> far =
-      lines ? std::optional(CentralPart(camera)) : std::nullopt;
+      lines ? std::optional(MakeCentral(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const ValidityMask* own_valid_region =
+  const ValidityMask* stored_valid_region =
       file.uncertainty && file.uncertainty->mask.HasValidCells()
           ? &file.uncertainty->mask
           : nullptr;
@@ -250,22 +250,22 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
   contents.camera = &identity;
   const GridTask task = {central,
                          region.get(),
-                         own_valid_region,
+                         stored_valid_region,
                          stack,
-                         options.is_narrow_allowed,
+                         options.is_int16_allowed,
                          num_threads};
   const std::unique_ptr<BlobGrids> grids =
       FitBlobGrids(task, options.max_ray_error_px, &contents);
   const GridPoints& points = *grids->points;
-  const ValidityMask* valid_region = grids->made.ValidOr(own_valid_region);
+  const ValidityMask* valid_region = grids->made.ValidOr(stored_valid_region);
 
   PackedCamera packed;
   packed.unproject_error_px = points.error().px;
   packed.unproject_error_rad = points.error().rad;
-  packed.left_out_part =
-      PartOf(central, own_valid_region) - PartOf(central, valid_region);
+  packed.excluded_fraction =
+      PartOf(central, stored_valid_region) - PartOf(central, valid_region);
   if (const auto warning = WarnAboutExcludedArea(
-          task, grids->made, packed.left_out_part,
+          task, grids->made, packed.excluded_fraction,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
     packed.warnings.push_back(*warning);
   // Projects directions to pixels, also for non-central cameras.
@@ -316,8 +316,8 @@ PackingMetrics ComputePackingMetrics(const PackedCamera& packed) {
   return metrics;
 }
 
-PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
-                                const std::function<bool()>& should_stop) {
+PackedCamera PackSupportedSections(const CameraFile& file, int num_threads,
+                                   const std::function<bool()>& should_stop) {
   PackOptions options;
   options.num_threads = num_threads;
   options.should_stop = should_stop;
@@ -328,7 +328,8 @@ PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
     if (file.stack && error.code() != ExitCode::kNotConverged) {
       CameraFile alone = file;
       alone.stack.reset();
-      PackedCamera packed = PackSupportedParts(alone, num_threads, should_stop);
+      PackedCamera packed =
+          PackSupportedSections(alone, num_threads, should_stop);
       packed.warnings.push_back(
           fmt::format("contains only the camera at the centre of the range: {}",
                       error.what()));

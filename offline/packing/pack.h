@@ -72,7 +72,7 @@ struct PackOptions {
   /// Operating-point model in addition to the camera, which is its reference.
   /// nullopt: from the camera's file, if it has one.
   std::optional<OperatingPointSamples> stack;
-  bool is_narrow_allowed = true;  ///< whether 16-bit control points may be used
+  bool is_int16_allowed = true;  ///< whether 16-bit control points may be used
   int num_threads = 0;
   /// If it returns true, packing is aborted with Error(kNotConverged).
   std::function<bool()> should_stop = {};
@@ -84,11 +84,11 @@ struct PackedRemap {
   std::string mode;  ///< mode of its frames; empty: as calibrated
   bool distorts = false;
   /// Maximum source error for points at infinity, if the table is for a scene.
-  std::optional<double> far_error_px;
+  std::optional<double> distant_error_px;
   double error_px = 0;
   double chroma_error_px = 0;  ///< in chroma pixels
   int block_size = 0;
-  int part_size = 0;  ///< tile size of blocks with bends, otherwise block_size
+  int tile_size = 0;  ///< tile size of blocks with bends, otherwise block_size
 };
 
 /// A blob and the errors due to packing.
@@ -102,7 +102,7 @@ struct PackedCamera {
   std::vector<PackedRemap> remaps;
   /// Fraction of the calibrated and valid part of the image that is invalid in
   /// the blob, because the camera is not regular there, or no grid fits it.
-  double left_out_part = 0;
+  double excluded_fraction = 0;
   std::vector<std::string> warnings;  ///< such as missing sections
 };
 
@@ -124,8 +124,9 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 /// resolution of the image centre, or else of the calibrated area only.
 /// Warnings state why the table or the operating-point model is missing, or why
 /// there is no blob; such failures, and interruptions, do not throw.
-PackedCamera PackSupportedParts(const CameraFile& file, int num_threads,
-                                const std::function<bool()>& should_stop = {});
+PackedCamera PackSupportedSections(
+    const CameraFile& file, int num_threads,
+    const std::function<bool()>& should_stop = {});
 
 }  // namespace raygrid
 

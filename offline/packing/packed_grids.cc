@@ -20,7 +20,7 @@ bool IsWritable(const rg_blob_contents& contents) {
                        static_cast<uint32_t>(4 * words.size())) == RG_OK;
 }
 
-rg_narrow_grid PointsOf(const InverseGrid& grid) {
+rg_narrow_grid MakeControlPoints(const InverseGrid& grid) {
   rg_narrow_grid points = grid.points.section;
   points.residuals = grid.points.residuals.data();
   return points;
@@ -43,12 +43,12 @@ GridPoints::GridPoints(const std::vector<GridSection>& grids, bool is_allowed,
     : grids_(grids) {
   std::vector<ControlPoints> points;
   for (const GridSection& grid : grids) points.push_back(grid.control_points);
-  if (is_allowed) narrow_ = NarrowTogether(points);
+  if (is_allowed) narrow_ = QuantizeToInt16Together(points);
   if (narrow_)
-    for (NarrowGrid& narrow : *narrow_)
+    for (Int16Grid& narrow : *narrow_)
       narrow.section.residuals = narrow.residuals.data();
   if (!narrow_ || !Measure(truths, num_threads, contents) ||
-      error_.px > max_error_px || error_.rad > kMaxNarrowErrorRad) {
+      error_.px > max_error_px || error_.rad > kMaxInt16ErrorRad) {
     narrow_.reset();
     Measure(truths, num_threads, contents);
   }
@@ -78,7 +78,7 @@ InverseSections::InverseSections(
     go_on();
     rg_blob_contents measured = *contents;
     points.Point(k, &measured);
-    const rg_narrow_grid inverse_points = PointsOf(grid);
+    const rg_narrow_grid inverse_points = MakeControlPoints(grid);
     measured.inverse = &grid.section;
     measured.inverse_points = &inverse_points;
     return IsWritable(measured) ? std::optional(MeasureProjection(
@@ -98,7 +98,7 @@ InverseSections::InverseSections(
     inverses_ = *std::move(inverses);
   }
   for (const EvaluatedInverseGrid& inverse : inverses_)
-    points_.push_back(PointsOf(inverse.grid));
+    points_.push_back(MakeControlPoints(inverse.grid));
   if (inverses_.empty()) return;
   contents->inverse = &inverses_[0].grid.section;
   contents->inverse_points = &points_[0];

@@ -10,8 +10,8 @@
 #include "camera/bspline_surface.h"
 #include "camera/camera_uncertainty.h"
 #include "packing/blob_grid.h"
+#include "packing/int16_grid.h"
 #include "packing/inverse_grid.h"
-#include "packing/narrow_grid.h"
 #include "packing/unprojection_error.h"
 #include "rg_blob.h"
 
@@ -50,7 +50,7 @@ class GridPoints {
                rg_blob_contents* contents);
 
   const std::vector<GridSection>& grids_;
-  std::optional<std::vector<NarrowGrid>> narrow_;
+  std::optional<std::vector<Int16Grid>> narrow_;
   UnprojectionError error_ = {INFINITY, INFINITY};
 };
 

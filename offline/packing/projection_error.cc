@@ -37,7 +37,7 @@ ProjectionError MeasureProjection(const BlobCamera& blob,
   const std::unique_ptr<CameraModel> model = blob.ToModel();
   const BSplineSurface& surface = *model->DirectionGrid();
   const Area& area = surface.area();
-  const int handedness = FindDominantHandedness(surface);
+  const int handedness = ComputeDominantHandedness(surface);
   const int step = static_cast<int>(
       std::ceil(std::sqrt(area.width() * area.height() / max_pixels)));
   const std::vector<double> columns = Positions(area.x0, area.x1, step);

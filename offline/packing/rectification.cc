@@ -28,7 +28,7 @@ struct StereoBaseline {
   int direction = 0;
 };
 
-StereoBaseline FindBaseline(const Pose& second_from_first) {
+StereoBaseline ComputeBaseline(const Pose& second_from_first) {
   StereoBaseline baseline;
   baseline.in_first = second_from_first.Inverse().translation;
   baseline.in_second = second_from_first.rotation * baseline.in_first;
@@ -57,8 +57,9 @@ Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
 
 // Returns the fraction of the first camera's pixels that the second camera
 // observes, too, for points at infinity.
-double FarOverlap(const StereoCamera& first, const StereoCamera& second,
-                  const Eigen::Quaterniond& second_from_first) {
+double ComputeDistantOverlap(const StereoCamera& first,
+                             const StereoCamera& second,
+                             const Eigen::Quaterniond& second_from_first) {
   constexpr int kSteps = 48;
   constexpr double kRoundingPx = 1e-3;
   const Area& area = first.camera.area();
@@ -81,9 +82,9 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
                         const StereoBaseline& baseline,
                         const Eigen::Vector3d& mean_z,
                         const Rectification& pair) {
-  constexpr double kLeastBaselineM = 1e-6;
-  constexpr double kLeastFromAxisDeg = 30;
-  if (!(baseline.in_first.norm() > kLeastBaselineM))
+  constexpr double kMinBaselineM = 1e-6;
+  constexpr double kMinFromAxisDeg = 30;
+  if (!(baseline.in_first.norm() > kMinBaselineM))
     FailToRectify(first, second,
                   "have no baseline; choose cameras at different positions");
   if (pair.overlap == 0 || mean_z.norm() < 1e-9)
@@ -96,7 +97,7 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
       std::acos(std::min(1.0, std::abs(mean_z.normalized().dot(
                                   baseline.in_first.normalized())))) *
       180 / M_PI;
-  if (from_axis_deg < kLeastFromAxisDeg)
+  if (from_axis_deg < kMinFromAxisDeg)
     FailToRectify(first, second,
                   fmt::format("the baseline is only {:.0f} degrees from their "
                               "mean viewing direction, so the epipoles lie in "
@@ -117,11 +118,11 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
 // Narrows the view to a useful field, with the same centre: a pinhole stretches
 // the image fourfold at 60 degrees.
 VirtualView NarrowedToUse(const VirtualView& view) {
-  constexpr double kUsefulRad = 60 * M_PI / 180;
+  constexpr double kMaxHalfFovRad = 60 * M_PI / 180;
   const Eigen::Vector2d last(view.size.width - 1, view.size.height - 1);
   const double focal_px = view.focal_px.x();
-  const double least_px =
-      std::max(view.size.width, view.size.height) / 2.0 / std::tan(kUsefulRad);
+  const double least_px = std::max(view.size.width, view.size.height) / 2.0 /
+                          std::tan(kMaxHalfFovRad);
   if (focal_px >= least_px) return view;
   return MakeCentralView(view, view.size,
                          (last / 2 - view.center_px) / focal_px, least_px);
@@ -190,14 +191,15 @@ Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
   RequireValidView(view);
   const Pose second_from_first =
       second.camera_from_rig * first.camera_from_rig.Inverse();
-  const StereoBaseline baseline = FindBaseline(second_from_first);
+  const StereoBaseline baseline = ComputeBaseline(second_from_first);
   const Eigen::Vector3d second_z =
       second_from_first.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d mean_z = (Eigen::Vector3d::UnitZ() + second_z) / 2;
 
   Rectification pair;
   pair.angle_deg = std::acos(std::clamp(second_z.z(), -1.0, 1.0)) * 180 / M_PI;
-  pair.overlap = FarOverlap(first, second, second_from_first.rotation);
+  pair.overlap =
+      ComputeDistantOverlap(first, second, second_from_first.rotation);
   RequireRectifiable(first, second, baseline, mean_z, pair);
   pair.is_vertical = baseline.is_vertical;
   pair.baseline_m = baseline.in_first.norm();
@@ -215,7 +217,7 @@ Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
 }
 
 bool IsOrderReversed(const Pose& second_from_first) {
-  return FindBaseline(second_from_first).direction < 0;
+  return ComputeBaseline(second_from_first).direction < 0;
 }
 
 }  // namespace raygrid

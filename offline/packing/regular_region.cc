@@ -16,12 +16,12 @@ namespace {
 
 // The maximum number of cells along the longer side; cells have at least one
 // pixel.
-constexpr int kMostCells = 400;
+constexpr int kMaxCells = 400;
 // The tolerance for the projection of a pixel's ray.
 constexpr double kBackPx = 1e-5;
 // The minimum singular value of a Jacobian relative to a typical one; below it,
 // the distortion is about to fold.
-constexpr double kSingularPart = 0.02;
+constexpr double kMinScaleRatio = 0.02;
 // The tolerance between a pixel's rays to count as the same ray.
 constexpr double kSameRayRad = 1e-6;
 
@@ -42,7 +42,7 @@ double ComputeMinScale(const RayJacobian& J_ray) {
   return std::sqrt(std::max(0.0, half - root));
 }
 
-RegularRegion::Node FindNode(const CameraModel& camera, bool is_grid,
+RegularRegion::Node MakeNode(const CameraModel& camera, bool is_grid,
                              const Eigen::Vector2d& pixel) {
   RegularRegion::Node node;
   const auto ray = camera.Unproject(pixel);
@@ -69,14 +69,14 @@ RegularRegion::Node FindNode(const CameraModel& camera, bool is_grid,
 RegularRegion::RegularRegion(const CameraModel& camera, int num_threads)
     : camera_area_(camera.area()), area_(camera.area()) {
   const double step_px = std::max(
-      1.0, std::max(camera_area_.width(), camera_area_.height()) / kMostCells);
+      1.0, std::max(camera_area_.width(), camera_area_.height()) / kMaxCells);
   columns_ =
       1 +
       std::max(1, static_cast<int>(std::ceil(camera_area_.width() / step_px)));
   rows_ =
       1 +
       std::max(1, static_cast<int>(std::ceil(camera_area_.height() / step_px)));
-  FindNodes(camera, num_threads);
+  ComputeNodes(camera, num_threads);
   if (!camera.DirectionGrid()) ExcludeSingularNodes();
   KeepConnectedNodes(FirstNode(camera));
   Measure();
@@ -98,12 +98,12 @@ Area RegularRegion::CellArea(int i, int j) const {
   return {a.x(), a.y(), b.x(), b.y()};
 }
 
-void RegularRegion::FindNodes(const CameraModel& camera, int num_threads) {
+void RegularRegion::ComputeNodes(const CameraModel& camera, int num_threads) {
   nodes_.resize(static_cast<size_t>(columns_) * rows_);
   const bool is_grid = camera.DirectionGrid();
   ParallelFor(rows_, NumThreads(num_threads), [&](int j) {
     for (int k = j * columns_; k < (j + 1) * columns_; ++k)
-      nodes_[k] = FindNode(camera, is_grid, GetPixel(k));
+      nodes_[k] = MakeNode(camera, is_grid, GetPixel(k));
   });
 }
 
@@ -116,9 +116,9 @@ void RegularRegion::ExcludeSingularNodes() {
   const auto median =
       scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
   std::nth_element(scales.begin(), median, scales.end());
-  least_scale_ = kSingularPart * *median;
+  min_scale_ = kMinScaleRatio * *median;
   for (Node& node : nodes_)
-    if (!(ComputeMinScale(node.J_ray) >= least_scale_)) node.is_regular = false;
+    if (!(ComputeMinScale(node.J_ray) >= min_scale_)) node.is_regular = false;
 }
 
 // Returns the regular node nearest to the pixel on the optical axis, otherwise
@@ -184,9 +184,10 @@ void RegularRegion::Measure() {
       last_j = std::max(last_j, j + 1);
     }
   const int64_t num_cells = static_cast<int64_t>(columns_ - 1) * (rows_ - 1);
-  part_ = num_regular == num_cells ? 1
-                                   : static_cast<double>(num_regular) /
-                                         static_cast<double>(num_cells);
+  regular_fraction_ =
+      num_regular == num_cells
+          ? 1
+          : static_cast<double>(num_regular) / static_cast<double>(num_cells);
   if (num_regular == 0) return;
   const Eigen::Vector2d a = GetPixel(first_j * columns_ + first_i),
                         b = GetPixel(last_j * columns_ + last_i);
@@ -219,9 +220,9 @@ bool RegularRegion::IsRegularRay(const CameraModel& camera,
                                  const Eigen::Vector2d& pixel,
                                  const Eigen::Vector3d& ray) const {
   if (Contains(pixel)) return true;
-  const Node node = FindNode(camera, camera.DirectionGrid(), pixel);
+  const Node node = MakeNode(camera, camera.DirectionGrid(), pixel);
   return node.is_regular && (node.ray - ray).norm() <= kSameRayRad &&
-         (least_scale_ == 0 || ComputeMinScale(node.J_ray) >= least_scale_);
+         (min_scale_ == 0 || ComputeMinScale(node.J_ray) >= min_scale_);
 }
 
 bool RegularRegion::ContainsAmong(const std::vector<bool>& is_good,
@@ -272,8 +273,8 @@ bool RegularCamera::Linearize(const Eigen::Vector3d& point,
   return true;
 }
 
-std::unique_ptr<CameraModel> ExtractRegularPart(const CameraModel& camera,
-                                                int num_threads) {
+std::unique_ptr<CameraModel> ExtractRegularRegion(const CameraModel& camera,
+                                                  int num_threads) {
   if (!camera.IsCentral() || camera.DirectionGrid()) return camera.Clone();
   const auto region = std::make_shared<RegularRegion>(camera, num_threads);
   if (region->IsWhole() || region->IsEmpty()) return camera.Clone();

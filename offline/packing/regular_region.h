@@ -41,11 +41,11 @@ class RegularRegion {
   Eigen::Vector2d GetPixel(int node) const;
 
   /// IsWhole(): the entire area is regular. Part(): the regular fraction.
-  bool IsWhole() const { return part_ == 1; }
-  double Part() const { return part_; }
+  bool IsWhole() const { return regular_fraction_ == 1; }
+  double Part() const { return regular_fraction_; }
   /// Bounding rectangle, at the resolution of the lattice.
   const Area& area() const { return area_; }
-  bool IsEmpty() const { return part_ == 0; }
+  bool IsEmpty() const { return regular_fraction_ == 0; }
   /// Contains(): all corners of the pixel's cell are regular. Touches(): at
   /// least one is.
   bool Contains(const Eigen::Vector2d& pixel) const;
@@ -91,7 +91,7 @@ class RegularRegion {
            nodes_[k + columns_ + 1].is_regular;
   }
   Area CellArea(int i, int j) const;
-  void FindNodes(const CameraModel& camera, int num_threads);
+  void ComputeNodes(const CameraModel& camera, int num_threads);
   void ExcludeSingularNodes();
   int FirstNode(const CameraModel& camera) const;
   bool IsJump(int from, int to) const;
@@ -100,8 +100,8 @@ class RegularRegion {
 
   Area camera_area_, area_;
   int columns_ = 0, rows_ = 0;
-  double part_ = 0;
-  double least_scale_ = 0;  // minimum Jacobian scale, pixels per radian
+  double regular_fraction_ = 0;
+  double min_scale_ = 0;  // minimum Jacobian scale, pixels per radian
   std::vector<Node> nodes_;
 };
 
@@ -136,8 +136,8 @@ class RegularCamera : public CameraWrapper {
 
 /// Restricts a camera to its regular region; a copy if it is regular
 /// everywhere, a grid within the chart's range, or not central.
-std::unique_ptr<CameraModel> ExtractRegularPart(const CameraModel& camera,
-                                                int num_threads);
+std::unique_ptr<CameraModel> ExtractRegularRegion(const CameraModel& camera,
+                                                  int num_threads);
 
 }  // namespace raygrid
 

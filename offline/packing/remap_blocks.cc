@@ -9,18 +9,18 @@ Blocks SplitIntoBlocks(const SourceMap& map, const BlockLayout& layout) {
   blocks.rows = ((map.height - 1) >> layout.block_log2) + 1;
   blocks.used.assign(blocks.columns * blocks.rows, false);
   const int cells_log2 = layout.block_log2 - SourceMap::kCellLog2;
-  const auto block_of = [&](int column, int row) {
+  const auto get_block = [&](int column, int row) {
     return (row >> cells_log2) * blocks.columns + (column >> cells_log2);
   };
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       if (map.cell(column, row) >= SourceMap::Cell::kPartial &&
           !map.is_hidden[row * map.columns + column])
-        blocks.used[block_of(column, row)] = true;
+        blocks.used[get_block(column, row)] = true;
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       if (map.is_cut_off[row * map.columns + column])
-        blocks.used[block_of(column, row)] = false;
+        blocks.used[get_block(column, row)] = false;
   return blocks;
 }
 
@@ -32,10 +32,10 @@ std::vector<bool> FindRequiredNodes(const Blocks& blocks) {
       for (const int dj : {0, 1})
         for (const int di : {0, 1})
           needed[blocks.VertexIndex(i + di, j + dj)] = true;
-      if (!blocks.layout.IsBent()) continue;
+      if (!blocks.layout.HasCurvedEdges()) continue;
       for (const int d : {0, 1}) {
-        needed[blocks.LeftBend(i + 1, j + d)] = true;
-        needed[blocks.UpperBend(i + d, j + 1)] = true;
+        needed[blocks.LeftSagittaIndex(i + 1, j + d)] = true;
+        needed[blocks.UpperSagittaIndex(i + d, j + 1)] = true;
       }
     }
   }

@@ -13,8 +13,8 @@ struct BlockLayout {
   int block_log2 = 0;
   int part_log2 = 0;  ///< 0: straight edges
 
-  bool IsBent() const { return part_log2 != 0; }
-  int SmallestLog2() const { return IsBent() ? part_log2 : block_log2; }
+  bool HasCurvedEdges() const { return part_log2 != 0; }
+  int MinSizeLog2() const { return HasCurvedEdges() ? part_log2 : block_log2; }
 };
 
 /// The blocks of a table, and which of them have a source. The fitted nodes are
@@ -30,12 +30,14 @@ struct Blocks {
   int size() const { return 1 << layout.block_log2; }
   bool IsUsed(int i, int j) const { return used[j * columns + i]; }
   int num_vertices() const { return (columns + 1) * (rows + 1); }
-  int num_nodes() const { return num_vertices() * (layout.IsBent() ? 3 : 1); }
+  int num_nodes() const {
+    return num_vertices() * (layout.HasCurvedEdges() ? 3 : 1);
+  }
   int VertexIndex(int i, int j) const { return j * (columns + 1) + i; }
-  int LeftBend(int i, int j) const {
+  int LeftSagittaIndex(int i, int j) const {
     return num_vertices() + VertexIndex(i, j);
   }
-  int UpperBend(int i, int j) const {
+  int UpperSagittaIndex(int i, int j) const {
     return 2 * num_vertices() + VertexIndex(i, j);
   }
 };

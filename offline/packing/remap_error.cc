@@ -54,43 +54,43 @@ class TableErrors {
         blocks_(blocks),
         words_(EncodeSection(table)),
         num_threads_(num_threads),
-        part_(1 << blocks.layout.SmallestLog2()),
-        num_part_rows_((map.height + part_ - 1) / part_) {}
+        tile_size_(1 << blocks.layout.MinSizeLog2()),
+        num_tile_rows_((map.height + tile_size_ - 1) / tile_size_) {}
 
   // Returns the maximum PixelError; nullopt if it exceeds the limit. It is
   // first evaluated from the source map, then from the camera for candidates of
   // the maximum.
   std::optional<double> Worst(double limit_px) const {
-    std::vector<double> worst(num_part_rows_, 0);
+    std::vector<double> worst(num_tile_rows_, 0);
     std::atomic<bool> fails{false};
-    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+    ParallelFor(num_tile_rows_, num_threads_, [&](int j) {
       if (fails) return;
-      worst[j] = ComputeMaxErrorOfTileRow(j);
-      if (worst[j] - map_.max_deviation_px > limit_px) fails = true;
+      worst[j] = ComputeTileRowMaxError(j);
+      if (worst[j] - map_.max_stddev_px > limit_px) fails = true;
     });
     if (fails) return std::nullopt;
     const double about = *std::max_element(worst.begin(), worst.end());
-    const double enough = about - 2 * map_.max_deviation_px;
-    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+    const double enough = about - 2 * map_.max_stddev_px;
+    ParallelFor(num_tile_rows_, num_threads_, [&](int j) {
       worst[j] =
-          worst[j] >= enough ? ComputeExactMaxErrorOfTileRow(j, enough) : 0;
+          worst[j] >= enough ? ComputeExactTileRowMaxError(j, enough) : 0;
     });
     const double exact =
-        std::max(about - map_.max_deviation_px,
+        std::max(about - map_.max_stddev_px,
                  *std::max_element(worst.begin(), worst.end()));
     if (exact > limit_px) return std::nullopt;
     return exact;
   }
 
   // Returns whether the error of each tile exceeds the limit, row by row.
-  std::vector<bool> Beyond(double limit_px) const {
-    const int num_columns = (map_.width + part_ - 1) / part_;
+  std::vector<bool> FindBlocksAbove(double limit_px) const {
+    const int num_columns = (map_.width + tile_size_ - 1) / tile_size_;
     std::vector<uint8_t> is_beyond(
-        static_cast<size_t>(num_columns) * num_part_rows_, 0);
-    ParallelFor(num_part_rows_, num_threads_, [&](int j) {
+        static_cast<size_t>(num_columns) * num_tile_rows_, 0);
+    ParallelFor(num_tile_rows_, num_threads_, [&](int j) {
       ForEachTileError(j, [&](int x0, double error_px) {
-        is_beyond[j * num_columns + x0 / part_] =
-            error_px + map_.max_deviation_px > limit_px;
+        is_beyond[j * num_columns + x0 / tile_size_] =
+            error_px + map_.max_stddev_px > limit_px;
       });
     });
     return {is_beyond.begin(), is_beyond.end()};
@@ -101,10 +101,10 @@ class TableErrors {
   template <typename Visit>
   void ForEachTile(int j, const Visit& visit) const {
     const auto* section = reinterpret_cast<const uint8_t*>(words_.data());
-    const int log2 = blocks_.layout.SmallestLog2();
+    const int log2 = blocks_.layout.MinSizeLog2();
     rg_tile_row parts;
     rg_init_tile_row(section, log2, log2, j, &parts);
-    for (int x = 0; x < map_.width; x += part_) {
+    for (int x = 0; x < map_.width; x += tile_size_) {
       rg_block block;
       rg_next_block(&parts, &block);
       if (!parts.is_empty) visit(x, block);
@@ -115,10 +115,10 @@ class TableErrors {
   template <typename Visit>
   void ForEachPixel(int x0, int y0, const rg_block& block,
                     const Visit& visit) const {
-    for (int y = y0; y < std::min(y0 + part_, map_.height); ++y) {
+    for (int y = y0; y < std::min(y0 + tile_size_, map_.height); ++y) {
       rg_block_row row;
       rg_compute_block_row(&block, y - y0, &row);
-      for (int x = x0; x < std::min(x0 + part_, map_.width); ++x) {
+      for (int x = x0; x < std::min(x0 + tile_size_, map_.width); ++x) {
         const rg_position p = rg_row_position(&row, x - x0);
         visit(x, y,
               Eigen::Vector2d(p.q12[0] / kPositionUnits,
@@ -129,7 +129,8 @@ class TableErrors {
 
   bool IsWhole(int x0, int y0) const {
     constexpr int kLog2 = SourceMap::kCellLog2;
-    const int column = x0 >> kLog2, row = y0 >> kLog2, num = part_ >> kLog2;
+    const int column = x0 >> kLog2, row = y0 >> kLog2,
+              num = tile_size_ >> kLog2;
     if (column + num > map_.columns || row + num > map_.rows) return false;
     for (int j = row; j < row + num; ++j)
       for (int i = column; i < column + num; ++i)
@@ -141,34 +142,34 @@ class TableErrors {
   template <typename Visit>
   void ForEachTileError(int j, const Visit& visit) const {
     ForEachTile(j, [&](int x0, const rg_block& block) {
-      const int y0 = j * part_;
+      const int y0 = j * tile_size_;
       if (IsWhole(x0, y0)) {
-        visit(x0, ComputeMaxErrorOfTile(x0, y0, block));
+        visit(x0, ComputeTileMaxError(x0, y0, block));
         return;
       }
       double worst = 0;
       ForEachPixel(x0, y0, block,
                    [&](int x, int y, const Eigen::Vector2d& position) {
-                     worst = std::max(worst, ErrorByMap(x, y, position));
+                     worst = std::max(worst, ComputeMapError(x, y, position));
                    });
       visit(x0, worst);
     });
   }
 
-  double ComputeMaxErrorOfTileRow(int j) const {
+  double ComputeTileRowMaxError(int j) const {
     double worst = 0;
     ForEachTileError(
         j, [&](int, double error_px) { worst = std::max(worst, error_px); });
     return worst;
   }
 
-  double ErrorByMap(int x, int y, const Eigen::Vector2d& position) const {
+  double ComputeMapError(int x, int y, const Eigen::Vector2d& position) const {
     const auto source =
         map_.IsKnown(x, y) ? std::optional(map_.At(x, y)) : std::nullopt;
     if (!source && output_.is_free_where_unseen &&
         !output_.direction(Eigen::Vector2d(x, y)))
       return 0;
-    return PixelError(map_.rectangle, source, map_.max_deviation_px, position);
+    return PixelError(map_.rectangle, source, map_.max_stddev_px, position);
   }
   double ExactError(int x, int y, const Eigen::Vector2d& position) const {
     const auto source = map_.IsKnown(x, y)
@@ -179,18 +180,18 @@ class TableErrors {
 
   // Returns the maximum error of a tile whose pixels all have sources in the
   // rectangle.
-  double ComputeMaxErrorOfTile(int x0, int y0, const rg_block& block) const {
+  double ComputeTileMaxError(int x0, int y0, const rg_block& block) const {
     constexpr int kLanes = SourceMap::kCellSize;
     using Integers = Eigen::Array<int32_t, kLanes, 1>;
     using Floats = Eigen::Array<float, kLanes, 1>;
     constexpr int kUnit = SourceMap::kUnitsPerPx / 4096;
     const Integers count = Integers::LinSpaced(0, kLanes - 1);
     Floats worst = Floats::Zero();
-    for (int r = 0; r < part_; ++r) {
+    for (int r = 0; r < tile_size_; ++r) {
       rg_block_row row;
       rg_compute_block_row(&block, r, &row);
       const size_t first = map_.Index(x0, y0 + r);
-      for (int k = 0; k < part_; k += kLanes) {
+      for (int k = 0; k < tile_size_; k += kLanes) {
         Floats square = Floats::Zero();
         for (int axis = 0; axis < 2; ++axis) {
           const int32_t step = row.step.q12[axis] * kUnit;
@@ -207,12 +208,12 @@ class TableErrors {
   }
 
   // Returns the maximum error of a row of tiles, over pixels above a threshold.
-  double ComputeExactMaxErrorOfTileRow(int j, double enough) const {
+  double ComputeExactTileRowMaxError(int j, double enough) const {
     double worst = 0;
     ForEachTile(j, [&](int x0, const rg_block& block) {
-      ForEachPixel(x0, j * part_, block,
+      ForEachPixel(x0, j * tile_size_, block,
                    [&](int x, int y, const Eigen::Vector2d& position) {
-                     if (ErrorByMap(x, y, position) >= enough)
+                     if (ComputeMapError(x, y, position) >= enough)
                        worst = std::max(worst, ExactError(x, y, position));
                    });
     });
@@ -224,14 +225,14 @@ class TableErrors {
   const SourceMap& map_;
   const Blocks& blocks_;
   const std::vector<uint32_t> words_;
-  const int num_threads_, part_, num_part_rows_;
+  const int num_threads_, tile_size_, num_tile_rows_;
 };
 
 // Returns the maximum error of a chroma component, from the source map: the
 // source of a sample is the mean of those of its output pixels.
-double ComputeMaxErrorOfChroma(const SourceMap& map,
-                               const std::vector<uint32_t>& words,
-                               const rg_component& lattice, int num_threads) {
+double ComputeChromaMaxError(const SourceMap& map,
+                             const std::vector<uint32_t>& words,
+                             const rg_component& lattice, int num_threads) {
   const auto* section = reinterpret_cast<const uint8_t*>(words.data());
   const uint32_t width_log2 = rg_tile_log2(section, &lattice, 0);
   const uint32_t height_log2 = rg_tile_log2(section, &lattice, 1);
@@ -251,8 +252,8 @@ double ComputeMaxErrorOfChroma(const SourceMap& map,
     }
     return (sum / (num_x * num_y) - half).cwiseQuotient(unit);
   };
-  const int part_height = 1 << height_log2;
-  std::vector<double> worst((map.height + part_height - 1) / part_height, 0);
+  const int tile_height = 1 << height_log2;
+  std::vector<double> worst((map.height + tile_height - 1) / tile_height, 0);
   ParallelFor(static_cast<int>(worst.size()), num_threads, [&](int j) {
     rg_tile_row parts;
     rg_init_tile_row(section, width_log2, height_log2, j, &parts);
@@ -266,7 +267,7 @@ double ComputeMaxErrorOfChroma(const SourceMap& map,
         rg_compute_block_row(&block, r, &row);
         for (int k = 0; k < 1 << block.width_log2; ++k) {
           const auto exact =
-              source(x0 + num_x * k, j * part_height + num_y * r);
+              source(x0 + num_x * k, j * tile_height + num_y * r);
           if (!exact) continue;
           const rg_position p = rg_row_position(&row, k);
           worst[j] = std::max(
@@ -299,7 +300,7 @@ std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        const RemapTable& table, double limit_px,
                                        int num_threads) {
   return TableErrors(camera, output, map, blocks, table, num_threads)
-      .Beyond(limit_px);
+      .FindBlocksAbove(limit_px);
 }
 
 double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
@@ -310,7 +311,7 @@ double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
     rg_component lattice;
     rg_get_component(format, 1, &lattice);
     worst = std::max(worst,
-                     ComputeMaxErrorOfChroma(map, words, lattice, num_threads));
+                     ComputeChromaMaxError(map, words, lattice, num_threads));
   }
   return worst;
 }
@@ -338,7 +339,7 @@ double ComputeMinRemapError(const SourceMap& map, int part_log2) {
     }
   }
   // Subtracts the effect of rounding a row's step.
-  const double rounding_px = half / kPositionUnits + map.max_deviation_px;
+  const double rounding_px = half / kPositionUnits + map.max_stddev_px;
   return worst - rounding_px;
 }
 

@@ -91,13 +91,13 @@ void HideCells(const Shows& shows, SourceMap* map) {
   constexpr int kCell = SourceMap::kCellSize;
   for (int row = 0; row < map->rows; ++row) {
     for (int column = 0; column < map->columns; ++column) {
-      bool is_shown = false;
-      for (int k = 0; k < kCell * kCell && !is_shown; ++k) {
+      bool is_visible = false;
+      for (int k = 0; k < kCell * kCell && !is_visible; ++k) {
         const int x = column * kCell + k % kCell, y = row * kCell + k / kCell;
-        is_shown = x < map->width && y < map->height && map->IsKnown(x, y) &&
-                   shows(x, y);
+        is_visible = x < map->width && y < map->height && map->IsKnown(x, y) &&
+                     shows(x, y);
       }
-      map->is_hidden[row * map->columns + column] = !is_shown;
+      map->is_hidden[row * map->columns + column] = !is_visible;
     }
   }
 }
@@ -116,7 +116,7 @@ struct MappedInput {
       : input(table),
         map(MakeMap(table, num_threads)),
         sums(map, num_threads),
-        has_hidden(HasTrue(map.is_hidden) || HasTrue(map.is_cut_off)) {}
+        has_hidden(AnyTrue(map.is_hidden) || AnyTrue(map.is_cut_off)) {}
 
   const TableInput& input;
   const SourceMap map;
@@ -124,7 +124,7 @@ struct MappedInput {
   const bool has_hidden;
 
  private:
-  static bool HasTrue(const std::vector<bool>& cells) {
+  static bool AnyTrue(const std::vector<bool>& cells) {
     return std::find(cells.begin(), cells.end(), true) != cells.end();
   }
   static SourceMap MakeMap(const TableInput& table, int num_threads) {
@@ -186,13 +186,13 @@ int ExcludeOutOfRangeBlocks(const NodePositions& nodes, double max_error_px,
   int num_left_out = 0;
   for (int j = 0; j < blocks->rows; ++j)
     for (int i = 0; i < blocks->columns; ++i) {
-      bool is_in_reach = true;
+      bool is_in_range = true;
       for (int corner = 0; corner < 4; ++corner)
-        is_in_reach &=
+        is_in_range &=
             nodes.row(blocks->VertexIndex(i + corner % 2, j + corner / 2))
                 .cwiseAbs()
                 .maxCoeff() <= reach_px;
-      if (is_in_reach || !blocks->IsUsed(i, j)) continue;
+      if (is_in_range || !blocks->IsUsed(i, j)) continue;
       blocks->used[j * blocks->columns + i] = false;
       ++num_left_out;
     }
@@ -210,9 +210,9 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
   std::vector<NodePositions> nodes;
   for (size_t t = 0; t < inputs.size(); ++t) {
     nodes.push_back(FitNodes(inputs[t]->map, inputs[t]->sums, own[t]));
-    tables[t].num_out_of_reach =
+    tables[t].num_out_of_range =
         ExcludeOutOfRangeBlocks(nodes[t], max_error_px, &own[t]);
-    if (tables[t].num_out_of_reach == 0) continue;
+    if (tables[t].num_out_of_range == 0) continue;
     if (own[t].layout.block_log2 > kMaxHidingLog2) return std::nullopt;
     nodes[t] = FitNodes(inputs[t]->map, inputs[t]->sums, own[t]);
   }
@@ -225,7 +225,7 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
   }
   for (size_t t = 0; t < inputs.size(); ++t) ContinueNodes(all, own, t, &nodes);
   if (!QuantizeVertices(all, nodes, &tables) ||
-      !QuantizeBends(all, nodes, &tables))
+      !QuantizeSagittas(all, nodes, &tables))
     return std::nullopt;
   return tables;
 }
@@ -306,7 +306,7 @@ std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
     bool are_good = true;
     for (size_t t = 0; t < inputs.size(); ++t) {
       go_on();
-      tables[t].num_out_of_reach += before[t].num_out_of_reach;
+      tables[t].num_out_of_range += before[t].num_out_of_range;
       tables[t].num_rough = static_cast<int>(num_rough);
       are_good &= MeasureTable(*inputs[t], own[t], max_error_px, INFINITY,
                                num_threads, &tables[t]);
@@ -339,7 +339,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
     const bool is_last = &layout == std::end(kLayouts) - 1;
     if (!is_last &&
         std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) {
-          return ComputeMinRemapError(input->map, layout.SmallestLog2()) >
+          return ComputeMinRemapError(input->map, layout.MinSizeLog2()) >
                  max_error_px;
         }))
       continue;

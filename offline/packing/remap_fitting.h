@@ -23,7 +23,7 @@ struct RemapTable {
   /// edges of their sources.
   double max_chroma_error_px = 0;
   /// Number of border blocks with a vertex outside the format's range.
-  int num_out_of_reach = 0;
+  int num_out_of_range = 0;
   /// Number of blocks that are border because even the smallest blocks exceed
   /// the error limit.
   int num_rough = 0;

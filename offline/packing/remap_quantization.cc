@@ -104,14 +104,14 @@ std::vector<double> ResidualsQ12(const Blocks& blocks,
 
 }  // namespace
 
-bool QuantizeBends(const Blocks& blocks,
-                   const std::vector<NodePositions>& nodes,
-                   std::vector<RemapTable>* tables) {
+bool QuantizeSagittas(const Blocks& blocks,
+                      const std::vector<NodePositions>& nodes,
+                      std::vector<RemapTable>* tables) {
   for (RemapTable& table : *tables) {
     table.bends.clear();
     table.section.bend_shift = 0;
   }
-  if (!blocks.layout.IsBent()) return true;
+  if (!blocks.layout.HasCurvedEdges()) return true;
   const std::vector<bool> needed = FindRequiredNodes(blocks);
   const double unit = kVertexUnits * std::ldexp(4, blocks.layout.part_log2 -
                                                        blocks.size_log2());
@@ -130,7 +130,8 @@ bool QuantizeBends(const Blocks& blocks,
     table.section.bend_shift = static_cast<uint8_t>(shift);
     for (int j = 0; j <= blocks.rows; ++j)
       for (int i = 0; i <= blocks.columns; ++i)
-        for (const int bend : {blocks.LeftBend(i, j), blocks.UpperBend(i, j)})
+        for (const int bend :
+             {blocks.LeftSagittaIndex(i, j), blocks.UpperSagittaIndex(i, j)})
           for (int c = 0; c < 2; ++c)
             table.bends.push_back(static_cast<int8_t>(
                 std::lround(value(t, bend, c) / (1 << shift))));

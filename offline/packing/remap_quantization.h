@@ -19,9 +19,9 @@ bool QuantizeVertices(const Blocks& blocks,
 /// Quantizes the tables' bends to 8 bits, as 4 / N of the bend of an edge of N
 /// tiles, with the smallest shift for which all tables fit. Returns false if
 /// there is none.
-bool QuantizeBends(const Blocks& blocks,
-                   const std::vector<NodePositions>& nodes,
-                   std::vector<RemapTable>* tables);
+bool QuantizeSagittas(const Blocks& blocks,
+                      const std::vector<NodePositions>& nodes,
+                      std::vector<RemapTable>* tables);
 
 }  // namespace raygrid
 

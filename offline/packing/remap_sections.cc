@@ -6,7 +6,7 @@
 
 #include "camera/equivalent_central_camera.h"
 #include "dataset/error.h"
-#include "packing/blob_figures.h"
+#include "packing/blob_uncertainty.h"
 #include "packing/view_request.h"
 
 namespace raygrid {
@@ -30,7 +30,7 @@ std::vector<RemapTable> FitDefaultTables(
     }
   try {
     std::vector<RemapTable> tables = FitRemapTables(
-        cameras, MakeViewOfArea(camera), max_error_px, num_threads, go_on);
+        cameras, MakeAreaView(camera), max_error_px, num_threads, go_on);
     warnings->push_back(
         "the undistortion table is limited to the calibrated area, which is "
         "far off the optical axis");
@@ -46,9 +46,9 @@ std::vector<RemapTable> FitDefaultTables(
 
 // Returns the camera of a table's source frames: for a non-central one, the
 // central approximation for the requested scene.
-std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
-                                             const NonCentralGeneric* lines,
-                                             const RemapRequest& request) {
+std::unique_ptr<CameraModel> MakeRequestCamera(const CameraModel& central,
+                                               const NonCentralGeneric* lines,
+                                               const RemapRequest& request) {
   std::unique_ptr<CameraModel> camera = central.Clone();
   if (lines && request.scene)
     camera = std::make_unique<EquivalentCentralCamera>(*lines, *request.scene);
@@ -59,8 +59,8 @@ std::unique_ptr<CameraModel> CameraOfRequest(const CameraModel& central,
 
 // Returns the maximum distance in pixels between two cameras' projections of a
 // view's rays, at every eighth pixel.
-double FarError(const CameraModel& near, const CameraModel& far,
-                const VirtualView& view) {
+double ComputeMaxDistantError(const CameraModel& near, const CameraModel& far,
+                              const VirtualView& view) {
   constexpr int kStep = 8;
   double worst_px = 0;
   for (int y = 0; y < view.size.height; y += kStep) {
@@ -75,14 +75,14 @@ double FarError(const CameraModel& near, const CameraModel& far,
 }
 
 // Returns the pixels of frames of a mode, or as calibrated, in valid cells.
-PixelFilter FindValidPixels(const ValidityMask& valid_region,
-                            const std::optional<SensorMode>& mode) {
+PixelFilter MakeValidPixelFilter(const ValidityMask& valid_region,
+                                 const std::optional<SensorMode>& mode) {
   return [&valid_region, mode](const Eigen::Vector2d& pixel) {
     return valid_region.IsValidAt(mode ? mode->ToCalibrated(pixel) : pixel);
   };
 }
 
-double PercentOfPicture(const RemapTable& table) {
+double ComputeImagePercent(const RemapTable& table) {
   const double side = 1 << table.section.block_log2;
   return 100 * table.num_rough * side * side /
          (static_cast<double>(table.section.width) * table.section.height);
@@ -99,8 +99,9 @@ std::vector<RemapTable> FitTables(
        bound_px = std::min(2 * bound_px, kMaxPx)) {
     try {
       return fit(sources, request.view, bound_px, num_threads, go_on,
-                 valid_region ? FindValidPixels(*valid_region, request.mode)
-                              : PixelFilter(),
+                 valid_region
+                     ? MakeValidPixelFilter(*valid_region, request.mode)
+                     : PixelFilter(),
                  options.is_table_bound_soft && bound_px < kMaxPx
                      ? RoughBlocks::kRefuse
                      : RoughBlocks::kLeaveOut);
@@ -128,14 +129,14 @@ void RemapSections::Fit(const std::vector<const CameraModel*>& cameras,
     std::vector<std::unique_ptr<CameraModel>> sources;
     std::vector<const CameraModel*> pointers;
     for (const CameraModel* camera : cameras) {
-      sources.push_back(CameraOfRequest(*camera, lines, request));
+      sources.push_back(MakeRequestCamera(*camera, lines, request));
       pointers.push_back(sources.back().get());
     }
     packed->remaps.push_back(Add(
         FitTables(pointers, request, options, valid_region, num_threads, go_on),
         request.mode));
     packed->remaps.back().distorts = request.distorts;
-    WarnAboutReach(packed);
+    WarnAboutOutOfRange(packed);
     if (packed->remaps.back().error_px > options.max_error_px)
       packed->warnings.push_back(
           fmt::format("table {}: error up to {:.2g} px exceeds {} px even "
@@ -143,16 +144,16 @@ void RemapSections::Fit(const std::vector<const CameraModel*>& cameras,
                       tables_.size() - 1, packed->remaps.back().error_px,
                       options.max_error_px));
     if (lines && request.scene)
-      packed->remaps.back().far_error_px =
-          FarError(*sources[0], *CameraOfRequest(*cameras[0], nullptr, request),
-                   request.view);
+      packed->remaps.back().distant_error_px = ComputeMaxDistantError(
+          *sources[0], *MakeRequestCamera(*cameras[0], nullptr, request),
+          request.view);
   }
   if (!options.has_default_remap) return;
   std::vector<RemapTable> tables = FitDefaultTables(
       cameras, options.max_error_px, num_threads, go_on, &packed->warnings);
   if (tables.empty()) return;
   packed->remaps.push_back(Add(std::move(tables)));
-  WarnAboutReach(packed);
+  WarnAboutOutOfRange(packed);
 }
 
 void RemapSections::AddTo(rg_blob_contents* contents) {
@@ -177,14 +178,14 @@ void RemapSections::AddTo(rg_blob_contents* contents) {
   contents->num_modes = static_cast<uint32_t>(modes_.size());
 }
 
-void RemapSections::WarnAboutReach(PackedCamera* packed) const {
+void RemapSections::WarnAboutOutOfRange(PackedCamera* packed) const {
   const RemapTable& table = tables_.back().front();
-  if (table.num_out_of_reach > 0)
+  if (table.num_out_of_range > 0)
     packed->warnings.push_back(fmt::format(
         "table {}: {} blocks of {} px at the image edge are filled with the "
         "border value, because their source positions exceed 8192 px; use a "
         "table for smaller frames (--mode)",
-        tables_.size() - 1, table.num_out_of_reach,
+        tables_.size() - 1, table.num_out_of_range,
         1 << table.section.block_log2));
   if (table.num_rough > 0)
     packed->warnings.push_back(fmt::format(
@@ -192,7 +193,7 @@ void RemapSections::WarnAboutReach(PackedCamera* packed) const {
         "with the border value, because their distortion cannot be represented "
         "within {} px; increase --max-error-px",
         tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
-        PercentOfPicture(table), table.section.bound_upx * 1e-6));
+        ComputeImagePercent(table), table.section.bound_upx * 1e-6));
 }
 
 PackedRemap RemapSections::Add(std::vector<RemapTable> tables,
@@ -200,7 +201,7 @@ PackedRemap RemapSections::Add(std::vector<RemapTable> tables,
   if (mode) {
     for (RemapTable& each : tables) {
       each.section.has_view = 1;
-      each.section.mode = NumberOfMode(*mode);
+      each.section.mode = GetModeNumber(*mode);
     }
   }
   const RemapTable& table = tables.front();
@@ -212,7 +213,7 @@ PackedRemap RemapSections::Add(std::vector<RemapTable> tables,
   packed.error_px = table.max_error_px;
   packed.chroma_error_px = table.max_chroma_error_px;
   packed.block_size = block_size;
-  packed.part_size = s.part_log2 != 0 ? 1 << s.part_log2 : block_size;
+  packed.tile_size = s.part_log2 != 0 ? 1 << s.part_log2 : block_size;
   for (const RemapTable& each : tables) {
     packed.error_px = std::max(packed.error_px, each.max_error_px);
     packed.chroma_error_px =
@@ -222,7 +223,7 @@ PackedRemap RemapSections::Add(std::vector<RemapTable> tables,
   return packed;
 }
 
-uint8_t RemapSections::NumberOfMode(const SensorMode& mode) {
+uint8_t RemapSections::GetModeNumber(const SensorMode& mode) {
   const std::string name = FormatPadded("mode", mode.name);
   const auto found = std::find(mode_names_.begin(), mode_names_.end(), name);
   const auto number = found - mode_names_.begin() + 1;

@@ -36,12 +36,12 @@ class RemapSections {
 
  private:
   // Warns about blocks of the last table that are out of range or inaccurate.
-  void WarnAboutReach(PackedCamera* packed) const;
+  void WarnAboutOutOfRange(PackedCamera* packed) const;
   // Adds tables of each camera.
   PackedRemap Add(std::vector<RemapTable> tables,
                   const std::optional<SensorMode>& mode = std::nullopt);
   // Returns the index of the mode in the section of modes, counted from 1.
-  uint8_t NumberOfMode(const SensorMode& mode);
+  uint8_t GetModeNumber(const SensorMode& mode);
 
   std::vector<std::vector<RemapTable>> tables_;  // by request, then camera
   std::vector<rg_mode_section> modes_;

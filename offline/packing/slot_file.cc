@@ -15,7 +15,7 @@ namespace {
 constexpr char kErased = '\xff';
 constexpr char kSlotMagic[] = "RGSLOTS";  // with the terminating zero
 
-std::vector<uint32_t> AlignedWords(const std::string& bytes) {
+std::vector<uint32_t> CopyAligned(const std::string& bytes) {
   std::vector<uint32_t> words((bytes.size() + 3) / 4);
   std::memcpy(words.data(), bytes.data(), bytes.size());
   return words;
@@ -42,7 +42,7 @@ bool MayBeSlotAt(const std::string& bytes, size_t at) {
 
 // Returns the reason why the runtime or the host rejects a blob.
 std::string CheckBlob(const std::string& blob) {
-  const std::vector<uint32_t> words = AlignedWords(blob);
+  const std::vector<uint32_t> words = CopyAligned(blob);
   const auto size = static_cast<uint32_t>(blob.size());
   rg_camera camera;
   rg_blob opened;
@@ -54,7 +54,7 @@ std::string CheckBlob(const std::string& blob) {
 BlobSlot ReadSlot(const std::string& bytes) {
   BlobSlot slot = {};
   slot.is_erased = bytes.find_first_not_of(kErased) == std::string::npos;
-  const std::vector<uint32_t> words = AlignedWords(bytes);
+  const std::vector<uint32_t> words = CopyAligned(bytes);
   rg_slot found;
   slot.is_whole =
       rg_select_slot(words.data(), nullptr, static_cast<uint32_t>(bytes.size()),
@@ -75,9 +75,10 @@ std::optional<uint32_t> FindNewest(const std::array<BlobSlot, 2>& slots,
   const bool first = admits(slots[0]), second = admits(slots[1]);
   if (!first && !second) return std::nullopt;
   if (!first || !second) return second ? 1 : 0;
-  constexpr uint32_t kHalfOfAll = 1u << 31;  // sequence numbers wrap around
+  constexpr uint32_t kHalfSequenceRange =
+      1u << 31;  // sequence numbers wrap around
   const uint32_t ahead = slots[1].sequence - slots[0].sequence;
-  return ahead != 0 && ahead < kHalfOfAll ? 1 : 0;
+  return ahead != 0 && ahead < kHalfSequenceRange ? 1 : 0;
 }
 
 std::string MakeSlotHeader(const std::string& blob, uint32_t sequence) {

@@ -13,7 +13,7 @@ constexpr int kCell = SourceMap::kCellSize;
 // samples on both sides.
 constexpr double kMarginPx = 1.5;
 // The interpolation error above which the camera model is evaluated.
-constexpr double kMaxDeviationPx = 2e-3;
+constexpr double kMaxInterpolationErrorPx = 2e-3;
 constexpr double kRoundingPx = 1.0 / SourceMap::kUnitsPerPx;  // at most
 
 Area SourceRectangle(const CameraModel& camera) {
@@ -57,7 +57,7 @@ class Lattice {
     StartFromSources();
     Spread();
     AddNeighbors();
-    FindDeviations();
+    ComputeInterpolationErrors();
   }
 
   // The upper left corner of a cell; NaN without a source.
@@ -68,7 +68,7 @@ class Lattice {
     return points_[Index(column + kRing, row + kRing)].is_seen;
   }
   // Returns the maximum interpolation error near a corner; NaN if unknown.
-  double Deviation(int column, int row) const {
+  double GetInterpolationError(int column, int row) const {
     return points_[Index(column + kRing, row + kRing)].deviation;
   }
 
@@ -97,7 +97,7 @@ class Lattice {
     if (source) point.source = *source;
   }
 
-  void MarkSeen(int index) {
+  void MarkVisible(int index) {
     if (points_[index].is_seen) return;
     points_[index].is_seen = true;
     seen_.push_back(index);
@@ -116,7 +116,7 @@ class Lattice {
       const int index = Index(static_cast<int>(cell.x()) + corner % 2,
                               static_cast<int>(cell.y()) + corner / 2);
       Try(index, &source);
-      MarkSeen(index);
+      MarkVisible(index);
     }
   }
 
@@ -137,7 +137,7 @@ class Lattice {
       const int index =
           Index(k % 3 * (columns_ - 1) / 2, k / 3 * (rows_ - 1) / 2);
       Try(index, nullptr);
-      if (rectangle_.Contains(points_[index].source)) MarkSeen(index);
+      if (rectangle_.Contains(points_[index].source)) MarkVisible(index);
     }
   }
 
@@ -151,15 +151,15 @@ class Lattice {
   }
 
   void Spread() {
-    for (; num_spread_ < seen_.size(); ++num_spread_) {
-      const Eigen::Vector2d from = points_[seen_[num_spread_]].source;
+    for (; num_propagated_ < seen_.size(); ++num_propagated_) {
+      const Eigen::Vector2d from = points_[seen_[num_propagated_]].source;
       if (!from.allFinite()) continue;
-      ForEachNeighbor(seen_[num_spread_], 1, [&](int index) {
+      ForEachNeighbor(seen_[num_propagated_], 1, [&](int index) {
         Try(index, &from);
         // Accepts points that approach the rectangle.
         const Eigen::Vector2d& source = points_[index].source;
         if (rectangle_.Contains(source, (source - from).norm()))
-          MarkSeen(index);
+          MarkVisible(index);
       });
     }
   }
@@ -175,7 +175,7 @@ class Lattice {
   // Estimates the interpolation error: for constant fourth derivatives, cubic
   // interpolation between points with a fourth difference d has an error of at
   // most 3/128 d. 1/8 d is conservative for other functions, such as splines.
-  void FindDeviations() {
+  void ComputeInterpolationErrors() {
     const auto fourth_difference = [&](int index, int step) {
       const auto at = [&](int k) -> const Eigen::Vector2d& {
         return points_[index + k * step].source;
@@ -197,25 +197,26 @@ class Lattice {
   const int columns_, rows_;
   std::vector<Point> points_;
   std::vector<int> seen_;
-  size_t num_spread_ = 0;  // number of processed elements of seen_
+  size_t num_propagated_ = 0;  // number of processed elements of seen_
 };
 
 // Returns the maximum interpolation error in a cell; infinite where it cannot
 // be interpolated, NaN where nothing is visible.
-double CellDeviation(const Lattice& lattice, int column, int row) {
+double ComputeCellInterpolationError(const Lattice& lattice, int column,
+                                     int row) {
   double worst = -1;
   bool is_seen = false;
   for (int corner = 0; corner < 4; ++corner) {
     const int i = column + corner % 2, j = row + corner / 2;
     is_seen |= lattice.IsSeen(i, j);
-    if (!std::isnan(lattice.Deviation(i, j)))
-      worst = std::max(worst, lattice.Deviation(i, j));
+    if (!std::isnan(lattice.GetInterpolationError(i, j)))
+      worst = std::max(worst, lattice.GetInterpolationError(i, j));
   }
   if (!is_seen) return NAN;
   for (int j = row - 1; j <= row + 2; ++j)
     for (int i = column - 1; i <= column + 2; ++i)
       if (!lattice.At(i, j).allFinite()) return INFINITY;
-  return worst >= 0 && worst <= kMaxDeviationPx ? worst : INFINITY;
+  return worst >= 0 && worst <= kMaxInterpolationErrorPx ? worst : INFINITY;
 }
 
 // The weights of four values at consecutive corners for the positions between
@@ -302,8 +303,8 @@ void ClearCell(int column, int row, SourceMap* map) {
   map->cell(column, row) = SourceMap::Cell::kEmpty;
 }
 
-void StoreWholeCell(int column, int row, const CellSources& sources,
-                    SourceMap* map) {
+void StoreInteriorCell(int column, int row, const CellSources& sources,
+                       SourceMap* map) {
   for (int axis = 0; axis < 2; ++axis) {
     for (int y = 0; y < kCell; ++y) {
       int32_t* const units =
@@ -320,7 +321,7 @@ void StoreCell(int column, int row, const CellSources& sources,
   const int x0 = column * kCell, y0 = row * kCell;
   if (x0 + kCell <= map->width && y0 + kCell <= map->height &&
       sources.AreIn(map->rectangle)) {
-    StoreWholeCell(column, row, sources, map);
+    StoreInteriorCell(column, row, sources, map);
     return;
   }
   ClearCell(column, row, map);
@@ -429,13 +430,12 @@ SourceMap MakeSourceMap(const CameraModel& camera, const OutputImage& output,
   std::vector<double> deviations;
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {
-      deviations.push_back(CellDeviation(lattice, column, row));
+      deviations.push_back(ComputeCellInterpolationError(lattice, column, row));
       if (std::isfinite(deviations.back()))
-        map.max_deviation_px =
-            std::max(map.max_deviation_px, deviations.back());
+        map.max_stddev_px = std::max(map.max_stddev_px, deviations.back());
     }
   }
-  map.max_deviation_px += kRoundingPx;
+  map.max_stddev_px += kRoundingPx;
   ParallelFor(map.rows, num_threads, [&](int row) {
     for (int column = 0; column < map.columns; ++column) {
       const double deviation = deviations[row * map.columns + column];

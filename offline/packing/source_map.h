@@ -50,7 +50,7 @@ struct SourceMap {
   /// centres. Other sources are defined only near it.
   Area rectangle;
   /// Maximum deviation of interpolated sources from the model.
-  double max_deviation_px = 0;
+  double max_stddev_px = 0;
   /// Both coordinates of the sources, in units, row by row of whole cells.
   std::unique_ptr<int32_t[]> sources[2];
   std::vector<Cell> cells;
@@ -76,7 +76,7 @@ struct SourceMap {
   }
   /// Whether a source is in the rectangle, within the map's deviation.
   bool IsInside(const Eigen::Vector2d& source) const {
-    return rectangle.Contains(source, max_deviation_px);
+    return rectangle.Contains(source, max_stddev_px);
   }
 };
 

@@ -27,14 +27,14 @@ double ComputeMinPixelsPerRadian(const CameraModel& camera) {
     return camera.Unproject(
         {area.x0 + area.width() * step / kSteps, (area.y0 + area.y1) / 2});
   };
-  double fewest = INFINITY;
+  double min_samples = INFINITY;
   for (int k = 0; k < kSteps; ++k) {
     const auto from = ray_at(k), to = ray_at(k + 1);
     if (from && to)
-      fewest =
-          std::min(fewest, area.width() / kSteps / from->cross(*to).norm());
+      min_samples = std::min(min_samples,
+                             area.width() / kSteps / from->cross(*to).norm());
   }
-  return fewest;
+  return min_samples;
 }
 
 UnprojectionError MeasureOpened(const PackingTruth& truth,
@@ -52,7 +52,7 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
       static_cast<int>(std::ceil(std::sqrt(num_pixels / kMaxMeasuredPixels)));
   const int num_rows = (last_row - first_row) / step + 1;
   constexpr double kNegligibleRotation = 20;
-  const double most_per_radian =
+  const double min_px_per_radian =
       kNegligibleRotation * ComputeMinPixelsPerRadian(truth.camera);
   std::vector<UnprojectionError> worst(std::max(num_rows, 0));
   ParallelFor(num_rows, num_threads, [&](int row) {
@@ -70,7 +70,7 @@ UnprojectionError MeasureOpened(const PackingTruth& truth,
       const Eigen::Vector3d direction =
           Eigen::Vector3d(ray.x_q30, ray.y_q30, ray.z_q30) / (1 << 30);
       worst[row].rad = std::max(worst[row].rad, direction.cross(*exact).norm());
-      if (is_valid && projection.J_point.norm() < most_per_radian)
+      if (is_valid && projection.J_point.norm() < min_px_per_radian)
         worst[row].px =
             std::max(worst[row].px, (projection.J_point * direction).norm());
     }

@@ -14,7 +14,8 @@ namespace {
 
 // Returns the angle from the optical axis of a point on an axis of the image
 // plane, clamped to the domain of the projection.
-double AngleOfAxis(ViewProjection projection, int axis, double coordinate) {
+double ComputeAxisAngle(ViewProjection projection, int axis,
+                        double coordinate) {
   switch (projection) {
     case ViewProjection::kPinhole:
       return std::atan(coordinate);
@@ -45,25 +46,26 @@ std::optional<Eigen::Vector3d> VirtualView::Direction(
 std::optional<Eigen::Vector2d> VirtualView::Pixel(
     const Eigen::Vector3d& direction) const {
   const Eigen::Vector3d turned = camera_from_view.transpose() * direction;
-  if (!ShowsDirection(projection, turned)) return std::nullopt;
+  if (!ContainsDirection(projection, turned)) return std::nullopt;
   return PlanePoint(projection, turned).cwiseProduct(focal_px) + center_px;
 }
 
-double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
-                      double center_px, int pixels) {
-  return (AngleOfAxis(projection, axis, (center_px + 0.5) / focal_px) +
-          AngleOfAxis(projection, axis,
-                      (pixels - 0.5 - center_px) / focal_px)) *
+double ComputeFieldOfViewDeg(ViewProjection projection, int axis,
+                             double focal_px, double center_px, int pixels) {
+  return (ComputeAxisAngle(projection, axis, (center_px + 0.5) / focal_px) +
+          ComputeAxisAngle(projection, axis,
+                           (pixels - 0.5 - center_px) / focal_px)) *
          180 / M_PI;
 }
 
 double VirtualView::HorizontalFieldOfViewDeg() const {
-  return FieldOfViewDeg(projection, 0, focal_px.x(), center_px.x(), size.width);
+  return ComputeFieldOfViewDeg(projection, 0, focal_px.x(), center_px.x(),
+                               size.width);
 }
 
 double VirtualView::VerticalFieldOfViewDeg() const {
-  return FieldOfViewDeg(projection, 1, focal_px.y(), center_px.y(),
-                        size.height);
+  return ComputeFieldOfViewDeg(projection, 1, focal_px.y(), center_px.y(),
+                               size.height);
 }
 
 Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg) {

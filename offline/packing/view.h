@@ -37,8 +37,8 @@ struct VirtualView {
 /// Returns the angle in degrees between the outer edges of an image's first and
 /// last pixels along an axis, 0 for x and 1 for y; limited to the range of the
 /// projection.
-double FieldOfViewDeg(ViewProjection projection, int axis, double focal_px,
-                      double center_px, int pixels);
+double ComputeFieldOfViewDeg(ViewProjection projection, int axis,
+                             double focal_px, double center_px, int pixels);
 
 /// Converts yaw (to the right), then pitch (up), then roll (clockwise),
 /// degrees, to the rotation from view axes to camera axes; and back.

@@ -11,11 +11,11 @@ namespace {
 class CurveCollector {
  public:
   explicit CurveCollector(const ImageSize& size)
-      : farthest_px_(std::max(size.width, size.height) / 4.0) {}
+      : max_gap_px_(std::max(size.width, size.height) / 4.0) {}
 
   void Add(const std::optional<Eigen::Vector2d>& pixel) {
     if (!pixel ||
-        (!curve_.empty() && !((*pixel - curve_.back()).norm() <= farthest_px_)))
+        (!curve_.empty() && !((*pixel - curve_.back()).norm() <= max_gap_px_)))
       End();
     if (pixel) curve_.push_back(*pixel);
   }
@@ -29,7 +29,7 @@ class CurveCollector {
   }
 
  private:
-  const double farthest_px_;
+  const double max_gap_px_;
   PixelCurve curve_;
   std::vector<PixelCurve> curves_;
 };
@@ -69,7 +69,7 @@ int StepsAroundCube(const VirtualView& view) {
 
 // Returns a point of the square in which a plane orthogonal to an axis, at an
 // offset, intersects the cube.
-Eigen::Vector3d PointOfLoop(int axis, double offset, double angle_rad) {
+Eigen::Vector3d ComputeLoopPoint(int axis, double offset, double angle_rad) {
   Eigen::Vector3d point;
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   const double reach = std::max(std::abs(c), std::abs(s));
@@ -91,19 +91,20 @@ std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
     for (int k = 0; k <= num_squares; ++k) {
       for (int step = 0; step <= num_steps; ++step)
         collector.Add(PixelNearImage(
-            view, camera_from_room *
-                      PointOfLoop(axis, k * square - 1,
-                                  M_PI / 4 + step * 2 * M_PI / num_steps)));
+            view,
+            camera_from_room *
+                ComputeLoopPoint(axis, k * square - 1,
+                                 M_PI / 4 + step * 2 * M_PI / num_steps)));
       collector.End();
     }
   }
   return collector.Curves();
 }
 
-double SquareOfView(const VirtualView& view) {
+double ComputeViewSquareSize(const VirtualView& view) {
   constexpr double kAcross = 10;
-  const double seen_rad = view.HorizontalFieldOfViewDeg() * M_PI / 180;
-  const double square = std::exp2(std::round(std::log2(seen_rad / kAcross)));
+  const double hfov_rad = view.HorizontalFieldOfViewDeg() * M_PI / 180;
+  const double square = std::exp2(std::round(std::log2(hfov_rad / kAcross)));
   return std::clamp(square, 1.0 / 256, 0.25);
 }
 

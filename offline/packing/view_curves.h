@@ -22,7 +22,7 @@ std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
                                       double square);
 
 /// Returns the side of squares, 2 / 2^k, for about ten lines across a view.
-double SquareOfView(const VirtualView& view);
+double ComputeViewSquareSize(const VirtualView& view);
 
 /// Returns the edges of the valid region, including the image's edge.
 std::vector<PixelCurve> ComputeValidOutline(const ValidityMask& mask,

@@ -85,13 +85,14 @@ double SolveFocalLength(ViewProjection projection, int axis, double field_deg,
   for (int k = 0; k < 200; ++k) {
     const double midpoint = std::sqrt(low * high);
     const double field =
-        FieldOfViewDeg(projection, axis, midpoint, center_px, pixels);
+        ComputeFieldOfViewDeg(projection, axis, midpoint, center_px, pixels);
     (field >= field_deg ? low : high) = midpoint;
   }
   return high;
 }
 
-VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
+VirtualView FindEnclosingViewOrThrow(const CameraAndPlane& seen,
+                                     const ImageSize& size) {
   const EnclosingView all = FindSmallestEnclosingView({seen}, size);
   if (all.view) return *all.view;
   const ViewProjection projection = seen.plane.projection;
@@ -105,17 +106,18 @@ VirtualView SmallestOrThrow(const CameraAndPlane& seen, const ImageSize& size) {
       "use alpha=0, a field of view or projection=equidistant"));
 }
 
-VirtualView ViewOfAlpha(const CameraModel& camera, const VirtualView& plane,
-                        const ImageSize& size, double alpha) {
+VirtualView MakeAlphaView(const CameraModel& camera, const VirtualView& plane,
+                          const ImageSize& size, double alpha) {
   const CameraAndPlane seen = {camera, plane};
-  if (alpha == 1) return SmallestOrThrow(seen, size);
+  if (alpha == 1) return FindEnclosingViewOrThrow(seen, size);
   const auto largest = FindLargestViewWithoutBorder({seen}, size);
   if (!largest)
     ThrowUsage(
         "alpha below 1: the output view does not contain the centre of the "
         "calibrated area; set a field of view, or rotate the view");
   if (alpha == 0) return *largest;
-  return InterpolateViews(*largest, SmallestOrThrow(seen, size), alpha);
+  return InterpolateViews(*largest, FindEnclosingViewOrThrow(seen, size),
+                          alpha);
 }
 
 VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
@@ -166,12 +168,12 @@ VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
 }
 
 void RequireField(const char* name, ViewProjection projection,
-                  const std::optional<double>& field_deg, double most_deg) {
-  if (!field_deg || (*field_deg > 0 && *field_deg <= most_deg)) return;
+                  const std::optional<double>& field_deg, double max_deg) {
+  if (!field_deg || (*field_deg > 0 && *field_deg <= max_deg)) return;
   ThrowUsage(
       fmt::format("{0} of {1} degrees: the field of view of a {2} view must be "
                   "above 0 and at most {3}",
-                  name, *field_deg, ProjectionName(projection), most_deg));
+                  name, *field_deg, ProjectionName(projection), max_deg));
 }
 
 }  // namespace
@@ -190,9 +192,9 @@ void RequireValidView(const ViewRequest& request) {
     ThrowUsage("view cannot be combined with projection or rotate");
   const ViewProjection projection =
       request.projection.value_or(ViewProjection::kPinhole);
-  const Eigen::Vector2d most_deg = GetMaxFieldDeg(projection);
-  RequireField("hfov", projection, request.hfov_deg, most_deg.x());
-  RequireField("vfov", projection, request.vfov_deg, most_deg.y());
+  const Eigen::Vector2d max_deg = GetMaxFieldDeg(projection);
+  RequireField("hfov", projection, request.hfov_deg, max_deg.x());
+  RequireField("vfov", projection, request.vfov_deg, max_deg.y());
   if (request.focal_px && !(*request.focal_px > 0))
     ThrowUsage(
         fmt::format("focal length of {}: must be positive", *request.focal_px));
@@ -224,7 +226,7 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
                                                  : camera.image_size();
   const VirtualView plane = Plane(request);
   const VirtualView view =
-      request.alpha  ? ViewOfAlpha(camera, plane, size, *request.alpha)
+      request.alpha  ? MakeAlphaView(camera, plane, size, *request.alpha)
       : request.like ? Scaled(*request.like, size)
                      : ViewAsSharp(camera, plane, request, size);
   RequirePackableView(view);
@@ -244,8 +246,8 @@ VirtualView MakeViewWithoutCamera(const ImageSize& size,
   return view;
 }
 
-VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
-                           const ViewRequest& request) {
+VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
+                         const ViewRequest& request) {
   const ModeCamera frames(camera, mode);
   VirtualView view = MakeView(frames, request);
   if (request.center_px || request.alpha || request.like || request.rotate_deg)
@@ -258,9 +260,9 @@ VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
   const Eigen::Vector2d center_px = view.center_px;
   // Iterates, since moving the principal point changes the focal length for a
   // given field of view.
-  constexpr int kTurns = 5;
+  constexpr int kMaxIterations = 5;
   ViewRequest moved = request;
-  for (int turn = 0; turn < kTurns; ++turn) {
+  for (int turn = 0; turn < kMaxIterations; ++turn) {
     const auto from = view.Pixel(*midpoint),
                to = view.Pixel(*calibrated_middle);
     if (!from || !to) return MakeView(frames, request);
@@ -270,7 +272,7 @@ VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
   return view;
 }
 
-VirtualView MakeViewOfArea(const CameraModel& camera) {
+VirtualView MakeAreaView(const CameraModel& camera) {
   const VirtualView plane = Plane({});
   const AreaOnPlane seen =
       FindAreaOnPlane({camera, plane}, kUsefulStretchRad, 32);

@@ -51,14 +51,14 @@ VirtualView MakeViewWithoutCamera(const ImageSize& size,
 /// Makes the view for frames of another mode. If neither principal point nor
 /// rotation is specified, it shows the centre of these frames instead of the
 /// centre of calibrated frames: a crop stays centred.
-VirtualView MakeViewOfMode(const CameraModel& camera, const SensorMode& mode,
-                           const ViewRequest& request);
+VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
+                         const ViewRequest& request);
 
 /// Makes a pinhole view of the camera's image size, just wide enough for the
 /// part of the calibrated area within 70 degrees of the axis. Throws
 /// Error(kQuality) if that is empty, or so far from the axis that a blob cannot
 /// store the view.
-VirtualView MakeViewOfArea(const CameraModel& camera);
+VirtualView MakeAreaView(const CameraModel& camera);
 
 }  // namespace raygrid
 

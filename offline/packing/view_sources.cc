@@ -55,7 +55,7 @@ std::unique_ptr<CameraModel> CentralCamera(const CameraModel& camera) {
                 fmt::format("its model is non-central; convert it to {} or a "
                             "central model first",
                             models::kNonCentralGeneric));
-  return CentralPart(camera).Clone();
+  return MakeCentral(camera).Clone();
 }
 
 ViewSources MakeViewSources(const CameraModel& lines, const VirtualView& view,

@@ -25,7 +25,7 @@ bool AreFinite(const double* begin, const double* end) {
   return sums[0] + sums[1] + sums[2] + sums[3] == 0;
 }
 
-void RequireFinite(const GivenVectors& vectors, const std::string& name) {
+void RequireFinite(const InputVectors& vectors, const std::string& name) {
   const double* const begin = vectors.array.data();
   const double* const end = begin + vectors.count * vectors.length;
   if (AreFinite(begin, end)) return;
@@ -39,13 +39,13 @@ void RequireFinite(const GivenVectors& vectors, const std::string& name) {
 
 }  // namespace
 
-DoubleArray GivenVectors::Like(const std::vector<py::ssize_t>& behind) const {
+DoubleArray InputVectors::Like(const std::vector<py::ssize_t>& behind) const {
   std::vector<py::ssize_t> shape = axes;
   shape.insert(shape.end(), behind.begin(), behind.end());
   return DoubleArray(shape);
 }
 
-GivenVectors TakeVectors(const py::object& given, int length,
+InputVectors ReadVectors(const py::object& given, int length,
                          const std::string& name) {
   py::array array = py::array::ensure(given);
   if (!array) {
@@ -61,7 +61,7 @@ GivenVectors TakeVectors(const py::object& given, int length,
     throw py::value_error(fmt::format(
         "{}: expected an array of the shape (N, {}) or ({},), not {}", name,
         length, length, FormatShape(array)));
-  GivenVectors vectors;
+  InputVectors vectors;
   vectors.length = length;
   vectors.array =
       py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(

@@ -16,7 +16,7 @@ using DoubleArray = py::array_t<double, py::array::c_style>;
 
 /// Vectors of a fixed length from a Python array with any number of leading
 /// axes; a contiguous array of doubles is not copied.
-struct GivenVectors {
+struct InputVectors {
   DoubleArray array;
   size_t count = 0;
   int length = 0;
@@ -29,7 +29,7 @@ struct GivenVectors {
 
 /// Throws Python's TypeError or ValueError, with the argument's name, if the
 /// array is not numeric, has another length, or is not finite.
-GivenVectors TakeVectors(const py::object& given, int length,
+InputVectors ReadVectors(const py::object& given, int length,
                          const std::string& name);
 
 /// Returns a read-only copy.

@@ -47,12 +47,12 @@ void Task::Notify(const py::object& progress) {
 void RunInBackground(const py::object& progress,
                      const std::function<void(Task*)>& work) {
   Task task;
-  std::exception_ptr of_work, of_python;
+  std::exception_ptr work_exception, python_exception;
   std::thread thread([&] {
     try {
       work(&task);
     } catch (...) {
-      of_work = std::current_exception();
+      work_exception = std::current_exception();
     }
     task.Finish();
   });
@@ -63,16 +63,16 @@ void RunInBackground(const py::object& progress,
       try {
         task.Notify(progress);
       } catch (...) {
-        of_python = std::current_exception();
+        python_exception = std::current_exception();
         task.should_stop_ = true;
         break;
       }
     }
     thread.join();
   }
-  if (!of_python) task.Notify(progress);
-  if (of_python) std::rethrow_exception(of_python);
-  if (of_work) std::rethrow_exception(of_work);
+  if (!python_exception) task.Notify(progress);
+  if (python_exception) std::rethrow_exception(python_exception);
+  if (work_exception) std::rethrow_exception(work_exception);
 }
 
 }  // namespace raygrid

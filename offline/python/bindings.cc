@@ -15,7 +15,7 @@ std::string ToText(const PyCamera& camera) {
                           is_calibrated ? Digits::kTwelve : Digits::kAll);
 }
 
-std::string PathOf(const py::object& path) {
+std::string ToPath(const py::object& path) {
   py::object text = py::reinterpret_steal<py::object>(PyOS_FSPath(path.ptr()));
   if (!text) throw py::error_already_set();
   if (py::isinstance<py::bytes>(text)) return text.cast<std::string>();
@@ -29,7 +29,7 @@ void Warn(const std::string& text) {
     throw py::error_already_set();
 }
 
-Eigen::Matrix4d MatrixOfPose(const Pose& pose) {
+Eigen::Matrix4d ToMatrix(const Pose& pose) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
   matrix.topRightCorner<3, 1>() = pose.translation;

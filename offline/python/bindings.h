@@ -39,7 +39,7 @@ struct PyCalibration {
 };
 
 /// Images or features of a camera, as passed from Python.
-struct GivenCamera {
+struct InputCameraData {
   std::string name;
   std::vector<std::string> images;
   std::vector<PyDetection> detections;
@@ -47,24 +47,24 @@ struct GivenCamera {
 
 /// Converts images or detections, or a dictionary of them by camera name.
 /// Throws Python's TypeError and ValueError.
-std::vector<GivenCamera> TakeCameras(const py::object& given);
+std::vector<InputCameraData> ReadCameras(const py::object& given);
 
 /// Returns the features of a camera given as detections. Throws InputError if
 /// sizes differ or names are not unique.
-Dataset DatasetOf(const GivenCamera& given);
+Dataset MakeDataset(const InputCameraData& given);
 
 /// Formats camera.yaml. Values that were not calibrated keep all digits, so
 /// that parsing restores them exactly.
 std::string ToText(const PyCamera& camera);
 
 /// Converts a Python path: str, bytes or os.PathLike.
-std::string PathOf(const py::object& path);
+std::string ToPath(const py::object& path);
 
 /// Issues a Python UserWarning.
 void Warn(const std::string& text);
 
 /// Returns the 4 x 4 matrix of a pose, for homogeneous points.
-Eigen::Matrix4d MatrixOfPose(const Pose& pose);
+Eigen::Matrix4d ToMatrix(const Pose& pose);
 
 void BindView(py::module_* module);
 void BindCamera(py::module_* module);

@@ -53,7 +53,8 @@ void ExcludeCopies(MeasuredCamera* camera) {
   }
 }
 
-MeasuredCamera MeasureImages(const GivenCamera& given, const Pattern& pattern,
+MeasuredCamera MeasureImages(const InputCameraData& given,
+                             const Pattern& pattern,
                              const std::string& pattern_name, int num_threads,
                              const std::function<void(double)>& progress) {
   const FoundImages found = FindImages(given.images);
@@ -80,7 +81,7 @@ struct Wishes {
   std::optional<ImageCircle> circle;
 };
 
-void RequireUsable(const GivenCamera& given, const MeasuredCamera& camera,
+void RequireUsable(const InputCameraData& given, const MeasuredCamera& camera,
                    const Pattern& pattern, const std::string& pattern_name) {
   const std::string source =
       given.name.empty() ? "features" : "camera " + given.name;
@@ -92,13 +93,13 @@ void RequireUsable(const GivenCamera& given, const MeasuredCamera& camera,
                             DescribeExpectedBoards(pattern, pattern_name)));
 }
 
-MeasuredCamera Measure(const GivenCamera& given, const Pattern& pattern,
+MeasuredCamera Measure(const InputCameraData& given, const Pattern& pattern,
                        const std::string& pattern_name, const Wishes& wishes,
                        const std::function<void(double)>& progress) {
   const int num_threads = wishes.options.num_threads;
   MeasuredCamera camera =
       given.images.empty()
-          ? MeasuredCamera{DatasetOf(given), {}, {}, {}}
+          ? MeasuredCamera{MakeDataset(given), {}, {}, {}}
           : MeasureImages(given, pattern, pattern_name, num_threads, progress);
   ExcludeCopies(&camera);
   RequireUsable(given, camera, pattern, pattern_name);
@@ -129,19 +130,20 @@ RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
 
 // ---- Calibration -----------------------------------------------------------
 
-constexpr double kDetectionPart = 0.2;
+constexpr double kDetectionProgressFraction = 0.2;
 
-RigResult RunCalibration(const std::vector<GivenCamera>& given,
+RigResult RunCalibration(const std::vector<InputCameraData>& given,
                          const std::string& pattern_name, Wishes wishes,
                          Task* task) {
   const Pattern pattern = ReadPatternOrSpec(pattern_name);
   std::vector<MeasuredCamera> cameras;
-  for (const GivenCamera& camera : given) {
+  for (const InputCameraData& camera : given) {
     const auto num_before = static_cast<double>(cameras.size());
     cameras.push_back(
         Measure(camera, pattern, pattern_name, wishes, [&](double done) {
           task->GoOn();
-          task->Report("detection", kDetectionPart * (num_before + done) /
+          task->Report("detection", kDetectionProgressFraction *
+                                        (num_before + done) /
                                         static_cast<double>(given.size()));
         }));
   }
@@ -156,7 +158,8 @@ RigResult RunCalibration(const std::vector<GivenCamera>& given,
   }
   wishes.options.should_stop = [task] { return task->ShouldStop(); };
   wishes.options.progress = [task](const std::string& stage, double done) {
-    task->Report(stage, kDetectionPart + (1 - kDetectionPart) * done);
+    task->Report(stage, kDetectionProgressFraction +
+                            (1 - kDetectionProgressFraction) * done);
   };
   RigResult result = Calibrate(inputs, pattern, wishes.options);
   task->GoOn();
@@ -180,7 +183,7 @@ void ParseImageCircleArgument(const py::object& given, Wishes* wishes) {
     wishes->finds_circle = true;
     return;
   }
-  const GivenVectors numbers = TakeVectors(given, 3, "image_circle");
+  const InputVectors numbers = ReadVectors(given, 3, "image_circle");
   if (numbers.count != 1 || !(numbers[0][2] > 0))
     throw py::value_error("image_circle: expected a positive radius");
   wishes->circle.emplace();
@@ -197,12 +200,12 @@ class FormerNames {
   void Take(const char* former, Value* value) {
     if (!given_.contains(former)) return;
     *value = given_[former].cast<Value>();
-    ++num_taken_;
+    ++num_used_;
   }
 
   // Throws TypeError for unknown argument names.
-  void RequireAllTaken() const {
-    if (num_taken_ != given_.size())
+  void RequireAllUsed() const {
+    if (num_used_ != given_.size())
       throw py::type_error(
           "calibrate() got an unexpected keyword argument; see "
           "help(raygrid.calibrate)");
@@ -210,10 +213,10 @@ class FormerNames {
 
  private:
   const py::kwargs& given_;
-  size_t num_taken_ = 0;
+  size_t num_used_ = 0;
 };
 
-PyCalibration CalibrateGiven(
+PyCalibration CalibrateInputs(
     const py::object& images, const py::object& pattern,
     const std::string& model, std::optional<double> knot_spacing_px,
     const std::string& area, bool fix_target_geometry, bool rigid_target,
@@ -231,7 +234,7 @@ PyCalibration CalibrateGiven(
   bool measure_once = false;
   former.Take("measure_once", &measure_once);
   former.Take("same_view_px", &duplicate_px);
-  former.RequireAllTaken();
+  former.RequireAllUsed();
   Wishes wishes;
   wishes.name = name;
   wishes.serial = serial;
@@ -264,11 +267,11 @@ PyCalibration CalibrateGiven(
   options.num_threads = threads;
   RequireBlobText("name", name);
   RequireBlobText("serial", serial);
-  const std::vector<GivenCamera> cameras = TakeCameras(images);
+  const std::vector<InputCameraData> cameras = ReadCameras(images);
   if (cameras.size() > 1 && !name.empty())
     throw py::value_error(
         "name: for a rig, camera names are the keys of images");
-  const std::string board = PathOf(pattern);
+  const std::string board = ToPath(pattern);
   PyCalibration calibration;
   calibration.num_threads = threads;
   RunInBackground(progress, [&](Task* task) {
@@ -281,7 +284,7 @@ PyCalibration CalibrateGiven(
 
 void BindCalibration(py::module_* module) {
   module->def(
-      "calibrate", &CalibrateGiven, py::arg("images"), py::arg("pattern"),
+      "calibrate", &CalibrateInputs, py::arg("images"), py::arg("pattern"),
       py::kw_only(), py::arg("model") = "auto",
       py::arg("knot_spacing_px") = py::none(), py::arg("area") = "image",
       py::arg("fix_target_geometry") = false, py::arg("rigid_target") = false,

@@ -24,7 +24,7 @@
 namespace raygrid {
 namespace {
 
-const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
+const CameraUncertainty& GetUncertainty(const PyCamera& self) {
   if (self.file.uncertainty) return *self.file.uncertainty;
   throw Error(ExitCode::kUsage,
               "the camera has no uncertainty; use a camera.yaml written by "
@@ -32,9 +32,9 @@ const CameraUncertainty& UncertaintyOf(const PyCamera& self) {
 }
 
 DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  const InputVectors pixels = ReadVectors(given, 2, "pixels");
   const CameraModel& camera = *self.file.camera;
-  const UncertaintyLattice& lattice = UncertaintyOf(self).lattice;
+  const UncertaintyLattice& lattice = GetUncertainty(self).lattice;
   DoubleArray deviations = pixels.Like({});
   double* const deviation = deviations.mutable_data();
   for (size_t k = 0; k < pixels.count; ++k) {
@@ -48,8 +48,8 @@ DoubleArray UncertaintyAt(const PyCamera& self, const py::object& given) {
 }
 
 py::array_t<bool> IsValid(const PyCamera& self, const py::object& given) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
-  const ValidityMask& mask = UncertaintyOf(self).mask;
+  const InputVectors pixels = ReadVectors(given, 2, "pixels");
+  const ValidityMask& mask = GetUncertainty(self).mask;
   const CameraModel& camera = *self.file.camera;
   py::array_t<bool> valid_region(pixels.axes);
   bool* const is_valid = valid_region.mutable_data();
@@ -61,11 +61,11 @@ py::array_t<bool> IsValid(const PyCamera& self, const py::object& given) {
 }
 
 py::dict GetUncertaintyMetrics(const PyCamera& self) {
-  const CameraUncertainty& known = UncertaintyOf(self);
+  const CameraUncertainty& known = GetUncertainty(self);
   const CameraModel& camera = *self.file.camera;
   py::dict metrics;
   metrics["median_px"] = known.lattice.MedianPx();
-  metrics["valid_limit_px"] = known.max_deviation_px;
+  metrics["valid_limit_px"] = known.max_stddev_px;
   const UncertaintySummary summary = SummarizeUncertainty(camera, known);
   metrics["valid_fraction"] = summary.valid_share;
   py::dict shares;
@@ -94,7 +94,7 @@ CameraFile ParseForeign(const std::string& path, const std::string& text,
 }
 
 PyCamera Load(const py::object& file) {
-  const std::string path = PathOf(file);
+  const std::string path = ToPath(file);
   const std::string bytes = ReadFile(path);
   if (IsBlob(path, bytes))
     throw InputError(path +
@@ -107,7 +107,7 @@ PyCamera Load(const py::object& file) {
                  : ParseCameraFile(path, bytes)};
 }
 
-std::vector<OperatingRange> RangesOf(const PyCamera& self) {
+std::vector<OperatingRange> GetRanges(const PyCamera& self) {
   if (!self.file.stack) return {};
   return self.file.stack->cameras.ranges();
 }
@@ -118,21 +118,21 @@ py::tuple MakeTuple(const OperatingRange& range) {
 }
 
 py::object OnlyRange(const PyCamera& self) {
-  const std::vector<OperatingRange> ranges = RangesOf(self);
+  const std::vector<OperatingRange> ranges = GetRanges(self);
   if (ranges.size() != 1) return py::none();
   return MakeTuple(ranges[0]);
 }
 
 py::list AllRanges(const PyCamera& self) {
   py::list all;
-  for (const OperatingRange& range : RangesOf(self))
+  for (const OperatingRange& range : GetRanges(self))
     all.append(MakeTuple(range));
   return all;
 }
 
 // Returns the values for the ranges; `value` without a name applies if there is
 // only one range.
-FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
+FixedOperatingPoint FixRangeValues(const std::vector<OperatingRange>& ranges,
                                    std::optional<double> value,
                                    std::optional<double> lens_position,
                                    std::optional<double> temperature) {
@@ -162,12 +162,12 @@ FixedOperatingPoint ValuesOfRanges(const std::vector<OperatingRange>& ranges,
 PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
                   std::optional<double> lens_position,
                   std::optional<double> temperature) {
-  const std::vector<OperatingRange> ranges = RangesOf(self);
+  const std::vector<OperatingRange> ranges = GetRanges(self);
   if (ranges.empty())
     throw py::value_error(
         "the camera was not calibrated over a range of focus or temperature");
   const FixedOperatingPoint held =
-      ValuesOfRanges(ranges, value, lens_position, temperature);
+      FixRangeValues(ranges, value, lens_position, temperature);
   for (size_t r = 0; r < ranges.size(); ++r)
     if (held[r] && !ranges[r].Contains(*held[r]))
       throw py::value_error(
@@ -177,12 +177,12 @@ PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
 }
 
 void Save(const PyCamera& self, const py::object& path) {
-  WriteFile(PathOf(path), ToText(self));
+  WriteFile(ToPath(path), ToText(self));
 }
 
 // ---- Views -----------------------------------------------------------------
 
-ImageSize SizeOf(const std::pair<int, int>& size) {
+ImageSize ReadSize(const std::pair<int, int>& size) {
   if (size.first < 1 || size.second < 1)
     throw py::value_error(
         fmt::format("size: expected positive (width, height), not ({}, {})",
@@ -191,10 +191,10 @@ ImageSize SizeOf(const std::pair<int, int>& size) {
 }
 
 template <int n>
-std::optional<Eigen::Matrix<double, n, 1>> VectorOf(const py::object& given,
-                                                    const char* name) {
+std::optional<Eigen::Matrix<double, n, 1>> ReadVector(const py::object& given,
+                                                      const char* name) {
   if (given.is_none()) return std::nullopt;
-  const GivenVectors vector = TakeVectors(given, n, name);
+  const InputVectors vector = ReadVectors(given, n, name);
   if (vector.count != 1 || !vector.axes.empty())
     throw py::value_error(fmt::format("{}: expected {} numbers", name, n));
   return Eigen::Matrix<double, n, 1>(
@@ -222,7 +222,7 @@ VirtualView ViewOf(const PyCamera& self,
                    const py::object& rotate,
                    const std::optional<std::string>& projection) {
   ViewRequest request;
-  if (size) request.size = SizeOf(*size);
+  if (size) request.size = ReadSize(*size);
   for (const auto& [number, name] : {std::pair(&hfov, "hfov"),
                                      {&vfov, "vfov"},
                                      {&focal, "focal"},
@@ -232,8 +232,8 @@ VirtualView ViewOf(const PyCamera& self,
   request.vfov_deg = vfov;
   request.focal_px = focal;
   request.alpha = alpha;
-  request.center_px = VectorOf<2>(center, "center");
-  request.rotate_deg = VectorOf<3>(rotate, "rotate");
+  request.center_px = ReadVector<2>(center, "center");
+  request.rotate_deg = ReadVector<3>(rotate, "rotate");
   if (projection) {
     request.projection = FindProjection(*projection);
     if (!request.projection)
@@ -247,10 +247,10 @@ VirtualView ViewOf(const PyCamera& self,
   const py::gil_scoped_release released;
   RequireValidView(request);
   const auto camera = Upright(self);
-  return is_given ? MakeView(*camera, request) : MakeViewOfArea(*camera);
+  return is_given ? MakeView(*camera, request) : MakeAreaView(*camera);
 }
 
-Eigen::Matrix3d MatrixOfView(const VirtualView& view) {
+Eigen::Matrix3d MakeViewMatrix(const VirtualView& view) {
   Eigen::Matrix3d matrix;
   matrix << view.focal_px.x(), 0, view.center_px.x(), 0, view.focal_px.y(),
       view.center_px.y(), 0, 0, 1;
@@ -263,7 +263,7 @@ py::tuple Maps(const PyCamera& self, const std::optional<VirtualView>& given,
   {
     const py::gil_scoped_release released;
     const auto camera = Upright(self);
-    found = MakeViewSources(*camera, given ? *given : MakeViewOfArea(*camera),
+    found = MakeViewSources(*camera, given ? *given : MakeAreaView(*camera),
                             is_reverse, num_threads);
   }
   py::array_t<float> x({found.size.height, found.size.width});
@@ -300,7 +300,7 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
 
 // ---- Properties ------------------------------------------------------------
 
-py::dict NamedParameters(const PyCamera& self) {
+py::dict GetParameterDict(const PyCamera& self) {
   py::dict named;
   const ParametricModel* lens = self.file.camera->Parametric();
   if (!lens) return named;
@@ -313,7 +313,7 @@ py::dict NamedParameters(const PyCamera& self) {
   return named;
 }
 
-py::object CircleOf(const PyCamera& self) {
+py::object GetImageCircle(const PyCamera& self) {
   const auto& circle = self.file.camera->image_circle();
   if (!circle) return py::none();
   return py::make_tuple(circle->center.x(), circle->center.y(),
@@ -339,7 +339,7 @@ void BindView(py::module_* module) {
           "'pinhole', 'cylindrical', 'equirectangular', 'stereographic' or "
           "'equidistant'.")
       .def_property_readonly(
-          "K", [](const VirtualView& v) { return ReadOnly(MatrixOfView(v)); },
+          "K", [](const VirtualView& v) { return ReadOnly(MakeViewMatrix(v)); },
           "Camera matrix (3, 3) in pixels (for other projections than pinhole "
           "pixels per radian at the centre); (0, 0) is the centre of the "
           "top-left pixel.")
@@ -371,11 +371,11 @@ void BindView(py::module_* module) {
 }
 
 void BindCamera(py::module_* module) {
-  const auto size_of = [](const PyCamera& c) {
+  const auto get_size = [](const PyCamera& c) {
     const ImageSize& size = c.file.camera->image_size();
     return py::make_tuple(size.width, size.height);
   };
-  const auto area_of = [](const PyCamera& c) {
+  const auto get_area = [](const PyCamera& c) {
     const Area& area = c.file.camera->area();
     return py::make_tuple(area.x0, area.y0, area.x1, area.y1);
   };
@@ -421,13 +421,13 @@ void BindCamera(py::module_* module) {
       .def_property_readonly(
           "model", [](const PyCamera& c) { return c.file.camera->Name(); },
           "Name of the camera model, such as 'central-generic'.")
-      .def_property_readonly("size", size_of,
+      .def_property_readonly("size", get_size,
                              "(width, height) of the images, in pixels.")
       .def_property_readonly(
-          "area", area_of,
+          "area", get_area,
           "Calibrated area (x0, y0, x1, y1) in pixels, inclusive.")
       .def_property_readonly(
-          "image_circle", &CircleOf,
+          "image_circle", &GetImageCircle,
           "Image circle of a fisheye, (x, y, radius_x, radius_y) in pixels; "
           "None if it covers the image or is unknown.")
       .def_property_readonly(
@@ -453,7 +453,7 @@ void BindCamera(py::module_* module) {
           },
           "All parameters (N,) of the camera model; read-only.")
       .def_property_readonly(
-          "named_parameters", &NamedParameters,
+          "named_parameters", &GetParameterDict,
           "Parameters of a parametric model by name, such as fx, fy, cx and cy "
           "in pixels. Empty for a generic model.")
       .def("__repr__", [](const PyCamera& c) {

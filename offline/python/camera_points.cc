@@ -12,7 +12,7 @@ namespace raygrid {
 namespace {
 
 // The number of points per task; smaller tasks do not justify a thread.
-constexpr size_t kCallsPerPart = 4096;
+constexpr size_t kPointsPerChunk = 4096;
 
 // Calls body(first, end) for subranges of [0, count) in parallel, without the
 // GIL.
@@ -20,10 +20,10 @@ template <typename Body>
 void ParallelForRanges(size_t count, int num_threads, const Body& body) {
   const py::gil_scoped_release released;
   const int parts =
-      static_cast<int>((count + kCallsPerPart - 1) / kCallsPerPart);
+      static_cast<int>((count + kPointsPerChunk - 1) / kPointsPerChunk);
   ParallelFor(parts, NumThreads(num_threads), [&](int part) {
-    const size_t first = part * kCallsPerPart;
-    body(first, std::min(count, first + kCallsPerPart));
+    const size_t first = part * kPointsPerChunk;
+    body(first, std::min(count, first + kPointsPerChunk));
   });
 }
 
@@ -89,10 +89,11 @@ Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
 
 // Returns d pixel / d displacement, for a point on the line displaced
 // perpendicularly to it.
-Eigen::Matrix2d ByMovement(const CameraModel& camera,
-                           const ObservationLine& line,
-                           const Eigen::Matrix<double, 3, 2>& across,
-                           double distance, const Eigen::Vector2d& pixel) {
+Eigen::Matrix2d ComputeMotionJacobian(const CameraModel& camera,
+                                      const ObservationLine& line,
+                                      const Eigen::Matrix<double, 3, 2>& across,
+                                      double distance,
+                                      const Eigen::Vector2d& pixel) {
   constexpr double kRoundingPx = 1e-3;
   LinearizedProjection found;
   if (!camera.Linearize(line.origin + distance * line.direction, &pixel,
@@ -106,15 +107,16 @@ Eigen::Matrix2d ByMovement(const CameraModel& camera,
 // direction. The lines of other cameras are also translated, by the
 // displacement at a distance of 0; the change of direction is then the
 // difference of the displacements at distances of 2 and 1.
-Eigen::Matrix<double, 3, 2> DirectionByPixel(const CameraModel& camera,
-                                             bool is_central,
-                                             const ObservationLine& line,
-                                             const Eigen::Vector2d& pixel) {
+Eigen::Matrix<double, 3, 2> ComputeDirectionJacobian(
+    const CameraModel& camera, bool is_central, const ObservationLine& line,
+    const Eigen::Vector2d& pixel) {
   const Eigen::Matrix<double, 3, 2> across = Across(line.direction);
   const Eigen::Matrix2d near =
-      ByMovement(camera, line, across, 1, pixel).inverse();
+      ComputeMotionJacobian(camera, line, across, 1, pixel).inverse();
   if (is_central) return across * near;
-  return across * (ByMovement(camera, line, across, 2, pixel).inverse() - near);
+  return across *
+         (ComputeMotionJacobian(camera, line, across, 2, pixel).inverse() -
+          near);
 }
 
 void UnprojectPixel(const CameraModel& camera, const double* given,
@@ -136,7 +138,7 @@ void DeriveDirection(const CameraModel& camera, bool is_central,
   const auto line =
       std::isnan(direction[0]) ? std::nullopt : camera.Line(pixel);
   if (line)
-    derivative = DirectionByPixel(
+    derivative = ComputeDirectionJacobian(
         camera, is_central,
         {line->origin, Eigen::Map<const Eigen::Vector3d>(direction)}, pixel);
   else
@@ -147,7 +149,7 @@ void DeriveDirection(const CameraModel& camera, bool is_central,
 
 py::object Project(const PyCamera& self, const py::object& given,
                    bool with_jacobians, int num_threads) {
-  const GivenVectors points = TakeVectors(given, 3, "points");
+  const InputVectors points = ReadVectors(given, 3, "points");
   DoubleArray pixels = points.Like({2});
   DoubleArray jacobians = points.Like({2, 3});
   if (!with_jacobians) jacobians = DoubleArray(0);
@@ -166,7 +168,7 @@ py::object Project(const PyCamera& self, const py::object& given,
 
 py::object Unproject(const PyCamera& self, const py::object& given,
                      bool with_jacobians, int num_threads) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  const InputVectors pixels = ReadVectors(given, 2, "pixels");
   DoubleArray directions = pixels.Like({3});
   DoubleArray jacobians = with_jacobians ? pixels.Like({3, 2}) : DoubleArray(0);
   double* const direction = directions.mutable_data();
@@ -185,7 +187,7 @@ py::object Unproject(const PyCamera& self, const py::object& given,
 }
 
 py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
-  const GivenVectors pixels = TakeVectors(given, 2, "pixels");
+  const InputVectors pixels = ReadVectors(given, 2, "pixels");
   DoubleArray origins = pixels.Like({3}), directions = pixels.Like({3});
   double* const origin = origins.mutable_data();
   double* const direction = directions.mutable_data();

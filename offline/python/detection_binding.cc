@@ -39,7 +39,7 @@ PyDetection MakeDetection(const std::string& name,
                           const py::object& given_columns,
                           const py::object& given_rows,
                           const py::object& given_boards) {
-  const GivenVectors pixels = TakeVectors(given_pixels, 2, "pixels");
+  const InputVectors pixels = ReadVectors(given_pixels, 2, "pixels");
   if (pixels.axes.size() != 1)
     throw py::value_error("pixels: expected an array of the shape (N, 2)");
   const IntArray columns =
@@ -113,7 +113,7 @@ std::string PortableMap(const py::array& image) {
   return bytes;
 }
 
-std::string BytesOfImage(const py::array& image) {
+std::string CopyPixels(const py::array& image) {
   const bool is_image =
       (image.ndim() == 2 || (image.ndim() == 3 && image.shape(2) == 3)) &&
       image.size() > 0;
@@ -146,7 +146,7 @@ Refinement ParseRefinement(const std::string& name) {
 PyDetection Detect(const py::object& image, const py::object& pattern,
                    const std::string& name, const std::string& refinement,
                    int window) {
-  const std::string board = PathOf(pattern);
+  const std::string board = ToPath(pattern);
   DetectionOptions options;
   options.refinement = ParseRefinement(refinement);
   options.window_px = window;
@@ -155,9 +155,9 @@ PyDetection Detect(const py::object& image, const py::object& pattern,
   PyDetection detection;
   std::string bytes, path = "image";
   if (py::isinstance<py::array>(image)) {
-    bytes = BytesOfImage(image.cast<py::array>());
+    bytes = CopyPixels(image.cast<py::array>());
   } else {
-    path = PathOf(image);
+    path = ToPath(image);
     detection.features.image = fs::path(path).filename().string();
   }
   if (!name.empty()) detection.features.image = name;
@@ -180,15 +180,15 @@ bool IsPath(const py::handle& given) {
          py::hasattr(given, "__fspath__");
 }
 
-GivenCamera TakeCamera(const std::string& name, const py::object& given) {
-  GivenCamera camera = {name, {}, {}};
+InputCameraData ReadCamera(const std::string& name, const py::object& given) {
+  InputCameraData camera = {name, {}, {}};
   if (IsPath(given)) {
-    camera.images.push_back(PathOf(given));
+    camera.images.push_back(ToPath(given));
     return camera;
   }
   for (const py::handle item : given) {
     if (IsPath(item))
-      camera.images.push_back(PathOf(py::reinterpret_borrow<py::object>(item)));
+      camera.images.push_back(ToPath(py::reinterpret_borrow<py::object>(item)));
     else if (py::isinstance<PyDetection>(item))
       camera.detections.push_back(item.cast<PyDetection>());
     else
@@ -205,17 +205,17 @@ GivenCamera TakeCamera(const std::string& name, const py::object& given) {
 
 }  // namespace
 
-std::vector<GivenCamera> TakeCameras(const py::object& given) {
-  if (!py::isinstance<py::dict>(given)) return {TakeCamera("", given)};
-  std::vector<GivenCamera> cameras;
+std::vector<InputCameraData> ReadCameras(const py::object& given) {
+  if (!py::isinstance<py::dict>(given)) return {ReadCamera("", given)};
+  std::vector<InputCameraData> cameras;
   for (const auto& [name, images] : given.cast<py::dict>())
     cameras.push_back(
-        TakeCamera(py::str(name), py::reinterpret_borrow<py::object>(images)));
+        ReadCamera(py::str(name), py::reinterpret_borrow<py::object>(images)));
   if (cameras.size() < 2)
     throw py::value_error(
         "images: a rig requires at least two cameras; for a single camera, "
         "pass its images without a name");
-  for (const GivenCamera& camera : cameras)
+  for (const InputCameraData& camera : cameras)
     if (!IsRigCameraName(camera.name))
       throw py::value_error(
           fmt::format("camera name '{}': use only letters, digits, '-' and '_'",
@@ -223,7 +223,7 @@ std::vector<GivenCamera> TakeCameras(const py::object& given) {
   return cameras;
 }
 
-Dataset DatasetOf(const GivenCamera& given) {
+Dataset MakeDataset(const InputCameraData& given) {
   Dataset dataset;
   dataset.image_size = given.detections.front().size;
   for (const PyDetection& detection : given.detections) {
@@ -249,7 +249,7 @@ namespace {
 
 py::object LoadFeatures(const py::object& path,
                         const std::pair<int, int>& size) {
-  const auto by_camera = ReadFeatures(PathOf(path));
+  const auto by_camera = ReadFeatures(ToPath(path));
   py::dict all;
   for (const auto& [name, dataset] : by_camera) {
     py::list detections;
@@ -263,12 +263,12 @@ py::object LoadFeatures(const py::object& path,
 
 void SaveFeatures(const py::object& path, const py::object& given) {
   std::vector<NamedDataset> cameras;
-  for (const GivenCamera& camera : TakeCameras(given)) {
+  for (const InputCameraData& camera : ReadCameras(given)) {
     if (camera.detections.empty())
       throw py::type_error("features: expected Detections");
-    cameras.push_back({camera.name, DatasetOf(camera)});
+    cameras.push_back({camera.name, MakeDataset(camera)});
   }
-  WriteFile(PathOf(path), cameras.size() == 1
+  WriteFile(ToPath(path), cameras.size() == 1
                               ? FormatFeatures(cameras.front().dataset)
                               : FormatFeatures(cameras));
 }

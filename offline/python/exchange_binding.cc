@@ -21,12 +21,11 @@ using NamedCamera = std::tuple<std::string, PyCamera, std::optional<Pose>>;
 py::tuple ToPython(const NamedCamera& camera) {
   const auto& [name, file, pose] = camera;
   return py::make_tuple(
-      name, file,
-      pose ? py::object(ReadOnly(MatrixOfPose(*pose))) : py::none());
+      name, file, pose ? py::object(ReadOnly(ToMatrix(*pose))) : py::none());
 }
 
 Pose PoseFromMatrix(const py::object& given, const std::string& name) {
-  const GivenVectors rows = TakeVectors(given, 4, name);
+  const InputVectors rows = ReadVectors(given, 4, name);
   if (rows.count != 4)
     throw py::value_error(name + ": expected a matrix of the shape (4, 4)");
   const Eigen::Matrix4d matrix =
@@ -64,22 +63,22 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
   ExchangeContents all;
   std::vector<std::string> stems;
   std::set<std::string> names;
-  std::string of_pose;
+  std::string pose_text;
   for (const std::string& path : paths) {
     ExchangeContents contents = ReadOne(path, format, model, size);
     if (contents.second_from_first) {
       all.second_from_first = contents.second_from_first;
-      of_pose = path;
+      pose_text = path;
     }
     for (const std::string& warning : contents.warnings)
       all.warnings.push_back(path + ": " + warning);
-    for (ReadLens& camera : contents.cameras) {
+    for (InputCamera& camera : contents.cameras) {
       stems.push_back(fs::path(path).stem().string());
       names.insert(camera.name);
       all.cameras.push_back(std::move(camera));
     }
   }
-  AssignPairPose(all.second_from_first, of_pose, &all.cameras);
+  AssignPairPose(all.second_from_first, pose_text, &all.cameras);
   if (paths.size() == 1) return all;
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
@@ -91,7 +90,7 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
                 const std::string& model,
                 const std::optional<std::pair<int, int>>& size) {
   std::vector<std::string> paths;
-  for (const py::object& file : files) paths.push_back(PathOf(file));
+  for (const py::object& file : files) paths.push_back(ToPath(file));
   if (paths.empty()) throw py::value_error("paths: empty");
   const Format* const known =
       format.empty() ? nullptr : &FindFormat("format", format);
@@ -104,7 +103,7 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
   for (const std::string& warning : contents.warnings) Warn(warning);
   const bool is_rig = contents.IsRig();
   py::list cameras;
-  for (const ReadLens& camera : contents.cameras)
+  for (const InputCamera& camera : contents.cameras)
     cameras.append(ToPython({camera.name, PyCamera{MakeCameraFile(camera)},
                              is_rig ? camera.camera_from_rig : std::nullopt}));
   return cameras;
@@ -112,23 +111,24 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
 
 // ---- Export ----------------------------------------------------------------
 
-WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
-                      const std::vector<const ExternalModel*>& external_models,
-                      const std::optional<Pose>& pose,
-                      const std::optional<double>& max_fit_error_px) {
+OutputCamera ChooseFor(const PyCamera& camera, const std::string& name,
+                       const std::vector<const ExternalModel*>& external_models,
+                       const std::optional<Pose>& pose,
+                       const std::optional<double>& max_fit_error_px) {
   const auto& uncertainty = camera.file.uncertainty;
   const ValidityMask* mask = uncertainty ? &uncertainty->mask : nullptr;
-  SelectedLens chosen =
-      SelectLens(external_models, *camera.file.camera,
-                 mask && mask->HasValidCells() ? mask : nullptr);
+  SelectedModel chosen =
+      SelectExternalModel(external_models, *camera.file.camera,
+                          mask && mask->HasValidCells() ? mask : nullptr);
   if (max_fit_error_px && chosen.fit &&
-      (chosen.fit->num_beyond > 0 || chosen.fit->max_px > *max_fit_error_px))
+      (chosen.fit->num_unrepresentable > 0 ||
+       chosen.fit->max_px > *max_fit_error_px))
     throw Error(
         ExitCode::kQuality,
         fmt::format("the fit error of {} exceeds max_fit_error {:g}: {}",
                     chosen.lens.external_model->name, *max_fit_error_px,
-                    FormatLensFit(*chosen.fit)));
-  WrittenLens lens;
+                    FormatModelFit(*chosen.fit)));
+  OutputCamera lens;
   lens.name = name;
   lens.serial = camera.file.serial;
   lens.lens = chosen.lens;
@@ -141,7 +141,7 @@ WrittenLens ChooseFor(const PyCamera& camera, const std::string& name,
   return lens;
 }
 
-py::object ComputeFitMetrics(const WrittenLens& lens) {
+py::object ComputeFitMetrics(const OutputCamera& lens) {
   py::dict metrics;
   metrics["model"] = lens.lens.external_model->name;
   metrics["exact"] = !lens.fit.has_value();
@@ -170,7 +170,7 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
   const std::vector<const ExternalModel*> external_models =
       format.FindModels(model);
   WriteRequest request;
-  request.path = PathOf(file);
+  request.path = ToPath(file);
   py::list metrics;
   for (const py::tuple& camera : cameras) {
     std::optional<Pose> pose;
@@ -204,7 +204,7 @@ py::list ListFormats() {
 // ---- Rigs ------------------------------------------------------------------
 
 py::list ReadRig(const py::object& file) {
-  const std::string path = PathOf(file);
+  const std::string path = ToPath(file);
   py::list cameras;
   for (const RigFileCamera& camera : ReadRigFile(path)) {
     const std::string own =
@@ -216,7 +216,7 @@ py::list ReadRig(const py::object& file) {
 }
 
 py::dict ReadRigCovariances(const py::object& file) {
-  const std::string path = PathOf(file);
+  const std::string path = ToPath(file);
   py::dict covariances;
   for (const RelativePoseCovariance& pose :
        ParseRelativePoseCovariances(path, ReadFile(path)))
@@ -228,7 +228,7 @@ py::dict ReadRigCovariances(const py::object& file) {
 void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras,
               const std::map<std::pair<std::string, std::string>, py::object>&
                   covariances) {
-  const std::string path = PathOf(file);
+  const std::string path = ToPath(file);
   const fs::path folder = fs::path(path).parent_path();
   OutputFiles files;
   std::vector<RigFileCamera> rig;
@@ -244,7 +244,7 @@ void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras,
   }
   std::vector<RelativePoseCovariance> pairs;
   for (const auto& [names, given] : covariances) {
-    const GivenVectors rows = TakeVectors(given, 6, "covariance");
+    const InputVectors rows = ReadVectors(given, 6, "covariance");
     if (rows.count != 6)
       throw py::value_error("covariance: expected the shape (6, 6)");
     RelativePoseCovariance& pair =

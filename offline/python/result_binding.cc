@@ -31,12 +31,11 @@ py::tuple Residuals(const std::vector<FeatureResidual>& residuals) {
   return py::make_tuple(pixels, errors);
 }
 
-py::list PosesOf(const PyCalibration& self, const std::string& camera) {
+py::list ListPoses(const PyCalibration& self, const std::string& camera) {
   py::list poses;
   for (const BoardPose& pose : self.result.cameras[self.IndexOf(camera)].poses)
-    poses.append(
-        py::make_tuple(pose.image, pose.board,
-                       ReadOnly(MatrixOfPose(pose.camera_from_board))));
+    poses.append(py::make_tuple(pose.image, pose.board,
+                                ReadOnly(ToMatrix(pose.camera_from_board))));
   return poses;
 }
 
@@ -48,7 +47,7 @@ py::list FeaturesOf(const PyCalibration& self, const std::string& camera) {
   return detections;
 }
 
-py::dict CamerasOf(const PyCalibration& self) {
+py::dict ListCameras(const PyCalibration& self) {
   py::dict cameras;
   for (const CalibrationResult& camera : self.result.cameras)
     cameras[py::str(camera.camera.name)] = PyCamera{camera.camera};
@@ -58,7 +57,7 @@ py::dict CamerasOf(const PyCalibration& self) {
 py::dict CameraFromRig(const PyCalibration& self) {
   py::dict poses;
   for (size_t c = 0; c < self.result.cameras.size(); ++c)
-    poses[py::str(self.result.cameras[c].camera.name)] = ReadOnly(MatrixOfPose(
+    poses[py::str(self.result.cameras[c].camera.name)] = ReadOnly(ToMatrix(
         self.result.IsRig() ? self.result.camera_from_rig[c] : Pose{}));
   return poses;
 }
@@ -80,7 +79,7 @@ ResultExtras PackResult(const PyCalibration& self, const Task* task) {
   ResultExtras extras;
   for (const CalibrationResult& camera : self.result.cameras) {
     CameraExtras& own = extras.cameras.emplace_back();
-    const PackedCamera packed = PackSupportedParts(
+    const PackedCamera packed = PackSupportedSections(
         camera.camera, self.num_threads, [task] { return task->ShouldStop(); });
     task->GoOn();
     own.packing = ComputePackingMetrics(packed);
@@ -94,7 +93,7 @@ ResultExtras PackResult(const PyCalibration& self, const Task* task) {
 // Writes the folder atomically: it contains either all files of the result, or
 // its previous files.
 void SaveResult(const PyCalibration& self, const py::object& path) {
-  const std::string folder = PathOf(path);
+  const std::string folder = ToPath(path);
   RunInBackground(py::none(), [&](Task* task) {
     const ResultExtras extras = PackResult(self, task);
     OutputFolder output(folder);
@@ -127,7 +126,7 @@ Methods with the argument camera take the name of a camera of a rig; the default
 is the only camera. An unknown name raises KeyError.)")
       .def_property_readonly("camera", first_camera,
                              "The camera; for a rig the first one.")
-      .def_property_readonly("cameras", &CamerasOf,
+      .def_property_readonly("cameras", &ListCameras,
                              "Dict of the cameras by name; '' if it has none.")
       .def_property_readonly(
           "camera_from_rig", &CameraFromRig,
@@ -173,7 +172,7 @@ Returns:
 Returns:
     Observed pixels and errors (projected minus observed), both (N, 2), in
     pixels.)")
-      .def("poses", &PosesOf, py::arg("camera") = "",
+      .def("poses", &ListPoses, py::arg("camera") = "",
            R"(Poses of the boards in the images.
 
 Returns:

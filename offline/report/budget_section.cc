@@ -12,7 +12,7 @@ namespace raygrid {
 namespace {
 
 // A component of the residual budget, in the bar and in the table.
-struct BudgetPart {
+struct BudgetShare {
   std::string name, meaning;
   double part = 0;
   const CauseShare* share = nullptr;  // nullptr for chance, which has no share
@@ -37,10 +37,10 @@ const char* DescribeCause(ErrorCause cause) {
   }
 }
 
-std::vector<BudgetPart> SplitText(const ResidualBudget& budget) {
+std::vector<BudgetShare> SplitText(const ResidualBudget& budget) {
   constexpr const char* kColors[kNumErrorCauses] = {
       "#0072b2", "#009e73", "#d55e00", "#f0e442", "#cc79a7", "#e69f00"};
-  std::vector<BudgetPart> parts = {
+  std::vector<BudgetShare> parts = {
       {"noise", "white noise, independent between features", budget.noise,
        nullptr, "#999999"},
       {"outliers", "single features beyond 5 standard deviations", budget.large,
@@ -48,21 +48,21 @@ std::vector<BudgetPart> SplitText(const ResidualBudget& budget) {
   for (int k = 0; k < kNumErrorCauses; ++k) {
     const auto cause = static_cast<ErrorCause>(k);
     const CauseShare& share = budget.Of(cause);
-    parts.push_back({ToString(cause), DescribeCause(cause), share.in_turn,
-                     &share, kColors[k]});
+    parts.push_back({ToString(cause), DescribeCause(cause),
+                     share.sequential_share, &share, kColors[k]});
   }
   parts.push_back({"unexplained", "spatially correlated, of unknown cause",
                    budget.rest, nullptr, "#56b4e9"});
   return parts;
 }
 
-std::string MakeBar(const std::vector<BudgetPart>& parts) {
+std::string MakeBar(const std::vector<BudgetShare>& parts) {
   double sum = 1e-9;
-  for (const BudgetPart& part : parts) sum += std::max(part.part, 0.0);
+  for (const BudgetShare& part : parts) sum += std::max(part.part, 0.0);
   std::string html =
       "<figure><figcaption>Fractions of the squared residuals</figcaption><div "
       "class=\"parts\">";
-  for (const BudgetPart& part : parts)
+  for (const BudgetShare& part : parts)
     if (part.part > 0)
       html += fmt::format(
           "<i style=\"width: {:.2f}%; background: {}\" title=\"{}: {:.1f} "
@@ -80,7 +80,7 @@ std::string Percent(double part) {
   return fmt::format("{:.1f}&nbsp;%", 100 * part);
 }
 
-HtmlRow RowOf(const BudgetPart& part) {
+HtmlRow MakeRow(const BudgetShare& part) {
   HtmlRow row = {fmt::format("<i class=\"part\" style=\"background: "
                              "{}\"></i>{}",
                              part.color, part.name),
@@ -92,7 +92,7 @@ HtmlRow RowOf(const BudgetPart& part) {
     return row;
   }
   row[2] = Percent(part.share->alone);
-  row[3] = Percent(part.share->chance_high);
+  row[3] = Percent(part.share->random_limit);
   return row;
 }
 
@@ -105,9 +105,9 @@ std::string MakeBudgetSection(const ResidualBudget& budget) {
       EscapeHtml(Capitalized(assessment.sentence)),
       EscapeHtml(assessment.advice));
   if (!budget.unobservable_reason.empty()) return html;
-  const std::vector<BudgetPart> parts = SplitText(budget);
+  const std::vector<BudgetShare> parts = SplitText(budget);
   std::vector<HtmlRow> rows;
-  for (const BudgetPart& part : parts) rows.push_back(RowOf(part));
+  for (const BudgetShare& part : parts) rows.push_back(MakeRow(part));
   return html + MakeBar(parts) + "<div class=\"causes\">" +
          MakeHtmlTable({"", "fraction", "alone", "chance level", "meaning"},
                        rows) +

@@ -30,9 +30,9 @@ constexpr char kCameras[] = ",\"cameras\":", kEnd[] = "}\n";
 // Returns the text of a checkpoint's cameras, after verifying its inputs and
 // checksum, so that only files written by this program are parsed.
 std::string FormatCameras(const std::string& text, const std::string& inputs) {
-  constexpr size_t kLongestHead = 4096;
+  constexpr size_t kMaxHeaderBytes = 4096;
   const size_t begin = text.rfind(kBegin, 0) == 0
-                           ? text.substr(0, kLongestHead).find(kCameras)
+                           ? text.substr(0, kMaxHeaderBytes).find(kCameras)
                            : std::string::npos;
   if (begin == std::string::npos)
     throw InputError("malformed: unexpected beginning");

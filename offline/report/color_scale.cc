@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-constexpr std::array<uint8_t, 3> kNothing = {255, 255, 255};
+constexpr std::array<uint8_t, 3> kNoDataColor = {255, 255, 255};
 
 cv::Mat MakeTable(int map) {
   cv::Mat grey(1, 256, CV_8U), bgr;
@@ -19,7 +19,7 @@ cv::Mat MakeTable(int map) {
   return bgr;
 }
 
-const cv::Mat& TableOf(ColorScale scale) {
+const cv::Mat& GetColorTable(ColorScale scale) {
   static const cv::Mat magnitude = MakeTable(cv::COLORMAP_INFERNO);
   static const cv::Mat even = MakeTable(cv::COLORMAP_CIVIDIS);
   static const cv::Mat direction = MakeTable(cv::COLORMAP_TWILIGHT);
@@ -37,7 +37,8 @@ const cv::Mat& TableOf(ColorScale scale) {
 
 std::array<uint8_t, 3> GetColor(ColorScale scale, double part) {
   const long index = std::clamp(std::lround(255 * part), 0L, 255L);
-  const auto color = TableOf(scale).at<cv::Vec3b>(0, static_cast<int>(index));
+  const auto color =
+      GetColorTable(scale).at<cv::Vec3b>(0, static_cast<int>(index));
   return {color[0], color[1], color[2]};
 }
 
@@ -63,7 +64,7 @@ Image HeatMap(const std::vector<double>& values, int columns, double low,
           values[y / knot_spacing_px * columns + x / knot_spacing_px];
       const auto color = std::isfinite(value)
                              ? GetColor(scale, (value - low) / (high - low))
-                             : kNothing;
+                             : kNoDataColor;
       image.pixels.insert(image.pixels.end(), color.begin(), color.end());
     }
   }

@@ -18,7 +18,7 @@ constexpr int kMaxColumns = 4;
 constexpr int kMaxTileWidth = 760;
 constexpr int kGap = 24;
 constexpr double kTitleSize = 17, kTextSize = 15, kLineHeight = 21;
-constexpr double kLeastTextSize = 10;
+constexpr double kMinTextSize = 10;
 constexpr SheetColor kPaper = {1, 1, 1}, kInk = {0.1, 0.1, 0.12};
 
 void SetColor(const SheetColor& color, double alpha, cairo_t* cr) {
@@ -46,7 +46,7 @@ void DrawLine(std::string text, double x, double baseline, double width,
   cairo_set_font_size(cr, size);
   const double needed = TextWidth(text, cr);
   if (needed > width)
-    cairo_set_font_size(cr, std::max(kLeastTextSize, size * width / needed));
+    cairo_set_font_size(cr, std::max(kMinTextSize, size * width / needed));
   if (TextWidth(text, cr) > width) {
     while (!text.empty() && TextWidth(text + "...", cr) > width)
       DropLastCharacter(&text);
@@ -116,7 +116,7 @@ cv::Mat Resized(const Image& picture, const Box& box) {
   return result;
 }
 
-void DrawPicture(const Image& picture, const Box& box, cairo_t* cr) {
+void DrawImage(const Image& picture, const Box& box, cairo_t* cr) {
   cv::Mat pixels = Resized(picture, box);
   cairo_surface_t* surface = cairo_image_surface_create_for_data(
       pixels.data, CAIRO_FORMAT_RGB24, pixels.cols, pixels.rows,
@@ -186,7 +186,7 @@ void DrawTile(const SheetTile& tile, double x, double y, double caption_height,
   box.x = x;
   box.y = y + caption_height;
   if (tile.picture.size.width > 0)
-    DrawPicture(tile.picture, box, cr);
+    DrawImage(tile.picture, box, cr);
   else
     DrawMessage(tile.message, box, cr);
   for (const SheetCurves& curves : tile.curves)
@@ -206,8 +206,8 @@ struct Line {
   double caption_height = 0, height = 0;
 };
 
-std::vector<Line> LinesOf(const std::vector<SheetRow>& rows, int columns,
-                          int column_width) {
+std::vector<Line> WrapLines(const std::vector<SheetRow>& rows, int columns,
+                            int column_width) {
   std::vector<Line> lines;
   for (const SheetRow& row : rows) {
     for (size_t k = 0; k < row.tiles.size(); ++k) {
@@ -216,13 +216,13 @@ std::vector<Line> LinesOf(const std::vector<SheetRow>& rows, int columns,
     }
   }
   for (Line& line : lines) {
-    double picture_height = 0;
+    double image_height = 0;
     for (const SheetTile* tile : line.tiles) {
       line.caption_height = std::max(line.caption_height, CaptionHeight(*tile));
-      picture_height = std::max(
-          picture_height, SizeInColumn(tile->picture, column_width).height);
+      image_height = std::max(image_height,
+                              SizeInColumn(tile->picture, column_width).height);
     }
-    line.height = line.caption_height + picture_height + kGap;
+    line.height = line.caption_height + image_height + kGap;
   }
   return lines;
 }
@@ -254,7 +254,7 @@ void DrawMarks(const std::vector<SheetMark>& marks, double y, double width,
   }
 }
 
-Image ImageOfSurface(cairo_surface_t* surface) {
+Image CopySurface(cairo_surface_t* surface) {
   cairo_surface_flush(surface);
   const cv::Mat pixels(cairo_image_surface_get_height(surface),
                        cairo_image_surface_get_width(surface), CV_8UC4,
@@ -287,7 +287,7 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
   const int column_width = std::min(
       kMaxTileWidth, (kMaxSheetWidth - kGap * (columns + 1)) / columns);
   const int width = columns * (column_width + kGap) + kGap;
-  const std::vector<Line> lines = LinesOf(rows, columns, column_width);
+  const std::vector<Line> lines = WrapLines(rows, columns, column_width);
   constexpr double kMarkLines = 3;
   double height = kGap + kMarkLines * kLineHeight;
   for (const Line& line : lines) height += line.height;
@@ -319,7 +319,7 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
     throw Error(ExitCode::kOutput,
                 std::string("cannot draw the sheet: ") +
                     cairo_status_to_string(cairo_status(cr)));
-  return ImageOfSurface(surface.get());
+  return CopySurface(surface.get());
 }
 
 }  // namespace raygrid

@@ -69,7 +69,7 @@ std::string MakeHtmlTable(const HtmlRow& head,
   return html + "</table></div>\n";
 }
 
-PictureAxes AreaAxes(const Area& area) {
+HtmlImageAxes AreaAxes(const Area& area) {
   const auto ticks = [](double a, double b) -> std::vector<std::string> {
     return {fmt::format("{}", std::lround(a)),
             fmt::format("{}", std::lround((a + b) / 2)),
@@ -93,9 +93,9 @@ std::string MakeHtmlImage(const Image& picture, const std::string& alt) {
       Base64(EncodePng(picture)));
 }
 
-std::string MakeHtmlPicture(const Image& picture, const std::string& caption,
-                            const PictureAxes& axes, const std::string& legend,
-                            const std::string& view) {
+std::string EmbedHtmlImage(const Image& picture, const std::string& caption,
+                           const HtmlImageAxes& axes, const std::string& legend,
+                           const std::string& view) {
   return fmt::format(
       "<figure><figcaption>{0}</figcaption><div class=\"plot\">"
       "<div class=\"y-label\"><span>{1}</span></div>"

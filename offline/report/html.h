@@ -20,12 +20,12 @@ std::string MakeHtmlTable(const HtmlRow& head,
                           const std::vector<HtmlRow>& rows);
 
 /// The labels of a picture's axes and colours.
-struct PictureAxes {
+struct HtmlImageAxes {
   std::string x_label, y_label;
   std::vector<std::string> x_ticks, y_ticks;  ///< evenly spaced
 };
 /// Makes the axes of a picture that shows exactly an area, in its pixels.
-PictureAxes AreaAxes(const Area& area);
+HtmlImageAxes AreaAxes(const Area& area);
 /// A colour bar from low to high, with labels.
 struct ColorBar {
   ColorScale scale = ColorScale::kEven;
@@ -34,9 +34,9 @@ struct ColorBar {
 std::string MakeHtmlColorBar(const ColorBar& bar);
 
 /// Formats a picture with axes; view: name for zooming by the script.
-std::string MakeHtmlPicture(const Image& picture, const std::string& caption,
-                            const PictureAxes& axes, const std::string& legend,
-                            const std::string& view);
+std::string EmbedHtmlImage(const Image& picture, const std::string& caption,
+                           const HtmlImageAxes& axes, const std::string& legend,
+                           const std::string& view);
 
 /// Formats a picture without axes.
 std::string MakeHtmlImage(const Image& picture, const std::string& alt);

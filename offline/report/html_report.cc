@@ -12,7 +12,7 @@
 #include "report/html.h"
 #include "report/operating_point_section.h"
 #include "report/page_data.h"
-#include "report/picture_sections.h"
+#include "report/plot_sections.h"
 #include "report/report_sections.h"
 
 namespace raygrid {
@@ -88,7 +88,7 @@ void AddUncertaintyRows(const CalibrationResult& result,
          fmt::format(
              "{:.0f} % of the image, with an uncertainty below {:.2g} px",
              100 * ComputeValidShare(camera, known->mask),
-             known->max_deviation_px)});
+             known->max_stddev_px)});
     if (result.camera.stack) {
       const auto everywhere = ComputeMaxUncertainty(result.camera);
       rows->push_back(
@@ -114,11 +114,11 @@ void AddUncertaintyRows(const CalibrationResult& result,
   if (result.fleet_distance)
     rows->push_back(
         {"distance from the fleet", EscapeHtml(result.fleet_distance->Text())});
-  if (result.line_spread)
+  if (result.noncentrality)
     rows->push_back({"distance of observation lines from their common point",
                      fmt::format("{:.3f} mm RMS, {:.3f} mm max",
-                                 1000 * result.line_spread->rms_m,
-                                 1000 * result.line_spread->max_m)});
+                                 1000 * result.noncentrality->rms_m,
+                                 1000 * result.noncentrality->max_m)});
 }
 
 void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
@@ -145,7 +145,7 @@ void AddPackingRows(const PackingMetrics& packing, std::vector<HtmlRow>* rows) {
 // image.
 std::string MakeUncertaintySection(const CalibrationResult& result) {
   const auto& uncertainty = result.camera.uncertainty;
-  if (!uncertainty || !uncertainty->HasDeviations()) return "";
+  if (!uncertainty || !uncertainty->HasStdDevs()) return "";
   const CameraModel& camera = *result.camera.camera;
   const UncertaintySummary summary = SummarizeUncertainty(camera, *uncertainty);
   HtmlRow head = {"predicted uncertainty (1 &sigma;) below"},
@@ -201,7 +201,7 @@ std::string GridSection(const CalibrationResult& result) {
 
 // ---- Images ----------------------------------------------------------------
 
-std::map<std::string, std::vector<double>> NormsByImage(
+std::map<std::string, std::vector<double>> GroupNormsByImage(
     const std::vector<FeatureResidual>& residuals) {
   std::map<std::string, std::vector<double>> norms;
   for (const FeatureResidual& residual : residuals)
@@ -212,8 +212,8 @@ std::map<std::string, std::vector<double>> NormsByImage(
 // Returns a table with the data of the bars, for browsers without scripts and
 // for print.
 std::string MakeImageTable(const CalibrationResult& result) {
-  auto training = NormsByImage(result.training);
-  auto held_out = NormsByImage(result.held_out);
+  auto training = GroupNormsByImage(result.training);
+  auto held_out = GroupNormsByImage(result.held_out);
   std::map<std::string, HtmlRow> rows;
   for (const auto* norms : {&training, &held_out})
     for (const auto& [image, values] : *norms)
@@ -345,14 +345,14 @@ std::string FormatHtmlReport(
   if (result.budget) html += MakeBudgetSection(*result.budget);
   html += MakeComparisonSection(result);
   html += MakeUncertaintySection(result);
-  html += MakePicturesSection(result);
+  html += MakePlotsSection(result);
   html += MakeImagesSection(result);
   if (example) html += MakeExampleSection(*example);
   if (!blob.empty()) html += MakeTrialSection(blob);
   html += MakeCameraSection(result, packing);
   html += GridSection(result);
   html += MakeLinesSection(result);
-  html += MakeSpaceSection();
+  html += MakeSceneSection();
   html += MakeBoardSection(result.pattern) +
           MakeRigidTargetSection(rigid_target_summary);
   if (result.bends)

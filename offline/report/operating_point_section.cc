@@ -12,12 +12,12 @@
 #include "evaluation/residual_statistics.h"
 #include "report/axis_ticks.h"
 #include "report/html.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
 
-std::string WordsOf(OperatingParameter condition) {
+std::string DescribeRange(OperatingParameter condition) {
   return condition == OperatingParameter::kLensPosition ? "lens position"
                                                         : "temperature";
 }
@@ -45,10 +45,10 @@ std::string LineChart(const std::string& title,
   low -= room;
   high += room;
   const double first = changes.front().value, last = changes.back().value;
-  const auto x_of = [&](double value) {
+  const auto get_x = [&](double value) {
     return kLeft + (kWidth - kLeft - kRight) * (value - first) / (last - first);
   };
-  const auto y_of = [&](double value) {
+  const auto get_y = [&](double value) {
     return kTop + (kHeight - kTop - kBottom) * (high - value) / (high - low);
   };
   std::string svg = fmt::format(
@@ -60,16 +60,16 @@ std::string LineChart(const std::string& title,
     svg += fmt::format(
         "<path d=\"M{} {:.1f}H{}\" stroke=\"#ddd\"/><text x=\"{}\" "
         "y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>",
-        kLeft, y_of(y), kWidth - kRight, kLeft - 6, y_of(y) + 4, y);
+        kLeft, get_y(y), kWidth - kRight, kLeft - 6, get_y(y) + 4, y);
   for (const double x : MakeTicks(first, last))
     svg += fmt::format(
         "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.4g}</text>",
-        x_of(x), kHeight - kBottom + 16, x);
+        get_x(x), kHeight - kBottom + 16, x);
   for (size_t k = 0; k < lines.size(); ++k) {
     std::string path;
     for (size_t i = 0; i < changes.size(); ++i)
       path += fmt::format("{}{:.1f} {:.1f}", i == 0 ? "M" : "L",
-                          x_of(changes[i].value), y_of(lines[k].values[i]));
+                          get_x(changes[i].value), get_y(lines[k].values[i]));
     svg += fmt::format(
         "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>", path,
         lines[k].color);
@@ -90,8 +90,8 @@ std::vector<double> GetOperatingPoint(
   return values;
 }
 
-std::string TableOf(const OperatingPointCalibration& stack,
-                    const std::string& unit) {
+std::string MakeUncertaintyTable(const OperatingPointCalibration& stack,
+                                 const std::string& unit) {
   const int count = static_cast<int>(stack.deviations.size());
   if (count < 2) return "";
   std::vector<HtmlRow> rows;
@@ -131,7 +131,7 @@ ColorBar MakeBar(const std::string& label, double full_scale_px) {
 
 // Returns the change of distortion by position at both ends of the range,
 // relative to the centre of the range, and its uncertainty.
-std::string MapsOf(const OperatingPointCalibration& stack) {
+std::string MakeUncertaintyMaps(const OperatingPointCalibration& stack) {
   constexpr int kColumns = 64, kRows = 48, kCellPx = 1;
   const OperatingPointModel& cameras = stack.cameras;
   const OperatingRange& range = cameras.ranges()[0];
@@ -143,10 +143,10 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
   struct End {
     std::string value;
     std::vector<Eigen::Vector2d> moves;
-    std::vector<double> deviations_px;
+    std::vector<double> stddevs_px;
   };
   std::vector<End> ends;
-  std::vector<double> sizes_px, deviations_px;
+  std::vector<double> sizes_px, stddevs_px;
   for (const double value : {range.low, range.high}) {
     End end = {fmt::format("{:g} {}", value, unit),
                MeasureDistortion(center, cameras.At({value}), places),
@@ -156,29 +156,27 @@ std::string MapsOf(const OperatingPointCalibration& stack) {
     for (const OperatingPointUncertainty& known : stack.deviations)
       if (known.values[0] == value)
         for (const Eigen::Vector2d& place : places)
-          end.deviations_px.push_back(known.lattice.At(area, place));
-    deviations_px.insert(deviations_px.end(), end.deviations_px.begin(),
-                         end.deviations_px.end());
+          end.stddevs_px.push_back(known.lattice.At(area, place));
+    stddevs_px.insert(stddevs_px.end(), end.stddevs_px.begin(),
+                      end.stddevs_px.end());
     ends.push_back(std::move(end));
   }
-  const double size_px = FullScale(sizes_px),
-               deviation_px = FullScale(deviations_px);
+  const double size_px = FullScale(sizes_px), stddev_px = FullScale(stddevs_px);
   std::string html;
   for (const End& end : ends) {
     html += "<div class=\"pictures\">\n";
-    html += MakeHtmlPicture(
-        DrawDisplacementPicture(end.moves, kColumns, size_px),
+    html += EmbedHtmlImage(
+        DrawDisplacementPlot(end.moves, kColumns, size_px),
         fmt::format("Distortion at {} against {:g}", end.value, range.Center()),
         AreaAxes(area),
         MakeHtmlColorBar(
             MakeBar("displacement; arrows are magnified", size_px)),
         "area");
-    if (!end.deviations_px.empty())
-      html += MakeHtmlPicture(
-          HeatMap(end.deviations_px, kColumns, 0, deviation_px, kCellPx),
+    if (!end.stddevs_px.empty())
+      html += EmbedHtmlImage(
+          HeatMap(end.stddevs_px, kColumns, 0, stddev_px, kCellPx),
           "Predicted uncertainty at " + end.value, AreaAxes(area),
-          MakeHtmlColorBar(
-              MakeBar("standard deviation per axis", deviation_px)),
+          MakeHtmlColorBar(MakeBar("standard deviation per axis", stddev_px)),
           "area");
     html += "</div>\n";
   }
@@ -192,7 +190,7 @@ std::string FormatChanges(const OperatingPointCalibration& stack) {
       MeasureOperatingPointChanges(stack.cameras, kNumValues);
   const OperatingParameter condition = stack.cameras.ranges()[0].condition;
   const std::string unit =
-      WordsOf(condition) + ", " + OperatingParameterUnit(condition);
+      DescribeRange(condition) + ", " + OperatingParameterUnit(condition);
   const auto chart = [&](const std::string& what,
                          const std::vector<FormatOperatingPointLine>& lines) {
     return LineChart(what + " over " + unit, changes, lines);
@@ -221,7 +219,7 @@ std::string FormatChanges(const OperatingPointCalibration& stack) {
                     return c.distortion_px;
                   })}});
   html += "</div>\n";
-  return html + TableOf(stack, unit) + MapsOf(stack);
+  return html + MakeUncertaintyTable(stack, unit) + MakeUncertaintyMaps(stack);
 }
 
 }  // namespace
@@ -232,10 +230,11 @@ std::string MakeOperatingPointSection(const OperatingPointCalibration& stack) {
   std::string known, orders;
   for (size_t r = 0; r < ranges.size(); ++r) {
     known += (r > 0 ? ", and from " : "from ") + ranges[r].Text();
-    orders += fmt::format(
-        "{}a polynomial of order {}{}", r > 0 ? " and " : "",
-        cameras.orders()[r],
-        ranges.size() > 1 ? " of the " + WordsOf(ranges[r].condition) : "");
+    orders += fmt::format("{}a polynomial of order {}{}", r > 0 ? " and " : "",
+                          cameras.orders()[r],
+                          ranges.size() > 1
+                              ? " of the " + DescribeRange(ranges[r].condition)
+                              : "");
   }
   std::string html = fmt::format(
       "<h2>Operating range</h2>\n<p>The camera is calibrated {}. Each control "
@@ -249,7 +248,7 @@ std::string MakeOperatingPointSection(const OperatingPointCalibration& stack) {
   for (size_t r = 0; r < ranges.size(); ++r) {
     const OperatingRange& other = ranges[1 - r];
     html += fmt::format("<h3>Over the {}, at {:g} {}</h3>\n",
-                        WordsOf(ranges[r].condition), other.Center(),
+                        DescribeRange(ranges[r].condition), other.Center(),
                         OperatingParameterUnit(other.condition)) +
             FormatChanges(SliceOperatingPointModel(stack, r));
   }

@@ -29,7 +29,7 @@ double Rounded(double value) {
 
 using ByImage = std::map<std::string, std::vector<const FeatureResidual*>>;
 
-ByImage SortByImage(const Residuals& residuals) {
+ByImage GroupByImage(const Residuals& residuals) {
   ByImage images;
   for (const FeatureResidual& residual : residuals)
     images[residual.image].push_back(&residual);
@@ -94,9 +94,9 @@ void AddResiduals(const CalibrationResult& result, Json* json) {
   const size_t total = result.training.size() + result.held_out.size();
   const size_t step = total / kMaxResiduals + 1;
   Json list = Json::object();
-  AddImages(SortByImage(result.training), "training", step, &packed, &list);
-  AddImages(SortByImage(result.held_out), "held_out", step, &packed, &list);
-  AddImages(SortByImage(result.rejected_features), "rejected", 1, &packed,
+  AddImages(GroupByImage(result.training), "training", step, &packed, &list);
+  AddImages(GroupByImage(result.held_out), "held_out", step, &packed, &list);
+  AddImages(GroupByImage(result.rejected_features), "rejected", 1, &packed,
             &list);
   Json images = Json::array();
   for (auto& [name, entry] : list.items()) {
@@ -166,7 +166,7 @@ void AddGrid(const CalibrationResult& result, Json* json) {
 void AddLines(const CameraModel& camera, Json* json) {
   if (camera.IsCentral()) return;
   constexpr int kSteps = 24;
-  const Eigen::Vector3d center = MeasureLineSpread(camera).nearest_point;
+  const Eigen::Vector3d center = ComputeNoncentrality(camera).nearest_point;
   Json lines = Json::array();
   const Area& area = camera.area();
   for (int k = 0; k < (kSteps + 1) * (kSteps + 1); ++k) {
@@ -205,8 +205,8 @@ std::vector<Eigen::Vector3d> BoardCorners(const Board& board) {
           board.points[board.PointIndex(0, bottom)]};
 }
 
-Json CameraInSpace(const CameraModel& camera, const std::string& name,
-                   const Pose& rig_from_camera) {
+Json MakeCameraJson(const CameraModel& camera, const std::string& name,
+                    const Pose& rig_from_camera) {
   const Area& area = camera.area();
   Json rays = Json::array();
   for (const Eigen::Vector2d& pixel :
@@ -243,8 +243,8 @@ void AddBoards(const CalibrationResult& camera, const Pattern& pattern,
   }
 }
 
-Json Space(const Json& cameras,
-           const std::map<std::pair<std::string, int>, Json>& boards) {
+Json MakeSceneJson(const Json& cameras,
+                   const std::map<std::pair<std::string, int>, Json>& boards) {
   const size_t step = boards.size() / kMaxBoards + 1;
   Json shown = Json::array();
   size_t index = 0;
@@ -270,8 +270,8 @@ std::string FormatPageData(const CalibrationResult& result,
   AddLines(camera, &json);
   std::map<std::pair<std::string, int>, Json> boards;
   AddBoards(result, result.pattern, {}, &boards);
-  json["space"] = Space(
-      Json::array({CameraInSpace(camera, result.camera.name, {})}), boards);
+  json["space"] = MakeSceneJson(
+      Json::array({MakeCameraJson(camera, result.camera.name, {})}), boards);
   return json.dump();
 }
 
@@ -282,11 +282,11 @@ std::string FormatPageData(const RigResult& result) {
     const Pose rig_from_camera = result.camera_from_rig[c].Inverse();
     const CalibrationResult& camera = result.cameras[c];
     AddBoards(camera, result.pattern, rig_from_camera, &boards);
-    cameras.push_back(CameraInSpace(*camera.camera.camera, camera.camera.name,
-                                    rig_from_camera));
+    cameras.push_back(MakeCameraJson(*camera.camera.camera, camera.camera.name,
+                                     rig_from_camera));
   }
   Json json;
-  json["space"] = Space(cameras, boards);
+  json["space"] = MakeSceneJson(cameras, boards);
   return json.dump();
 }
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "report/contact_sheet.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
@@ -26,15 +26,15 @@ class PixelCurve {
       Interrupt();
       return;
     }
-    if (is_interrupted_) parts_.emplace_back();
+    if (is_interrupted_) segments_.emplace_back();
     is_interrupted_ = false;
     const Eigen::Vector2d half(0.5, 0.5);
-    parts_.back().push_back(scale_ * (*pixel + half) - half);
+    segments_.back().push_back(scale_ * (*pixel + half) - half);
   }
   void Interrupt() { is_interrupted_ = true; }
 
-  std::vector<std::vector<Eigen::Vector2d>> TakeParts() {
-    return std::move(parts_);
+  std::vector<std::vector<Eigen::Vector2d>> MoveSegments() {
+    return std::move(segments_);
   }
 
  private:
@@ -42,7 +42,7 @@ class PixelCurve {
   const Pose& pose_;
   double scale_;
   bool is_interrupted_ = true;
-  std::vector<std::vector<Eigen::Vector2d>> parts_;
+  std::vector<std::vector<Eigen::Vector2d>> segments_;
 };
 
 SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
@@ -53,7 +53,7 @@ SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
     for (int row = 0; row < board.rows; ++row)
       curve.Add(board.points[board.PointIndex(column, row)]);
   SheetCurves curves;
-  curves.curves = curve.TakeParts();
+  curves.curves = curve.MoveSegments();
   curves.color = kAreaColor;
   curves.width = 1;
   return curves;
@@ -71,13 +71,13 @@ SheetCurves AxisCurve(int axis, double length, PixelCurve curve) {
   for (int k = 0; k <= kSteps; ++k)
     curve.Add(length * k / kSteps * Eigen::Vector3d::Unit(axis));
   SheetCurves curves;
-  curves.curves = curve.TakeParts();
+  curves.curves = curve.MoveSegments();
   curves.color = kAxisColors[axis];
   curves.width = 3;
   return curves;
 }
 
-SheetTile TileOf(LocalizedImage image) {
+SheetTile MakeTile(LocalizedImage image) {
   constexpr int kPoseTileWidthPx = 800;
   SheetTile tile;
   tile.title = std::move(image.title);
@@ -100,7 +100,7 @@ SheetTile TileOf(LocalizedImage image) {
 Image PoseSheet(std::vector<LocalizedImage> images) {
   SheetRow row;
   for (LocalizedImage& image : images)
-    row.tiles.push_back(TileOf(std::move(image)));
+    row.tiles.push_back(MakeTile(std::move(image)));
   return ContactSheet({row}, {{kAreaColor, false, "reprojected target"},
                               {kAxisColors[0], false, "x axis"},
                               {kAxisColors[1], false, "y axis"},

@@ -7,7 +7,7 @@
 
 #include "evaluation/board_flatness.h"
 #include "evaluation/rounded_text.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {
@@ -38,7 +38,7 @@ std::string MakeBoardFigure(const Board& board, const BoardFlatness& shape) {
   for (const double height_m : shape.height_m)
     heights_um.push_back(1e6 * height_m);
   const double limit_um = std::max(1e6 * shape.max_height_m, 1.0);
-  return MakeHtmlPicture(
+  return EmbedHtmlImage(
       HeatMap(heights_um, board.columns, -limit_um, limit_um, knot_spacing_px),
       fmt::format("Board {}: out-of-plane deformation {:.0f} &micro;m RMS, "
                   "{:.0f} &micro;m max; in-plane deviation {:.0f} &micro;m RMS",
@@ -118,14 +118,14 @@ std::string MakeRigidTargetSection(
 }
 
 // Returns one bar per image, proportional to the deformation of its target.
-std::string BendBars(const BoardDeformation& bends) {
-  const double most_m = bends.views[bends.most_deformed].rms_m;
+std::string MakeDeformationBars(const BoardDeformation& bends) {
+  const double max_rms_m = bends.views[bends.most_deformed].rms_m;
   std::string html = "<div class=\"bars\">";
   for (const BoardDeformation::View& view : bends.views)
     html += fmt::format(
         "<i style=\"height: {:.1f}%\" title=\"{}, board {}: {:.3f} "
         "mm\"></i>\n",
-        100 * view.rms_m / std::max(most_m, 1e-12), EscapeHtml(view.image),
+        100 * view.rms_m / std::max(max_rms_m, 1e-12), EscapeHtml(view.image),
         view.board, 1e3 * view.rms_m);
   return html + "</div>\n";
 }
@@ -138,7 +138,7 @@ std::string MakeDeformationSection(const BoardDeformation& bends,
       "relative to the mean shape, one bar per image" +
       fmt::format(": {:.3f} mm RMS, {:.3f} mm max", 1e3 * bends.rms_m,
                   1e3 * most.rms_m) +
-      "</figcaption>\n" + BendBars(bends) + "</figure>\n";
+      "</figcaption>\n" + MakeDeformationBars(bends) + "</figure>\n";
   const Board* board = pattern.FindBoard(most.board);
   if (!board ||
       bends.heights_m.size() != static_cast<size_t>(board->num_points()))
@@ -152,7 +152,7 @@ std::string MakeDeformationSection(const BoardDeformation& bends,
     limit_um = std::max(limit_um, std::abs(heights_um.back()));
   }
   return html + "<div class=\"pictures\">\n" +
-         MakeHtmlPicture(
+         EmbedHtmlImage(
              HeatMap(heights_um, board->columns, -limit_um, limit_um,
                      knot_spacing_px),
              fmt::format("Board {} in {}: height relative to the mean shape",
@@ -187,7 +187,7 @@ std::string MakeGlossarySection() {
          "that of the other half.</li>\n</ul>\n";
 }
 
-std::string MakeSpaceSection() {
+std::string MakeSceneSection() {
   return "<div class=\"script\"><h2>Cameras and targets in "
          "3D</h2>\n<figure><figcaption>Drag to rotate, scroll or pinch to "
          "zoom. Axes of the first camera: x right, y down, z forward; <span "

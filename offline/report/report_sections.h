@@ -28,7 +28,7 @@ void AddModelRows(const std::string& prefix, const CalibrationResult& result,
 std::string MakeModelTable(const std::vector<HtmlRow>& rows);
 
 /// Formats the canvas for the 3D view of cameras and boards.
-std::string MakeSpaceSection();
+std::string MakeSceneSection();
 
 /// Formats explanations of the terms of status and tables, one per line.
 std::string MakeGlossarySection();

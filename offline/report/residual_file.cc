@@ -30,8 +30,8 @@ void AddLines(const std::string& prefix, const CalibrationResult& result,
   AddLines(prefix, "rejected", result.rejected_features, text);
 }
 
-std::vector<FeatureResidual>* FindSet(const std::string& name,
-                                      ResidualSets* sets) {
+std::vector<FeatureResidual>* SelectSet(const std::string& name,
+                                        ResidualSets* sets) {
   if (name == "training") return &sets->training;
   if (name == "held-out") return &sets->held_out;
   if (name == "rejected") return &sets->rejected;
@@ -64,7 +64,7 @@ std::map<std::string, ResidualSets> ReadResiduals(const std::string& path) {
   std::map<std::string, ResidualSets> cameras;
   while (table.Next()) {
     ResidualSets& sets = cameras[has_camera ? table.Text("camera") : ""];
-    std::vector<FeatureResidual>* set = FindSet(table.Text("set"), &sets);
+    std::vector<FeatureResidual>* set = SelectSet(table.Text("set"), &sets);
     if (!set)
       throw InputError(fmt::format(
           "{}: unknown value '{}' in column 'set'; rerun the calibration",

@@ -60,9 +60,9 @@ template <class Io>
 void VisitFields(Io& io, Baseline& baseline) {
   io("common_views", baseline.num_shared_views);
   io("distance_m", baseline.distance_m);
-  io("distance_sd_m", baseline.distance_sd_m);
+  io("distance_sd_m", baseline.distance_stddev_m);
   io("angle_rad", baseline.angle_rad);
-  io("rotation_sd_rad", baseline.rotation_sd_rad);
+  io("rotation_sd_rad", baseline.rotation_stddev_rad);
   std::optional<std::array<std::array<double, 6>, 6>> rows;
   if (baseline.covariance) {
     rows.emplace();
@@ -138,7 +138,7 @@ void VisitFields(Io& io, ExtrapolatedRegion& region) {
 template <class Io>
 void VisitFields(Io& io, FoldOver& fold_over) {
   io("fraction", fold_over.part);
-  io("valid_fraction", fold_over.valid_part);
+  io("valid_fraction", fold_over.valid_fraction);
 }
 
 template <class Io>
@@ -151,7 +151,7 @@ void VisitFields(Io& io, FleetDistance& distance) {
 }
 
 template <class Io>
-void VisitFields(Io& io, LineSpread& spread) {
+void VisitFields(Io& io, Noncentrality& spread) {
   io("rms_m", spread.rms_m);
   io("max_m", spread.max_m);
 }
@@ -160,10 +160,10 @@ template <class Io>
 void VisitFields(Io& io, LineDelayEstimate& line_delay) {
   const bool is_determined = line_delay.IsDetermined();
   double value_us = line_delay.value.seconds * 1e6;
-  double sd_us = line_delay.value.deviation_s * 1e6;
+  double stddev_us = line_delay.value.stddev_s * 1e6;
   io.When(is_determined, "value_us", value_us);
-  io.When(is_determined, "sd_us", sd_us);
-  if (Io::kReads) line_delay.value = {value_us * 1e-6, sd_us * 1e-6};
+  io.When(is_determined, "sd_us", stddev_us);
+  if (Io::kReads) line_delay.value = {value_us * 1e-6, stddev_us * 1e-6};
   io.When(!is_determined, "not_observable", line_delay.unobservable_reason);
   io.When(!is_determined && !line_delay.are_timestamps_consistent,
           "timestamps_consistent", line_delay.are_timestamps_consistent);
@@ -174,7 +174,7 @@ void VisitFields(Io& io, LineDelayEstimate& line_delay) {
 }
 
 template <class Io>
-void VisitFields(Io& io, BudgetFacts& facts) {
+void VisitFields(Io& io, BudgetSummary& facts) {
   io("model", facts.model);
   io("knot_spacing_px", facts.knot_spacing_px);
   io("knot_spacing_selected", facts.knot_spacing_selected);
@@ -192,10 +192,10 @@ void VisitFields(Io& io, CauseShare& share) {
   io.When(!share.is_observable, "not_observable", share.unobservable_reason);
   if constexpr (Io::kReads) share.is_observable = !io.Has("not_observable");
   if (!share.is_observable) return;
-  io("fraction", share.in_turn);
+  io("fraction", share.sequential_share);
   io("fraction_alone", share.alone);
-  io("chance_mean", share.chance_mean);
-  io("chance_upper_bound", share.chance_high);
+  io("chance_mean", share.random_mean);
+  io("chance_upper_bound", share.random_limit);
   io("indistinguishable", share.is_indistinguishable);
 }
 
@@ -313,7 +313,7 @@ void VisitCamera(Io& io, CalibrationResult& result) {
   io.When(true, "non_injective", result.fold_over);
   io("population_distance", result.fleet_distance);
   io("line_delay", result.line_delay);
-  io("noncentrality", result.line_spread);
+  io("noncentrality", result.noncentrality);
 }
 
 }  // namespace raygrid

@@ -9,7 +9,7 @@
 #include "dataset/rig_file.h"
 #include "report/residual_file.h"
 #include "report/rig_report.h"
-#include "report/uncertainty_picture.h"
+#include "report/uncertainty_plot.h"
 
 namespace raygrid {
 namespace {
@@ -22,8 +22,8 @@ std::string In(const std::string& folder, const std::string& name) {
 
 constexpr char kBlob[] = "camera.raygrid";
 constexpr char kThumbnails[] = "thumbnails.json";
-constexpr char kRowsPicture[] = "rectified_rows.png";
-constexpr char kDisparityPicture[] = "rectified_disparity.png";
+constexpr char kRowsImage[] = "rectified_rows.png";
+constexpr char kDisparityImage[] = "rectified_disparity.png";
 
 // ---- Writing ---------------------------------------------------------------
 
@@ -36,9 +36,9 @@ void AddCameraFiles(const CalibrationResult& result, const CameraExtras& extras,
                                             : extras.camera_yaml);
   if (camera.uncertainty)
     files->Add(In(folder, "uncertainty.png"),
-               EncodePng(DrawUncertaintyPicture(*camera.uncertainty,
-                                                camera.camera->image_size(),
-                                                camera.camera->area())));
+               EncodePng(DrawUncertaintyPlot(*camera.uncertainty,
+                                             camera.camera->image_size(),
+                                             camera.camera->area())));
   if (!extras.thumbnails.empty())
     files->Add(In(folder, kThumbnails), FormatThumbnails(extras.thumbnails));
   if (!extras.blob.empty()) files->Add(In(folder, kBlob), extras.blob);
@@ -137,8 +137,8 @@ std::optional<BeforeAfter> ReadExample(const std::string& folder) {
 // Returns nullopt for rigs without stereo pictures.
 std::optional<StereoExample> ReadStereo(
     const std::string& folder, const std::optional<StereoMetrics>& metrics) {
-  const std::string rows = In(folder, kRowsPicture);
-  const std::string disparity = In(folder, kDisparityPicture);
+  const std::string rows = In(folder, kRowsImage);
+  const std::string disparity = In(folder, kDisparityImage);
   if (!metrics || !fs::exists(rows) || !fs::exists(disparity))
     return std::nullopt;
   return StereoExample{*metrics, ReadImage(rows, false),
@@ -215,8 +215,8 @@ void AddResultFiles(const RigResult& result, const ResultExtras& extras,
   std::optional<StereoMetrics> stereo;
   if (extras.stereo) {
     stereo = extras.stereo->metrics;
-    files->Add(In(folder, kRowsPicture), EncodePng(extras.stereo->rows));
-    files->Add(In(folder, kDisparityPicture),
+    files->Add(In(folder, kRowsImage), EncodePng(extras.stereo->rows));
+    files->Add(In(folder, kDisparityImage),
                EncodePng(extras.stereo->disparity));
   }
   files->Add(In(folder, "result.json"),
@@ -230,7 +230,7 @@ std::set<std::string> ResultFiles(const std::string& folder) {
       kThumbnails, "uncertainty.png", "view.camera.yaml"};
   std::set<std::string> files(of_camera.begin(), of_camera.end());
   files.insert({"example_after.png", "example_before.png", "features.csv",
-                "pattern.yaml", "poses.csv", kDisparityPicture, kRowsPicture,
+                "pattern.yaml", "poses.csv", kDisparityImage, kRowsImage,
                 "residuals.csv", "result.json", "resume.json", "rig.yaml"});
   // Partially written checkpoints also belong to the result.
   std::error_code ignored;

@@ -11,7 +11,7 @@
 #include "dataset/image_files.h"
 #include "report/html_report.h"
 #include "report/result_json.h"
-#include "report/stereo_pictures.h"
+#include "report/stereo_figures.h"
 #include "report/thumbnails.h"
 
 namespace raygrid {

@@ -68,7 +68,7 @@ const char* Status(const RigResult& result) {
   return result.converged ? "converged" : "not converged";
 }
 
-Json CameraOfRig(const RigResult& result, size_t camera) {
+Json MakeRigCameraJson(const RigResult& result, size_t camera) {
   const CalibrationResult& own = result.cameras[camera];
   Json json;
   json["name"] = own.camera.name;
@@ -158,7 +158,7 @@ void AddRig(const RigResult& result, Json* json) {
   for (const Baseline& baseline : result.baselines)
     (*json)["baselines"].push_back(MakeBaselineJson(result, baseline));
   for (size_t c = 0; c < result.cameras.size(); ++c)
-    (*json)["cameras"].push_back(CameraOfRig(result, c));
+    (*json)["cameras"].push_back(MakeRigCameraJson(result, c));
 }
 
 }  // namespace
@@ -178,7 +178,7 @@ void AddUncertaintySummary(const CameraFile& file, Json* json) {
   for (size_t k = 0; k < kShareLimitsPx.size(); ++k)
     (*json)["fraction_below_px"][fmt::format("{:g}", kShareLimitsPx[k])] =
         summary.share_below[k];
-  (*json)["valid_limit_px"] = file.uncertainty->max_deviation_px;
+  (*json)["valid_limit_px"] = file.uncertainty->max_stddev_px;
   (*json)["valid_fraction"] = summary.valid_share;
 }
 

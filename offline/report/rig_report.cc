@@ -85,8 +85,9 @@ std::string MakeBaselineTable(const RigResult& result) {
         {fmt::format("{} to {}",
                      EscapeHtml(result.cameras[baseline.first].camera.name),
                      EscapeHtml(result.cameras[baseline.second].camera.name)),
-         EstimateCell(baseline.distance_m, baseline.distance_sd_m, 1000),
-         EstimateCell(baseline.angle_rad, baseline.rotation_sd_rad, 180 / M_PI),
+         EstimateCell(baseline.distance_m, baseline.distance_stddev_m, 1000),
+         EstimateCell(baseline.angle_rad, baseline.rotation_stddev_rad,
+                      180 / M_PI),
          std::to_string(baseline.num_shared_views)});
   return "<h2>Relative camera poses</h2>\n" +
          MakeHtmlTable({"", "baseline mm", "rotation degrees", "common views"},
@@ -103,9 +104,10 @@ std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
     if (!camera.bends) continue;
     for (const BoardDeformation::View& view : camera.bends->views)
       rms_m[{view.image, view.board}] = view.rms_m;
-    const double own_m = camera.bends->views[camera.bends->most_deformed].rms_m;
-    if (own_m <= most_m) continue;
-    most_m = own_m;
+    const double camera_rms_m =
+        camera.bends->views[camera.bends->most_deformed].rms_m;
+    if (camera_rms_m <= most_m) continue;
+    most_m = camera_rms_m;
     all.heights_m = camera.bends->heights_m;
   }
   if (rms_m.empty()) return std::nullopt;
@@ -129,7 +131,7 @@ std::string FormatRigReport(
          MakeAssessmentSection(result.assessment) + MakeCamerasTable(result) +
          MakeRigErrorTable(result) + MakeRigComparisonTable(result) +
          MakeBaselineTable(result) +
-         (stereo ? MakeStereoSection(*stereo) : "") + MakeSpaceSection() +
+         (stereo ? MakeStereoSection(*stereo) : "") + MakeSceneSection() +
          MakeBoardSection(result.pattern) +
          MakeRigidTargetSection(rigid_target_summary) +
          (bends ? MakeDeformationSection(*bends, result.pattern) : "") +

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "evaluation/rig_result.h"
-#include "report/stereo_pictures.h"
+#include "report/stereo_figures.h"
 
 namespace raygrid {
 

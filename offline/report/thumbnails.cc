@@ -11,7 +11,7 @@
 #include "dataset/image_memory_budget.h"
 #include "dataset/parallel_for.h"
 #include "report/html.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 
 namespace raygrid {
 namespace {

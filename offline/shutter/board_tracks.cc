@@ -19,9 +19,9 @@ std::pair<double, Eigen::Vector2d> ComputeHalfExtentAndCenter(
   return {around.sizes().maxCoeff() / 2, around.center()};
 }
 
-std::vector<TrackPoint> PointsOf(const Board& board,
-                                 const std::vector<Feature>& features,
-                                 size_t image) {
+std::vector<TrackPoint> CollectPoints(const Board& board,
+                                      const std::vector<Feature>& features,
+                                      size_t image) {
   const auto& [half_m, center] = ComputeHalfExtentAndCenter(board);
   std::vector<TrackPoint> points;
   for (size_t k = 0; k < features.size(); ++k)
@@ -50,7 +50,7 @@ BoardTrack MakeTrack(const MovingViews& views, const Board& board,
     track.times_s.push_back(time_s);
     track.poses.push_back(frame.second);
     track.points.push_back(
-        PointsOf(board, images[frame.first].features, frame.first));
+        CollectPoints(board, images[frame.first].features, frame.first));
   }
   track.stencils = MakeStencils(track.times_s);
   return track;

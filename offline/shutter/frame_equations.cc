@@ -37,7 +37,7 @@ Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
 struct PointEquations {
   Eigen::Vector2d error_px;
   Eigen::Matrix<double, 2, 6> J_pose;
-  Eigen::Matrix<double, 2, kShared> by_shared;
+  Eigen::Matrix<double, 2, kShared> J_shared;
   double row = 0;  // relative to the middle row
 };
 
@@ -65,7 +65,7 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
   Eigen::Vector3d on_board = point.point;
   for (int k = 0; k < 3; ++k)
     on_board[k] += input.half_m * board_terms.dot(shared.segment<kBoardTerms>(
-                                      kOfAllFrames + k * kBoardTerms));
+                                      kNumFrameParameters + k * kBoardTerms));
   const double seconds = shared[0] * row;
   const Pose then = input.motion.PoseAfter(seconds, input.pose);
   const Eigen::Vector3d turned = then.rotation * on_board;
@@ -79,22 +79,22 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
       -turned.z(), 0, turned.x(),            //
       turned.y(), -turned.x(), 0;
   equations->J_pose << projection.J_point * J_rotation, projection.J_point;
-  auto& by_shared = equations->by_shared;
-  by_shared.setZero();
+  auto& J_shared = equations->J_shared;
+  J_shared.setZero();
   equations->row = row;
-  by_shared.col(0) = row * equations->J_pose * input.motion.VelocityAt(seconds);
+  J_shared.col(0) = row * equations->J_pose * input.motion.VelocityAt(seconds);
   for (int k = 0; k < 2; ++k) {
     const int first = 1 + k * kImageTerms;
     equations->error_px[k] +=
         image_terms.dot(shared.segment<kImageTerms>(first));
-    by_shared.block<1, kImageTerms>(k, first) = image_terms.transpose();
+    J_shared.block<1, kImageTerms>(k, first) = image_terms.transpose();
   }
   const Eigen::Matrix<double, 2, 3> J_point =
       input.half_m * projection.J_point * then.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k)
-    by_shared.block<2, kBoardTerms>(0, kOfAllFrames + k * kBoardTerms) =
+    J_shared.block<2, kBoardTerms>(0, kNumFrameParameters + k * kBoardTerms) =
         J_point.col(k) * board_terms.transpose();
-  return by_shared.allFinite() && equations->error_px.allFinite();
+  return J_shared.allFinite() && equations->error_px.allFinite();
 }
 
 }  // namespace
@@ -116,10 +116,9 @@ FrameEquations MakeFrameEquations(const FrameInput& input,
     sum.by_row += one.row * square;
     sum.by_row2 += one.row * one.row * square;
     sum.pose_gradient += weight * one.J_pose.transpose() * one.error_px;
-    sum.mixed.noalias() += weight * one.J_pose.transpose() * one.by_shared;
-    information->noalias() +=
-        weight * one.by_shared.transpose() * one.by_shared;
-    sum.gradient += weight * one.by_shared.transpose() * one.error_px;
+    sum.mixed.noalias() += weight * one.J_pose.transpose() * one.J_shared;
+    information->noalias() += weight * one.J_shared.transpose() * one.J_shared;
+    sum.gradient += weight * one.J_shared.transpose() * one.error_px;
     sum.squares += weight * one.error_px.squaredNorm();
     ++sum.num_points;
   }

@@ -15,8 +15,9 @@ namespace raygrid {
 /// deformation. A motion common to all frames would bias camera and target in
 /// this way, and does not determine the line delay.
 constexpr int kImageTerms = 15, kBoardTerms = 10;
-constexpr int kOfAllFrames = 1 + 2 * kImageTerms, kOfBoard = 3 * kBoardTerms;
-constexpr int kShared = kOfAllFrames + kOfBoard;
+constexpr int kNumFrameParameters = 1 + 2 * kImageTerms,
+              kNumBoardParameters = 3 * kBoardTerms;
+constexpr int kShared = kNumFrameParameters + kNumBoardParameters;
 using SharedVector = Eigen::Matrix<double, kShared, 1>;
 using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 

@@ -18,7 +18,7 @@ namespace {
 
 // Prior standard deviations of the coefficients of camera bias (px) and board
 // deformation (fraction of half the board's size): weakly informative.
-constexpr double kImageBendPx = 10, kBoardBendPart = 0.02;
+constexpr double kImageCurvaturePx = 10, kBoardDeformationFraction = 0.02;
 
 // A frame for which the motion can be estimated.
 struct MovingFrame {
@@ -38,8 +38,8 @@ struct MovingBoard {
 };
 
 // Line-delay estimate from one of several consecutive groups of frames.
-struct PartEstimate {
-  double seconds = 0, deviation_s = 0;
+struct GroupEstimate {
+  double seconds = 0, stddev_s = 0;
 };
 
 // Information of a frame on the line delay, and its gradient.
@@ -48,8 +48,8 @@ struct FramePull {
 };
 
 // Returns the line delay of some frames relative to that of all frames.
-PartEstimate EstimateOf(const std::vector<FramePull>& frames,
-                        double noise_variance) {
+GroupEstimate EstimateGroup(const std::vector<FramePull>& frames,
+                            double noise_variance) {
   double information = 0, gradient = 0, squares = 0;
   for (const FramePull& frame : frames) {
     information += frame.information;
@@ -64,10 +64,10 @@ PartEstimate EstimateOf(const std::vector<FramePull>& frames,
 
 // Returns the information-weighted mean; infinite standard deviation if there
 // are no estimates.
-PartEstimate MeanOf(const std::vector<PartEstimate>& parts) {
+GroupEstimate ComputeWeightedMean(const std::vector<GroupEstimate>& parts) {
   double information = 0, sum = 0;
-  for (const PartEstimate& part : parts) {
-    const double own = 1 / (part.deviation_s * part.deviation_s);
+  for (const GroupEstimate& part : parts) {
+    const double own = 1 / (part.stddev_s * part.stddev_s);
     information += own;
     sum += own * part.seconds;
   }
@@ -88,7 +88,7 @@ class LineDelayOptimization {
 
   // Recomputes the noise variance after convergence, with the estimated camera
   // bias and board deformation and with fixed motions.
-  void Bend();
+  void EstimateDeformation();
 
   LineDelayEstimate Result(int num_images) const;
 
@@ -110,30 +110,30 @@ class LineDelayOptimization {
     }
   };
 
-  double DeviationByNoise() const {
+  double ComputeNoiseStdDev() const {
     return std::sqrt(noise_variance_ * covariance_(0, 0));
   }
   // Extracts the shared parameters that affect a board from all shared
   // parameters.
-  SharedVector SharedOf(size_t board, const Eigen::VectorXd& all) const;
-  void AddSharedOf(size_t board, const SharedVector& own,
-                   Eigen::VectorXd* all) const;
-  void AddSharedOf(size_t board, const SharedMatrix& own,
-                   Eigen::MatrixXd* all) const;
-  double NoisePart(const MovingBoard& board, const MovingFrame& frame,
-                   const Eigen::Matrix<double, 5, 1>& weights) const;
+  SharedVector SelectShared(size_t board, const Eigen::VectorXd& all) const;
+  void AddShared(size_t board, const SharedVector& own,
+                 Eigen::VectorXd* all) const;
+  void AddShared(size_t board, const SharedMatrix& own,
+                 Eigen::MatrixXd* all) const;
+  double ComputeNoiseShare(const MovingBoard& board, const MovingFrame& frame,
+                           const Eigen::Matrix<double, 5, 1>& weights) const;
   std::vector<TimedTrack> TimedTracks() const;
-  std::vector<PartEstimate> EstimateByParts() const;
-  std::string FindUnlikeParts() const;
+  std::vector<GroupEstimate> EstimateInGroups() const;
+  std::string DescribeInconsistentGroups() const;
   void FollowPoses();
   Sums Linearize(const Eigen::VectorXd& shared);
   void RemoveNoise(Sums* sums);
   void MovePoses(const Eigen::VectorXd& change);
   double Step();
-  double VarianceByFrames() const;
-  double BiasByQuickMotion() const;
+  double ComputeFrameVariance() const;
+  double EstimateFastMotionBias() const;
   double TimeVariance() const;
-  double BiasByTimes() const;
+  double EstimateTimestampBias() const;
 
   const CameraModel& camera_;
   const Dataset& dataset_;
@@ -143,10 +143,10 @@ class LineDelayOptimization {
   Eigen::Index count_ = 0;  // shared parameters: common and per board
   bool is_row_time_held_ = false;
   double row_time_s_ = 0;
-  Eigen::VectorXd bends_;
+  Eigen::VectorXd deformations_;
   Eigen::MatrixXd covariance_;  // for noise of 1 px
   double noise_variance_ = 0;
-  double noise_part_ = 0;  // fraction of the information on the line delay
+  double noise_share_ = 0;  // fraction of the information on the line delay
 };
 
 LineDelayOptimization::LineDelayOptimization(const MovingViews& views)
@@ -160,38 +160,41 @@ LineDelayOptimization::LineDelayOptimization(const MovingViews& views)
     for (const MotionStencil& stencil : board.track.stencils)
       board.frames.emplace_back().stencil = &stencil;
   }
-  count_ = static_cast<Eigen::Index>(kOfAllFrames + kOfBoard * boards_.size());
-  bends_.setZero(count_);
+  count_ = static_cast<Eigen::Index>(kNumFrameParameters +
+                                     kNumBoardParameters * boards_.size());
+  deformations_.setZero(count_);
   covariance_.setZero(count_, count_);
 }
 
-SharedVector LineDelayOptimization::SharedOf(size_t board,
-                                             const Eigen::VectorXd& all) const {
+SharedVector LineDelayOptimization::SelectShared(
+    size_t board, const Eigen::VectorXd& all) const {
   SharedVector own;
-  own << all.head<kOfAllFrames>(),
-      all.segment<kOfBoard>(
-          static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard));
+  own << all.head<kNumFrameParameters>(),
+      all.segment<kNumBoardParameters>(static_cast<Eigen::Index>(
+          kNumFrameParameters + board * kNumBoardParameters));
   return own;
 }
 
-void LineDelayOptimization::AddSharedOf(size_t board, const SharedVector& own,
-                                        Eigen::VectorXd* all) const {
-  all->head<kOfAllFrames>() += own.head<kOfAllFrames>();
-  all->segment<kOfBoard>(static_cast<Eigen::Index>(
-      kOfAllFrames + board * kOfBoard)) += own.tail<kOfBoard>();
+void LineDelayOptimization::AddShared(size_t board, const SharedVector& own,
+                                      Eigen::VectorXd* all) const {
+  all->head<kNumFrameParameters>() += own.head<kNumFrameParameters>();
+  all->segment<kNumBoardParameters>(static_cast<Eigen::Index>(
+      kNumFrameParameters + board * kNumBoardParameters)) +=
+      own.tail<kNumBoardParameters>();
 }
 
-void LineDelayOptimization::AddSharedOf(size_t board, const SharedMatrix& own,
-                                        Eigen::MatrixXd* all) const {
-  const auto at = static_cast<Eigen::Index>(kOfAllFrames + board * kOfBoard);
-  all->topLeftCorner<kOfAllFrames, kOfAllFrames>() +=
-      own.topLeftCorner<kOfAllFrames, kOfAllFrames>();
-  all->block<kOfBoard, kOfBoard>(at, at) +=
-      own.bottomRightCorner<kOfBoard, kOfBoard>();
-  all->block<kOfAllFrames, kOfBoard>(0, at) +=
-      own.topRightCorner<kOfAllFrames, kOfBoard>();
-  all->block<kOfBoard, kOfAllFrames>(at, 0) +=
-      own.bottomLeftCorner<kOfBoard, kOfAllFrames>();
+void LineDelayOptimization::AddShared(size_t board, const SharedMatrix& own,
+                                      Eigen::MatrixXd* all) const {
+  const auto at = static_cast<Eigen::Index>(kNumFrameParameters +
+                                            board * kNumBoardParameters);
+  all->topLeftCorner<kNumFrameParameters, kNumFrameParameters>() +=
+      own.topLeftCorner<kNumFrameParameters, kNumFrameParameters>();
+  all->block<kNumBoardParameters, kNumBoardParameters>(at, at) +=
+      own.bottomRightCorner<kNumBoardParameters, kNumBoardParameters>();
+  all->block<kNumFrameParameters, kNumBoardParameters>(0, at) +=
+      own.topRightCorner<kNumFrameParameters, kNumBoardParameters>();
+  all->block<kNumBoardParameters, kNumFrameParameters>(at, 0) +=
+      own.bottomLeftCorner<kNumBoardParameters, kNumFrameParameters>();
 }
 
 void LineDelayOptimization::OptimizeCameras(
@@ -203,14 +206,14 @@ void LineDelayOptimization::OptimizeCameras(
     const double change_s = Step();
     // Motions are computed from the poses of the previous step, so the first
     // steps cannot indicate convergence.
-    if (step > 1 && !(std::abs(change_s) > 1e-3 * DeviationByNoise())) break;
+    if (step > 1 && !(std::abs(change_s) > 1e-3 * ComputeNoiseStdDev())) break;
   }
 }
 
 // Returns the spurious information on the line delay, for noise of 1 px. The
 // velocity is a weighted sum of noisy poses and enters squared, so that noise
 // is mistaken for motion.
-double LineDelayOptimization::NoisePart(
+double LineDelayOptimization::ComputeNoiseShare(
     const MovingBoard& board, const MovingFrame& frame,
     const Eigen::Matrix<double, 5, 1>& weights) const {
   const Matrix6d information = frame.equations.VelocityInformation();
@@ -238,25 +241,26 @@ LineDelayOptimization::Sums LineDelayOptimization::Linearize(
   for (size_t b = 0; b < boards_.size(); ++b) {
     const BoardTrack& track = boards_[b].track;
     SharedMatrix own = SharedMatrix::Zero(), unused = own;
-    const SharedVector along = SharedOf(b, covariance_.row(0));
+    const SharedVector along = SelectShared(b, covariance_.row(0));
     for (MovingFrame& frame : boards_[b].frames) {
       const int index = frame.stencil->frame;
       const double before = along.dot(own * along);
       frame.equations = MakeFrameEquations(
           {&camera_, &track.points[index], track.poses[index], frame.motion,
-           track.half_m, SharedOf(b, shared)},
+           track.half_m, SelectShared(b, shared)},
           frame.IsObservable() ? &own : &unused);
       if (!frame.IsObservable()) continue;
       frame.information = (along.dot(own * along) - before) /
                           (covariance_(0, 0) * covariance_(0, 0));
-      AddSharedOf(b, frame.equations.gradient, &sums.gradient);
+      AddShared(b, frame.equations.gradient, &sums.gradient);
       sums.squares += frame.equations.squares;
       sums.degrees += 2 * frame.equations.num_points - 6;
     }
-    AddSharedOf(b, own, &sums.information);
+    AddShared(b, own, &sums.information);
   }
   for (Eigen::Index k = 1; k < count_; ++k) {
-    const double deviation = k < kOfAllFrames ? kImageBendPx : kBoardBendPart;
+    const double deviation =
+        k < kNumFrameParameters ? kImageCurvaturePx : kBoardDeformationFraction;
     sums.information(k, k) += 1 / (deviation * deviation);
     sums.gradient[k] += shared[k] / (deviation * deviation);
   }
@@ -270,8 +274,8 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
       if (!frame.IsObservable()) continue;
-      noise +=
-          noise_variance_ * NoisePart(board, frame, frame.stencil->by_velocity);
+      noise += noise_variance_ *
+               ComputeNoiseShare(board, frame, frame.stencil->by_velocity);
       const Vector6d& velocity = frame.motion.velocity;
       motion += velocity.dot(frame.equations.VelocityInformation() * velocity);
     }
@@ -279,7 +283,7 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
       sums->information.ldlt().solve(Eigen::VectorXd::Unit(count_, 0))[0];
   // Larger fraction of two: after eliminating biases, or of the total
   // information without accelerations.
-  noise_part_ = std::max(noise * variance, noise / motion);
+  noise_share_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
   sums->gradient[0] -= noise * row_time_s_;
@@ -288,7 +292,7 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
 void LineDelayOptimization::MovePoses(const Eigen::VectorXd& change) {
   for (size_t b = 0; b < boards_.size(); ++b)
     for (MovingFrame& frame : boards_[b].frames) {
-      const Vector6d step = frame.equations.PoseStep(SharedOf(b, change));
+      const Vector6d step = frame.equations.PoseStep(SelectShared(b, change));
       Pose& pose = boards_[b].track.poses[frame.stencil->frame];
       if (step.allFinite()) pose = UpdatedPose(pose, step);
     }
@@ -311,34 +315,34 @@ double LineDelayOptimization::Step() {
   }
   covariance_ =
       sums.information.ldlt().solve(Eigen::MatrixXd::Identity(count_, count_));
-  bends_ = -covariance_ * sums.gradient;
-  if (!bends_.allFinite()) return 0;
-  const double change_s = bends_[0];
-  bends_[0] = 0;
+  deformations_ = -covariance_ * sums.gradient;
+  if (!deformations_.allFinite()) return 0;
+  const double change_s = deformations_[0];
+  deformations_[0] = 0;
   row_time_s_ += change_s;
   MovePoses(change_s * line_delay);
   return change_s;
 }
 
-void LineDelayOptimization::Bend() {
+void LineDelayOptimization::EstimateDeformation() {
   const Eigen::VectorXd line_delay =
       row_time_s_ * Eigen::VectorXd::Unit(count_, 0);
   FollowPoses();
   Linearize(line_delay);
-  MovePoses(bends_);
-  noise_variance_ = Linearize(line_delay + bends_).NoiseVariance();
+  MovePoses(deformations_);
+  noise_variance_ = Linearize(line_delay + deformations_).NoiseVariance();
 }
 
 // Returns the empirical variance of the line delay from the gradients of single
 // frames. Includes errors that are common to the features of a frame, and
 // errors of velocities.
-double LineDelayOptimization::VarianceByFrames() const {
+double LineDelayOptimization::ComputeFrameVariance() const {
   double sum = 0, count = 0;
   for (size_t b = 0; b < boards_.size(); ++b)
     for (const MovingFrame& frame : boards_[b].frames) {
       if (!frame.IsObservable()) continue;
       const double pull =
-          SharedOf(b, covariance_.row(0)).dot(frame.equations.gradient);
+          SelectShared(b, covariance_.row(0)).dot(frame.equations.gradient);
       sum += pull * pull;
       ++count;
     }
@@ -349,7 +353,7 @@ double LineDelayOptimization::VarianceByFrames() const {
 // underestimate. A motion of frequency f is underestimated by u = (2 pi f T)^2
 // / 6 with two neighbours, and by 1.2 u^2 with four, so that u and the bias
 // follow from the difference of both velocities.
-double LineDelayOptimization::BiasByQuickMotion() const {
+double LineDelayOptimization::EstimateFastMotionBias() const {
   double difference = 0, all = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
@@ -373,9 +377,10 @@ double LineDelayOptimization::TimeVariance() const {
       if (!frame.IsObservable()) continue;
       const Matrix6d weight = frame.equations.VelocityInformation();
       const FrameMotion& motion = frame.motion;
-      uneven += motion.unevenness.dot(weight * motion.unevenness) -
-                noise_variance_ *
-                    NoisePart(board, frame, frame.stencil->by_unevenness);
+      uneven +=
+          motion.unevenness.dot(weight * motion.unevenness) -
+          noise_variance_ *
+              ComputeNoiseShare(board, frame, frame.stencil->by_unevenness);
       all += motion.velocity.dot(weight * motion.velocity);
     }
   return all > 0 ? std::max(0.0, uneven / all) : 0;
@@ -385,7 +390,7 @@ double LineDelayOptimization::TimeVariance() const {
 // velocity errors, and thus spurious motion like the noise of poses. It also
 // increases velocities by the same fraction, since they are quotients of noisy
 // values.
-double LineDelayOptimization::BiasByTimes() const {
+double LineDelayOptimization::EstimateTimestampBias() const {
   double pretended = 0;
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames)
@@ -401,14 +406,14 @@ double LineDelayOptimization::BiasByTimes() const {
 // shortest frame interval.
 double MaxLineDelay(const std::vector<MovingBoard>& boards, int height) {
   constexpr double kUsualIntervalS = 1 / 30.0;
-  double shortest_s = kUsualIntervalS;
+  double min_interval_s = kUsualIntervalS;
   for (const MovingBoard& board : boards)
     for (const MovingFrame& frame : board.frames)
       if (frame.IsObservable())
-        shortest_s = std::min(
-            shortest_s, board.track.times_s[frame.stencil->frame] -
-                            board.track.times_s[frame.stencil->frame - 1]);
-  return shortest_s / height;
+        min_interval_s = std::min(
+            min_interval_s, board.track.times_s[frame.stencil->frame] -
+                                board.track.times_s[frame.stencil->frame - 1]);
+  return min_interval_s / height;
 }
 
 std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
@@ -429,30 +434,30 @@ std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
 
 // Divides the frames into consecutive groups with similar information. The line
 // delay of each group follows from its gradient, with the biases of all frames.
-std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
+std::vector<GroupEstimate> LineDelayOptimization::EstimateInGroups() const {
   constexpr int kParts = 6;
-  std::multimap<double, FramePull> by_time;
+  std::multimap<double, FramePull> pulls_by_time;
   double all = 0;
   for (size_t b = 0; b < boards_.size(); ++b) {
     const SharedVector along =
-        SharedOf(b, covariance_.row(0)) / covariance_(0, 0);
+        SelectShared(b, covariance_.row(0)) / covariance_(0, 0);
     for (const MovingFrame& frame : boards_[b].frames) {
       if (!frame.IsObservable()) continue;
-      by_time.insert(
+      pulls_by_time.insert(
           {boards_[b].track.times_s[frame.stencil->frame],
            {frame.information, along.dot(frame.equations.gradient)}});
       all += frame.information;
     }
   }
-  std::vector<PartEstimate> parts;
+  std::vector<GroupEstimate> parts;
   std::vector<FramePull> part;
   double before = 0;
-  for (const auto& [time_s, frame] : by_time) {
+  for (const auto& [time_s, frame] : pulls_by_time) {
     part.push_back(frame);
     before += frame.information;
     const auto num_parts = static_cast<double>(parts.size() + 1);
     if (before < all * num_parts / kParts * (1 - 1e-9)) continue;
-    parts.push_back(EstimateOf(part, noise_variance_));
+    parts.push_back(EstimateGroup(part, noise_variance_));
     parts.back().seconds += row_time_s_;
     part.clear();
   }
@@ -462,26 +467,24 @@ std::vector<PartEstimate> LineDelayOptimization::EstimateByParts() const {
 // Finds a time at which the line delay changes significantly during the
 // recording, for example due to a varying clock rate. Returns an empty string
 // if there is none.
-std::string LineDelayOptimization::FindUnlikeParts() const {
+std::string LineDelayOptimization::DescribeInconsistentGroups() const {
   constexpr double kSurely = 5, kMatters = 0.1;
   std::string found;
   double largest = kSurely;
-  const std::vector<PartEstimate> parts = EstimateByParts();
+  const std::vector<GroupEstimate> parts = EstimateInGroups();
   for (auto split = parts.begin(); split != parts.end(); ++split) {
-    const PartEstimate before = MeanOf({parts.begin(), split}),
-                       after = MeanOf({split, parts.end()});
+    const GroupEstimate before = ComputeWeightedMean({parts.begin(), split}),
+                        after = ComputeWeightedMean({split, parts.end()});
     const double difference_s = std::abs(after.seconds - before.seconds);
     const double sigmas =
-        difference_s / std::hypot(before.deviation_s, after.deviation_s);
+        difference_s / std::hypot(before.stddev_s, after.stddev_s);
     if (!(sigmas > largest) || difference_s <= kMatters * std::abs(row_time_s_))
       continue;
     largest = sigmas;
     found = fmt::format(
         "line delay {} ± {} in the earlier frames, {} ± {} in the later frames",
-        FormatMicroseconds(before.seconds),
-        FormatMicroseconds(before.deviation_s),
-        FormatMicroseconds(after.seconds),
-        FormatMicroseconds(after.deviation_s));
+        FormatMicroseconds(before.seconds), FormatMicroseconds(before.stddev_s),
+        FormatMicroseconds(after.seconds), FormatMicroseconds(after.stddev_s));
   }
   return found;
 }
@@ -493,17 +496,19 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
   result.num_images = num_images;
   result.value.seconds = row_time_s_;
   const double bias_s =
-      std::hypot(BiasByQuickMotion(), BiasByTimes()) * row_time_s_;
-  const double variance =
-      std::max(VarianceByFrames(), DeviationByNoise() * DeviationByNoise());
-  result.value.deviation_s = std::sqrt(variance + bias_s * bias_s);
-  const double longest_s = MaxLineDelay(boards_, size_.height);
-  const double limit_s = kMinIndependentPart * longest_s;
+      std::hypot(EstimateFastMotionBias(), EstimateTimestampBias()) *
+      row_time_s_;
+  const double variance = std::max(ComputeFrameVariance(),
+                                   ComputeNoiseStdDev() * ComputeNoiseStdDev());
+  result.value.stddev_s = std::sqrt(variance + bias_s * bias_s);
+  const double max_delay_s = MaxLineDelay(boards_, size_.height);
+  const double limit_s = kMinIndependentPart * max_delay_s;
   const bool moves = std::isfinite(result.value.seconds) &&
-                     std::isfinite(result.value.deviation_s) &&
-                     noise_part_ <= 0.5;
+                     std::isfinite(result.value.stddev_s) &&
+                     noise_share_ <= 0.5;
   std::string wrong = CheckTimestamps(TimedTracks(), noise_variance_);
-  if (wrong.empty() && moves && is_camera_final_) wrong = FindUnlikeParts();
+  if (wrong.empty() && moves && is_camera_final_)
+    wrong = DescribeInconsistentGroups();
   result.are_timestamps_consistent = wrong.empty();
   if (!wrong.empty())
     result.unobservable_reason = fmt::format(
@@ -515,25 +520,25 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
     result.unobservable_reason =
         "too little motion between frames; move and rotate the camera or the "
         "target while recording";
-  else if (result.value.deviation_s > limit_s && std::abs(bias_s) > limit_s / 2)
+  else if (result.value.stddev_s > limit_s && std::abs(bias_s) > limit_s / 2)
     result.unobservable_reason = fmt::format(
         "motion is too fast for the frame rate, or timestamps are noisy (±{}); "
         "use the sensor's timestamps, move more slowly, or increase the frame "
         "rate",
-        FormatMicroseconds(result.value.deviation_s));
-  else if (result.value.deviation_s > limit_s)
+        FormatMicroseconds(result.value.stddev_s));
+  else if (result.value.stddev_s > limit_s)
     result.unobservable_reason = fmt::format(
         "its standard deviation of {} exceeds {} ({:g} % of the largest line "
         "delay possible at this frame rate); record more frames, with more "
         "motion and rotation in all directions",
-        FormatMicroseconds(result.value.deviation_s),
-        FormatMicroseconds(limit_s), 100 * kMinIndependentPart);
-  else if (std::abs(result.value.seconds) > longest_s + 2 * limit_s)
+        FormatMicroseconds(result.value.stddev_s), FormatMicroseconds(limit_s),
+        100 * kMinIndependentPart);
+  else if (std::abs(result.value.seconds) > max_delay_s + 2 * limit_s)
     result.unobservable_reason = fmt::format(
         "the estimate of {} exceeds the {} possible at this frame rate; check "
         "that the timestamps belong to these images, in seconds",
         FormatMicroseconds(result.value.seconds),
-        FormatMicroseconds(longest_s));
+        FormatMicroseconds(max_delay_s));
   return result;
 }
 
@@ -551,9 +556,11 @@ int CountImages(const std::vector<MovingBoard>& boards) {
 
 // Returns the displacement from the observed position to the position at the
 // readout time of the middle row; zero if it cannot be computed.
-Eigen::Vector2d MoveOfPoint(const CameraModel& camera, const MovingBoard& board,
-                            const MovingFrame& frame, const TrackPoint& point,
-                            double line_delay_s) {
+Eigen::Vector2d ComputePointMotion(const CameraModel& camera,
+                                   const MovingBoard& board,
+                                   const MovingFrame& frame,
+                                   const TrackPoint& point,
+                                   double line_delay_s) {
   const Pose& pose = board.track.poses[frame.stencil->frame];
   const double seconds =
       line_delay_s * (point.pixel.y() - GetReferenceRow(camera.image_size()));
@@ -583,7 +590,7 @@ LineDelayEstimate EstimateLineDelay(const MovingViews& views) {
     return none;
   }
   adjustment.OptimizeCameras(std::nullopt);
-  adjustment.Bend();
+  adjustment.EstimateDeformation();
   return adjustment.Result(num_images);
 }
 
@@ -599,8 +606,8 @@ Dataset ComputeGlobalShutterFeatures(const MovingViews& views,
       for (const TrackPoint& point : board.track.points[frame.stencil->frame]) {
         Feature feature =
             views.dataset->images[point.image].features[point.feature];
-        feature.pixel +=
-            MoveOfPoint(*views.camera, board, frame, point, line_delay_s);
+        feature.pixel += ComputePointMotion(*views.camera, board, frame, point,
+                                            line_delay_s);
         if (image.Contains(feature.pixel))
           still.images[point.image].features.push_back(feature);
       }

@@ -18,8 +18,7 @@ constexpr size_t kOnEitherSide = 3, kMaxFrames = 8;
 struct IntervalError {
   const TimedPose *before = nullptr, *behind = nullptr;
   double seconds = 0;
-  double deviation_s =
-      0;                  ///< due to noise, and to motion too fast for sampling
+  double stddev_s = 0;    ///< due to noise, and to motion too fast for sampling
   double by_scatter = 0;  ///< per unit standard deviation of the time stamps
 };
 
@@ -34,7 +33,7 @@ std::string ToText(const IntervalError& error) {
 // Coefficients of up to eight frames' pose updates that yield the step and the
 // velocity.
 struct StepFit {
-  Eigen::VectorXd of_step, of_velocity;
+  Eigen::VectorXd step_weights, velocity_weights;
 };
 
 StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
@@ -65,13 +64,13 @@ struct StepNoises {
 std::optional<StepNoises> StepAt(const TimedPose* first,
                                  const TimedPose* behind, size_t count,
                                  double noise_variance_px2) {
-  constexpr double kSurelyMoves = 5;
+  constexpr double kMinSpeedSigmas = 5;
   const StepFit fit = FitStep(first, behind, count);
   Vector6d step = Vector6d::Zero(), velocity = Vector6d::Zero();
   for (size_t i = 0; i < count; ++i) {
     const Vector6d update = ComputeUpdate(behind->pose, first[i].pose);
-    step += fit.of_step[static_cast<Eigen::Index>(i)] * update;
-    velocity += fit.of_velocity[static_cast<Eigen::Index>(i)] * update;
+    step += fit.step_weights[static_cast<Eigen::Index>(i)] * update;
+    velocity += fit.velocity_weights[static_cast<Eigen::Index>(i)] * update;
   }
   const Eigen::LLT<Matrix6d> root(behind->information);
   step = root.matrixU() * step;
@@ -80,12 +79,12 @@ std::optional<StepNoises> StepAt(const TimedPose* first,
   at.speed = velocity.norm();
   const double along = step.dot(velocity) / at.speed;
   at.across = std::max(0.0, step.squaredNorm() - along * along) / 5;
-  at.by_noise = noise_variance_px2 * fit.of_step.squaredNorm();
-  at.error = {behind - 1, behind, along / at.speed, 0, fit.of_step.norm()};
+  at.by_noise = noise_variance_px2 * fit.step_weights.squaredNorm();
+  at.error = {behind - 1, behind, along / at.speed, 0, fit.step_weights.norm()};
   const double speed_noise =
-      std::sqrt(noise_variance_px2) * fit.of_velocity.norm();
+      std::sqrt(noise_variance_px2) * fit.velocity_weights.norm();
   if (!std::isfinite(at.error.seconds) ||
-      !(at.speed > kSurelyMoves * speed_noise))
+      !(at.speed > kMinSpeedSigmas * speed_noise))
     return std::nullopt;
   return at;
 }
@@ -149,7 +148,7 @@ std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
   for (StepNoises& step : steps) {
     const double variance =
         std::max(step.across, step.by_noise * std::max(1.0, usual));
-    step.error.deviation_s = std::sqrt(variance) / step.speed;
+    step.error.stddev_s = std::sqrt(variance) / step.speed;
     errors.push_back(step.error);
   }
   return errors;
@@ -176,19 +175,20 @@ struct Scatter {
 // there are too few of them.
 Scatter ComputeScatter(const std::vector<IntervalError>& errors,
                        double interval_s) {
-  constexpr double kToldPart = 0.1, kSigmasOfMedian = 0.6745;
-  constexpr size_t kFewest = 10;
+  constexpr double kMaxRelativeStdDev = 0.1, kSigmasPerMedian = 0.6745;
+  constexpr size_t kMinErrors = 10;
   std::vector<double> sizes_s;
   double squares = 0;
   for (const IntervalError& error : errors) {
-    if (error.deviation_s > kToldPart * interval_s * error.by_scatter) continue;
+    if (error.stddev_s > kMaxRelativeStdDev * interval_s * error.by_scatter)
+      continue;
     sizes_s.push_back(std::abs(error.seconds) / error.by_scatter);
-    squares += (std::pow(error.seconds, 2) - std::pow(error.deviation_s, 2)) /
+    squares += (std::pow(error.seconds, 2) - std::pow(error.stddev_s, 2)) /
                std::pow(error.by_scatter, 2);
   }
-  if (sizes_s.size() < kFewest) return {};
+  if (sizes_s.size() < kMinErrors) return {};
   const auto count = static_cast<double>(sizes_s.size());
-  return {MedianOf(sizes_s) / kSigmasOfMedian,
+  return {MedianOf(sizes_s) / kSigmasPerMedian,
           std::sqrt(std::max(0.0, squares) / count)};
 }
 
@@ -196,8 +196,8 @@ Scatter ComputeScatter(const std::vector<IntervalError>& errors,
 // which indicates a recording in bursts with inconsistent time stamps.
 std::string FindBursts(const std::vector<TimedTrack>& tracks,
                        double noise_variance_px2) {
-  constexpr double kLongestPauseS = 1, kWrongPart = 0.6, kSurely = 6;
-  constexpr size_t kFewest = 3;
+  constexpr double kMaxPauseS = 1, kMinErrorFraction = 0.6, kMinSigmas = 6;
+  constexpr size_t kMinErrors = 3;
   std::vector<IntervalError> wrong;
   size_t num_reported = 0;
   for (const TimedTrack& track : tracks) {
@@ -207,21 +207,22 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
       const double pause_s = behind->time_s - behind[-1].time_s;
       const size_t before = std::min(kMaxFrames / 2, runs[r - 1].size());
       const size_t after = std::min(kMaxFrames / 2, runs[r].size());
-      if (pause_s > kLongestPauseS || before < kOnEitherSide ||
+      if (pause_s > kMaxPauseS || before < kOnEitherSide ||
           after < kOnEitherSide)
         continue;
       auto step =
           StepAt(behind - before, behind, before + after, noise_variance_px2);
       if (!step) continue;
-      step->error.deviation_s =
+      step->error.stddev_s =
           std::sqrt(std::max(step->across, step->by_noise)) / step->speed;
-      if (kSurely * step->error.deviation_s > kWrongPart * pause_s) continue;
+      if (kMinSigmas * step->error.stddev_s > kMinErrorFraction * pause_s)
+        continue;
       ++num_reported;
-      if (std::abs(step->error.seconds) > kWrongPart * pause_s)
+      if (std::abs(step->error.seconds) > kMinErrorFraction * pause_s)
         wrong.push_back(step->error);
     }
   }
-  if (wrong.size() < kFewest || 2 * wrong.size() < num_reported) return "";
+  if (wrong.size() < kMinErrors || 2 * wrong.size() < num_reported) return "";
   return ToText(wrong.front());
 }
 
@@ -232,8 +233,8 @@ std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
   // Limits as fractions of the frame interval. A missing frame amounts to an
   // entire interval; smaller deviations are reported by their standard
   // deviation.
-  constexpr double kWrongPart = 0.6, kScatterPart = 0.15;
-  constexpr double kSurely = 6, kBeyondScatter = 4.5;
+  constexpr double kMinErrorFraction = 0.6, kRelativeScatter = 0.15;
+  constexpr double kMinSigmas = 6, kMinScatterRatio = 4.5;
   const double interval_s = MeanInterval(tracks);
   const std::vector<IntervalError> errors =
       IntervalErrors(tracks, noise_variance_px2);
@@ -241,14 +242,14 @@ std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
   const IntervalError* worst = nullptr;
   for (const IntervalError& error : errors) {
     const double size_s = std::abs(error.seconds);
-    if (size_s > kWrongPart * interval_s &&
-        size_s > kSurely * error.deviation_s &&
-        size_s > kBeyondScatter * error.by_scatter * scatter.usual_s &&
+    if (size_s > kMinErrorFraction * interval_s &&
+        size_s > kMinSigmas * error.stddev_s &&
+        size_s > kMinScatterRatio * error.by_scatter * scatter.usual_s &&
         (!worst || size_s > std::abs(worst->seconds)))
       worst = &error;
   }
   if (worst) return ToText(*worst);
-  if (scatter.rms_s > kScatterPart * interval_s)
+  if (scatter.rms_s > kRelativeScatter * interval_s)
     return fmt::format("jitter of {:.1f} ms at a frame interval of {:.1f} ms",
                        1e3 * scatter.rms_s, 1e3 * interval_s);
   return FindBursts(tracks, noise_variance_px2);

@@ -6,7 +6,7 @@ namespace raygrid {
 
 BoardSurface::BoardSurface(const Board& board, double bend_m,
                            double paper_margin_squares)
-    : bend_(board, bend_m), ink_(BoardAppearance(board)) {
+    : curvature_(board, bend_m), ink_(BoardAppearance(board)) {
   const Area extent = BoardAppearance(board).extent_m();
   const double margin_m = paper_margin_squares * board.square_m;
   paper_m_ = {extent.x0 - margin_m, extent.y0 - margin_m, extent.x1 + margin_m,
@@ -20,9 +20,10 @@ std::optional<BoardSurface::Point> BoardSurface::Intersect(
   if (!(d.z() > 0)) return std::nullopt;
   // The intersection with the surface z = kx x^2 + ky y^2 solves a t^2 + b t +
   // c = 0.
-  const double kx = bend_.by_x2(), ky = bend_.by_y2();
-  const double x = o.x() - bend_.center_m().x();
-  const double y = o.y() - bend_.center_m().y();
+  const double kx = curvature_.x2_coefficient(),
+               ky = curvature_.y2_coefficient();
+  const double x = o.x() - curvature_.center_m().x();
+  const double y = o.y() - curvature_.center_m().y();
   const double a = kx * d.x() * d.x() + ky * d.y() * d.y();
   const double b = 2 * (kx * x * d.x() + ky * y * d.y()) - d.z();
   const double c = kx * x * x + ky * y * y - o.z();

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "camera/observation_line.h"
-#include "simulation/board_bend.h"
+#include "simulation/board_curvature.h"
 #include "simulation/ink_map.h"
 
 namespace raygrid {
@@ -37,7 +37,7 @@ class BoardSurface {
   const Area& paper_m() const { return paper_m_; }
 
  private:
-  BoardBend bend_;
+  BoardCurvature curvature_;
   InkMap ink_;
   Area paper_m_;
 };

@@ -16,7 +16,7 @@ namespace {
 // Rows of pixels that are rendered together.
 constexpr int kStripRows = 64;
 // Truncation radius of the lens blur, in standard deviations.
-constexpr double kGaussianReach = 4.5;
+constexpr double kGaussianRadius = 4.5;
 // Board coordinates are interpolated if the depth within 2 x 2 pixels varies by
 // less than this ratio; for boards viewed nearly edge-on, directions are
 // interpolated instead.
@@ -50,32 +50,32 @@ struct Kernel {
 };
 
 // Returns the integral of the normal cumulative distribution function.
-double IntegralOfNormal(double x) {
+double IntegrateNormalCdf(double x) {
   return x * 0.5 * std::erfc(-x / std::sqrt(2.0)) +
          std::exp(-x * x / 2) / std::sqrt(2 * M_PI);
 }
 
 // Returns the integral of the blurred box of one pixel from minus infinity to
 // x.
-double IntegralOfBlurredBox(double x, double sigma) {
+double IntegrateBlurredBox(double x, double sigma) {
   if (sigma <= 0) return std::clamp(x + 0.5, 0.0, 1.0);
-  return sigma * (IntegralOfNormal((x + 0.5) / sigma) -
-                  IntegralOfNormal((x - 0.5) / sigma));
+  return sigma * (IntegrateNormalCdf((x + 0.5) / sigma) -
+                  IntegrateNormalCdf((x - 0.5) / sigma));
 }
 
-Kernel LensKernel(double blur_px, int samples_per_pixel) {
+Kernel MakeBlurKernel(double blur_px, int samples_per_pixel) {
   // Subtracts the variance of a sample's own box.
   const double sample_px = 1.0 / samples_per_pixel;
   const double sigma =
       std::sqrt(std::max(0.0, blur_px * blur_px - sample_px * sample_px / 12));
   Kernel kernel;
-  kernel.radius_px = static_cast<int>(std::ceil(kGaussianReach * sigma));
+  kernel.radius_px = static_cast<int>(std::ceil(kGaussianRadius * sigma));
   const int count = (2 * kernel.radius_px + 1) * samples_per_pixel;
   double sum = 0;
   for (int i = 0; i < count; ++i) {
     const double x = i * sample_px - kernel.radius_px - 0.5;
-    const double weight = IntegralOfBlurredBox(x + sample_px, sigma) -
-                          IntegralOfBlurredBox(x, sigma);
+    const double weight = IntegrateBlurredBox(x + sample_px, sigma) -
+                          IntegrateBlurredBox(x, sigma);
     kernel.weights.push_back(static_cast<float>(weight));
     sum += weight;
   }
@@ -85,7 +85,7 @@ Kernel LensKernel(double blur_px, int samples_per_pixel) {
 
 // Intersections of a board with the observation lines at the 3 x 3 corners of 2
 // x 2 pixels.
-struct BlockOfBoard {
+struct BoardBlock {
   const BoardSurface* surface = nullptr;
   std::array<ObservationLine, 9> lines;  // in the board's coordinates
   std::array<Eigen::Vector2d, 9> points_m;
@@ -102,7 +102,7 @@ class Renderer {
         samples_(options.samples_per_pixel),
         width_(rays.size().width),
         height_(rays.size().height),
-        kernel_(LensKernel(options.blur_px, options.samples_per_pixel)) {
+        kernel_(MakeBlurKernel(options.blur_px, options.samples_per_pixel)) {
     for (const PlacedBoard& board : boards) {
       const Eigen::Quaterniond rotation =
           board.camera_from_board.rotation.conjugate();
@@ -119,19 +119,19 @@ class Renderer {
   void RenderRows(int first, int last, float* levels) const;
 
  private:
-  struct BoardInSpace {
+  struct LocatedBoard {
     const BoardSurface* surface;
     Eigen::Matrix3d board_from_camera;
     Eigen::Vector3d camera_in_board;
   };
 
-  bool PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
-                    int column, int row, BlockOfBoard* block) const;
-  void PaintSmooth(const BlockOfBoard& block, float* samples) const;
-  void PaintEdgeOn(const BlockOfBoard& block, float* samples) const;
+  bool IntersectBlock(const LocatedBoard& board, const RayRows& rays,
+                      int column, int row, BoardBlock* block) const;
+  void PaintSmooth(const BoardBlock& block, float* samples) const;
+  void PaintEdgeOn(const BoardBlock& block, float* samples) const;
   void PaintSample(const BoardSurface& surface, const Eigen::Vector2d& point_m,
                    const Footprint& footprint, float* sample) const;
-  void RenderBlock(const RowsOfRays& rays, int column, int row,
+  void RenderBlock(const RayRows& rays, int column, int row,
                    float* samples) const;
   void FilterAlongRow(float* samples, float* filtered) const;
   int SamplesStride() const {
@@ -143,15 +143,15 @@ class Renderer {
   const int samples_;  // per pixel and axis
   const int width_, height_;
   const Kernel kernel_;
-  std::vector<BoardInSpace> boards_;
+  std::vector<LocatedBoard> boards_;
   // Basis functions of quadratic interpolation at the samples of two pixels.
   std::vector<std::array<double, 3>> basis_;
 };
 
 // Intersects a board with a block; returns false if the board is not visible
 // there.
-bool Renderer::PlaceInBlock(const BoardInSpace& board, const RowsOfRays& rays,
-                            int column, int row, BlockOfBoard* block) const {
+bool Renderer::IntersectBlock(const LocatedBoard& board, const RayRows& rays,
+                              int column, int row, BoardBlock* block) const {
   block->surface = board.surface;
   block->depth = 0;
   Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
@@ -195,7 +195,7 @@ void Renderer::PaintSample(const BoardSurface& surface,
   *sample += static_cast<float>(paper * (level - *sample));
 }
 
-void Renderer::PaintSmooth(const BlockOfBoard& block, float* samples) const {
+void Renderer::PaintSmooth(const BoardBlock& block, float* samples) const {
   Eigen::Matrix2d sides_m;
   sides_m << block.points_m[5] - block.points_m[3],
       block.points_m[7] - block.points_m[1];
@@ -214,7 +214,7 @@ void Renderer::PaintSmooth(const BlockOfBoard& block, float* samples) const {
   }
 }
 
-void Renderer::PaintEdgeOn(const BlockOfBoard& block, float* samples) const {
+void Renderer::PaintEdgeOn(const BoardBlock& block, float* samples) const {
   const Footprint no_extent(Eigen::Matrix2d::Zero());
   for (int j = 0; j < 2 * samples_; ++j) {
     for (int i = 0; i < 2 * samples_; ++i) {
@@ -233,18 +233,18 @@ void Renderer::PaintEdgeOn(const BlockOfBoard& block, float* samples) const {
 }
 
 // Renders the samples of 2 x 2 pixels, the farthest boards first.
-void Renderer::RenderBlock(const RowsOfRays& rays, int column, int row,
+void Renderer::RenderBlock(const RayRows& rays, int column, int row,
                            float* samples) const {
   for (int j = 0; j < 2 * samples_; ++j)
     std::fill_n(samples + j * SamplesStride(), 2 * samples_,
                 static_cast<float>(options_.background_level));
-  std::vector<BlockOfBoard> seen;
-  BlockOfBoard block;
-  for (const BoardInSpace& board : boards_)
-    if (PlaceInBlock(board, rays, column, row, &block)) seen.push_back(block);
+  std::vector<BoardBlock> seen;
+  BoardBlock block;
+  for (const LocatedBoard& board : boards_)
+    if (IntersectBlock(board, rays, column, row, &block)) seen.push_back(block);
   std::sort(seen.begin(), seen.end(),
             [](const auto& a, const auto& b) { return a.depth > b.depth; });
-  for (const BlockOfBoard& board : seen) {
+  for (const BoardBlock& board : seen) {
     if (board.is_smooth) {
       PaintSmooth(board, samples);
     } else {
@@ -315,7 +315,7 @@ double Transmission(const CameraModel& camera, int column, int row,
   const double y = row - (size.height - 1) / 2.0;
   const double corner2 =
       (std::pow(size.width - 1, 2) + std::pow(size.height - 1, 2)) / 4;
-  const double tan2_of_corner = 1 / std::sqrt(1 - vignetting) - 1;
+  const double corner_tan2 = 1 / std::sqrt(1 - vignetting) - 1;
   double lit = 1;
   if (const auto& circle = camera.image_circle()) {
     const double radius_px = circle->radii_px.mean();
@@ -324,7 +324,7 @@ double Transmission(const CameraModel& camera, int column, int row,
     const double part = offset.cwiseQuotient(circle->radii_px).norm();
     lit = std::clamp((1 - part) * radius_px / 2 + 0.5, 0.0, 1.0);
   }
-  return lit * std::pow(1 + tan2_of_corner * (x * x + y * y) / corner2, -2);
+  return lit * std::pow(1 + corner_tan2 * (x * x + y * y) / corner2, -2);
 }
 
 void RequireValidView(const ImageSize& size, const ImagingOptions& options) {
@@ -363,8 +363,8 @@ void AddNoise(const RenderedImage& image, const ImagingOptions& options,
 
 }  // namespace
 
-RowsOfRays::RowsOfRays(const CameraModel& camera, int first, int last,
-                       int num_threads)
+RayRows::RayRows(const CameraModel& camera, int first, int last,
+                 int num_threads)
     : columns_(camera.image_size().width + 1),
       first_row_(first),
       lines_(static_cast<size_t>(last + 1 - first) * columns_) {
@@ -385,11 +385,11 @@ PixelRays::PixelRays(const CameraModel& camera, int num_threads)
   constexpr size_t kMaxPixels = 5000000;
   const ImageSize& image = size();
   if (static_cast<size_t>(image.width) * image.height <= kMaxPixels)
-    all_ = std::make_shared<RowsOfRays>(camera, 0, image.height, num_threads);
+    all_ = std::make_shared<RayRows>(camera, 0, image.height, num_threads);
 }
 
-std::shared_ptr<const RowsOfRays> PixelRays::Rows(int first, int last) const {
-  return all_ ? all_ : std::make_shared<RowsOfRays>(*camera_, first, last, 1);
+std::shared_ptr<const RayRows> PixelRays::Rows(int first, int last) const {
+  return all_ ? all_ : std::make_shared<RayRows>(*camera_, first, last, 1);
 }
 
 RenderedImage RenderImage(const PixelRays& rays,

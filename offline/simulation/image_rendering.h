@@ -17,11 +17,11 @@
 namespace raygrid {
 
 /// Observation lines of the pixel corners of some rows.
-class RowsOfRays {
+class RayRows {
  public:
   /// Computes rows [first, last). Lines are extrapolated by up to one pixel:
   /// areas end at the centres of the outermost pixels, images at their corners.
-  RowsOfRays(const CameraModel& camera, int first, int last, int num_threads);
+  RayRows(const CameraModel& camera, int first, int last, int num_threads);
 
   /// Returns the line of pixel corner (column - 0.5, row - 0.5); its direction
   /// is NaN if there is none.
@@ -44,11 +44,11 @@ class PixelRays {
   const CameraModel& camera() const { return *camera_; }
   const ImageSize& size() const { return camera_->image_size(); }
   /// Returns the lines of rows [first, last), or more.
-  std::shared_ptr<const RowsOfRays> Rows(int first, int last) const;
+  std::shared_ptr<const RayRows> Rows(int first, int last) const;
 
  private:
   std::shared_ptr<const CameraModel> camera_;
-  std::shared_ptr<const RowsOfRays> all_;  // NULL for large images
+  std::shared_ptr<const RayRows> all_;  // NULL for large images
 };
 
 /// The imaging process. Grey levels are in units of 1/255, before gamma.

@@ -15,11 +15,11 @@ constexpr double kReach = 1.5, kKnown = 1.56;
 constexpr double kMaxPatchRadius = 0.75;
 // Distance from an edge where the colours of its sides are sampled; less than
 // kKnown - kReach.
-constexpr double kBeside = 0.05;
+constexpr double kSideOffset = 0.05;
 constexpr double kSameLine = 1e-6;
 // Patches with several edges are divided into kParts x kParts parts.
 constexpr int kParts = 4;
-constexpr int kMostParts = 32;
+constexpr int kMaxSubdivisions = 32;
 
 double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                          const Eigen::Vector2d& b) {
@@ -38,13 +38,14 @@ double Footprint::Beyond(const Eigen::Vector2d& normal,
   const double shorter = std::min(std::abs(slope.x()), std::abs(slope.y()));
   const double reach = (longer + shorter) / 2;
   const double distance = std::abs(distance_m);
-  double far_part = 0;  // fraction of the patch beyond the line
+  double far_fraction = 0;  // fraction of the patch beyond the line
   if (distance <= (longer - shorter) / 2) {
-    far_part = longer > 0 ? 0.5 - distance / longer : 0.5;
+    far_fraction = longer > 0 ? 0.5 - distance / longer : 0.5;
   } else if (distance < reach) {
-    far_part = (reach - distance) * (reach - distance) / (2 * longer * shorter);
+    far_fraction =
+        (reach - distance) * (reach - distance) / (2 * longer * shorter);
   }
-  return distance_m > 0 ? 1 - far_part : far_part;
+  return distance_m > 0 ? 1 - far_fraction : far_fraction;
 }
 
 InkMap::InkMap(const BoardAppearance& appearance) : appearance_(appearance) {
@@ -73,13 +74,13 @@ void InkMap::AddEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   edges_.push_back({normal, normal.dot(a)});
   const int32_t edge = static_cast<int32_t>(edges_.size()) - 1;
   const double known_m = kKnown * cell_m_;
-  const auto row_of = [&](double y_m) {
+  const auto get_row = [&](double y_m) {
     return std::clamp(
         static_cast<int>(std::floor((y_m - corner_m_.y()) / cell_m_)), 0,
         rows_ - 1);
   };
-  const int last_row = row_of(std::max(a.y(), b.y()) + known_m);
-  for (int row = row_of(std::min(a.y(), b.y()) - known_m); row <= last_row;
+  const int last_row = get_row(std::max(a.y(), b.y()) + known_m);
+  for (int row = get_row(std::min(a.y(), b.y()) - known_m); row <= last_row;
        ++row) {
     // Range of the edge parameter that can be near this row.
     double t0 = 0, t1 = 1;
@@ -148,7 +149,7 @@ void InkMap::ColourCells() {
         continue;
       }
       const Eigen::Vector2d foot = center - distance_m * edge.normal;
-      const Eigen::Vector2d beside = kBeside * cell_m_ * edge.normal;
+      const Eigen::Vector2d beside = kSideOffset * cell_m_ * edge.normal;
       const int32_t beyond = Colour(foot + beside);
       if (beyond == Colour(foot - beside)) {
         cell = beyond;
@@ -168,47 +169,48 @@ int32_t InkMap::CellAt(const Eigen::Vector2d& point_m) const {
                 static_cast<int>(cell.x())];
 }
 
-double InkMap::ComputePartInk(const Eigen::Vector2d& center_m,
-                              const Footprint& part, int32_t cell) const {
+double InkMap::ComputePatchInk(const Eigen::Vector2d& center_m,
+                               const Footprint& part, int32_t cell) const {
   if (cell == kWhite) return 0;
   if (cell == kBlack) return 1;
   if (cell == kSeveral) return Colour(center_m) == kBlack ? 1 : 0;
   const Edge& edge = edges_[cell];
   const double beyond =
       part.Beyond(edge.normal, edge.normal.dot(center_m) - edge.offset);
-  const bool is_black_beyond = cell >= static_cast<int32_t>(edges_.size() / 2);
-  return is_black_beyond ? beyond : 1 - beyond;
+  const bool is_black_outside = cell >= static_cast<int32_t>(edges_.size() / 2);
+  return is_black_outside ? beyond : 1 - beyond;
 }
 
-double InkMap::ComputePartsInk(const Eigen::Vector2d& center_m,
-                               const Footprint& footprint,
-                               int parts_along_side) const {
-  const Footprint part(footprint.sides_m() / parts_along_side);
+double InkMap::ComputeSubdividedInk(const Eigen::Vector2d& center_m,
+                                    const Footprint& footprint,
+                                    int patches_along_side) const {
+  const Footprint part(footprint.sides_m() / patches_along_side);
   double sum = 0;
-  for (int j = 0; j < parts_along_side; ++j) {
-    for (int i = 0; i < parts_along_side; ++i) {
+  for (int j = 0; j < patches_along_side; ++j) {
+    for (int i = 0; i < patches_along_side; ++i) {
       const Eigen::Vector2d position(i, j);
       const Eigen::Vector2d at =
           center_m +
           part.sides_m() *
-              (position.array() - (parts_along_side - 1) / 2.0).matrix();
-      sum += ComputePartInk(at, part, CellAt(at));
+              (position.array() - (patches_along_side - 1) / 2.0).matrix();
+      sum += ComputePatchInk(at, part, CellAt(at));
     }
   }
-  return sum / (parts_along_side * parts_along_side);
+  return sum / (patches_along_side * patches_along_side);
 }
 
 double InkMap::InkFraction(const Eigen::Vector2d& center_m,
                            const Footprint& footprint) const {
   const double radius = footprint.radius_m() / cell_m_;
   if (radius > kMaxPatchRadius)
-    return ComputePartsInk(
+    return ComputeSubdividedInk(
         center_m, footprint,
-        static_cast<int>(
-            std::min(std::ceil(radius / kMaxPatchRadius), 1.0 * kMostParts)));
+        static_cast<int>(std::min(std::ceil(radius / kMaxPatchRadius),
+                                  1.0 * kMaxSubdivisions)));
   const int32_t cell = CellAt(center_m);
-  if (cell == kSeveral) return ComputePartsInk(center_m, footprint, kParts);
-  return ComputePartInk(center_m, footprint, cell);
+  if (cell == kSeveral)
+    return ComputeSubdividedInk(center_m, footprint, kParts);
+  return ComputePatchInk(center_m, footprint, cell);
 }
 
 }  // namespace raygrid

@@ -54,11 +54,11 @@ class InkMap {
   int32_t Colour(const Eigen::Vector2d& point_m) const;
   Eigen::Vector2d CellCenter(int column, int row) const;
   int32_t CellAt(const Eigen::Vector2d& point_m) const;
-  double ComputePartInk(const Eigen::Vector2d& center_m, const Footprint& part,
-                        int32_t cell) const;
-  double ComputePartsInk(const Eigen::Vector2d& center_m,
-                         const Footprint& footprint,
-                         int parts_along_side) const;
+  double ComputePatchInk(const Eigen::Vector2d& center_m, const Footprint& part,
+                         int32_t cell) const;
+  double ComputeSubdividedInk(const Eigen::Vector2d& center_m,
+                              const Footprint& footprint,
+                              int patches_along_side) const;
 
   BoardAppearance appearance_;
   Eigen::Vector2d corner_m_;  // corner of the first cell

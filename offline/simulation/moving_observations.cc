@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "dataset/error.h"
-#include "simulation/board_bend.h"
+#include "simulation/board_curvature.h"
 
 namespace raygrid {
 namespace {
@@ -92,9 +92,10 @@ std::optional<Eigen::Vector2d> ProjectRollingShutter(
   return pixel;
 }
 
-std::vector<Feature> FeaturesByRows(const CameraModel& camera,
-                                    const Board& board, const HandPath& path,
-                                    double time, double line_delay_s) {
+std::vector<Feature> SimulateRollingFeatures(const CameraModel& camera,
+                                             const Board& board,
+                                             const HandPath& path, double time,
+                                             double line_delay_s) {
   std::vector<Feature> features;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {
@@ -121,12 +122,12 @@ MovingObservations SimulateMovingObservations(const CameraModel& camera,
   seen.dataset.image_size = camera.image_size();
   seen.true_pattern = pattern;
   Board& board = seen.true_pattern.boards.front();
-  board = BendBoard(board, options.board_bend_m);
+  board = CurveBoard(board, options.board_sagitta_m);
   const HandPath path(camera, board, motion.speed, &random);
   for (int i = 0; i < options.num_images; ++i) {
     const double time = i * motion.frame_interval_s;
     std::vector<Feature> features =
-        FeaturesByRows(camera, board, path, time, motion.line_delay_s);
+        SimulateRollingFeatures(camera, board, path, time, motion.line_delay_s);
     ThinOutFeatures(options.features_per_image, &random, &features);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;

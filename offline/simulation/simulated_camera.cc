@@ -16,13 +16,14 @@ Area Widened(const Area& area) {
 }  // namespace
 
 SimulatedCamera::SimulatedCamera(const OpenCvModel& lens,
-                                 std::vector<LensBump> bumps)
+                                 std::vector<DistortionBump> bumps)
     : SimulatedCamera(
           std::make_shared<OpenCvModel>(lens.WithArea(Widened(lens.area()))),
           lens.area(), std::move(bumps)) {}
 
 SimulatedCamera::SimulatedCamera(std::shared_ptr<const CameraModel> lens,
-                                 const Area& area, std::vector<LensBump> bumps)
+                                 const Area& area,
+                                 std::vector<DistortionBump> bumps)
     : CameraModel(lens->image_size(), area),
       lens_(std::move(lens)),
       bumps_(std::move(bumps)) {}
@@ -31,7 +32,7 @@ Eigen::Vector2d SimulatedCamera::Bend(const Eigen::Vector2d& pixel,
                                       Eigen::Matrix2d* derivative) const {
   Eigen::Vector2d bent = pixel;
   *derivative = Eigen::Matrix2d::Identity();
-  for (const LensBump& bump : bumps_) {
+  for (const DistortionBump& bump : bumps_) {
     const Eigen::Vector2d offset = pixel - bump.center;
     const double r2 = bump.radius_px * bump.radius_px;
     const Eigen::Vector2d shift =

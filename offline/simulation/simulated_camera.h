@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// A local distortion that no parametric model represents: pixels around center
 /// move by displacement_px exp(-distance^2 / (2 radius_px^2)).
-struct LensBump {
+struct DistortionBump {
   Eigen::Vector2d center;
   Eigen::Vector2d displacement_px;
   double radius_px = 1;
@@ -21,10 +21,10 @@ struct LensBump {
 class SimulatedCamera : public CameraModel {
  public:
   /// |displacement| / radius must be well below 1 in total, or the image folds.
-  SimulatedCamera(const OpenCvModel& lens, std::vector<LensBump> bumps);
+  SimulatedCamera(const OpenCvModel& lens, std::vector<DistortionBump> bumps);
   /// The lens must be defined wherever the bumps map the area's pixels to.
   SimulatedCamera(std::shared_ptr<const CameraModel> lens, const Area& area,
-                  std::vector<LensBump> bumps);
+                  std::vector<DistortionBump> bumps);
 
   std::string Name() const override { return "simulated"; }
   std::unique_ptr<CameraModel> Clone() const override {
@@ -48,7 +48,7 @@ class SimulatedCamera : public CameraModel {
                        Eigen::Matrix2d* derivative) const;
 
   std::shared_ptr<const CameraModel> lens_;
-  std::vector<LensBump> bumps_;
+  std::vector<DistortionBump> bumps_;
 };
 
 /// Returns a 640 x 480 camera with a horizontal field of view of about 62

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "dataset/error.h"
-#include "simulation/board_bend.h"
+#include "simulation/board_curvature.h"
 #include "simulation/board_deformation.h"
 
 namespace raygrid {
@@ -25,7 +25,7 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
 // Returns the pose of a board whose centre is on the ray, and which faces the
 // camera with random tilt and rotation about its centre.
 Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
-                    double max_tilt_rad, double max_turn_rad,
+                    double max_tilt_rad, double max_rotation_rad,
                     const Eigen::Vector3d& center_m, Random* random) {
   const Eigen::Quaterniond facing =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray);
@@ -35,9 +35,10 @@ Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
       Eigen::Vector3d(std::cos(direction), std::sin(direction), 0));
   // Full rotations are sampled from 0 on, smaller ones symmetrically about the
   // upright orientation.
-  const double first = max_turn_rad < M_PI ? -max_turn_rad : 0;
-  const Eigen::AngleAxisd turn(random->Uniform(first, first + 2 * max_turn_rad),
-                               Eigen::Vector3d::UnitZ());
+  const double first = max_rotation_rad < M_PI ? -max_rotation_rad : 0;
+  const Eigen::AngleAxisd turn(
+      random->Uniform(first, first + 2 * max_rotation_rad),
+      Eigen::Vector3d::UnitZ());
   const Eigen::Quaterniond rotation = facing * tilt * turn;
   return {rotation, ray * distance_m - rotation * center_m};
 }
@@ -138,9 +139,9 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
     if (!(magnification > 0)) continue;
     const double square_px =
         random.Uniform(options.min_square_px, options.max_square_px);
-    poses.push_back(RandomlyTilted(ray, square_m * magnification / square_px,
-                                   options.max_tilt_rad, options.max_turn_rad,
-                                   center_m, &random));
+    poses.push_back(RandomlyTilted(
+        ray, square_m * magnification / square_px, options.max_tilt_rad,
+        options.max_rotation_rad, center_m, &random));
   }
   return poses;
 }
@@ -154,7 +155,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
   result.dataset.image_size = camera.image_size();
   result.true_pattern = pattern;
   Board& board = result.true_pattern.boards.front();
-  board = BendBoard(board, options.board_bend_m);
+  board = CurveBoard(board, options.board_sagitta_m);
 
   int num_tries = 0;
   std::vector<ImageFeatures>& images = result.dataset.images;

@@ -18,7 +18,7 @@ struct SimulationOptions {
   int features_per_image = 240;  ///< maximum; views with fewer are discarded
   double noise_px = 0.05;        ///< standard deviation of each coordinate
   /// Deflection of the board at its edges: a paraboloid.
-  double board_bend_m = 0;
+  double board_sagitta_m = 0;
   /// Additional per-view deformation, RMS: DeformBoard().
   double board_deformation_m = 0;
   /// Spatially correlated noise, independent in each image: a smooth random
@@ -60,7 +60,7 @@ struct PoseOptions {
   /// Width of a square in the image, without tilt.
   double min_square_px = 12, max_square_px = 30;
   double max_tilt_rad = 50 * M_PI / 180;
-  double max_turn_rad = M_PI;  ///< in-plane rotation, either way
+  double max_rotation_rad = M_PI;  ///< in-plane rotation, either way
 };
 
 /// Draws poses of a board whose point center_m projects to a random pixel of

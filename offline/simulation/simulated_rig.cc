@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "simulation/board_bend.h"
+#include "simulation/board_curvature.h"
 #include "simulation/board_deformation.h"
 #include "simulation/random.h"
 
@@ -64,7 +64,7 @@ std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
                               const std::vector<Pose>& places, int count,
                               uint64_t seed) {
   constexpr double kMaxTiltRad = 35 * M_PI / 180;
-  constexpr double kMaxTurnRad = 25 * M_PI / 180;
+  constexpr double kMaxRotationRad = 25 * M_PI / 180;
   const auto midpoint = [&](size_t board) -> Eigen::Vector3d {
     return places[board] * (pattern.boards[board].NominalPoints().back() / 2);
   };
@@ -77,7 +77,7 @@ std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
   }
   PoseOptions held;
   held.max_tilt_rad = kMaxTiltRad;
-  held.max_turn_rad = kMaxTurnRad;
+  held.max_rotation_rad = kMaxRotationRad;
   std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {
     const int c = i % num_cameras;
@@ -91,7 +91,7 @@ std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
   return poses;
 }
 
-bool SeesFront(const Board& board, const Pose& camera_from_board) {
+bool IsFrontVisible(const Board& board, const Pose& camera_from_board) {
   const Eigen::Vector3d center = camera_from_board * (board.points.back() / 2);
   const Eigen::Vector3d away =
       camera_from_board.rotation * Eigen::Vector3d::UnitZ();
@@ -101,7 +101,7 @@ bool SeesFront(const Board& board, const Pose& camera_from_board) {
 std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
                              const Pose& camera_from_board,
                              const SimulationOptions& options, Random* random) {
-  if (!SeesFront(board, camera_from_board)) return {};
+  if (!IsFrontVisible(board, camera_from_board)) return {};
   std::vector<Feature> features =
       VisibleFeatures(camera, board, camera_from_board);
   if (features.size() < kMinFeatures) return {};
@@ -161,7 +161,7 @@ SimulatedRigObservations ObserveBoards(
   for (const auto& camera : rig.cameras)
     result.datasets.push_back({camera->image_size(), {}});
   for (Board& board : result.true_pattern.boards)
-    board = BendBoard(board, options.board_bend_m);
+    board = CurveBoard(board, options.board_sagitta_m);
   Random random(options.seed);
   for (int i = 0; i < options.num_images; ++i) {
     // Each board has one deformation per frame, common to all cameras.

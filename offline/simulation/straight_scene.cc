@@ -20,7 +20,7 @@ constexpr std::array<std::array<float, 3>, 6> kWalls = {{{232, 228, 226},
                                                          {186, 218, 184},
                                                          {196, 226, 238},
                                                          {168, 192, 220}}};
-constexpr float kDarkPart = 0.52f;
+constexpr float kDarkFactor = 0.52f;
 
 // A square of a wall.
 struct SceneSquare {
@@ -45,7 +45,7 @@ SceneSquare SquareAlong(const Eigen::Vector3d& direction, double square) {
 
 void AddColor(const SceneSquare& square, float weight,
               std::array<float, 3>* sum) {
-  if (((square.column + square.row) & 1) != 0) weight *= kDarkPart;
+  if (((square.column + square.row) & 1) != 0) weight *= kDarkFactor;
   for (int c = 0; c < 3; ++c) (*sum)[c] += weight * kWalls[square.wall][c];
 }
 
@@ -99,10 +99,10 @@ double ComputeVisibleAngleDeg(const CameraModel& camera, int axis) {
   return sum_rad * 180 / M_PI;
 }
 
-double SquareOfStraightScene(const CameraModel& camera) {
+double ComputeSceneSquareSize(const CameraModel& camera) {
   constexpr double kAcross = 12;
-  const double seen_rad = ComputeVisibleAngleDeg(camera, 0) * M_PI / 180;
-  const double square = std::exp2(std::round(std::log2(seen_rad / kAcross)));
+  const double field_rad = ComputeVisibleAngleDeg(camera, 0) * M_PI / 180;
+  const double square = std::exp2(std::round(std::log2(field_rad / kAcross)));
   return std::clamp(square, 1.0 / 1024, 0.25);
 }
 

@@ -12,7 +12,7 @@ namespace raygrid {
 ///
 /// Returns the side of a square, 2 / 2^k, so that about a dozen squares span
 /// the image.
-double SquareOfStraightScene(const CameraModel& camera);
+double ComputeSceneSquareSize(const CameraModel& camera);
 
 /// Renders the room in BGR by the directions of the camera's pixels: for
 /// non-central cameras, as if it were infinitely far. Each wall has its own

@@ -104,7 +104,7 @@ std::string MakeScreenYaml(const ScreenBoards& boards) {
   const Board& board = boards.boards.front();
   const Area extent = ExtentInSquares(board);
   const double pixel_mm = 1000 * board.square_m / boards.square_px;
-  BoardPlace place;
+  BoardPosition place;
   place.width_mm = boards.screen.width * pixel_mm;
   place.height_mm = boards.screen.height * pixel_mm;
   place.first_feature_mm = {

@@ -19,15 +19,15 @@ constexpr double kPointsPerMm = 72 / 25.4;
 constexpr double kMarginMm = 5;  // not printable on most printers
 constexpr double kTickMm = 3;
 constexpr double kTextHeightMm = 3;
-constexpr double kBelowBoardMm = 9;   // ruler and text
-constexpr double kBesideBoardMm = 5;  // ruler
+constexpr double kBelowBoardMm = 9;         // ruler and text
+constexpr double kMarginBesideBoardMm = 5;  // ruler
 constexpr int kMaxRulerMm = 200;
 
 Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
 
 // Returns the width and height available inside margins and rulers.
 double FreeWidth(const Page& page) {
-  return page.width_mm - 2 * kMarginMm - kBesideBoardMm;
+  return page.width_mm - 2 * kMarginMm - kMarginBesideBoardMm;
 }
 double FreeHeight(const Page& page) {
   return page.height_mm - 2 * kMarginMm - kBelowBoardMm;
@@ -73,12 +73,12 @@ std::string DescribeMaxCounts(const Board& board, const Page& page) {
       ComputeMaxScale(size_mm, turned) > ComputeMaxScale(size_mm, page) ? turned
                                                                         : page;
   const double square_mm = board.square_m * 1000;
-  const double largest_mm =
+  const double max_size_mm =
       std::floor(10 * square_mm * ComputeMaxScale(size_mm, better) + 1e-9) / 10;
   std::string advice = "use a larger --page";
-  if (largest_mm > 0)
+  if (max_size_mm > 0)
     advice += fmt::format("; this page fits {} {:.1f}{}",
-                          KindOf(board).LengthOption(), largest_mm,
+                          KindOf(board).LengthOption(), max_size_mm,
                           DescribeMaxCounts(board, better));
   throw Error(ExitCode::kUsage,
               fmt::format("a board of {:g} x {:g} mm does not fit a page of "
@@ -89,10 +89,10 @@ std::string DescribeMaxCounts(const Board& board, const Page& page) {
 
 // Centres the board on the page, or as close to the centre as the ruler on the
 // right allows.
-Area PlaceBoard(const Eigen::Vector2d& size_mm, const Page& page) {
+Area ComputeBoardArea(const Eigen::Vector2d& size_mm, const Page& page) {
   const double x =
       std::min((page.width_mm - size_mm.x()) / 2,
-               page.width_mm - kMarginMm - kBesideBoardMm - size_mm.x());
+               page.width_mm - kMarginMm - kMarginBesideBoardMm - size_mm.x());
   const double y = (page.height_mm - kBelowBoardMm - size_mm.y()) / 2;
   return {x, y, x + size_mm.x(), y + size_mm.y()};
 }
@@ -188,7 +188,7 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
   if (!Fits(size_mm, page)) sheets.page = Rotated(page);
   if (!Fits(size_mm, sheets.page)) RefuseBoard(boards.front(), page);
   sheets.boards = std::move(boards);
-  sheets.board_mm = PlaceBoard(size_mm, sheets.page);
+  sheets.board_mm = ComputeBoardArea(size_mm, sheets.page);
   sheets.ruler_mm = RulerLength(sheets.page);
   return sheets;
 }
@@ -209,7 +209,7 @@ PrintScale ComputePrintScale(const BoardSheets& sheets, double measured_x_mm,
 
 std::string MakeSheetsYaml(const BoardSheets& sheets, const PrintScale& scale) {
   const Area extent_m = BoardAppearance(sheets.boards.front()).extent_m();
-  BoardPlace place;
+  BoardPosition place;
   place.width_mm = sheets.page.width_mm;
   place.height_mm = sheets.page.height_mm;
   place.first_feature_mm = {sheets.board_mm.x0 - 1000 * extent_m.x0,

@@ -20,7 +20,7 @@ namespace {
 
 // Parses the number at the start of a text and removes it from the text.
 template <typename T>
-bool TakeNumber(std::string* text, T* value) {
+bool ExtractNumber(std::string* text, T* value) {
   const char* const begin = text->data();
   const auto [end, error] =
       std::from_chars(begin, begin + text->size(), *value);
@@ -32,7 +32,7 @@ bool TakeNumber(std::string* text, T* value) {
 double LengthM(std::string text) {
   const std::string given = text;
   double value = 0;
-  if (TakeNumber(&text, &value) && value > 0) {
+  if (ExtractNumber(&text, &value) && value > 0) {
     if (text == "mm") return value / 1000;
     if (text == "cm") return value / 100;
     if (text == "m") return value;
@@ -57,7 +57,7 @@ class Spec : public BoardOptions {
           "neither a file nor a target specification, "
           "KIND:COLUMNSxROWS:LENGTH, such as chessboard:9x6:25mm");
     kind = parts[0];
-    TakeSize(parts[1]);
+    ParseSize(parts[1]);
     length_m = LengthM(parts[2]);
     for (size_t i = 3; i < parts.size(); ++i) {
       const size_t equals = std::min(parts[i].find('='), parts[i].size());
@@ -72,16 +72,16 @@ class Spec : public BoardOptions {
   }
 
   void Number(const char* name, const char*, int* value) override {
-    TakeValue(name, value);
+    ExtractValue(name, value);
   }
 
   void Number(const char* name, const char*, double* value) override {
-    TakeValue(name, value);
+    ExtractValue(name, value);
   }
 
   void Number(const char* name, const char*, int,
               std::optional<int>* value) override {
-    if (values_.count(name) != 0) TakeValue(name, &value->emplace());
+    if (values_.count(name) != 0) ExtractValue(name, &value->emplace());
   }
 
   void Text(const char* name, const char*, std::string* value) override {
@@ -118,7 +118,7 @@ class Spec : public BoardOptions {
     *value_mm = 1000 * LengthM(length);
   }
 
-  void RequireAllAsked() const {
+  void RequireAllUsed() const {
     if (!values_.empty())
       Refuse(fmt::format("{} does not support '{}'", kind,
                          values_.begin()->first));
@@ -139,20 +139,21 @@ class Spec : public BoardOptions {
   }
 
   template <typename T>
-  void TakeValue(const char* name, T* value) {
+  void ExtractValue(const char* name, T* value) {
     if (values_.count(name) == 0) return;
     std::string text = Text(name, "");
     const std::string given = text;
-    if (!TakeNumber(&text, value) || !text.empty())
+    if (!ExtractNumber(&text, value) || !text.empty())
       Refuse(fmt::format("{}={}: invalid number", name, given));
   }
 
-  void TakeSize(std::string text) {
+  void ParseSize(std::string text) {
     const std::string given = text;
-    const bool has_columns = TakeNumber(&text, &columns);
+    const bool has_columns = ExtractNumber(&text, &columns);
     if (has_columns && !text.empty() && text[0] == 'x') {
       text.erase(0, 1);
-      if (TakeNumber(&text, &rows) && text.empty() && columns > 0 && rows > 0)
+      if (ExtractNumber(&text, &rows) && text.empty() && columns > 0 &&
+          rows > 0)
         return;
     }
     Refuse(fmt::format("'{}' is not a size; expected COLUMNSxROWS, such as 9x6",
@@ -162,7 +163,7 @@ class Spec : public BoardOptions {
   std::map<std::string, std::string> values_;
 };
 
-std::vector<Board> BoardsOf(Spec* spec) {
+std::vector<Board> MakeBoardList(Spec* spec) {
   const TargetKind& kind = KindOf(spec->kind);
   if (!kind.is_drawable)
     Refuse(
@@ -178,7 +179,7 @@ std::vector<Board> BoardsOf(Spec* spec) {
     Refuse(fmt::format("at most {} {} per side are supported", kind.max_count,
                        kind.counted));
   kind.AddOptions(spec, &request);
-  spec->RequireAllAsked();
+  spec->RequireAllUsed();
   return MakeBoards(kind, request);
 }
 
@@ -187,7 +188,7 @@ std::vector<Board> BoardsOf(Spec* spec) {
 Pattern ParseBoardSpec(const std::string& text) {
   try {
     Spec spec(text);
-    return ParsePattern(text, MakeBoardsYaml(BoardsOf(&spec)));
+    return ParsePattern(text, MakeBoardsYaml(MakeBoardList(&spec)));
   } catch (const Error& error) {
     throw Error(ExitCode::kUsage, fmt::format("{}: {}", text, error.what()));
   }

@@ -38,7 +38,8 @@ std::string MakeBoardsYaml(const std::vector<Board>& boards) {
 }
 
 std::string MakeBoardsYaml(const std::vector<Board>& boards,
-                           const BoardPlace& place, const PrintScale& scale) {
+                           const BoardPosition& place,
+                           const PrintScale& scale) {
   const std::string yaml =
       MakeBoardsYaml(MeanScaled(boards, scale)) +
       fmt::format(

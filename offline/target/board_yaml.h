@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// The position of the boards on their pages or screens.
-struct BoardPlace {
+struct BoardPosition {
   double width_mm = 0, height_mm = 0;  ///< size of the page
   Eigen::Vector2d first_feature_mm;    ///< position from its top-left corner
 };
@@ -27,7 +27,7 @@ std::string MakeBoardsYaml(const std::vector<Board>& boards);
 
 /// Formats pattern.yaml; the page is described with nominal lengths.
 std::string MakeBoardsYaml(const std::vector<Board>& boards,
-                           const BoardPlace& place, const PrintScale& scale);
+                           const BoardPosition& place, const PrintScale& scale);
 
 /// Throws Error(kUsage) for invalid boards.
 void RequirePossibleBoards(const std::vector<Board>& boards);

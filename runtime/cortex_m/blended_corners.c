@@ -6,7 +6,7 @@
 #if !RG_FAST_TRAVERSAL
 
 /* RG_BLEND_STORED() with the rounding term, half a weight, in a register. */
-static RG_INLINE int32_t blend_stored(int32_t lower, int32_t upper,
+static RG_INLINE int32_t lerp_rounded(int32_t lower, int32_t upper,
                                       int32_t weight, int32_t half) {
   return lower + ((weight * (upper - lower) + half) >> RG_WEIGHT_BITS);
 }
@@ -25,7 +25,7 @@ void rg_next_blended_tile(rg_tile_row* tiles, rg_position corners[4],
   const uint8_t* upper = lower + camera->sample_size;
   for (uint32_t k = 0;;) {
     for (uint32_t at = RG_VERTEX_X; at <= RG_VERTEX_Y; at += 2) {
-      const int32_t residual = blend_stored(
+      const int32_t residual = lerp_rounded(
           rg_load_i16(lower + at), rg_load_i16(upper + at), weight, half);
       rg_store_u16(blended + at, (uint16_t)residual);
     }
@@ -33,7 +33,7 @@ void rg_next_blended_tile(rg_tile_row* tiles, rg_position corners[4],
       uint32_t at = RG_VERTEX_VX - 2 * (k & 1);
       const uint32_t end = RG_VERTEX_VX + (k & 2);
       do
-        blended[at] = (uint8_t)blend_stored((int8_t)lower[at],
+        blended[at] = (uint8_t)lerp_rounded((int8_t)lower[at],
                                             (int8_t)upper[at], weight, half);
       while (++at != end);
     }

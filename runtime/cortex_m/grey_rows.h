@@ -9,7 +9,7 @@
 #include "cortex_m/grey_rows_thumb2.h"
 
 #if RG_GREY_ROW_IN_ASSEMBLER
-#define RG_FIRST_ROUNDING rg_first_rounding_in_thumb2
+#define RG_FIRST_ROUNDING rg_pack_rounding_and_count
 #define RG_PROCESS_GREY_ROWS rg_process_grey_rows_in_thumb2
 #else
 #define RG_FIRST_ROUNDING rg_first_rounding_in_c

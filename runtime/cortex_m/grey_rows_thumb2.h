@@ -41,7 +41,7 @@
 
 /* A row of n pixels takes ceil(n / 2) iterations, counted in bits 31..28. Bit
  * 27 is set if n is odd; the first iteration then writes one pixel only. */
-static RG_INLINE uint32_t rg_first_rounding_in_thumb2(const rg_span* span) {
+static RG_INLINE uint32_t rg_pack_rounding_and_count(const rg_span* span) {
   return RG_ROUNDING_8 - ((uint32_t)span->num_pixels << 27);
 }
 

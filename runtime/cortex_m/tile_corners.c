@@ -23,8 +23,8 @@ static int32_t load_bend(const uint8_t* byte, uint32_t shift) {
 
 /* Computes one coordinate of the tile's corners and stores it in every other
  * element, starting at corner. */
-static RG_INLINE void find_axis(const rg_tile_row* tiles, uint32_t c,
-                                int32_t* corner) {
+static RG_INLINE void compute_axis(const rg_tile_row* tiles, uint32_t c,
+                                   int32_t* corner) {
   const uint8_t* const section = tiles->section;
   const uint32_t size = tiles->vertex_size;
   const uint8_t* const affine = section + 4 * c;
@@ -65,7 +65,7 @@ static RG_INLINE void find_axis(const rg_tile_row* tiles, uint32_t c,
 }
 
 void rg_next_tile_in_c(rg_tile_row* tiles, rg_position corners[4]) {
-  for (uint32_t c = 0; c < 2; ++c) find_axis(tiles, c, &corners->q12[c]);
+  for (uint32_t c = 0; c < 2; ++c) compute_axis(tiles, c, &corners->q12[c]);
   tiles->extents[0].before += tiles->extents[0].size;
 }
 

@@ -1,7 +1,8 @@
 #include "frames/component_map.h"
 
 /* The difference of coordinate c between two positions; modulo 2^32. */
-static uint32_t edge_of(const rg_position* from, const rg_position* to, int c) {
+static uint32_t compute_edge(const rg_position* from, const rg_position* to,
+                             int c) {
   return (uint32_t)to->q12[c] - (uint32_t)from->q12[c];
 }
 
@@ -14,12 +15,12 @@ void rg_transform_corners(const rg_component* component,
   for (int c = 0; c < 2; ++c) {
     rg_position* corner = corners;
     const uint32_t half_y = component->half[1];
-    const uint32_t left = edge_of(&corner[0], &corner[2], c) * half_y;
-    const uint32_t right = edge_of(&corner[1], &corner[3], c) * half_y;
+    const uint32_t left = compute_edge(&corner[0], &corner[2], c) * half_y;
+    const uint32_t right = compute_edge(&corner[1], &corner[3], c) * half_y;
     for (int k = 0; k < 2; ++k, corner += 2) {
       const int32_t from = corner[0].q12[c], to = corner[1].q12[c];
       const uint32_t edge =
-          edge_of(&corner[0], &corner[1], c) * component->half[0];
+          compute_edge(&corner[0], &corner[1], c) * component->half[0];
       corner[0].q12[c] = rg_to_component(
           component, c, rg_add(from, rg_round_shift(edge + left, shift)), 1);
       corner[1].q12[c] = rg_to_component(

@@ -91,10 +91,10 @@ static RG_INLINE void rg_find_neighbors(const rg_source* source,
                                         const rg_span* span,
                                         const rg_component* component,
                                         rg_neighbors* at) {
-  const uint32_t row = rg_q12_of(at, 1) >> 12;
+  const uint32_t row = rg_get_q12(at, 1) >> 12;
   at->upper = rg_source_row(source, span, row);
   at->lower = rg_source_row(source, span, row + (row + 1 < source->size[1]));
-  at->right = (rg_q12_of(at, 0) >> 12) + 1 < source->size[0]
+  at->right = (rg_get_q12(at, 0) >> 12) + 1 < source->size[0]
                   ? component->sample_step
                   : 0;
 }

@@ -54,8 +54,8 @@ typedef struct fast_traversal {
   rg_component_lanes move;
 } fast_traversal;
 
-static inline int32_t min_of(int32_t a, int32_t b) { return a < b ? a : b; }
-static inline int32_t max_of(int32_t a, int32_t b) { return a > b ? a : b; }
+static inline int32_t min_int32(int32_t a, int32_t b) { return a < b ? a : b; }
+static inline int32_t max_int32(int32_t a, int32_t b) { return a > b ? a : b; }
 
 /* ---- Tiles --------------------------------------------------------------- */
 
@@ -66,8 +66,8 @@ static RG_INLINE void load_corners(const rg_position* corners, rg_lanes* upper,
 }
 
 /* Computes the corners of the next tile in component pixels. */
-static RG_INLINE void find_corners(fast_traversal* traversal,
-                                   rg_position* corners) {
+static RG_INLINE void compute_corners(fast_traversal* traversal,
+                                      rg_position* corners) {
   const rg_component* const component = traversal->component;
   rg_lanes upper, lower;
   rg_follow_lines(&traversal->lines, &upper, &lower);
@@ -89,13 +89,13 @@ static RG_INLINE int are_corners_interior(const fast_traversal* traversal,
   return (beyond[0] | beyond[1]) == 0 && !traversal->lines.is_empty;
 }
 
-static interior_box find_interior_box(const fast_traversal* traversal) {
+static interior_box compute_interior_box(const fast_traversal* traversal) {
   int32_t min[2], max[2];
   for (int c = 0; c < 2; ++c) {
     const rg_range source = traversal->ranges[c];
     const int32_t last_q12 = (traversal->source.size[c] - 1) * 4096;
-    min[c] = max_of(source.min_q12, 0) + RG_POSITION_MARGIN;
-    max[c] = min_of(source.max_q12, last_q12) - RG_POSITION_MARGIN;
+    min[c] = max_int32(source.min_q12, 0) + RG_POSITION_MARGIN;
+    max[c] = min_int32(source.max_q12, last_q12) - RG_POSITION_MARGIN;
   }
   if (RG_SELECT_KERNELS) max[1] -= RG_SPARE_Q12;
   if (traversal->source.ring_rows != 0) max[1] = min[1] - 1;
@@ -127,7 +127,7 @@ static void start_rows(fast_traversal* traversal, const rg_camera* camera,
   if (rg_load_u16(section + RG_REMAP_WIDTH) >> component->log2[0] == 0)
     traversal->end_row = traversal->row;
   traversal->tile_rows = traversal->tile_pixels = 0;
-  traversal->interior = find_interior_box(traversal);
+  traversal->interior = compute_interior_box(traversal);
   traversal->move =
       rg_get_component_lanes(component, traversal->lines.tile_log2[0]);
   traversal->num_whole_tiles =
@@ -159,7 +159,7 @@ static RG_INLINE void find_block(fast_traversal* traversal) {
   const rg_component* const component = traversal->component;
   rg_block* const block = &traversal->span.block;
   if (traversal->lines.next_tile == 0) rg_start_columns(&traversal->lines);
-  find_corners(traversal, block->corners);
+  compute_corners(traversal, block->corners);
   block->width_log2 =
       (uint8_t)(traversal->lines.tile_log2[0] - component->log2[0]);
   block->height_log2 =
@@ -210,7 +210,7 @@ static RG_INLINE int next_whole_tile(fast_traversal* traversal,
   traversal->span.out_pixel =
       (uint16_t)(traversal->span.out_pixel + traversal->span.num_pixels);
   traversal->rows_left = traversal->tile_rows;
-  find_corners(traversal, corners);
+  compute_corners(traversal, corners);
   return 1;
 }
 
@@ -228,16 +228,16 @@ static RG_INLINE int has_source(const fast_traversal* traversal,
 }
 
 /* The edge handling for positions whose coordinate c is between two values. */
-static RG_INLINE edge_handling find_axis_handling(
+static RG_INLINE edge_handling select_axis_handling(
     const fast_traversal* traversal, int c, int32_t low, int32_t high) {
   const rg_range source = traversal->ranges[c];
   const int32_t first = c == 0 ? 0 : traversal->span.first_source_row;
   const int32_t num = c == 0 ? traversal->source.size[0] : traversal->num_rows;
-  const int32_t end = min_of(source.max_q12, (first + num - 1) * 4096);
+  const int32_t end = min_int32(source.max_q12, (first + num - 1) * 4096);
   low -= RG_POSITION_MARGIN;
   high += RG_POSITION_MARGIN;
   if (high < source.min_q12 || low > source.max_q12) return EDGE_NO_SOURCE;
-  if (low < max_of(source.min_q12, first * 4096) || high > end)
+  if (low < max_int32(source.min_q12, first * 4096) || high > end)
     return EDGE_PER_PIXEL;
   return RG_SELECT_KERNELS && c == 1 && high > end - RG_SPARE_Q12 ? EDGE_GUARDED
                                                                   : EDGE_NONE;
@@ -245,17 +245,17 @@ static RG_INLINE edge_handling find_axis_handling(
 
 /* The edge handling for positions between corners: the maximum over both
  * coordinates. */
-static RG_INLINE edge_handling find_edge_handling(
+static RG_INLINE edge_handling select_edge_handling(
     const fast_traversal* traversal, const rg_position* p, uint32_t num) {
   edge_handling handling = EDGE_NONE;
   for (int c = 0; c < 2; ++c) {
     int32_t low = p[0].q12[c], high = low;
     for (uint32_t k = num; --k != 0;) {
-      low = min_of(low, p[k].q12[c]);
-      high = max_of(high, p[k].q12[c]);
+      low = min_int32(low, p[k].q12[c]);
+      high = max_int32(high, p[k].q12[c]);
     }
     const edge_handling axis_handling =
-        find_axis_handling(traversal, c, low, high);
+        select_axis_handling(traversal, c, low, high);
     if (axis_handling > handling) handling = axis_handling;
   }
   return handling == EDGE_NO_SOURCE && traversal->is_clamped ? EDGE_PER_PIXEL
@@ -269,7 +269,7 @@ find_tile_handling(const fast_traversal* traversal) {
     return EDGE_NO_SOURCE;
   if (are_corners_interior(traversal, traversal->span.block.corners))
     return EDGE_NONE;
-  return find_edge_handling(traversal, traversal->span.block.corners, 4);
+  return select_edge_handling(traversal, traversal->span.block.corners, 4);
 }
 
 /* Advances to the pixels after the span, which are in one row of a tile. */
@@ -299,7 +299,7 @@ static RG_INLINE edge_handling find_segment(fast_traversal* traversal) {
   for (;; num >>= 1) {
     for (int c = 0; c < 2; ++c)
       ends[1].q12[c] = ends[0].q12[c] + (int32_t)(num - 1) * row.step.q12[c];
-    handling = find_edge_handling(traversal, ends, 2);
+    handling = select_edge_handling(traversal, ends, 2);
     if (handling != EDGE_PER_PIXEL || num == 1) break;
   }
   span->num_pixels = (uint16_t)num;
@@ -328,7 +328,7 @@ static edge_handling next_span(fast_traversal* traversal) {
 
 /* The kernel that interpolates several adjacent tiles; NULL if there is none
  * for the current tiles. */
-static RG_INLINE rg_blend_tile_row* find_tile_kernel(
+static RG_INLINE rg_blend_tile_row* select_tile_kernel(
     const fast_traversal* traversal) {
   const uint32_t channels = rg_interleaved(traversal->component);
   const rg_block* const block = &traversal->span.block;
@@ -372,7 +372,7 @@ static RG_INLINE int process_interior_tiles(fast_traversal* traversal,
                                             rg_sampling sampling) {
   const int is_copy = sampling == RG_SAMPLING_NEAREST;
   if (RG_HAS_TILE_KERNELS && !is_copy) {
-    rg_blend_tile_row* const blend_tile_row = find_tile_kernel(traversal);
+    rg_blend_tile_row* const blend_tile_row = select_tile_kernel(traversal);
     if (blend_tile_row) return blend_interior_tiles(traversal, blend_tile_row);
   }
   while (next_whole_tile(traversal, traversal->span.block.corners)) {

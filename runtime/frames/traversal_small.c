@@ -175,8 +175,8 @@ typedef struct grey_traversal {
   uint8_t border;
 } grey_traversal;
 
-static uint8_t find_grey_pixel(const small_traversal* traversal,
-                               const rg_position* position) {
+static uint8_t compute_grey_pixel(const small_traversal* traversal,
+                                  const rg_position* position) {
   if (!has_source(traversal, position))
     return ((const grey_traversal*)traversal)->border;
   return (uint8_t)rg_blend_edge_grey(&traversal->source, &traversal->span,
@@ -188,7 +188,7 @@ static RG_INLINE void process_grey_tile(small_traversal* traversal) {
   if (RG_ALL_BUILT_IN && is_interior)
     RG_BUILT_IN(1)(&traversal->span);
   else
-    process_tile_by_rows(traversal, is_interior ? NULL : find_grey_pixel);
+    process_tile_by_rows(traversal, is_interior ? NULL : compute_grey_pixel);
 }
 
 rg_status rg_traverse_grey(const rg_camera* camera, const rg_grey_image* frame,
@@ -289,17 +289,17 @@ static RG_NOINLINE int move_to_ring(small_traversal* traversal) {
 
 /* Finds the neighbours of a pixel without edge handling. at has its position;
  * right neighbours are not set if pixels are copied. */
-static RG_INLINE void find_interior_neighbors(const rg_span* span,
-                                              rg_neighbors* at) {
-  at->upper = span->data + (size_t)(rg_q12_of(at, 1) >> 12) * span->stride;
+static RG_INLINE void get_interior_neighbors(const rg_span* span,
+                                             rg_neighbors* at) {
+  at->upper = span->data + (size_t)(rg_get_q12(at, 1) >> 12) * span->stride;
   at->lower = at->upper;
   if (at->right != 0) at->lower += span->stride;
 }
 
 /* Finds the neighbours of a pixel with edge handling: moves the position in at
  * to the nearest one with a source, and rounds it. */
-static RG_NOINLINE void find_edge_neighbors(const image_traversal* image,
-                                            rg_neighbors* at) {
+static RG_NOINLINE void get_edge_neighbors(const image_traversal* image,
+                                           rg_neighbors* at) {
   const component_traversal* const whole = &image->whole;
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const min = whole->traversal.ranges + 4 * c;
@@ -321,10 +321,10 @@ static RG_INLINE void process_image_pixel(const image_traversal* image,
   const rg_component* const component = &image->whole.component;
   const small_traversal* const traversal = &image->whole.traversal;
   if (is_interior) {
-    find_interior_neighbors(&traversal->span, at);
+    get_interior_neighbors(&traversal->span, at);
   } else if (image->target->border == RG_BORDER_CLAMP ||
              has_source(traversal, &at->position)) {
-    find_edge_neighbors(image, at);
+    get_edge_neighbors(image, at);
   } else {
     rg_put_border(image->target, component, at, pixel);
     return;
@@ -416,7 +416,7 @@ typedef struct row_traversal {
 
 /* The distance to the next relevant row or pixel of num_left: all are relevant,
  * or only the first and the last. */
-static RG_INLINE uint32_t step_of(uint32_t num_left, int are_ends) {
+static RG_INLINE uint32_t get_step(uint32_t num_left, int are_ends) {
   return are_ends && num_left > 1 ? num_left - 1 : 1;
 }
 
@@ -437,11 +437,11 @@ static RG_NOINLINE void add_tile(const row_traversal* traversal,
       if (is_interior || has_source(tiles, &row.start))
         rg_add_rows(&traversal->search->source, row.start.q12[1],
                     tiles->source.size[1], traversal->whole.component.log2[1]);
-      const uint32_t step = step_of(num_left, is_interior);
+      const uint32_t step = get_step(num_left, is_interior);
       row.start = rg_row_position(&row, step);
       num_left -= step;
     } while (num_left != 0);
-    r += step_of(tiles->span.num_rows - r, is_interior);
+    r += get_step(tiles->span.num_rows - r, is_interior);
   } while (r != tiles->span.num_rows);
 }
 

@@ -82,7 +82,7 @@ GstCaps* TemplateCaps() {
   return caps;
 }
 
-std::optional<FrameLayout> LayoutOf(const GstCaps* caps) {
+std::optional<FrameLayout> ParseLayout(const GstCaps* caps) {
   const GstStructure* const structure = gst_caps_get_structure(caps, 0);
   const char* const name = gst_structure_get_string(structure, "format");
   int width = 0, height = 0;
@@ -113,8 +113,8 @@ std::optional<FrameLayout> LayoutOf(const GstCaps* caps) {
   return layout;
 }
 
-GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
-                   const std::vector<TableSizes>& tables) {
+GstCaps* ConvertCaps(GstPadDirection direction, const GstCaps* caps,
+                     const std::vector<TableSizes>& tables) {
   GstCaps* const others = gst_caps_new_empty();
   for (guint k = 0; k < gst_caps_get_size(caps); ++k) {
     const GstStructure* const given = gst_caps_get_structure(caps, k);
@@ -134,7 +134,7 @@ GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
   return others;
 }
 
-GstCaps* OfAnySize(const GstCaps* caps) {
+GstCaps* MakeAnySizeCaps(const GstCaps* caps) {
   GstCaps* const others = gst_caps_copy(caps);
   for (guint k = 0; k < gst_caps_get_size(others); ++k) {
     GstStructure* const other = gst_caps_get_structure(others, k);

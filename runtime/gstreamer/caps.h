@@ -25,7 +25,7 @@ struct FrameLayout {
 };
 
 /// Returns nullopt if the runtime does not support the format, or the size.
-std::optional<FrameLayout> LayoutOf(const GstCaps* caps);
+std::optional<FrameLayout> ParseLayout(const GstCaps* caps);
 
 /// The sizes of a remap table's input and output frames.
 struct TableSizes {
@@ -42,11 +42,11 @@ struct TableSizes {
 /// tables' input for GST_PAD_SRC, of their output for GST_PAD_SINK. Keeps the
 /// order of the tables; omits those whose size differs from the given caps. The
 /// caller owns the result.
-GstCaps* OtherSide(GstPadDirection direction, const GstCaps* caps,
-                   const std::vector<TableSizes>& tables);
+GstCaps* ConvertCaps(GstPadDirection direction, const GstCaps* caps,
+                     const std::vector<TableSizes>& tables);
 
 /// Replaces the size in caps by any size. The caller owns the result.
-GstCaps* OfAnySize(const GstCaps* caps);
+GstCaps* MakeAnySizeCaps(const GstCaps* caps);
 
 }  // namespace raygrid
 

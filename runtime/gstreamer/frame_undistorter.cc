@@ -140,8 +140,8 @@ void FrameUndistorter::RequireTableFor(const GstCaps* frames) const {
 }
 
 void FrameUndistorter::SetCaps(const GstCaps* frames, const GstCaps* views) {
-  frames_ = LayoutOf(frames);
-  views_ = LayoutOf(views);
+  frames_ = ParseLayout(frames);
+  views_ = ParseLayout(views);
   if (!frames_ || !views_)
     throw CameraError(CameraExit::kInput,
                       "frame size not supported by this format; subsampled "

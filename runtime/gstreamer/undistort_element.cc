@@ -245,13 +245,13 @@ GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
   try {
     const auto undistorter = CurrentUndistorter(StateOf(transform));
     others = undistorter
-                 ? raygrid::OtherSide(direction, caps, undistorter->tables())
+                 ? raygrid::ConvertCaps(direction, caps, undistorter->tables())
                  : gst_caps_ref(caps);
   } catch (const raygrid::CameraError& error) {
     // Pads can be linked nevertheless; starting, or the next frame, reports the
     // error.
     GST_DEBUG_OBJECT(transform, "%s", error.what());
-    others = raygrid::OfAnySize(caps);
+    others = raygrid::MakeAnySizeCaps(caps);
   }
   if (!filter) return others;
   GstCaps* const filtered =
@@ -326,7 +326,7 @@ void UseSettings(GstBaseTransform* transform) {
 }
 
 gboolean GetUnitSize(GstBaseTransform*, GstCaps* caps, gsize* size) {
-  const auto layout = raygrid::LayoutOf(caps);
+  const auto layout = raygrid::ParseLayout(caps);
   if (!layout) return FALSE;
   *size = layout->num_bytes;
   return TRUE;

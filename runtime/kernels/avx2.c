@@ -84,7 +84,7 @@ typedef struct span_source {
   __m128i height_log2, width_log2;
 } span_source;
 
-INLINE span_source find_source(const rg_span* span) {
+INLINE span_source compute_source(const rg_span* span) {
   const rg_position* const p = span->block.corners;
   span_source s;
   s.data = span->data;
@@ -120,24 +120,24 @@ typedef struct tile {
 } tile;
 
 /* top + round((bottom - top) r, log2) */
-INLINE __m256i find_edge(const span_source* s, int k, __m256i r) {
+INLINE __m256i compute_edge(const span_source* s, int k, __m256i r) {
   const __m256i down =
       _mm256_add_epi32(_mm256_mullo_epi32(s->height[k], r), s->half_height);
   return _mm256_add_epi32(_mm256_sra_epi32(down, s->height_log2), s->top[k]);
 }
 
-INLINE __m256i find_step(const span_source* s, __m256i left, __m256i right) {
+INLINE __m256i compute_step(const span_source* s, __m256i left, __m256i right) {
   return _mm256_sra_epi32(
       _mm256_add_epi32(_mm256_sub_epi32(right, left), s->half_width),
       s->width_log2);
 }
 
 /* The rows r of the block. */
-INLINE tile find_tile(const span_source* s, __m256i r) {
+INLINE tile compute_tile(const span_source* s, __m256i r) {
   tile rows;
-  const __m256i x = find_edge(s, 0, r), y = find_edge(s, 1, r);
-  rows.step_x = find_step(s, x, find_edge(s, 2, r));
-  rows.step_y = find_step(s, y, find_edge(s, 3, r));
+  const __m256i x = compute_edge(s, 0, r), y = compute_edge(s, 1, r);
+  rows.step_x = compute_step(s, x, compute_edge(s, 2, r));
+  rows.step_y = compute_step(s, y, compute_edge(s, 3, r));
   rows.x = _mm256_add_epi32(_mm256_add_epi32(x, _mm256_set1_epi32(16)),
                             _mm256_mullo_epi32(rows.step_x, s->first_pixel));
   rows.y = _mm256_add_epi32(y, _mm256_mullo_epi32(rows.step_y, s->first_pixel));
@@ -151,8 +151,8 @@ INLINE void advance(tile* rows, int32_t pixels) {
 }
 
 /* Byte offsets of positions' pixels from the source's start. */
-INLINE __m256i find_offsets(const span_source* s, __m256i x, __m256i y,
-                            uint32_t channels) {
+INLINE __m256i compute_offsets(const span_source* s, __m256i x, __m256i y,
+                               uint32_t channels) {
   const __m256i column = _mm256_srli_epi32(x, 12);
   const __m256i row =
       _mm256_mullo_epi32(_mm256_srli_epi32(y, 12), s->stride_lanes);
@@ -174,8 +174,8 @@ typedef struct outlook {
  * direction of rows seldom changes that much. Large blocks with many channels
  * would evict these lines from the L1 cache before their use: then to the
  * right. first, last: offsets of a tile's rows. */
-INLINE outlook find_outlook(const span_source* s, uint32_t first, uint32_t last,
-                            uint32_t channels) {
+INLINE outlook compute_outlook(const span_source* s, uint32_t first,
+                               uint32_t last, uint32_t channels) {
   outlook look = {AHEAD, AHEAD};
   if (s->looks_below || channels <= 2) {
     look.source = 2 * ((ptrdiff_t)last - (ptrdiff_t)first);
@@ -203,7 +203,7 @@ INLINE void look_on(const span_source* s, const outlook* look,
 /* ---- Blending ------------------------------------------------------------ */
 
 /* The bytes wx - 128 and -wx. */
-INLINE __m256i find_weights(__m256i x_q12) {
+INLINE __m256i compute_weights(__m256i x_q12) {
   const __m256i wx =
       _mm256_and_si256(_mm256_srli_epi16(x_q12, 5), _mm256_set1_epi16(127));
   return _mm256_add_epi16(
@@ -239,7 +239,7 @@ INLINE void interleave(__m256i first, __m256i second, uint32_t* out) {
 }
 
 /* up: the offset from a window's first pixel to its minimum y. */
-INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
+INLINE __m256i compute_window_starts(const tile* rows, __m256i up) {
   const __m256i y_q15 = _mm256_srli_epi32(
       _mm256_slli_epi32(_mm256_add_epi32(rows->y, up), 20), 1);
   return _mm256_or_si256(_mm256_and_si256(rows->x, _mm256_set1_epi32(4095)),
@@ -247,13 +247,13 @@ INLINE __m256i find_window_starts(const tile* rows, __m256i up) {
 }
 
 /* Computes the windows of a segment and advances to the next one. */
-INLINE void find_windows(const span_source* s, tile* rows, __m256i up, layout l,
-                         window_starts* w) {
+INLINE void compute_windows(const span_source* s, tile* rows, __m256i up,
+                            layout l, window_starts* w) {
   __m256i offsets[2], starts[2];
   for (uint32_t k = 0; k < num_windows(l); ++k) {
     offsets[k] =
-        find_offsets(s, rows->x, _mm256_add_epi32(rows->y, up), l.channels);
-    starts[k] = find_window_starts(rows, up);
+        compute_offsets(s, rows->x, _mm256_add_epi32(rows->y, up), l.channels);
+    starts[k] = compute_window_starts(rows, up);
     advance(rows, (int32_t)window_pixels(l));
   }
   if (l.is_halved) {
@@ -324,7 +324,7 @@ INLINE __m256i blend_windows(const uint8_t* const* windows, size_t stride,
           _mm256_srli_epi16(x_q12, 12),
           as_is(_mm256_set1_epi16((int16_t)(0x0101 * l.channels)))),
       lane_offsets(l));
-  const __m256i weights = find_weights(x_q12);
+  const __m256i weights = compute_weights(x_q12);
   /* negated horizontal interpolations of the three rows */
   const __m256i h0 = _mm256_maddubs_epi16(
       _mm256_shuffle_epi8(load(windows, 0, l), index), weights);
@@ -344,7 +344,7 @@ typedef struct lane_steps {
   __m256i x[TILE_ROWS / 2], y[TILE_ROWS / 2];
 } lane_steps;
 
-INLINE void find_lanes(const tile* rows, layout l, lane_steps* lanes) {
+INLINE void compute_lanes(const tile* rows, layout l, lane_steps* lanes) {
   uint32_t steps[TILE_ROWS];
   _mm256_storeu_si256(
       (__m256i*)(void*)steps,
@@ -363,7 +363,7 @@ INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
                        uint8_t* out, layout l) {
   const uint32_t n = s->num_pixels, per_row = num_windows(l);
   lane_steps lanes;
-  find_lanes(&rows, l, &lanes);
+  compute_lanes(&rows, l, &lanes);
   const __m256i last_y = _mm256_mullo_epi32(
       rows.step_y, _mm256_set1_epi32((int32_t)window_pixels(l) - 1));
   const __m256i up = _mm256_min_epi32(last_y, _mm256_setzero_si256());
@@ -373,10 +373,10 @@ INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
       k = n - l.pixels;
     }
     window_starts w;
-    find_windows(s, &rows, up, l, &w);
+    compute_windows(s, &rows, up, l, &w);
     uint8_t* target = out + k * l.channels;
     const int looks = is_line_begun(target, 8);
-    const outlook look = find_outlook(
+    const outlook look = compute_outlook(
         s, w.offsets[0], w.offsets[(TILE_ROWS - 1) * per_row], l.channels);
     for (uint32_t r = 0; r < num_rows; r += 2) {
       const uint32_t *offset = w.offsets + r * per_row,
@@ -516,13 +516,13 @@ INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
         _mm256_add_epi32(_mm256_set1_epi32(y + k * step_y), lanes_y);
     uint32_t offsets[8];
     _mm256_storeu_si256((__m256i*)(void*)offsets,
-                        find_offsets(s, xs, ys, channels));
+                        compute_offsets(s, xs, ys, channels));
     __asm__("" : "+m"(offsets)); /* keeps the loads from memory */
     uint8_t* const target = out + (uint32_t)k * channels;
     if (is_line_begun(target, 8 * channels))
       look_on(s, look, s->data + offsets[0], target);
     const __m256i wy_q15 = _mm256_srli_epi32(_mm256_slli_epi32(ys, 20), 17);
-    const __m256i wx = find_weights(xs);
+    const __m256i wx = compute_weights(xs);
     const __m256i v = blend_pixels(s, offsets, wx, wy_q15, channels, 0);
     const __m256i w =
         channels <= 2 ? v : blend_pixels(s, offsets, wx, wy_q15, channels, 2);
@@ -534,9 +534,9 @@ INLINE void blend_rows(const span_source* s, const tile* rows,
                        uint32_t num_rows, uint8_t* out, uint32_t channels) {
   uint32_t offsets[TILE_ROWS];
   _mm256_storeu_si256((__m256i*)(void*)offsets,
-                      find_offsets(s, rows->x, rows->y, channels));
+                      compute_offsets(s, rows->x, rows->y, channels));
   const outlook look =
-      find_outlook(s, offsets[0], offsets[TILE_ROWS - 1], channels);
+      compute_outlook(s, offsets[0], offsets[TILE_ROWS - 1], channels);
   int32_t values[4][TILE_ROWS];
   _mm256_storeu_si256((__m256i*)(void*)values[0], rows->x);
   _mm256_storeu_si256((__m256i*)(void*)values[1], rows->y);
@@ -567,7 +567,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* portable) {
     portable(span);
     return;
   }
-  const span_source s = find_source(span);
+  const span_source s = compute_source(span);
   uint8_t* out = span->out + span->out_pixel * channels;
   const uint32_t num_rows = span->num_rows;
   const __m256i last_row =
@@ -576,7 +576,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* portable) {
                                _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
   for (uint32_t t = 0; t < num_rows; t += TILE_ROWS) {
     /* The last row is repeated to fill the tile. */
-    const tile rows = find_tile(&s, _mm256_min_epi32(r, last_row));
+    const tile rows = compute_tile(&s, _mm256_min_epi32(r, last_row));
     const uint32_t in_tile =
         num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
     if (channels <= 2 && fits(&rows, window_pixels(whole)))
@@ -617,7 +617,7 @@ INLINE __m256i blend_field(__m256i upper, __m256i lower, __m256i across,
 
 /* 256 - w in the low halves, w in the high halves: the upper 8 fraction bits of
  * positions. */
-INLINE __m256i weights_of(__m256i q12) {
+INLINE __m256i expand_weights(__m256i q12) {
   const __m256i w =
       _mm256_and_si256(_mm256_srli_epi32(q12, 4), _mm256_set1_epi32(255));
   return _mm256_add_epi32(_mm256_mullo_epi32(w, _mm256_set1_epi32(65535)),
@@ -638,7 +638,7 @@ INLINE void blend_words(const uint8_t* top, uint32_t stride, __m256i x_q12,
                        _mm256_slli_epi32(_mm256_srli_epi32(x_q12, 12), 1));
   const __m256i upper = gather_words(top, offsets);
   const __m256i lower = gather_words(top + stride, offsets);
-  const __m256i across = weights_of(x_q12), down = weights_of(y_q12);
+  const __m256i across = expand_weights(x_q12), down = expand_weights(y_q12);
   const __m256i green = _mm256_set1_epi16(63), blue = _mm256_set1_epi16(31);
   const __m256i r = blend_field(_mm256_srli_epi16(upper, 11),
                                 _mm256_srli_epi16(lower, 11), across, down);

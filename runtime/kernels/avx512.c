@@ -143,8 +143,8 @@ INLINE __m512i spread(__m128i two, int32_t k) {
 
 /* The points at which rows r of the block intersect its left (0) or right (1)
  * edge. */
-INLINE __m512i find_edge(const rg_span* span, __m128i upper, __m128i lower,
-                         int32_t k, __m512i r, layout l) {
+INLINE __m512i compute_edge(const rg_span* span, __m128i upper, __m128i lower,
+                            int32_t k, __m512i r, layout l) {
   const __m512i down =
       _mm512_mullo_epi32(spread(_mm_sub_epi32(lower, upper), k), r);
   return _mm512_add_epi32(spread(upper, k),
@@ -153,7 +153,7 @@ INLINE __m512i find_edge(const rg_span* span, __m128i upper, __m128i lower,
 
 /* The rows of the span, starting at t; the last row is repeated to fill the
  * tile. */
-INLINE tile find_tile(const rg_span* span, uint32_t t, layout l) {
+INLINE tile compute_tile(const rg_span* span, uint32_t t, layout l) {
   __m512i r = (__m512i)(dword_numbers() & 7);
   if (!l.is_tile) {
     r = _mm512_add_epi32(r, _mm512_set1_epi32((int32_t)t));
@@ -162,8 +162,8 @@ INLINE tile find_tile(const rg_span* span, uint32_t t, layout l) {
   }
   const __m128i upper = load_positions(span->block.corners);
   const __m128i lower = load_positions(span->block.corners + 2);
-  const __m512i left = find_edge(span, upper, lower, 0, r, l);
-  const __m512i right = find_edge(span, upper, lower, 1, r, l);
+  const __m512i left = compute_edge(span, upper, lower, 0, r, l);
+  const __m512i right = compute_edge(span, upper, lower, 1, r, l);
   const rg_position origin = {{16, -4096 * span->first_source_row}};
   tile rows;
   rows.step =
@@ -185,7 +185,7 @@ typedef struct source_steps {
   __m256i upper_rows, lower_rows; /* relative to a box's first row */
 } source_steps;
 
-INLINE source_steps find_source_steps(const rg_span* span, layout l) {
+INLINE source_steps compute_source_steps(const rg_span* span, layout l) {
   const rg_position pixel = {{(int32_t)l.channels, (int32_t)span->stride}};
   const __m512i rows = (__m512i)(dword_numbers() & (group_rows(l) - 1));
   source_steps s;
@@ -204,7 +204,7 @@ typedef struct boxes {
 } boxes;
 
 /* The minimum or maximum over the rows of each group, in all of its lanes. */
-INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
+INLINE __m512i compute_min(__m512i a, __m512i b, layout l) {
   __m512i least = _mm512_min_epi32(a, b);
   least = _mm512_min_epi32(least, _mm512_shuffle_epi32(least, 0xb1));
   if (group_rows(l) == 4)
@@ -212,7 +212,7 @@ INLINE __m512i find_least(__m512i a, __m512i b, layout l) {
   return least;
 }
 
-INLINE __m512i find_greatest(__m512i a, __m512i b, layout l) {
+INLINE __m512i compute_max(__m512i a, __m512i b, layout l) {
   __m512i greatest = _mm512_max_epi32(a, b);
   greatest = _mm512_max_epi32(greatest, _mm512_shuffle_epi32(greatest, 0xb1));
   if (group_rows(l) == 4)
@@ -226,15 +226,15 @@ INLINE __m256i high_half(__m512i v) { return _mm512_extracti64x4_epi64(v, 1); }
 /* The boxes for rows from start to end. Rows below the last required one are
  * replaced by it. first: start relative to the box. Returns whether boxes are
  * large enough. */
-INLINE int find_boxes(const source_steps* s, __m512i start, __m512i end,
-                      layout l, __m512i* first, boxes* b) {
+INLINE int compute_boxes(const source_steps* s, __m512i start, __m512i end,
+                         layout l, __m512i* first, boxes* b) {
   const uint32_t columns = 64 / group_rows(l) / l.channels;
   const dwords_16 too_large =
       4096 * (columns - 1) +
       (dword_numbers() >> 3) * (4096 * (2 * group_rows(l) - columns));
-  const __m512i pixel = _mm512_srli_epi32(find_least(start, end, l), 12);
+  const __m512i pixel = _mm512_srli_epi32(compute_min(start, end, l), 12);
   const __m512i origin = _mm512_slli_epi32(pixel, 12);
-  const __m512i size = _mm512_sub_epi32(find_greatest(start, end, l), origin);
+  const __m512i size = _mm512_sub_epi32(compute_max(start, end, l), origin);
   if (_mm512_cmpge_epu32_mask(size, (__m512i)too_large) != 0) return 0;
   *first = _mm512_sub_epi32(start, origin);
   const __m512i offset = _mm512_mullo_epi32(pixel, s->pixel);
@@ -285,8 +285,8 @@ typedef struct lane_steps {
   __m512i x, y;
 } lane_steps;
 
-INLINE lane_steps find_lane_steps(__m512i step, __m512i pixels, uint32_t set,
-                                  layout l) {
+INLINE lane_steps compute_lane_steps(__m512i step, __m512i pixels, uint32_t set,
+                                     layout l) {
   const lane_steps steps = {
       _mm512_mullo_epi16(_mm512_permutexvar_epi16(x_words(set, l), step),
                          pixels),
@@ -301,19 +301,19 @@ typedef struct set {
   __m512i offset, weights, wy_q15;
 } set;
 
-INLINE __m512i find_lanes(const __m512i* firsts, __m512i words, layout l) {
+INLINE __m512i compute_lanes(const __m512i* firsts, __m512i words, layout l) {
   return num_halves(l) == 1
              ? _mm512_permutexvar_epi16(words, firsts[0])
              : _mm512_permutex2var_epi16(firsts[0], words, firsts[1]);
 }
 
 /* firsts: the first pixels of the halves, relative to their boxes. */
-INLINE set find_set(const __m512i* firsts, uint32_t number,
-                    const lane_steps* steps, layout l, const fills* f) {
+INLINE set compute_set(const __m512i* firsts, uint32_t number,
+                       const lane_steps* steps, layout l, const fills* f) {
   const __m512i x_q12 =
-      _mm512_add_epi16(find_lanes(firsts, x_words(number, l), l), steps->x);
+      _mm512_add_epi16(compute_lanes(firsts, x_words(number, l), l), steps->x);
   const __m512i y_q12 =
-      _mm512_add_epi16(find_lanes(firsts, y_words(number, l), l), steps->y);
+      _mm512_add_epi16(compute_lanes(firsts, y_words(number, l), l), steps->y);
   set s;
   /* 16 row + column */
   s.offset = _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x_q12, 4);
@@ -473,7 +473,7 @@ INLINE __m512i times(__m512i step, uint32_t pixels) {
   return _mm512_mullo_epi32(step, _mm512_set1_epi32((int32_t)pixels));
 }
 
-INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
+INLINE tile_row compute_tile_row(__m512i step, uint32_t num_pixels, layout l) {
   const words_32 n = lane_numbers();
   const uint32_t last = num_pixels - 1;
   __m512i pixels = (__m512i)(num_halves(l) == 1 ? n & 7 : n & 3);
@@ -484,9 +484,9 @@ INLINE tile_row find_tile_row(__m512i step, uint32_t num_pixels, layout l) {
       pixels =
           _mm512_sub_epi16(pixels, _mm512_min_epu16((__m512i)(n & 4), lasts));
   }
-  const tile_row row = {find_lane_steps(step, pixels, 0, l),
-                        find_lane_steps(step, pixels, 1, l), times(step, last),
-                        times(step, last < 3 ? last : 3),
+  const tile_row row = {compute_lane_steps(step, pixels, 0, l),
+                        compute_lane_steps(step, pixels, 1, l),
+                        times(step, last), times(step, last < 3 ? last : 3),
                         times(step, last < 4 ? last : 4)};
   return row;
 }
@@ -499,18 +499,18 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
   boxes b[2];
   __m512i firsts[2];
   if (num_halves(l) == 1) {
-    if (!find_boxes(s, start, end, l, &firsts[0], &b[0])) return 0;
+    if (!compute_boxes(s, start, end, l, &firsts[0], &b[0])) return 0;
   } else {
-    if (!find_boxes(s, start, _mm512_add_epi32(start, row->to_half), l,
-                    &firsts[0], &b[0]) ||
-        !find_boxes(s, _mm512_add_epi32(start, row->to_next_half), end, l,
-                    &firsts[1], &b[1]))
+    if (!compute_boxes(s, start, _mm512_add_epi32(start, row->to_half), l,
+                       &firsts[0], &b[0]) ||
+        !compute_boxes(s, _mm512_add_epi32(start, row->to_next_half), end, l,
+                       &firsts[1], &b[1]))
       return 0;
   }
   if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
     look_on(data, &b[0], to);
-  const set upper = find_set(firsts, 0, &row->upper, l, f);
-  const set lower = find_set(firsts, 1, &row->lower, l, f);
+  const set upper = compute_set(firsts, 0, &row->upper, l, f);
+  const set lower = compute_set(firsts, 1, &row->lower, l, f);
 #define GROUP(g, half)                                                    \
   blend_group(data, &b[half], (g)*group_rows(l) < 4 ? &upper : &lower, g, \
               half, l, f)
@@ -534,7 +534,7 @@ INLINE uint32_t blend_tiles(const uint8_t* data, const source_steps* s,
                             tile rows, tile_output to, uint32_t n, layout l,
                             const fills* f) {
   const uint32_t num_pixels = n < TILE_PIXELS ? n : TILE_PIXELS;
-  const tile_row row = find_tile_row(rows.step, num_pixels, l);
+  const tile_row row = compute_tile_row(rows.step, num_pixels, l);
   const __m512i to_next = times(rows.step, TILE_PIXELS);
   uint8_t* const out = to.out;
   uint32_t k = 0;
@@ -578,7 +578,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* other) {
   }
   const fills* f = &kFills;
   __asm__("" : "+r"(f)); /* forces loads from there */
-  const source_steps s = find_source_steps(span, l);
+  const source_steps s = compute_source_steps(span, l);
   tile_output to = {span->out + span->out_pixel * channels,
                     span->out_stride,
                     0,
@@ -589,7 +589,7 @@ INLINE void blend(const rg_span* span, uint32_t channels, rg_blend* other) {
     to.num_rows = num_rows - t < TILE_ROWS ? num_rows - t : TILE_ROWS;
     to.is_whole = to.num_rows == TILE_ROWS && n >= TILE_PIXELS;
     const uint32_t done =
-        blend_tiles(span->data, &s, find_tile(span, t, l), to, n, l, f);
+        blend_tiles(span->data, &s, compute_tile(span, t, l), to, n, l, f);
     if (done != n) blend_elsewhere(span, t, to.num_rows, done, other);
     to.out += TILE_ROWS * to.stride;
   }
@@ -603,7 +603,7 @@ INLINE void blend_tile_row(const rg_span* first, const rg_position* corners,
   rg_span span = *first; /* a copy that stores to the output cannot alias */
   const fills* f = &kFills;
   __asm__("" : "+r"(f));
-  const source_steps s = find_source_steps(&span, l);
+  const source_steps s = compute_source_steps(&span, l);
   tile_output to = {span.out + span.out_pixel * channels,
                     span.out_stride,
                     TILE_ROWS,
@@ -612,8 +612,8 @@ INLINE void blend_tile_row(const rg_span* first, const rg_position* corners,
                     0};
   for (; num_tiles != 0; --num_tiles, corners += 4) {
     memcpy(span.block.corners, corners, sizeof(span.block.corners));
-    const tile rows = find_tile(&span, 0, l);
-    const tile_row row = find_tile_row(rows.step, TILE_PIXELS, l);
+    const tile rows = compute_tile(&span, 0, l);
+    const tile_row row = compute_tile_row(rows.step, TILE_PIXELS, l);
     if (span.stride > MAX_STRIDE ||
         !blend_tile(span.data, &s, rows.start, &row, &to, l, f))
       other(&span);

@@ -13,8 +13,8 @@ void rg_interleave_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
                          uint32_t num_channels) {
   do {
     *out++ = (uint8_t)rg_interpolate_bytes(at->upper + index, at->lower + index,
-                                           at->right, rg_q12_of(at, 0),
-                                           rg_q12_of(at, 1));
+                                           at->right, rg_get_q12(at, 0),
+                                           rg_get_q12(at, 1));
     ++index;
   } while (--num_channels != 0);
 }

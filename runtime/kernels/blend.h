@@ -93,14 +93,14 @@ typedef struct rg_neighbors {
 } rg_neighbors;
 
 /* Coordinate c of the position, which must not be negative. */
-static inline uint32_t rg_q12_of(const rg_neighbors* at, int c) {
+static inline uint32_t rg_get_q12(const rg_neighbors* at, int c) {
   return (uint32_t)at->position.q12[c];
 }
 
 /* Interpolates two samples of a row, of up to 16 bits, with 8-bit weights. */
 static inline uint32_t rg_blend_pair(const rg_neighbors* at, uint32_t left,
                                      uint32_t right) {
-  const uint32_t wx_q8 = (rg_q12_of(at, 0) >> 4) & 255;
+  const uint32_t wx_q8 = (rg_get_q12(at, 0) >> 4) & 255;
   return left * (256 - wx_q8) + right * wx_q8;
 }
 
@@ -116,7 +116,7 @@ static RG_INLINE uint32_t rg_blend_wide(uint32_t kind, const rg_neighbors* at,
   RG_FORGET(at);
   right = rg_load_sample(kind, at->lower, index + at->right);
   const uint32_t lower_q8 = rg_blend_pair(at, left, right);
-  const uint32_t wy_q8 = (rg_q12_of(at, 1) >> 4) & 255;
+  const uint32_t wy_q8 = (rg_get_q12(at, 1) >> 4) & 255;
   return (upper_q8 * (256 - wy_q8) + lower_q8 * wy_q8 + 0x8000) >> 16;
 }
 
@@ -126,8 +126,8 @@ static RG_INLINE uint32_t rg_blend_samples(uint32_t kind,
                                            uint32_t index) {
   return kind == RG_SAMPLE_8
              ? rg_interpolate_bytes(at->upper + index, at->lower + index,
-                                    at->right, rg_q12_of(at, 0),
-                                    rg_q12_of(at, 1))
+                                    at->right, rg_get_q12(at, 0),
+                                    rg_get_q12(at, 1))
              : rg_blend_wide(kind, at, index);
 }
 
@@ -144,7 +144,7 @@ void rg_interleave_bytes(const rg_neighbors* at, uint32_t index, uint8_t* out,
 static RG_INLINE void rg_blend_pixel(const rg_component* component,
                                      const rg_neighbors* at,
                                      uint32_t out_pixel) {
-  const uint32_t index = rg_first_sample(component, rg_q12_of(at, 0) >> 12);
+  const uint32_t index = rg_first_sample(component, rg_get_q12(at, 0) >> 12);
   if (component->kind == RG_SAMPLE_8) {
     rg_interleave_bytes(at, index,
                         at->out + rg_first_sample(component, out_pixel),

@@ -30,8 +30,8 @@ static RG_INLINE int32_t rg_round_shift(uint32_t value, uint32_t shift) {
 }
 
 /* from + round((to - from) r / 2^shift), modulo 2^32. */
-static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
-                                          uint32_t shift) {
+static RG_INLINE int32_t rg_lerp(int32_t from, int32_t to, uint32_t r,
+                                 uint32_t shift) {
   return rg_add(from,
                 rg_round_shift(((uint32_t)to - (uint32_t)from) * r, shift));
 }
@@ -41,10 +41,10 @@ static RG_INLINE int32_t rg_point_between(int32_t from, int32_t to, uint32_t r,
 static RG_INLINE void rg_compute_row_axis(const rg_block* block, uint32_t r,
                                           int c, rg_block_row* row) {
   const rg_position* const corners = block->corners;
-  const int32_t left = rg_point_between(corners[0].q12[c], corners[2].q12[c], r,
-                                        block->height_log2);
-  const int32_t right = rg_point_between(corners[1].q12[c], corners[3].q12[c],
-                                         r, block->height_log2);
+  const int32_t left =
+      rg_lerp(corners[0].q12[c], corners[2].q12[c], r, block->height_log2);
+  const int32_t right =
+      rg_lerp(corners[1].q12[c], corners[3].q12[c], r, block->height_log2);
   row->start.q12[c] = left;
   row->step.q12[c] =
       rg_round_shift((uint32_t)right - (uint32_t)left, block->width_log2);

@@ -31,9 +31,9 @@ enum {
 };
 
 /* Computes one coordinate of the rows with these numbers in the block. */
-INLINE void find_rows(const rg_span* span, int c, int32x4_t row, int32_t origin,
-                      int32_t width_shift, int32_t height_shift,
-                      int32_t* values) {
+INLINE void compute_rows(const rg_span* span, int c, int32x4_t row,
+                         int32_t origin, int32_t width_shift,
+                         int32_t height_shift, int32_t* values) {
   const rg_position* const p = span->block.corners;
   int32x4_t down = vmulq_n_s32(row, p[2].q12[c] - p[0].q12[c]);
   const int32x4_t left =
@@ -50,13 +50,14 @@ INLINE void find_rows(const rg_span* span, int c, int32x4_t row, int32_t origin,
   vstrwq_s32(values + BACK, back);
 }
 
-static void find_row_group(const rg_span* span, uint32_t r, int32_t* values) {
+static void compute_row_group(const rg_span* span, uint32_t r,
+                              int32_t* values) {
   const int32x4_t row = vreinterpretq_s32_u32(vidupq_n_u32(r, 1));
   const int32_t width_shift = -(int32_t)span->block.width_log2;
   const int32_t height_shift = -(int32_t)span->block.height_log2;
-  find_rows(span, 0, row, -16, width_shift, height_shift, values);
-  find_rows(span, 1, row, span->first_source_row << 12, width_shift,
-            height_shift, values + Y);
+  compute_rows(span, 0, row, -16, width_shift, height_shift, values);
+  compute_rows(span, 1, row, span->first_source_row << 12, width_shift,
+               height_shift, values + Y);
 }
 
 /* Interpolates one row of samples horizontally, times 128. */
@@ -152,7 +153,7 @@ INLINE void blend(const rg_span* span, uint32_t channels,
     int32_t values[GROUP_SIZE];
     const int32_t* row = values;
     uint32_t num_rows = rest < ROWS ? rest : ROWS;
-    find_row_group(span, r, values);
+    compute_row_group(span, r, values);
     r += num_rows;
     rest -= num_rows;
     do {

@@ -82,9 +82,9 @@ typedef struct row_segments {
 
 /* Computes segments k to k + 3, which begin and end at these pixels of the
  * block. */
-INLINE void find_segments(const row_line* row, int32x4_t pixels, int32x4_t ends,
-                          uint32x4_t stride, layout l, uint32_t k,
-                          row_segments* segments) {
+INLINE void compute_segments(const row_line* row, int32x4_t pixels,
+                             int32x4_t ends, uint32x4_t stride, layout l,
+                             uint32_t k, row_segments* segments) {
   const int32x4_t start_y = vdupq_lane_s32(row->start, 1);
   const int32x4_t x =
       vmlaq_lane_s32(vdupq_lane_s32(row->start, 0), pixels, row->step, 0);
@@ -300,7 +300,7 @@ INLINE void blend_span(const rg_span* span, layout l) {
       const int32x4_t begins = vminq_s32(pixels, last_pixels);
       const int32x4_t ends =
           vaddq_s32(begins, vdupq_n_s32((int32_t)l.pixels - 1));
-      find_segments(&row, begins, ends, stride, l, k, &segments);
+      compute_segments(&row, begins, ends, stride, l, k, &segments);
       pixels = vaddq_s32(pixels, vdupq_n_s32(4 * (int32_t)l.pixels));
     }
     const uint16x4_t steps = vreinterpret_u16_s32(row.step);

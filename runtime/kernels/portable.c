@@ -51,13 +51,13 @@ static RG_INLINE void process_word(const rg_neighbors* at, int is_copy,
                                    uint8_t* out) {
   const uint64_t rounding =
       0x8000u | UINT64_C(0x8000) << 22 | UINT64_C(0x8000) << 43;
-  const uint32_t first = 2 * (rg_q12_of(at, 0) >> 12);
+  const uint32_t first = 2 * (rg_get_q12(at, 0) >> 12);
   if (is_copy) {
     rg_store_u16(out, rg_load_u16(at->upper + first));
     return;
   }
-  const uint32_t wx_q8 = rg_q12_of(at, 0) >> 4 & 255;
-  const uint32_t wy_q8 = rg_q12_of(at, 1) >> 4 & 255;
+  const uint32_t wx_q8 = rg_get_q12(at, 0) >> 4 & 255;
+  const uint32_t wy_q8 = rg_get_q12(at, 1) >> 4 & 255;
   const uint64_t sums_q16 =
       blend_words_across(at->upper + first, wx_q8) * (256 - wy_q8) +
       blend_words_across(at->lower + first, wx_q8) * wy_q8 + rounding;
@@ -76,7 +76,7 @@ static RG_INLINE void process_pixel(const rg_component* component,
     process_word(at, is_copy, row + 2 * (size_t)out_pixel);
     return;
   }
-  uint32_t index = rg_first_sample(component, rg_q12_of(at, 0) >> 12);
+  uint32_t index = rg_first_sample(component, rg_get_q12(at, 0) >> 12);
   uint32_t target = rg_first_sample(component, out_pixel);
   for (uint32_t c = 0; c < num_channels; ++c, ++index, ++target)
     rg_store_sample(kind, row, target,
@@ -121,7 +121,7 @@ static RG_INLINE void process_rows(const rg_span* span,
     rg_round_row(kind, is_copy, &row);
     at.position = rg_row_position(&row, 0);
     for (uint32_t k = 0; k < own.num_pixels; ++k) {
-      at.upper = own.data + (size_t)(rg_q12_of(&at, 1) >> 12) * own.stride;
+      at.upper = own.data + (size_t)(rg_get_q12(&at, 1) >> 12) * own.stride;
       at.lower = at.upper + below;
       process_pixel(component, kind, num_channels, &at, is_copy, out,
                     own.out_pixel + k);
@@ -149,7 +149,7 @@ static void process_rows_compactly(const rg_span* span,
     uint32_t pixel = 0;
     do {
       at.position = rg_row_position(&row, pixel);
-      at.upper = span->data + (size_t)(rg_q12_of(&at, 1) >> 12) * span->stride;
+      at.upper = span->data + (size_t)(rg_get_q12(&at, 1) >> 12) * span->stride;
       at.lower = at.upper;
       if (at.right != 0) at.lower += span->stride;
       rg_blend_pixel(component, &at, span->out_pixel + pixel);

@@ -51,8 +51,8 @@ typedef struct tile_rows {
   int32_t first_start, first_step;
 } tile_rows;
 
-static RG_INLINE void find_tile_rows(const tile_edges* edges, int c,
-                                     tile_rows* rows) {
+static RG_INLINE void compute_tile_rows(const tile_edges* edges, int c,
+                                        tile_rows* rows) {
   const uint32_t log2 = edges->height_log2, width_log2 = edges->width_log2;
   const int32_t left = edges->sums[c], left_height = edges->heights[c];
   const int32_t right = edges->sums[2 + c];
@@ -88,8 +88,8 @@ static RG_INLINE void go_right(tile_rows* rows) {
 /* Whether a span consists of tiles whose source positions fit into 16 bits, and
  * with 1 or 2 channels their byte offsets as well. reach: the maximum distance,
  * in q12, of the tile's sources before that of its first pixel. */
-static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
-                                int32_t reach[2]) {
+static RG_INLINE int compute_reach(const rg_span* span, uint32_t channels,
+                                   int32_t reach[2]) {
   const rg_position* const corners = span->block.corners;
   uint32_t pixels[2];
   if (span->first_pixel != 0 || span->stride > UINT16_MAX ||
@@ -116,7 +116,7 @@ static RG_INLINE int find_reach(const rg_span* span, uint32_t channels,
 }
 
 /* The pixel, or row, that a tile's source positions are relative to. */
-static inline uint32_t find_origin(const tile_rows* rows, int32_t reach) {
+static inline uint32_t compute_origin(const tile_rows* rows, int32_t reach) {
   const int32_t first = rows->first_start - reach;
   return first < 0 ? 0 : (uint32_t)first >> 12;
 }
@@ -129,9 +129,10 @@ typedef struct tile {
   uint32_t far_offsets[TILE_PIXELS];
 } tile;
 
-static RG_INLINE void find_tile(const tile_rows* x, const tile_rows* y,
-                                uint32_t column, uint32_t row, uint32_t stride,
-                                uint32_t channels, tile* t) {
+static RG_INLINE void compute_tile(const tile_rows* x, const tile_rows* y,
+                                   uint32_t column, uint32_t row,
+                                   uint32_t stride, uint32_t channels,
+                                   tile* t) {
   uint16_t x_q12[TILE], y_q12[TILE];
   for (uint32_t r = 0; r < TILE; ++r) {
     x_q12[r] = (uint16_t)(x->start[r] - (column << 12));
@@ -194,7 +195,7 @@ static RG_INLINE uint16_t blend_lane(uint32_t upper_left, uint32_t upper_right,
 }
 
 /* Byte k of the bytes loaded for pixel i. */
-static RG_INLINE uint32_t byte_of(tile_planes words, uint32_t k, uint32_t i) {
+static RG_INLINE uint32_t get_byte(tile_planes words, uint32_t k, uint32_t i) {
   return (k & 1) != 0 ? words[k >> 1][i] >> 8 : words[k >> 1][i] & 255;
 }
 
@@ -202,8 +203,8 @@ static RG_INLINE void blend_channel(const tile* t, tile_planes upper,
                                     tile_planes lower, uint32_t channels,
                                     uint32_t c, uint16_t* out) {
   for (uint32_t i = 0; i < TILE_PIXELS; ++i)
-    out[i] = blend_lane(byte_of(upper, c, i), byte_of(upper, c + channels, i),
-                        byte_of(lower, c, i), byte_of(lower, c + channels, i),
+    out[i] = blend_lane(get_byte(upper, c, i), get_byte(upper, c + channels, i),
+                        get_byte(lower, c, i), get_byte(lower, c + channels, i),
                         t->x_q12[i], t->y_q12[i]);
 }
 
@@ -262,7 +263,7 @@ static RG_INLINE void copy_tile(const tile* t, const uint8_t* data,
 static RG_INLINE int process_tiles(const rg_span* span, uint32_t channels,
                                    int is_copy) {
   int32_t reach[2];
-  if (!find_reach(span, channels, reach)) return 0;
+  if (!compute_reach(span, channels, reach)) return 0;
   const uint8_t* const data = span->data;
   const uint32_t stride = span->stride, num_pixels = span->num_pixels;
   const size_t out_stride = span->out_stride;
@@ -271,15 +272,15 @@ static RG_INLINE int process_tiles(const rg_span* span, uint32_t channels,
   start_tile_edges(span, is_copy ? 2048 : 16, is_copy ? 2048 : 0, &edges);
   for (uint32_t rows = span->num_rows; rows != 0; rows -= TILE) {
     tile_rows x, y;
-    find_tile_rows(&edges, 0, &x);
-    find_tile_rows(&edges, 1, &y);
+    compute_tile_rows(&edges, 0, &x);
+    compute_tile_rows(&edges, 1, &y);
     for (uint32_t k = 0; k < num_pixels; k += TILE) {
-      const uint32_t column = find_origin(&x, reach[0]);
-      const uint32_t row = find_origin(&y, reach[1]);
+      const uint32_t column = compute_origin(&x, reach[0]);
+      const uint32_t row = compute_origin(&y, reach[1]);
       const uint8_t* const from =
           data + (size_t)row * stride + (size_t)column * channels;
       tile t;
-      find_tile(&x, &y, column, row, stride, channels, &t);
+      compute_tile(&x, &y, column, row, stride, channels, &t);
       if (is_copy)
         copy_tile(&t, from, channels, out + k * channels, out_stride);
       else

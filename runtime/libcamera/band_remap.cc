@@ -80,7 +80,7 @@ void BandRemap::Serve(unsigned thread) {
 
 // A thread's own bands are adjacent, and the same in every frame: their rows
 // are in its processor's cache.
-uint32_t BandRemap::TakeBand(unsigned thread) {
+uint32_t BandRemap::ClaimBand(unsigned thread) {
   uint32_t band = thread * job_.num_bands / num_threads();
   while ((free_bands_ >> band & 1) == 0)
     band = band + 1 == job_.num_bands ? 0 : band + 1;
@@ -91,7 +91,7 @@ uint32_t BandRemap::TakeBand(unsigned thread) {
 void BandRemap::WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock) {
   while (free_bands_ != 0) {
     const Job job = job_;
-    const uint32_t band = TakeBand(thread);
+    const uint32_t band = ClaimBand(thread);
     lock->unlock();
     const rg_status status = RemapBand(job, band * job.band_rows);
     lock->lock();

@@ -50,7 +50,7 @@ class BandRemap {
   void Serve(unsigned thread);
   // Processes bands until none is free; the lock is held before and after.
   void WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock);
-  uint32_t TakeBand(unsigned thread);
+  uint32_t ClaimBand(unsigned thread);
   rg_status RemapBand(const Job& job, uint32_t first_row) const;
 
   std::vector<std::thread> threads_;

@@ -23,7 +23,7 @@ class BoundedQueue {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       if (is_closed_) return item;
-      if (size_ == items_.size()) dropped = TakeOldest();
+      if (size_ == items_.size()) dropped = PopOldest();
       items_[(first_ + size_++) % items_.size()] = item;
     }
     changed_.notify_one();
@@ -37,7 +37,7 @@ class BoundedQueue {
     changed_.wait_for(lock, timeout,
                       [this] { return size_ > 0 || is_closed_; });
     if (size_ == 0) return std::nullopt;
-    return TakeOldest();
+    return PopOldest();
   }
 
   void Close() {
@@ -55,7 +55,7 @@ class BoundedQueue {
   }
 
  private:
-  T TakeOldest() {
+  T PopOldest() {
     const T item = items_[first_];
     first_ = (first_ + 1) % items_.size();
     --size_;

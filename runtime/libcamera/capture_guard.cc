@@ -105,7 +105,7 @@ CaptureGuard::CaptureGuard(const std::optional<rg_capture_section>& recorded,
       is_strict_(is_strict),
       say_(std::move(say)) {}
 
-std::string CaptureGuard::FaultOfLens(float lens_position) const {
+std::string CaptureGuard::DescribeLensFault(float lens_position) const {
   const double value_q16 = std::round(double{lens_position} * kQ16);
   if (std::abs(value_q16 - recorded_->lens_position_q16) <=
       recorded_->lens_tolerance_q16)
@@ -119,7 +119,7 @@ std::string CaptureGuard::FaultOfLens(float lens_position) const {
       recorded);
 }
 
-std::string CaptureGuard::FaultOfCrop(const SensorCrop& crop) const {
+std::string CaptureGuard::DescribeCropFault(const SensorCrop& crop) const {
   const SensorCrop recorded = *RecordedCrop(recorded_);
   const std::string zoom =
       crop.width == 0
@@ -131,7 +131,7 @@ std::string CaptureGuard::FaultOfCrop(const SensorCrop& crop) const {
          "a table for this mode with raygrid pack --mode";
 }
 
-std::string CaptureGuard::FaultOfZoom(double zoom) const {
+std::string CaptureGuard::DescribeZoomFault(double zoom) const {
   const double recorded = recorded_->zoom_q16 / kQ16;
   if (std::abs(zoom / recorded - 1) <= kZoomTolerance) return "";
   return Print(
@@ -140,8 +140,8 @@ std::string CaptureGuard::FaultOfZoom(double zoom) const {
       zoom, recorded);
 }
 
-std::string CaptureGuard::FaultOfOrientation(int orientation,
-                                             const rg_mode* in_use) const {
+std::string CaptureGuard::DescribeOrientationFault(
+    int orientation, const rg_mode* in_use) const {
   const int expected =
       Mirrored(recorded_->orientation, in_use && in_use->flip_x != 0,
                in_use && in_use->flip_y != 0);
@@ -160,14 +160,15 @@ CaptureGuard::Faults CaptureGuard::Compare(const FrameInfo& info,
   Faults faults;
   if (IsKnown(RG_CAPTURE_HAS_LENS_POSITION) && is_recorded_[kLens] &&
       info.lens_position)
-    faults.of[kLens] = FaultOfLens(*info.lens_position);
+    faults.of[kLens] = DescribeLensFault(*info.lens_position);
   if (IsKnown(RG_CAPTURE_HAS_CROP) && info.crop) {
-    if (!shows_mode) faults.of[kCrop] = FaultOfCrop(*info.crop);
+    if (!shows_mode) faults.of[kCrop] = DescribeCropFault(*info.crop);
   } else if (IsKnown(RG_CAPTURE_HAS_ZOOM) && info.zoom) {
-    faults.of[kZoom] = FaultOfZoom(*info.zoom);
+    faults.of[kZoom] = DescribeZoomFault(*info.zoom);
   }
   if (IsKnown(RG_CAPTURE_HAS_ORIENTATION) && info.orientation)
-    faults.of[kOrientation] = FaultOfOrientation(*info.orientation, in_use);
+    faults.of[kOrientation] =
+        DescribeOrientationFault(*info.orientation, in_use);
   return faults;
 }
 

@@ -84,10 +84,11 @@ class CaptureGuard {
 
   Faults Compare(const FrameInfo& info, const rg_mode* in_use,
                  bool shows_mode) const;
-  std::string FaultOfLens(float lens_position) const;
-  std::string FaultOfCrop(const SensorCrop& crop) const;
-  std::string FaultOfZoom(double zoom) const;
-  std::string FaultOfOrientation(int orientation, const rg_mode* in_use) const;
+  std::string DescribeLensFault(float lens_position) const;
+  std::string DescribeCropFault(const SensorCrop& crop) const;
+  std::string DescribeZoomFault(double zoom) const;
+  std::string DescribeOrientationFault(int orientation,
+                                       const rg_mode* in_use) const;
   bool IsKnown(uint8_t bit) const { return (recorded_->known & bit) != 0; }
   void RecordMetadata(const FrameInfo& info);
   void LogMissingMetadata();

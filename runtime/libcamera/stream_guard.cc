@@ -118,7 +118,7 @@ bool StreamGuard::HasSerial() const {
          RG_MATCH_EXACT;
 }
 
-bool StreamGuard::HasSizeOfTable() const {
+bool StreamGuard::MatchesTableSize() const {
   uint16_t width, height;
   rg_frame_size(&camera_, &width, &height);
   return format_.width == width && format_.height == height;
@@ -147,7 +147,7 @@ std::string StreamGuard::Explain() const {
 
 // Whether the table in use accepts the last frame's sensor mode or, if only
 // points are needed, its positions can be converted.
-bool StreamGuard::IsServed() const {
+bool StreamGuard::IsSupported() const {
   const bool is_known = calibrated_ && last_;
   if ((is_known && !mode_) || !HasSerial()) return false;
   uint32_t table;
@@ -155,7 +155,7 @@ bool StreamGuard::IsServed() const {
       rg_match(&camera_, mode_ ? &*mode_ : nullptr, format_.width,
                format_.height, serial(), &table);
   if (use_ == Use::kPositions) return match != RG_MATCH_NONE;
-  if (!HasSizeOfTable()) return false;
+  if (!MatchesTableSize()) return false;
   if (!is_known) return !last_ || last_ == first_;
   rg_mode in_use;
   uint32_t first_of_mode;
@@ -167,9 +167,9 @@ bool StreamGuard::IsServed() const {
 
 // Whether the table accepts the last frame's size, although its sensor crop
 // differs from the one that the blob records: the CaptureGuard then decides.
-bool StreamGuard::IsBorne() const {
+bool StreamGuard::IsTolerated() const {
   return capture_ && capture_->crop() && !is_recorded_ && last_ &&
-         use_ == Use::kFrames && HasSerial() && HasSizeOfTable();
+         use_ == Use::kFrames && HasSerial() && MatchesTableSize();
 }
 
 bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
@@ -189,8 +189,8 @@ bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
                            format_.height,
                            capture_ ? capture_->GetFlips(info) : Flips());
-  is_served_ = IsServed();
-  if (!is_served_ && !IsBorne())
+  is_served_ = IsSupported();
+  if (!is_served_ && !IsTolerated())
     throw CameraError(CameraExit::kBlob, "blob: " + Explain());
   is_known_ = true;
   return is_served_;

@@ -64,9 +64,9 @@ class StreamGuard {
  private:
   const char* serial() const;  // NULL: unknown
   bool HasSerial() const;
-  bool HasSizeOfTable() const;
-  bool IsServed() const;
-  bool IsBorne() const;
+  bool MatchesTableSize() const;
+  bool IsSupported() const;
+  bool IsTolerated() const;
   bool IsShownAsInUse(const FrameInfo& info);
   std::string Explain() const;
 

@@ -107,7 +107,7 @@ void Undistorter::Run() {
 
 // Drops the oldest waiting frame to get a buffer, or waits for one; NULL if
 // stopped meanwhile.
-UndistortedFrame* Undistorter::TakeBuffer() {
+UndistortedFrame* Undistorter::AcquireBuffer() {
   while (!is_stopped_) {
     if (const auto frame = free_.Pop(std::chrono::milliseconds(0)))
       return *frame;
@@ -125,7 +125,7 @@ UndistortedFrame* Undistorter::TakeBuffer() {
 
 void Undistorter::Undistort(const CapturedFrame& captured) {
   if (!guard_->Check(captured.info, captured.arrived)) return;
-  UndistortedFrame* const frame = TakeBuffer();
+  UndistortedFrame* const frame = AcquireBuffer();
   if (!frame) return;
   stack_.Follow(captured.info);
   const Clock::time_point start = Clock::now();

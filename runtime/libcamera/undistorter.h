@@ -82,7 +82,7 @@ class Undistorter {
   void Run();
   void HideInvalidBlocks();
   void Undistort(const CapturedFrame& captured);
-  UndistortedFrame* TakeBuffer();
+  UndistortedFrame* AcquireBuffer();
 
   rg_camera camera_;
   OperatingPointFollower stack_{&camera_};

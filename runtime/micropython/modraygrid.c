@@ -268,14 +268,14 @@ typedef struct plane_size {
 #define PLANES(name, ...) [RG_FORMAT_##name] = {__VA_ARGS__},
 static const plane_size kPlanes[RG_NUM_FORMATS][3] = {FORMATS(PLANES)};
 
-static size_t stride_of(rg_format format, int plane, uint32_t width) {
+static size_t get_stride(rg_format format, int plane, uint32_t width) {
   return (size_t)width * kPlanes[format][plane].bytes_per_8 / 8;
 }
 
 static size_t plane_bytes(rg_format format, int plane, uint32_t width,
                           uint32_t height) {
   const uint32_t rows = kPlanes[format][plane].rows_per_row;
-  return rows == 0 ? 0 : stride_of(format, plane, width) * (height / rows);
+  return rows == 0 ? 0 : get_stride(format, plane, width) * (height / rows);
 }
 
 static uint8_t* get_frame(mp_obj_t object, mp_uint_t flags, rg_format format,
@@ -339,9 +339,9 @@ static mp_obj_t undistort(size_t num_positional, const mp_obj_t* positional,
                            width, target.num_rows);
   for (int k = 0; k < 3 && kPlanes[image.format][k].rows_per_row != 0; ++k) {
     image.planes[k].data = source;
-    image.planes[k].stride = (uint32_t)stride_of(image.format, k, image.width);
+    image.planes[k].stride = (uint32_t)get_stride(image.format, k, image.width);
     target.planes[k].data = out;
-    target.planes[k].stride = (uint32_t)stride_of(image.format, k, width);
+    target.planes[k].stride = (uint32_t)get_stride(image.format, k, width);
     source += plane_bytes(image.format, k, image.width, image.height);
     out += plane_bytes(image.format, k, width, target.num_rows);
   }

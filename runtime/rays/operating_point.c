@@ -113,7 +113,7 @@ static RG_INLINE rg_status check_stack(const rg_camera* camera,
 /* ---- Conditions ---------------------------------------------------------- */
 
 /* floor(part 2^14 / whole), for part < whole < 2^31; always less than 2^14. */
-static uint16_t find_weight(uint32_t part, uint32_t whole) {
+static uint16_t compute_weight(uint32_t part, uint32_t whole) {
   uint32_t weight = 1; /* shifted out when all others are found */
   do {
     part *= 2;
@@ -167,7 +167,7 @@ rg_status rg_set_operating_point(rg_camera* camera, int32_t value_q16) {
   const uint32_t part_q16 = (uint32_t)value_q16 - (uint32_t)lower_q16;
   camera->weight_q14 = 0;
   if (value_q16 >= lower_q16 && stack.size - shift > stack.sample_size) {
-    camera->weight_q14 = find_weight(
+    camera->weight_q14 = compute_weight(
         part_q16, rg_load_u32(lower + stack.sample_size) - (uint32_t)lower_q16);
     return RG_OK;
   }

@@ -29,10 +29,10 @@ static RG_SHARED int divide(int32_t xy_q30[2], int32_t divisor_q30) {
 static RG_INLINE int put_on_cylinder(uint32_t projection, int32_t xyz_q30[3]) {
   int32_t distance_q30, length_q30;
   const int32_t around_q29 =
-      rg_find_angle(xyz_q30[2], xyz_q30[0], &distance_q30);
+      rg_compute_angle(xyz_q30[2], xyz_q30[0], &distance_q30);
   int fraction_bits = 29;
   if (projection == RG_PROJECTION_EQUIRECTANGULAR)
-    xyz_q30[1] = rg_find_angle(distance_q30, xyz_q30[1], &length_q30);
+    xyz_q30[1] = rg_compute_angle(distance_q30, xyz_q30[1], &length_q30);
   else
     fraction_bits = divide(xyz_q30, distance_q30);
   xyz_q30[0] = around_q29 >> (29 - fraction_bits);
@@ -44,10 +44,10 @@ static RG_INLINE int put_on_cylinder(uint32_t projection, int32_t xyz_q30[3]) {
 static RG_INLINE int put_on_disk(int32_t xyz_q30[3]) {
   int32_t radius_q30, length_q30;
   const int32_t z_q30 = xyz_q30[2];
-  rg_find_angle(xyz_q30[0], xyz_q30[1], &radius_q30);
+  rg_compute_angle(xyz_q30[0], xyz_q30[1], &radius_q30);
   const int fraction_bits = divide(xyz_q30, radius_q30);
   if (fraction_bits == 0) return divide(xyz_q30, z_q30);
-  const int32_t angle_q29 = rg_find_angle(z_q30, radius_q30, &length_q30);
+  const int32_t angle_q29 = rg_compute_angle(z_q30, radius_q30, &length_q30);
   for (int c = 0; c < 2; ++c)
     xyz_q30[c] = rg_shift_left(
         rg_multiply_high(rg_shift_left(xyz_q30[c], 29 - fraction_bits),

@@ -7,7 +7,7 @@ static const int32_t kAngles[] = {421657428, 248918915, 131521918, 66762579,
 #define NUM_ANGLES ((int)(sizeof kAngles / sizeof kAngles[0]))
 #define NUM_TURNS 30
 
-int32_t rg_find_angle(int32_t x_q30, int32_t y_q30, int32_t* length_q30) {
+int32_t rg_compute_angle(int32_t x_q30, int32_t y_q30, int32_t* length_q30) {
   int32_t x = x_q30, y = y_q30, angle_q29 = 0;
   if (x < 0) { /* rotate by a right angle */
     const int32_t old_x = x;

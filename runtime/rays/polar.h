@@ -10,6 +10,6 @@
 /* Returns the angle from the x axis to (x, y), in q29 rad, from -pi to pi;
  * error below 3e-8 for a vector of length 1, in proportion more for shorter
  * ones. *length_q30 is the length, at most 1, within 3e-8. */
-int32_t rg_find_angle(int32_t x_q30, int32_t y_q30, int32_t* length_q30);
+int32_t rg_compute_angle(int32_t x_q30, int32_t y_q30, int32_t* length_q30);
 
 #endif /* RAYGRID_POLAR_H */

@@ -165,8 +165,9 @@ static RG_INLINE int is_near(rg_pixel pixel, rg_pixel other) {
 
 /* Between one and two times the largest coordinate's magnitude. */
 static RG_INLINE uint32_t size_of(const rg_ray* direction) {
-  return rg_bits_of(direction->x_q30) | rg_bits_of(direction->y_q30) |
-         rg_bits_of(direction->z_q30);
+  return rg_magnitude_bits(direction->x_q30) |
+         rg_magnitude_bits(direction->y_q30) |
+         rg_magnitude_bits(direction->z_q30);
 }
 
 /* A line; to reduce the stack, its direction is also used for a point's

@@ -18,7 +18,7 @@ typedef struct mode_axis {
 } mode_axis;
 
 /* Reads axis c of a mode; 0 if it is invalid. */
-static int find_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
+static int compute_mode_axis(const rg_mode* mode, int c, mode_axis* axis) {
   axis->size = c == 0 ? mode->width : mode->height;
   axis->offset_q16 = c == 0 ? mode->offset_x_q16 : mode->offset_y_q16;
   axis->scale_q16 = c == 0 ? mode->scale_x_q16 : mode->scale_y_q16;
@@ -74,7 +74,7 @@ static rg_status convert(const rg_mode* mode, const rg_pixel* pixel,
   int32_t q16[2] = {pixel->x_q16, pixel->y_q16};
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
-    if (!find_mode_axis(mode, c, &axis) ||
+    if (!compute_mode_axis(mode, c, &axis) ||
         !convert_axis(&axis, is_to_calibrated, &q16[c]))
       return RG_ERR_ARGUMENT;
   }
@@ -142,7 +142,7 @@ static int is_part_of_frames(const rg_mode* mode, const uint8_t* identity) {
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
     const uint32_t size = rg_load_u16(identity + RG_CAMERA_WIDTH + 2 * c);
-    if (!find_mode_axis(mode, c, &axis) || !is_part(&axis, size)) return 0;
+    if (!compute_mode_axis(mode, c, &axis) || !is_part(&axis, size)) return 0;
   }
   return 1;
 }

@@ -43,7 +43,7 @@ static RG_INLINE int32_t rg_square_root(uint32_t s_q28) {
 }
 
 /* The bits of a value that differ from its sign bit. */
-static inline uint32_t rg_bits_of(int32_t value) {
+static inline uint32_t rg_magnitude_bits(int32_t value) {
   return (uint32_t)(value ^ (value >> 31));
 }
 
@@ -62,7 +62,9 @@ static RG_INLINE int rg_direction_to_chart(const rg_ray* direction,
   const int32_t z = direction->z_q30;
   /* Scaled so that the largest magnitude is in [1/2, 1]. */
   const int shift =
-      rg_leading_zeros(rg_bits_of(x) | rg_bits_of(y) | rg_bits_of(z) | 1) - 1;
+      rg_leading_zeros(rg_magnitude_bits(x) | rg_magnitude_bits(y) |
+                       rg_magnitude_bits(z) | 1) -
+      1;
   const int32_t x_q30 = (int32_t)((uint32_t)x << shift) >> 1;
   const int32_t y_q30 = (int32_t)((uint32_t)y << shift) >> 1;
   const int32_t z_q30 = (int32_t)((uint32_t)z << shift) >> 1;

@@ -8,8 +8,8 @@
 
 /* The part of rg_evaluate_spline() that is specific to 32-bit control points.
  */
-static RG_INLINE void find_wide_value(const uint8_t* grid,
-                                      rg_grid_position* grid_position) {
+static RG_INLINE void compute_32_bit_value(const uint8_t* grid,
+                                           rg_grid_position* grid_position) {
   int32_t sums_q27[2];
   RG_SUM_POINTS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                     RG_CONTROL_POINT_SIZE * grid_position->first,
@@ -21,8 +21,8 @@ static RG_INLINE void find_wide_value(const uint8_t* grid,
 
 /* The part of rg_evaluate_spline() that is specific to 16-bit control points.
  */
-static void find_narrow_value(const uint8_t* grid,
-                              rg_grid_position* grid_position) {
+static void compute_16_bit_value(const uint8_t* grid,
+                                 rg_grid_position* grid_position) {
   RG_FORGET(grid); /* saves registers in the other branch */
   int32_t sums[2];
   RG_SUM_RESIDUALS(grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
@@ -49,9 +49,9 @@ rg_status rg_evaluate_spline(const uint8_t* grid, int32_t x, int32_t y,
   rg_bspline_weights(grid_position->t_q30[1], grid_position->weights_q31[1]);
   rg_bspline_weights(grid_position->t_q30[0], grid_position->weights_q31[0]);
   if (rg_load_u16(grid + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS)
-    find_wide_value(grid, grid_position);
+    compute_32_bit_value(grid, grid_position);
   else
-    find_narrow_value(grid, grid_position);
+    compute_16_bit_value(grid, grid_position);
   return RG_OK;
 }
 
@@ -63,9 +63,9 @@ static RG_INLINE int32_t blend(int32_t a, int32_t b, int32_t t_q7) {
 /* The derivative of one coordinate of the residuals with respect to the cell
  * coordinate, times 2^15: the sum of differences over two cells, bilinear
  * between the four surrounding knots; the residuals are `apart` bytes apart. */
-static RG_SHARED int32_t find_slope(const uint8_t* residual, uint32_t apart,
-                                    uint32_t row_bytes,
-                                    const rg_grid_position* grid_position) {
+static RG_SHARED int32_t compute_slope(const uint8_t* residual, uint32_t apart,
+                                       uint32_t row_bytes,
+                                       const rg_grid_position* grid_position) {
   const int32_t x_q7 = grid_position->t_q30[0] >> 23;
   const int32_t y_q7 = grid_position->t_q30[1] >> 23;
   int32_t above = 0, below = 0;
@@ -100,10 +100,10 @@ void rg_compute_jacobian(const uint8_t* inverse,
   RG_UNROLL
   for (uint32_t c = 0; c < 2; ++c, plane += 4, residual += 2) {
     const int32_t across =
-        find_slope(residual + row_bytes, 2 * RG_NARROW_POINT_SIZE, row_bytes,
-                   grid_position);
-    const int32_t down = find_slope(residual + RG_NARROW_POINT_SIZE,
-                                    2 * row_bytes, row_bytes, grid_position);
+        compute_slope(residual + row_bytes, 2 * RG_NARROW_POINT_SIZE, row_bytes,
+                      grid_position);
+    const int32_t down = compute_slope(residual + RG_NARROW_POINT_SIZE,
+                                       2 * row_bytes, row_bytes, grid_position);
     jacobian_q5[0][c] = rg_multiply_high(
         rg_add(rg_load_i32(plane + RG_PLANE_COLUMN_STEP), across >> shift),
         x_scale_q20);

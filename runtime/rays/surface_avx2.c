@@ -72,7 +72,7 @@ INLINE void store_weights(__m256i w, int32_t w_q31[4]) {
 }
 
 /* rg_bspline_weights() of both axes. */
-INLINE weights find_weights(rg_grid_position* grid_position) {
+INLINE weights compute_surface_weights(rg_grid_position* grid_position) {
   const __m128i sixth_q31 = _mm_set1_epi32(357913941);
   const __m128i t = _mm_insert_epi32(_mm_cvtsi32_si128(grid_position->t_q30[0]),
                                      grid_position->t_q30[1], 2);
@@ -113,9 +113,9 @@ INLINE __m128i sum_residuals(const uint8_t* residuals, uint32_t row_bytes,
 }
 
 /* The value of a grid with 16-bit control points at a position. */
-INLINE __m128i value_of_residuals(const uint8_t* grid,
-                                  const rg_grid_position* grid_position,
-                                  const weights* w) {
+INLINE __m128i compute_residual_value(const uint8_t* grid,
+                                      const rg_grid_position* grid_position,
+                                      const weights* w) {
   const uint8_t* const plane = grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET);
   const int shift =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) - 13; /* from 2^14 to q27 */
@@ -134,14 +134,14 @@ INLINE __m128i value_of_residuals(const uint8_t* grid,
 rg_status rg_evaluate_spline_avx2(const uint8_t* grid, int32_t x, int32_t y,
                                   rg_grid_position* grid_position) {
   if (!rg_find_cells(grid, x, y, grid_position)) return RG_ERR_OUTSIDE_AREA;
-  const weights w = find_weights(grid_position);
+  const weights w = compute_surface_weights(grid_position);
   const __m128i value =
       rg_load_u16(grid + RG_GRID_FRACTION_BITS) == RG_CONTROL_POINT_BITS
           ? sum_points(
                 grid + rg_load_u32(grid + RG_GRID_DATA_OFFSET) +
                     RG_CONTROL_POINT_SIZE * grid_position->first,
                 RG_CONTROL_POINT_SIZE * rg_load_u16(grid + RG_GRID_COLUMNS), &w)
-          : value_of_residuals(grid, grid_position, &w);
+          : compute_residual_value(grid, grid_position, &w);
   _mm_storel_epi64((__m128i*)grid_position->value.q27, value);
   return RG_OK;
 }

@@ -7,8 +7,8 @@
 #include "rays/surface_choice.h"
 
 /* rg_chart_to_direction(), not inlined where size matters. */
-static RG_SHARED void find_direction(int32_t a_q27, int32_t b_q27,
-                                     rg_ray* ray) {
+static RG_SHARED void compute_direction(int32_t a_q27, int32_t b_q27,
+                                        rg_ray* ray) {
   const rg_chart_point point = {{a_q27, b_q27}};
   rg_chart_to_direction(&point, ray);
 }
@@ -19,14 +19,15 @@ rg_status rg_unproject(const rg_camera* camera, rg_pixel pixel, rg_ray* ray) {
   const rg_status status =
       rg_evaluate_grid(camera, pixel.x_q16, pixel.y_q16, &grid_position);
   if (status == RG_OK)
-    find_direction(grid_position.value.q27[0], grid_position.value.q27[1], ray);
+    compute_direction(grid_position.value.q27[0], grid_position.value.q27[1],
+                      ray);
   return status;
 }
 
 /* (0, 0, 0) of a central camera. */
-static RG_INLINE void find_line_point(const rg_camera* camera,
-                                      const rg_grid_position* grid_position,
-                                      int32_t point_q28[3]) {
+static RG_INLINE void compute_line_point(const rg_camera* camera,
+                                         const rg_grid_position* grid_position,
+                                         int32_t point_q28[3]) {
   int32_t sums_q26[3] = {0, 0, 0};
   if (camera->line_points) {
     const uint8_t* points =
@@ -53,10 +54,10 @@ rg_status rg_unproject_line(const rg_camera* camera, rg_pixel pixel,
   rg_status status =
       rg_evaluate_grid(camera, pixel.x_q16, pixel.y_q16, &grid_position);
   if (status == RG_OK) {
-    find_direction(grid_position.value.q27[0], grid_position.value.q27[1],
-                   &line->direction);
+    compute_direction(grid_position.value.q27[0], grid_position.value.q27[1],
+                      &line->direction);
     RG_IN_MEMORY(status);
-    find_line_point(camera, &grid_position, line->point_q28);
+    compute_line_point(camera, &grid_position, line->point_q28);
   }
   return status;
 }

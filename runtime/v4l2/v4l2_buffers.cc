@@ -34,7 +34,7 @@ V4l2Buffers::V4l2Buffers(V4l2Device* device, const V4l2Stream& stream,
   try {
     for (const std::string& heap : device->Heaps())
       if (AllocateFrom(heap, number)) return;
-    AllocateOfDriver(number);
+    AllocateDriverBuffers(number);
   } catch (...) {
     Free();
     throw;
@@ -62,7 +62,7 @@ bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
   v4l2_requestbuffers request;
   if (Request(kind_, number, 0, &request) != 0) return false;
   buffers_.resize(request.count);
-  if (request.count >= kMinBuffers && TakeFromHeap(heap) && QueueAll()) {
+  if (request.count >= kMinBuffers && AllocateFromHeap(heap) && QueueAll()) {
     memory_ = heap + ", cached";
     return true;
   }
@@ -70,7 +70,7 @@ bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
   return false;
 }
 
-bool V4l2Buffers::TakeFromHeap(const std::string& heap) {
+bool V4l2Buffers::AllocateFromHeap(const std::string& heap) {
   for (Buffer& buffer : buffers_) {
     for (uint32_t i = 0; i < stream_.num_memories; ++i) {
       Memory& memory = buffer.memories[i];
@@ -85,7 +85,7 @@ bool V4l2Buffers::TakeFromHeap(const std::string& heap) {
   return true;
 }
 
-void V4l2Buffers::AllocateOfDriver(uint32_t number) {
+void V4l2Buffers::AllocateDriverBuffers(uint32_t number) {
   kind_ = V4L2_MEMORY_MMAP;
   memory_ = "the driver's";
   v4l2_requestbuffers request;
@@ -104,12 +104,12 @@ void V4l2Buffers::AllocateOfDriver(uint32_t number) {
                     status != 0 ? status : ENOMEM,
                     "free some memory, or use a smaller --size");
   buffers_.resize(request.count);
-  for (uint32_t i = 0; i < request.count; ++i) MapOfDriver(i);
+  for (uint32_t i = 0; i < request.count; ++i) MapDriverBuffer(i);
   if (!QueueAll())
     throw V4l2Error(*device_, "does not accept buffers; reconnect it");
 }
 
-void V4l2Buffers::MapOfDriver(uint32_t index) {
+void V4l2Buffers::MapDriverBuffer(uint32_t index) {
   Description description(stream_, kind_, index);
   const int status = AskAgain(device_, VIDIOC_QUERYBUF, &description.buffer);
   if (status != 0)

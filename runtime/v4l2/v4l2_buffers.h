@@ -64,9 +64,9 @@ class V4l2Buffers {
   int Request(uint32_t kind, uint32_t number, uint32_t flags,
               v4l2_requestbuffers* request);
   bool AllocateFrom(const std::string& heap, uint32_t number);
-  bool TakeFromHeap(const std::string& heap);
-  void AllocateOfDriver(uint32_t number);
-  void MapOfDriver(uint32_t index);
+  bool AllocateFromHeap(const std::string& heap);
+  void AllocateDriverBuffers(uint32_t number);
+  void MapDriverBuffer(uint32_t index);
   bool QueueAll();
   void FindPlanes(Buffer* buffer) const;
   bool IsWhole(const v4l2_buffer& buffer) const;

@@ -178,7 +178,7 @@ void V4l2Source::Deliver(const V4l2Filled& filled) {
 }
 
 // Returns a free buffer for pixels; nullopt if stopped before one is free.
-std::optional<uint32_t> V4l2Source::TakeDecoded() {
+std::optional<uint32_t> V4l2Source::PopDecoded() {
   while (!is_stopped_)
     if (const auto place = free_.Pop(std::chrono::milliseconds(kPatience_ms)))
       return place;
@@ -187,7 +187,7 @@ std::optional<uint32_t> V4l2Source::TakeDecoded() {
 
 // The driver's buffer is released as soon as its pixels are decoded.
 void V4l2Source::Decode(const V4l2Filled& filled, Clock::time_point arrived) {
-  const std::optional<uint32_t> place = TakeDecoded();
+  const std::optional<uint32_t> place = PopDecoded();
   if (!place) return;
   uint8_t* const pixels = decoded_[*place].data();
   const bool is_good = decode_jpeg_(buffers_->planes(filled.buffer)[0],

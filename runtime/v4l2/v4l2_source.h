@@ -63,7 +63,7 @@ class V4l2Source : public FrameSource {
   void Decode(const V4l2Filled& filled, Clock::time_point arrived);
   void Push(const V4l2Filled& filled, const uint8_t* const planes[3],
             uint32_t buffer, Clock::time_point arrived);
-  std::optional<uint32_t> TakeDecoded();
+  std::optional<uint32_t> PopDecoded();
   void CountMissed(uint32_t sequence);
   void Queue(uint32_t buffer);
   void Fail(int error);

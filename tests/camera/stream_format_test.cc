@@ -6,7 +6,7 @@
 #include <set>
 
 #include "camera_error.h"
-#include "picture_rows.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -113,7 +113,7 @@ std::vector<int> ColourOf(const char* name, std::vector<uint8_t> bytes,
   format.is_full_range = is_full_range;
   EXPECT_EQ(format.packed_size(), bytes.size()) << name;
   uint8_t rgb[6];
-  ReadPictureRow(format, MakePackedImage(format, bytes.data()), 1, rgb);
+  ReadRgbRow(format, MakePackedImage(format, bytes.data()), 1, rgb);
   return {rgb[3], rgb[4], rgb[5]};
 }
 

@@ -89,8 +89,8 @@ class CaptureLoopTest : public testing::Test {
     return frame;
   }
   Pose PoseOfView(int index) const {
-    return *PoseOf(FirstView(index, {640, 480}), pattern_.boards.front(),
-                   camera_);
+    return *ComputePose(FirstView(index, {640, 480}), pattern_.boards.front(),
+                        camera_);
   }
 
   // Frames of the first views, each twice, since only the second is still.
@@ -106,7 +106,7 @@ class CaptureLoopTest : public testing::Test {
 
   // The words of the frames that were still and new.
   std::vector<std::string> Run(bool resume = false) {
-    std::vector<NamedFrames> cameras(1);
+    std::vector<CameraStream> cameras(1);
     cameras[0].frames = std::move(frames_);
     PairedFrames frames(std::move(cameras), 0);
     SessionFolder session(folder_ / "session", pattern_, frames.names(),
@@ -224,7 +224,7 @@ class RigLoopTest : public CaptureLoopTest {
   }
 
   void Run() {
-    std::vector<NamedFrames> cameras;
+    std::vector<CameraStream> cameras;
     cameras.push_back({"left", std::move(cameras_[0])});
     cameras.push_back({"right", std::move(cameras_[1])});
     PairedFrames frames(std::move(cameras), 5e-3);

@@ -19,7 +19,7 @@
 #include "dataset/camera_file.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "target/board_spec.h"
 #include "temporary_folder.h"
 
@@ -163,7 +163,7 @@ class Camera {
 
 TEST(CaptureOperator, FollowsThePageToAnAccurateCamera) {
   const std::string spec = "star:14x10:18mm";
-  const auto truth = MakeSimulatedLens("wide", kOperatedSize);
+  const auto truth = MakeSimulatedCamera("wide", kOperatedSize);
   const TemporaryFolder folder;
   const std::string session = folder / "session";
   std::signal(SIGPIPE, SIG_IGN);

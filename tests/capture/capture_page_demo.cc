@@ -97,7 +97,7 @@ class Demo {
       : page_(
             address, {"capture_page_demo"},
             [this](const CaptureCommand& command) { OnCommand(command); },
-            [](const std::string& name, GreyPicture* picture) {
+            [](const std::string& name, GreyBuffer* picture) {
               return Read(name, picture);
             }) {
     state_.width = kWidth;
@@ -125,7 +125,7 @@ class Demo {
 
  private:
   // Names of numbers have a picture: the board at that time.
-  static bool Read(const std::string& name, GreyPicture* picture) {
+  static bool Read(const std::string& name, GreyBuffer* picture) {
     if (name.empty() || name.find("lost") != std::string::npos) return false;
     *picture = {kWidth, kHeight, DrawnBoard::At(double(name.size())).Draw()};
     return true;
@@ -163,7 +163,7 @@ class Demo {
     } else if (verb == "remark") {
       state_.warnings.push_back(rest);
     } else if (verb == "picture" && words >> number) {
-      ShowPicture(number);
+      ShowImage(number);
     }
     page_.Show(state_);
   }
@@ -177,7 +177,7 @@ class Demo {
         const double far = (pixel - Eigen::Vector2d(400, 330)).norm() / 300;
         state_.places.push_back({pixel, factor * 0.05 * (1 + far * far * far)});
       }
-    state_.deviation_px = 0.4 * factor;
+    state_.stddev_px = 0.4 * factor;
     state_.target_px = 0.2;
     state_.sharpness_px = 2.1;
     state_.brightness = 0.78;
@@ -185,10 +185,10 @@ class Demo {
   }
 
   // The mutex is held.
-  void ShowPicture(double seconds) {
+  void ShowImage(double seconds) {
     const DrawnBoard board = DrawnBoard::At(seconds);
     const auto grey = board.Draw();
-    page_.ShowPicture(grey.data(), kWidth, kHeight, kWidth);
+    page_.ShowImage(grey.data(), kWidth, kHeight, kWidth);
     state_.features = board.Corners();
     state_.arrow.clear();
     if (!state_.next.empty())
@@ -199,7 +199,7 @@ class Demo {
     for (int k = 0; is_live_; ++k) {
       {
         const std::lock_guard<std::mutex> lock(mutex_);
-        ShowPicture(0.05 * k);
+        ShowImage(0.05 * k);
         page_.Show(state_);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -14,7 +14,7 @@
 
 #include "camera_error.h"
 #include "http_client.h"
-#include "picture_rows.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -23,7 +23,8 @@ using Json = nlohmann::json;
 using Kind = CaptureCommand::Kind;
 using namespace std::chrono_literals;
 
-const PageWords kWords = {"a-program", "--address", "--page", "--page-name"};
+const PageOptionNames kWords = {"a-program", "--address", "--page",
+                                "--page-name"};
 
 std::vector<uint8_t> Noise(int width, int height) {
   std::mt19937 random(1);
@@ -57,7 +58,7 @@ class CapturePageTest : public testing::Test {
           const std::lock_guard<std::mutex> lock(mutex_);
           commands_.push_back(command);
         },
-        [this](const std::string& name, GreyPicture* picture) {
+        [this](const std::string& name, GreyBuffer* picture) {
           if (reading_) reading_(name);
           {
             const std::lock_guard<std::mutex> lock(mutex_);
@@ -150,7 +151,7 @@ TEST_F(CapturePageTest, TellsTheStateAsJson) {
   state.arrow = {{10, 20}, {30, 40}};
   state.places = {{{5, 6}, 0.123456},
                   {{7, 8}, std::numeric_limits<double>::infinity()}};
-  state.deviation_px = std::nan("");
+  state.stddev_px = std::nan("");
   state.target_px = 0.2;
   state.kept = {"a.png", "b\xff.png"};
   state.num_expected = 9;
@@ -480,15 +481,15 @@ TEST_F(CapturePageTest, LivePicturesAreThoseOfFrames) {
   HttpClient client(page_->port(), "GET /live");
   EXPECT_NE(client.Head().find("multipart/x-mixed-replace"), std::string::npos);
   const auto grey = Noise(2600, 1300);
-  page_->ShowPicture(grey.data(), 2600, 1300, 2600);
+  page_->ShowImage(grey.data(), 2600, 1300, 2600);
   EXPECT_EQ(JpegSize(NextPicture(&client)), std::pair(866, 433));
   for (const char* const name : {"YUYV", "SRGGB8", "BGR888", "R16"}) {
     const PixelFormatInfo* const pixel_format = FindPixelFormat(name);
     ASSERT_TRUE(pixel_format) << name;
     const StreamFormat format = MakeStreamFormat(*pixel_format, 642, 480, 0);
     const std::vector<uint8_t> bytes(format.packed_size(), 99);
-    page_->ShowPicture(grey.data(), 100, 100, 2600);
-    page_->ShowPicture(format, MakePackedImage(format, bytes.data()));
+    page_->ShowImage(grey.data(), 100, 100, 2600);
+    page_->ShowImage(format, MakePackedImage(format, bytes.data()));
     // The newest frame is always shown, others perhaps.
     std::pair<int, int> size = JpegSize(NextPicture(&client));
     if (size == std::pair(100, 100)) size = JpegSize(NextPicture(&client));
@@ -500,7 +501,7 @@ TEST_F(CapturePageTest, PicturesThatNobodyWatchesCostNothing) {
   const auto grey = Noise(4000, 3000);
   const std::clock_t start = std::clock();  // of the processor
   for (int k = 0; k < 1000; ++k)
-    page_->ShowPicture(grey.data(), 4000, 3000, 4000);
+    page_->ShowImage(grey.data(), 4000, 3000, 4000);
   // Copies alone would take more than a second.
   EXPECT_LT(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC, 0.1);
 }

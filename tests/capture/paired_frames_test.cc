@@ -53,7 +53,7 @@ std::unique_ptr<LiveFrames> Files(const std::vector<std::string>& names,
 
 PairedFrames Pair(std::unique_ptr<LiveFrames> left,
                   std::unique_ptr<LiveFrames> right) {
-  std::vector<NamedFrames> cameras;
+  std::vector<CameraStream> cameras;
   cameras.push_back({"left", std::move(left)});
   cameras.push_back({"right", std::move(right)});
   return {std::move(cameras), 5e-3};

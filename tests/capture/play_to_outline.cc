@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "capture_operator.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "target/board_spec.h"
 
 namespace raygrid {
@@ -79,7 +79,7 @@ class Performance {
 int Run(char** argv) {
   const std::string size = argv[5];
   const size_t cross = size.find('x');
-  const auto camera = MakeSimulatedLens(
+  const auto camera = MakeSimulatedCamera(
       argv[4],
       {std::atoi(size.c_str()), std::atoi(size.substr(cross + 1).c_str())});
   const Pattern pattern = ReadPatternOrSpec(argv[6]);

@@ -459,7 +459,7 @@ static void row_time_is_read(void** state) {
                    RG_OK);
   rg_blob_row_time(&blob, &row_time);
   assert_int_equal(row_time.row_time_ns_q10, -20000 * 1024);
-  assert_int_equal(row_time.deviation_ns_q10, 31 * 1024);
+  assert_int_equal(row_time.stddev_ns_q10, 31 * 1024);
   assert_int_equal(rg_blob_open(kWideBlob, sizeof(kWideBlob), &blob), RG_OK);
   assert_int_equal(blob.row_time, 0);
 }

@@ -344,7 +344,7 @@ static void row_time_is_written_byte_for_byte(void** state) {
   assert_int_equal(rg_blob_size(&parts.contents), sizeof(kRowTimeBlob));
   assert_int_equal(write_parts(), RG_OK);
   assert_memory_equal(written, kRowTimeBlob, sizeof(kRowTimeBlob));
-  parts.row_time.deviation_ns_q10 = RG_ROW_TIME_LIMIT_Q10 + 1;
+  parts.row_time.stddev_ns_q10 = RG_ROW_TIME_LIMIT_Q10 + 1;
   assert_int_equal(write_parts(), RG_ERR_ROW_TIME);
 }
 

@@ -20,7 +20,7 @@ static void try_pixel(const rg_camera* camera, rg_pixel pixel) {
   rg_pixel other;
   uint16_t sigma_q12;
   int32_t row_time_ns_q10;
-  uint32_t deviation_ns_q10;
+  uint32_t stddev_ns_q10;
   const rg_status status = rg_unproject(camera, pixel, &ray);
   require(status == RG_OK || status == RG_ERR_OUTSIDE_AREA ||
               status == RG_ERR_NONCENTRAL,
@@ -33,7 +33,7 @@ static void try_pixel(const rg_camera* camera, rg_pixel pixel) {
     require(is_unit(&line.direction), "a line's direction has unit length");
   if (rg_is_valid(camera, pixel)) rg_uncertainty(camera, pixel, &sigma_q12);
   rg_uncertainty(camera, pixel, &sigma_q12);
-  rg_line_delay(camera, &row_time_ns_q10, &deviation_ns_q10);
+  rg_line_delay(camera, &row_time_ns_q10, &stddev_ns_q10);
   rg_undistort_point(camera, pixel, &other);
 }
 

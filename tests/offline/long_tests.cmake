@@ -24,13 +24,13 @@ set(RAYGRID_SLOW_WITH_SANITIZERS
   LensChoice.Counts*
   LensChoice.Measures*
   LensChoice.TakesTheFewest*
-  GetLensModels.FitACamera*
+  GetModelRegistry.FitACamera*
   LowContrast.NoiseTakes*
   MarkerBoards.AreToldApart*
   OutputFolder.Kills*
   PackCamera.CamerasWithoutRays*
   PackCamera.RoughCameras*
-  AssignByLayout.IsNeverWrong*
+  AssignWithLayout.IsNeverWrong*
   PlainTagGrid.CornersInRendered*
   PrintedInk.OfAprilGrids*
   PrintedInk.OfCharuco*

@@ -4,6 +4,6 @@ set(NOT_QUICK
   CaptureGuide Charuco SelectSamples MakeColmapFormat FeatureRefiner FitParametricModel FitRemapTable
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest AssessBudget
   LargeEquations Lenses/InitializeFromThreeViewsOf Lenses/UnevenLensOf LowContrast MarkerBoards
-  NextView OutputFolder PackCamera PackSupportedParts AssignByLayout PlainTagGrid PrintedFeatures
-  EstimateProjectionUncertainty RegularRegion RenderImage ResidualBudget LineDelay EstimateSpread StackPacking
+  NextView OutputFolder PackCamera PackSupportedSections AssignWithLayout PlainTagGrid PrintedFeatures
+  EstimateProjectionUncertainty RegularRegion RenderImage ResidualBudget LineDelay EstimatePopulationCovariance StackPacking
   StarDetector InitializeFromThreeViews MixedCameras TransformedImages VirtualView)

@@ -15,7 +15,7 @@
 #include "camera/opencv.h"
 #include "camera/pose.h"
 #include "dataset/error.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "temporary_folder.h"
 
 namespace raygrid {
@@ -237,7 +237,7 @@ inline void ExpectDerivativeByParameter(const CameraModel& camera, double step,
 inline NonCentralGeneric ExampleLines() {
   const ImageSize size = {640, 480};
   const Area area = WholeImage(size);
-  return FitNonCentralGeneric(*MakeSimulatedLens("glass", size), area,
+  return FitNonCentralGeneric(*MakeSimulatedCamera("glass", size), area,
                               NumControlPoints(area.width(), 40),
                               NumControlPoints(area.height(), 40));
 }

@@ -168,7 +168,7 @@ static void check_blended_rows(const rg_span* span) {
   b.out = in_thumb2;
   rg_grey_rows rows_of_a = start_rows(&a, rg_first_rounding_in_c(&a));
   assert_int_equal(rg_process_grey_rows_in_c(&rows_of_a, &row), 0);
-  rg_grey_rows rows_of_b = start_rows(&b, rg_first_rounding_in_thumb2(&b));
+  rg_grey_rows rows_of_b = start_rows(&b, rg_pack_rounding_and_count(&b));
   assert_int_equal(rg_process_grey_rows_in_thumb2(&rows_of_b, &row), 0);
   assert_memory_equal(in_c, in_thumb2, sizeof(in_c));
   assert_int_equal(rows_of_a.out - in_c, rows_of_b.out - in_thumb2);

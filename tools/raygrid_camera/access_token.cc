@@ -26,7 +26,7 @@ AccessToken AccessToken::MakeRandom() {
 }
 
 AccessToken AccessToken::Read(const std::string& path) {
-  const std::vector<uint8_t> bytes = ReadWholeFile(path);
+  const std::vector<uint8_t> bytes = ReadFileBytes(path);
   std::string text(bytes.begin(), bytes.end());
   if (!text.empty() && text.back() == '\n') text.pop_back();
   const bool has_only_letters =

@@ -66,7 +66,7 @@ void AtomicFile::Fail() const {
                         "); free disk space, or use another path");
 }
 
-std::vector<uint8_t> ReadWholeFile(const std::string& path) {
+std::vector<uint8_t> ReadFileBytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::vector<uint8_t> bytes;
   if (file)

@@ -32,7 +32,7 @@ class AtomicFile {
 };
 
 /// Reads a file. Throws CameraError.
-std::vector<uint8_t> ReadWholeFile(const std::string& path);
+std::vector<uint8_t> ReadFileBytes(const std::string& path);
 
 }  // namespace raygrid
 

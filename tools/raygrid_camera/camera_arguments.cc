@@ -230,7 +230,7 @@ const option kOptions[] = {
     {"quiet", no_argument, nullptr, kQuiet},
     {nullptr, 0, nullptr, 0}};
 
-void TakeOption(int which, CameraArguments* arguments) {
+void ApplyOption(int which, CameraArguments* arguments) {
   switch (which) {
     case kOutput:
       arguments->output = optarg;
@@ -380,7 +380,7 @@ CameraArguments ParseCameraArguments(int argc, char** argv) {
     // The value may be a separate argument, as for other options.
     if (which == kSource && !optarg && optind < argc && argv[optind][0] != '-')
       optarg = argv[optind++];
-    TakeOption(which, &arguments);
+    ApplyOption(which, &arguments);
   }
   if (optind < argc) arguments.blob = argv[optind++];
   if (optind < argc)

@@ -96,25 +96,26 @@ class FrameLoop {
         patience_(arguments) {}
 
   void Run() {
-    while (!IsSignalled() && !IsEnough() && !undistorter_->is_finished()) {
-      TakeFrame();
+    while (!IsSignalled() && !HasEnoughFrames() &&
+           !undistorter_->is_finished()) {
+      ProcessFrame();
       statistics_.ShowPeriodically(source_.counts(), *undistorter_);
     }
   }
 
   // Also writes the pending frames after a signal or the end of the source.
   void Finish() {
-    while (!IsEnough() && !undistorter_->is_finished()) TakeFrame();
+    while (!HasEnoughFrames() && !undistorter_->is_finished()) ProcessFrame();
     statistics_.ShowSummary(source_.counts(), *undistorter_);
   }
 
  private:
-  bool IsEnough() const {
+  bool HasEnoughFrames() const {
     if (benchmark_) return benchmark_->is_complete();
     return arguments_.num_frames != 0 && written_ == arguments_.num_frames;
   }
 
-  void TakeFrame() {
+  void ProcessFrame() {
     UndistortedFrame* const frame = undistorter_->Take(kFramePatience);
     if (!frame) return Wait();
     statistics_.Count(*frame);
@@ -183,7 +184,7 @@ void SelectTable(const CameraArguments& arguments, const FrameSource& source,
   if (table != RG_NO_TABLE) rg_select_remap(camera, table);
 }
 
-std::string NameOfSource(const CameraArguments& arguments) {
+std::string GetSourceName(const CameraArguments& arguments) {
   if (arguments.recording == "-") return "standard input";
   return arguments.recording.empty() ? "the camera" : arguments.recording;
 }
@@ -298,7 +299,7 @@ bool IsSignalled() { return is_signalled != 0; }
 void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
                       const std::optional<rg_capture_section>& recorded,
                       FrameSource* source) {
-  CaptureGuard capture(recorded, NameOfSource(arguments), arguments.is_strict,
+  CaptureGuard capture(recorded, GetSourceName(arguments), arguments.is_strict,
                        SayLine);
   if (arguments.is_check)
     return StreamFrames(MakeCheckArguments(arguments), camera, &capture,

@@ -20,7 +20,7 @@ constexpr std::chrono::seconds kGrace(1);
 
 // Returns the number of bytes that can be written without blocking after poll()
 // has reported the descriptor as writable.
-size_t FindPiece(int fd) {
+size_t GetMaxWriteSize(int fd) {
   struct stat status;
   const bool is_file = fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
   return is_file ? SSIZE_MAX : PIPE_BUF;
@@ -29,7 +29,9 @@ size_t FindPiece(int fd) {
 class FramePipe : public FrameOutput {
  public:
   FramePipe(int fd, std::function<bool()> is_stopped)
-      : fd_(fd), piece_(FindPiece(fd)), is_stopped_(std::move(is_stopped)) {}
+      : fd_(fd),
+        piece_(GetMaxWriteSize(fd)),
+        is_stopped_(std::move(is_stopped)) {}
 
   void Write(const UndistortedFrame& frame, uint64_t) override {
     const uint8_t* next = frame.bytes.data();

@@ -50,7 +50,7 @@ class RawReader : public FrameReader {
 
 // Reads a line, without its line break; returns false if it is too long or
 // incomplete.
-bool TakeLine(InputStream* stream, std::string* line) {
+bool ReadLine(InputStream* stream, std::string* line) {
   for (size_t length = 0; length < kMaxLineBytes; ++length) {
     if (stream->Await(length + 1) <= length) return false;
     if (stream->data()[length] != '\n') continue;
@@ -77,7 +77,7 @@ unsigned ParseSide(const std::string& line, char letter) {
   return static_cast<unsigned>(value);
 }
 
-const char* FormatOfY4m(const std::string& colours) {
+const char* ConvertY4mFormat(const std::string& colours) {
   for (const char* name : {"", "420", "420jpeg", "420mpeg2", "420paldv"})
     if (colours == name) return "YUV420";
   if (colours == "mono") return "R8";
@@ -100,7 +100,7 @@ class Y4mReader : public FrameReader {
       throw InputError(
           "a Y4M frame does not begin with FRAME; the stream is corrupt");
     std::string line;
-    if (!TakeLine(stream_, &line)) return Outcome::kCut;
+    if (!ReadLine(stream_, &line)) return Outcome::kCut;
     const Outcome outcome = ReadPlanes(stream_, format_, frame);
     return outcome == Outcome::kEnd ? Outcome::kCut : outcome;
   }
@@ -108,12 +108,12 @@ class Y4mReader : public FrameReader {
  private:
   static StreamFormat ReadHeader(InputStream* stream) {
     std::string line;
-    if (!TakeLine(stream, &line))
+    if (!ReadLine(stream, &line))
       throw InputError(
           "its Y4M header is not terminated; the stream is corrupt");
-    StreamFormat format =
-        MakeStreamFormat(*FindPixelFormat(FormatOfY4m(Parameter(line, 'C'))),
-                         ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
+    StreamFormat format = MakeStreamFormat(
+        *FindPixelFormat(ConvertY4mFormat(Parameter(line, 'C'))),
+        ParseSide(line, 'W'), ParseSide(line, 'H'), 0);
     format.is_full_range =
         (line + " ").find(kY4mFullRange) != std::string::npos;
     return format;

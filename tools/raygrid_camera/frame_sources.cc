@@ -30,7 +30,7 @@ std::unique_ptr<FrameSource> OpenRecording(const CameraArguments& arguments) {
   options.every_frame = arguments.every_frame;
   return std::make_unique<MemorySource>(
       MakeStreamFormat(info, arguments.width, arguments.height, 0),
-      ReadWholeFile(arguments.recording), options);
+      ReadFileBytes(arguments.recording), options);
 }
 
 std::unique_ptr<FrameSource> OpenInput(const CameraArguments& arguments) {

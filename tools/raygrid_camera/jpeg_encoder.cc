@@ -6,7 +6,7 @@
 // Requires the headers above.
 #include <jpeglib.h>
 
-#include "picture_rows.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -63,7 +63,7 @@ size_t Compress(const StreamFormat& format, const rg_image& image, uint8_t* row,
   jpeg.dct_method = JDCT_IFAST;
   jpeg_start_compress(&jpeg, TRUE);
   for (uint32_t y = 0; y < image.height; ++y) {
-    ReadPictureRow(format, image, y, row);
+    ReadRgbRow(format, image, y, row);
     jpeg_write_scanlines(&jpeg, &row, 1);
   }
   jpeg_finish_compress(&jpeg);

@@ -14,7 +14,7 @@ namespace raygrid {
 namespace {
 
 // Larger data is not accepted as an image.
-constexpr size_t kMaxPictureBytes = size_t{1} << 28;
+constexpr size_t kMaxImageBytes = size_t{1} << 28;
 
 // JPEG markers, which follow a byte 0xff.
 enum Marker : uint8_t {
@@ -57,23 +57,23 @@ void StartReader(jpeg_decompress_struct* jpeg, ReaderErrors* errors) {
   jpeg_create_decompress(jpeg);
 }
 
-struct PictureSize {
+struct JpegSize {
   unsigned width, height;
   bool is_grey;
 };
 
-bool operator==(const PictureSize& a, const PictureSize& b) {
+bool operator==(const JpegSize& a, const JpegSize& b) {
   return a.width == b.width && a.height == b.height && a.is_grey == b.is_grey;
 }
 
-PictureSize SizeOf(const jpeg_decompress_struct& jpeg) {
+JpegSize SizeOf(const jpeg_decompress_struct& jpeg) {
   return {jpeg.image_width, jpeg.image_height,
           jpeg.jpeg_color_space == JCS_GRAYSCALE};
 }
 
 // libjpeg reports errors by longjmp: no local variable of the next two
 // functions may have a destructor.
-bool ReadPictureSize(const uint8_t* bytes, size_t number, PictureSize* size) {
+bool ReadJpegSize(const uint8_t* bytes, size_t number, JpegSize* size) {
   jpeg_decompress_struct jpeg;
   ReaderErrors errors;
   StartReader(&jpeg, &errors);
@@ -115,14 +115,14 @@ class JpegReader : public FrameReader {
  public:
   explicit JpegReader(InputStream* stream) : stream_(stream) {
     for (;;) {
-      const Outcome outcome = FindPicture();
+      const Outcome outcome = FindImage();
       if (outcome == Outcome::kEnd || outcome == Outcome::kCut)
         throw CameraError(
             CameraExit::kInput,
             "standard input: contains no complete JPEG; check --format");
       if (outcome == Outcome::kDamaged) continue;
-      if (ReadPictureSize(stream_->data(), picture_bytes_, &size_)) break;
-      stream_->Take(picture_bytes_);
+      if (ReadJpegSize(stream_->data(), image_bytes_, &size_)) break;
+      stream_->Take(image_bytes_);
     }
     format_ =
         MakeStreamFormat(*FindPixelFormat(size_.is_grey ? "R8" : "BGR888"),
@@ -132,10 +132,10 @@ class JpegReader : public FrameReader {
   const StreamFormat& format() const override { return format_; }
 
   Outcome Read(uint8_t* frame) override {
-    const Outcome outcome = FindPicture();
+    const Outcome outcome = FindImage();
     if (outcome != Outcome::kWhole) return outcome;
-    PictureSize size;
-    bool is_good = ReadPictureSize(stream_->data(), picture_bytes_, &size);
+    JpegSize size;
+    bool is_good = ReadJpegSize(stream_->data(), image_bytes_, &size);
     if (is_good && !(size == size_))
       throw CameraError(CameraExit::kInput,
                         "standard input: image size changed to " +
@@ -145,9 +145,9 @@ class JpegReader : public FrameReader {
                             std::to_string(size_.height) +
                             "; all images must have the same size and colours");
     is_good =
-        is_good && Decompress(stream_->data(), picture_bytes_, size_.is_grey,
+        is_good && Decompress(stream_->data(), image_bytes_, size_.is_grey,
                               frame, format_.planes[0].row_bytes);
-    stream_->Take(picture_bytes_);
+    stream_->Take(image_bytes_);
     return is_good ? Outcome::kWhole : Outcome::kDamaged;
   }
 
@@ -155,7 +155,7 @@ class JpegReader : public FrameReader {
   bool Has(size_t number) { return stream_->Await(number) >= number; }
 
   // Skips the bytes before an image.
-  bool SkipToPicture() {
+  bool SkipToImage() {
     while (Has(3)) {
       const uint8_t* const bytes = stream_->data();
       if (bytes[0] == 0xff && bytes[1] == kStartOfImage && bytes[2] == 0xff)
@@ -195,16 +195,16 @@ class JpegReader : public FrameReader {
   }
 
   // Waits for a complete image; truncated images are dropped.
-  Outcome FindPicture() {
-    if (!SkipToPicture()) return Outcome::kEnd;
+  Outcome FindImage() {
+    if (!SkipToImage()) return Outcome::kEnd;
     size_t place = 2;
     while (Has(place + 2)) {
       const uint8_t* const bytes = stream_->data() + place;
       const uint8_t marker = bytes[1];
-      if (bytes[0] != 0xff || place > kMaxPictureBytes) return Drop(2);
+      if (bytes[0] != 0xff || place > kMaxImageBytes) return Drop(2);
       if (marker == kStartOfImage) return Drop(place);
       if (marker == kEndOfImage) {
-        picture_bytes_ = place + 2;
+        image_bytes_ = place + 2;
         return Outcome::kWhole;
       }
       if (marker == kFill) {
@@ -225,8 +225,8 @@ class JpegReader : public FrameReader {
 
   InputStream* const stream_;
   StreamFormat format_;
-  PictureSize size_ = {};
-  size_t picture_bytes_ = 0;
+  JpegSize size_ = {};
+  size_t image_bytes_ = 0;
 };
 
 }  // namespace
@@ -234,8 +234,8 @@ class JpegReader : public FrameReader {
 bool DecodeJpeg(const uint8_t* bytes, size_t number, const StreamFormat& format,
                 uint8_t* frame) {
   const bool as_grey = format.pixel_format->model == ColourModel::kGrey;
-  PictureSize size;
-  return ReadPictureSize(bytes, number, &size) && size.width == format.width &&
+  JpegSize size;
+  return ReadJpegSize(bytes, number, &size) && size.width == format.width &&
          size.height == format.height && (size.is_grey || !as_grey) &&
          Decompress(bytes, number, as_grey, frame, format.planes[0].row_bytes);
 }

@@ -46,7 +46,7 @@ void RequireMask(const std::string& path, const std::vector<uint8_t>& bytes) {
 
 Blob OpenBlob(const CameraArguments& arguments) {
   Blob blob;
-  blob.bytes = ReadWholeFile(arguments.blob);
+  blob.bytes = ReadFileBytes(arguments.blob);
   rg_status status = RG_ERR_TRUNCATED;
   if (blob.bytes.size() < UINT32_MAX)
     status = rg_camera_open(&blob.camera, blob.bytes.data(),

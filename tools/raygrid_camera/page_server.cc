@@ -29,9 +29,8 @@ struct FreeAddress {
   void operator()(addrinfo* address) const { freeaddrinfo(address); }
 };
 
-std::unique_ptr<addrinfo, FreeAddress> ParseAddress(const std::string& address,
-                                                    uint16_t port,
-                                                    const PageWords& words) {
+std::unique_ptr<addrinfo, FreeAddress> ParseAddress(
+    const std::string& address, uint16_t port, const PageOptionNames& words) {
   addrinfo hints = {};
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
@@ -68,8 +67,8 @@ std::optional<AccessToken> ChooseToken(const PageAddress& address,
 
 // Returns the value of a header field, parameter or cookie; empty if it is
 // missing.
-std::string ValueOf(MHD_Connection* connection, MHD_ValueKind kind,
-                    const char* name) {
+std::string GetHeaderValue(MHD_Connection* connection, MHD_ValueKind kind,
+                           const char* name) {
   const char* const value = MHD_lookup_connection_value(connection, kind, name);
   return value ? value : "";
 }
@@ -152,8 +151,8 @@ MHD_Result AnswerBytes(MHD_Connection* connection, const char* type,
 
 class PageServer::Impl {
  public:
-  Impl(const PageAddress& address, const PageWords& words, bool takes_posts,
-       Handler handler);
+  Impl(const PageAddress& address, const PageOptionNames& words,
+       bool takes_posts, Handler handler);
   ~Impl() { MHD_stop_daemon(daemon_); }
   uint16_t port() const { return port_; }
   std::string link() const;
@@ -168,12 +167,12 @@ class PageServer::Impl {
   MHD_Result Answer(MHD_Connection* connection, const std::string& path,
                     const std::string& method);
   sockaddr_storage ReachedAddress(MHD_Connection* connection) const;
-  bool IsAskedByOwnName(MHD_Connection* connection) const;
-  bool IsAskedByOwnPage(MHD_Connection* connection) const;
+  bool HasOwnHostName(MHD_Connection* connection) const;
+  bool HasOwnOrigin(MHD_Connection* connection) const;
   bool IsTokenKnown(MHD_Connection* connection) const;
 
   const PageAddress address_;
-  const bool takes_posts_;
+  const bool accepts_posts_;
   const std::string foreign_name_, no_token_;  // responses
   const Handler handler_;
   std::optional<AccessToken> token_;
@@ -185,10 +184,10 @@ class PageServer::Impl {
   MHD_Daemon* daemon_ = nullptr;
 };
 
-PageServer::Impl::Impl(const PageAddress& address, const PageWords& words,
+PageServer::Impl::Impl(const PageAddress& address, const PageOptionNames& words,
                        bool takes_posts, Handler handler)
     : address_(address),
-      takes_posts_(takes_posts),
+      accepts_posts_(takes_posts),
       foreign_name_("unknown host name; " + words.program + " " + words.name +
                     " NAME adds one\n"),
       no_token_("token required; " + words.program +
@@ -241,20 +240,20 @@ sockaddr_storage PageServer::Impl::ReachedAddress(
 
 // Whether the request has at least one Host field, and each contains a name of
 // this server.
-bool PageServer::Impl::IsAskedByOwnName(MHD_Connection* connection) const {
+bool PageServer::Impl::HasOwnHostName(MHD_Connection* connection) const {
   const sockaddr_storage reached = ReachedAddress(connection);
-  bool is_asked = false, is_own = true;
+  bool has_host = false, is_own = true;
   ForEachField(connection, MHD_HTTP_HEADER_HOST, [&](const std::string& host) {
-    is_asked = true;
+    has_host = true;
     is_own &=
         names_->IsLocalHost(host, reinterpret_cast<const sockaddr*>(&reached));
   });
-  return is_asked && is_own;
+  return has_host && is_own;
 }
 
 // Whether the request was not caused by a page of another site, as stated by
 // browsers' header fields. Other programs do not send these.
-bool PageServer::Impl::IsAskedByOwnPage(MHD_Connection* connection) const {
+bool PageServer::Impl::HasOwnOrigin(MHD_Connection* connection) const {
   constexpr char kScheme[] = "http://", kSecureScheme[] = "https://";
   const sockaddr_storage reached = ReachedAddress(connection);
   bool is_own = true;
@@ -275,11 +274,12 @@ bool PageServer::Impl::IsAskedByOwnPage(MHD_Connection* connection) const {
 
 bool PageServer::Impl::IsTokenKnown(MHD_Connection* connection) const {
   const std::string bearer = "Bearer " + token_->text();
-  const std::string field =
-      ValueOf(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION);
-  return token_->Is(
-             ValueOf(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter)) ||
-         token_->Is(ValueOf(connection, MHD_COOKIE_KIND, cookie_.c_str())) ||
+  const std::string field = GetHeaderValue(connection, MHD_HEADER_KIND,
+                                           MHD_HTTP_HEADER_AUTHORIZATION);
+  return token_->Is(GetHeaderValue(connection, MHD_GET_ARGUMENT_KIND,
+                                   kTokenParameter)) ||
+         token_->Is(
+             GetHeaderValue(connection, MHD_COOKIE_KIND, cookie_.c_str())) ||
          (field.size() == bearer.size() &&
           field.compare(0, 7, bearer, 0, 7) == 0 &&
           token_->Is(field.substr(7)));
@@ -313,27 +313,28 @@ MHD_Result PageServer::Impl::AnswerStream(MHD_Connection* connection,
 MHD_Result PageServer::Impl::Answer(MHD_Connection* connection,
                                     const std::string& path,
                                     const std::string& method) {
-  const bool is_post = takes_posts_ && method == "POST";
-  if (!IsAskedByOwnName(connection))
+  const bool is_post = accepts_posts_ && method == "POST";
+  if (!HasOwnHostName(connection))
     return AnswerText(connection, MHD_HTTP_MISDIRECTED_REQUEST, "text/plain",
                       foreign_name_.c_str());
   if (method != "GET" && !is_post)
     return AnswerText(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "text/plain",
-                      takes_posts_ ? "only GET and POST are supported\n"
-                                   : "only GET is supported\n");
+                      accepts_posts_ ? "only GET and POST are supported\n"
+                                     : "only GET is supported\n");
   if (token_ && !IsTokenKnown(connection))
     return AnswerText(connection, MHD_HTTP_UNAUTHORIZED, "text/plain",
                       no_token_.c_str());
-  if (is_post && !IsAskedByOwnPage(connection))
+  if (is_post && !HasOwnOrigin(connection))
     return AnswerText(connection, MHD_HTTP_FORBIDDEN, "text/plain",
                       "only this server's own page may send commands\n");
   if (token_ && !is_post && path == "/" &&
-      !ValueOf(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter).empty())
+      !GetHeaderValue(connection, MHD_GET_ARGUMENT_KIND, kTokenParameter)
+           .empty())
     return AnswerWithCookie(connection, cookie_.c_str(), *token_);
   return handler_(connection, path, is_post);
 }
 
-PageServer::PageServer(const PageAddress& address, const PageWords& words,
+PageServer::PageServer(const PageAddress& address, const PageOptionNames& words,
                        bool takes_posts, Handler handler)
     : impl_(std::make_unique<Impl>(address, words, takes_posts,
                                    std::move(handler))) {}

@@ -24,7 +24,7 @@ struct PageAddress {
 };
 
 /// Names of the program and its options, for error messages.
-struct PageWords {
+struct PageOptionNames {
   std::string program;  ///< such as raygrid-camera
   std::string number = "--listen", port = "--http", name = "--http-name";
 };
@@ -59,7 +59,7 @@ class PageServer {
   /// Port 0 in the address: any free port.
   /// takes_posts  whether POST is allowed in addition to GET
   /// Throws CameraError if the port is in use, or the token is not readable.
-  PageServer(const PageAddress& address, const PageWords& words,
+  PageServer(const PageAddress& address, const PageOptionNames& words,
              bool takes_posts, Handler handler);
   /// The streams passed to AnswerStream() must have ended.
   ~PageServer();

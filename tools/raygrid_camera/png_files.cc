@@ -5,7 +5,7 @@
 
 #include "atomic_file.h"
 #include "frame_output.h"
-#include "picture_rows.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -51,7 +51,7 @@ class PngFiles : public FrameOutput {
   void Write(const UndistortedFrame& frame, uint64_t number) override {
     const rg_image image = MakePackedImage(format_, frame.bytes.data());
     for (uint32_t i = 0; i < format_.height; ++i)
-      ReadPictureRow(format_, image, i, rows_[i]);
+      ReadRgbRow(format_, image, i, rows_[i]);
     char path[PATH_MAX];
     std::snprintf(path, sizeof(path), "%s/frame-%06llu.png", folder_.c_str(),
                   static_cast<unsigned long long>(number));

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "jpeg_encoder.h"
-#include "picture_rows.h"
-#include "picture_stream.h"
+#include "mjpeg_stream.h"
 #include "preview_page.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -25,13 +25,13 @@ struct View {
   void Show() {
     if (!stream.has_clients()) return;
     const size_t size = encoder.Encode(MakePackedImage(format, bytes.data()));
-    if (size > 0) stream.ShowPicture(encoder.bytes(), size);
+    if (size > 0) stream.ShowImage(encoder.bytes(), size);
   }
 
   const StreamFormat format;
   std::vector<uint8_t> bytes;  // a copy of the frame
   JpegEncoder encoder;
-  PictureStream stream;
+  MjpegStream stream;
 };
 
 }  // namespace

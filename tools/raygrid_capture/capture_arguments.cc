@@ -11,12 +11,12 @@
 
 #include "camera_arguments.h"
 #include "camera_error.h"
+#include "camera_values.h"
 #include "control_arguments.h"
 #include "dataset/error.h"
 #include "frame_sources.h"
 #include "help_formatter.h"
 #include "image_size_option.h"
-#include "named_camera.h"
 #include "pattern_input.h"
 
 namespace raygrid {
@@ -218,9 +218,9 @@ void FinishCaptureArguments(CaptureArguments* arguments) {
 std::unique_ptr<PairedFrames> OpenFrames(const CaptureArguments& arguments) {
   std::vector<NamedValue> sources = {{"", arguments.sources[0]}};
   if (arguments.sources.size() > 1)
-    sources = ParseNamedCameras("--source", "SOURCE", arguments.sources);
+    sources = ParseCameraValues("--source", "SOURCE", arguments.sources);
   RequireDifferentSources(sources);
-  std::vector<NamedFrames> cameras;
+  std::vector<CameraStream> cameras;
   for (const auto& [name, source] : sources) {
     auto frames = OpenLiveFrames(arguments, source);
     if (!frames) return nullptr;

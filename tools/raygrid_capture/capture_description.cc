@@ -32,19 +32,19 @@ void DescribeFrame(const AssessedFrame& judged, CaptureState* state) {
   state->features.clear();
   for (const Feature& feature : judged.seen.features.features)
     state->features.push_back(feature.pixel);
-  state->sharpness_px = judged.seen.quality.most_spread_px;
+  state->sharpness_px = judged.seen.quality.max_spread_px;
   state->brightness = judged.seen.quality.white / 255;
 }
 
 void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
   const CaptureGuide& guide = *rig.guide(camera);
   state->places.clear();
-  state->deviation_px = 0;
-  state->deviation_is_floor = guide.is_floor();
+  state->stddev_px = 0;
+  state->stddev_is_floor = guide.is_floor();
   if (const CameraInformation* const knowledge = guide.knowledge()) {
-    state->deviation_px = knowledge->Percentile95Px();
+    state->stddev_px = knowledge->Percentile95Px();
     for (const UncertaintySample& place : knowledge->places())
-      state->places.push_back({place.pixel, place.deviation_px});
+      state->places.push_back({place.pixel, place.stddev_px});
   }
   state->is_done = rig.is_done();
   state->num_expected = rig.num_expected().value_or(-1);
@@ -85,7 +85,7 @@ void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
     camera.name = frames.name(c);
     if (judged[c].frame) camera.word = judged[c].word;
     const CaptureGuide* const own = rig.guide(c);
-    camera.deviation_px =
+    camera.stddev_px =
         own && own->knowledge() ? own->knowledge()->Percentile95Px() : 0;
     if (camera.word == "kept") state->word = "kept";
   }

@@ -39,16 +39,16 @@ std::string CaptureJson(const CaptureState& state) {
   for (const PositionState& place : state.places) {
     places.push_back(RoundedPixel(place.pixel.x()));
     places.push_back(RoundedPixel(place.pixel.y()));
-    places.push_back(Rounded(place.deviation_px));
+    places.push_back(Rounded(place.stddev_px));
   }
   Json cameras = Json::array(), links = Json::array();
   for (const CameraState& camera : state.cameras)
     cameras.push_back({{"name", camera.name},
                        {"status", camera.word},
-                       {"uncertainty_px", Rounded(camera.deviation_px)}});
+                       {"uncertainty_px", Rounded(camera.stddev_px)}});
   for (const LinkState& link : state.links)
     links.push_back({{"cameras", {link.first, link.second}},
-                     {"uncertainty_px", Rounded(link.deviation_px)}});
+                     {"uncertainty_px", Rounded(link.stddev_px)}});
   const Json json = {{"schema_version", kCaptureSchemaVersion},
                      {"width", state.width},
                      {"height", state.height},
@@ -63,8 +63,8 @@ std::string CaptureJson(const CaptureState& state) {
                      {"next_views", next},
                      {"arrow", MakePixelsJson(state.arrow)},
                      {"uncertainty_map", places},
-                     {"uncertainty_px", Rounded(state.deviation_px)},
-                     {"uncertainty_is_lower_bound", state.deviation_is_floor},
+                     {"uncertainty_px", Rounded(state.stddev_px)},
+                     {"uncertainty_is_lower_bound", state.stddev_is_floor},
                      {"requested_uncertainty_px", Rounded(state.target_px)},
                      {"kept_frames", state.kept},
                      {"frames_remaining", state.num_expected},

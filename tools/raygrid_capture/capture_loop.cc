@@ -31,15 +31,14 @@ void RequireSize(const Session& session, const ImageSize& size) {
 // Returns the warning at the end if the target uncertainty was not reached.
 std::string TargetWarning(const CaptureState& state) {
   if (!(state.target_px > 0) || state.kept.empty()) return "";
-  const bool is_known = state.deviation_px > 0;
-  if (is_known && !state.deviation_is_floor &&
-      state.deviation_px <= state.target_px)
+  const bool is_known = state.stddev_px > 0;
+  if (is_known && !state.stddev_is_floor && state.stddev_px <= state.target_px)
     return "";
   return fmt::format(
       "--until {:g}px was not reached: {} after {} frames; {}", state.target_px,
       is_known ? fmt::format("uncertainty {:.2g} px in 95 % of the image{}",
-                             state.deviation_px,
-                             state.deviation_is_floor ? " (lower bound)" : "")
+                             state.stddev_px,
+                             state.stddev_is_floor ? " (lower bound)" : "")
                : "no estimate of the camera",
       state.kept.size(),
       state.is_done ? "further views add little"
@@ -100,7 +99,7 @@ void CaptureLoop::Run() {
   auto last = SteadyClock::now();
   while (!IsFinished()) {
     ApplyRequests();
-    TakeGuide(false);
+    AdoptGuide(false);
     if (const auto frame_set = frames_->Next()) {
       ProcessFrameSet(*frame_set);
       last = SteadyClock::now();
@@ -111,10 +110,10 @@ void CaptureLoop::Run() {
                         "it and continue with --resume, or increase --timeout");
     }
   }
-  if (!has_seen_frames_ && frames_->is_finished() && !IsSignalled())
+  if (!has_received_frames_ && frames_->is_finished() && !IsSignalled())
     throw InputError(options_.source + ": contains no readable frame");
   ApplyRequests();
-  TakeGuide(true);
+  AdoptGuide(true);
   if (!guide_) return;
   state_.is_done = guide_->is_done();
   if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
@@ -134,13 +133,13 @@ bool CaptureLoop::IsFinished() {
 
 void CaptureLoop::UpdateCameras(const std::vector<bool>& changed,
                                 const Update& update) {
-  TakeGuide(true);
+  AdoptGuide(true);
   adjusting_ = std::async(std::launch::async, [this, changed, update] {
     for (size_t c = 0; c < live_.size(); ++c)
       if (changed[c]) update(c, live_[c].get());
     MakeGuide(changed);
   });
-  if (!frames_->is_live()) TakeGuide(true);
+  if (!frames_->is_live()) AdoptGuide(true);
 }
 
 void CaptureLoop::MakeGuide(const std::vector<bool>& changed) {
@@ -157,7 +156,7 @@ void CaptureLoop::MakeGuide(const std::vector<bool>& changed) {
   next_guide_ = std::make_unique<RigGuide>(cameras, pattern_, options);
 }
 
-void CaptureLoop::TakeGuide(bool wait) {
+void CaptureLoop::AdoptGuide(bool wait) {
   if (adjusting_.valid()) {
     if (!wait && adjusting_.wait_for(std::chrono::seconds(0)) !=
                      std::future_status::ready)
@@ -167,10 +166,10 @@ void CaptureLoop::TakeGuide(bool wait) {
   if (!next_guide_) return;
   guide_ = std::move(next_guide_);
   guided_since_ = SteadyClock::now();
-  ChooseCameraShown();
+  SelectDisplayedCamera();
 }
 
-void CaptureLoop::ChooseCameraShown() {
+void CaptureLoop::SelectDisplayedCamera() {
   if (guide_->next())
     shown_ = guide_->next()->camera;
   else if (guide_->to_connect())
@@ -206,7 +205,8 @@ void CaptureLoop::Resume() {
     std::vector<GreyImage> greys;
     for (size_t c = 0; c < cameras_.size(); ++c) {
       if (!HasFrame(session_->cameras()[c], name)) continue;
-      greys.push_back(MakeGreyImage(ReadGreyLevels(session_->PathOf(c, name))));
+      greys.push_back(
+          MakeGreyImage(ReadGreyLevels(session_->MakePath(c, name))));
       images[c].push_back(cameras_[c].Detect(name, greys.back()));
     }
     std::vector<const GreyImage*> shown;
@@ -224,13 +224,13 @@ void CaptureLoop::Resume() {
   }
   UpdateCameras(changed,
                 [images](size_t c, LiveCamera* live) { live->Add(images[c]); });
-  TakeGuide(true);
+  AdoptGuide(true);
 }
 
 // The cameras' formats are known only after their first frames.
 void CaptureLoop::Begin(const FrameSet& frame_set) {
-  if (!has_seen_frames_) Resume();
-  has_seen_frames_ = true;
+  if (!has_received_frames_) Resume();
+  has_received_frames_ = true;
   bool is_new = false;
   for (size_t c = 0; c < frame_set.size(); ++c) {
     if (!frame_set[c]) continue;
@@ -238,14 +238,14 @@ void CaptureLoop::Begin(const FrameSet& frame_set) {
     RequireSize(session_->cameras()[c], size);
     is_new |= !guide_ || !guide_->guide(c);
     if (live_[c]) continue;
-    TakeGuide(true);
+    AdoptGuide(true);
     live_[c] =
         std::make_unique<LiveCamera>(pattern_, size, options_.num_threads);
   }
   if (!is_new) return;
-  TakeGuide(true);
+  AdoptGuide(true);
   MakeGuide(std::vector<bool>(live_.size(), false));
-  TakeGuide(true);
+  AdoptGuide(true);
 }
 
 // ---- Frame sets ------------------------------------------------------------
@@ -338,7 +338,7 @@ void CaptureLoop::RecordLock(size_t camera) {
 
 void CaptureLoop::Save(AssessedFrames* assessed_frames) {
   std::string name;
-  std::vector<KeptFrame> frames;
+  std::vector<FrameToSave> frames;
   std::vector<const GreyImage*> greys;
   std::vector<bool> changed(assessed_frames->size(), false);
   std::vector<ImageFeatures> images(assessed_frames->size());
@@ -351,7 +351,7 @@ void CaptureLoop::Save(AssessedFrames* assessed_frames) {
     judged.word = "kept";
     judged.hint.clear();
     frames.push_back({c, frame.grey.size,
-                      cameras_[c].RecordOf(frame, judged.seen),
+                      cameras_[c].MakeRecord(frame, judged.seen),
                       frame.path.empty() ? EncodePng(frame.image)
                                          : ReadImageFile(frame.path)});
     greys.push_back(&frame.grey);

@@ -95,8 +95,8 @@ class CaptureLoop {
   void Remove(const std::string& name);
   void UpdateCameras(const std::vector<bool>& changed, const Update& update);
   void MakeGuide(const std::vector<bool>& changed);
-  void TakeGuide(bool wait);
-  void ChooseCameraShown();
+  void AdoptGuide(bool wait);
+  void SelectDisplayedCamera();
   void Describe(const AssessedFrames& frames);
   void AskForPattern(const ImageFeatures& seen);
   void CountFrameSet();
@@ -122,7 +122,7 @@ class CaptureLoop {
   CaptureState state_;
   std::vector<std::string> lock_warnings_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
-  bool has_seen_frames_ = false, has_connected_in_vain_ = false;
+  bool has_received_frames_ = false, has_connected_in_vain_ = false;
   int num_without_board_ = 0;  // consecutive frame sets
   std::chrono::steady_clock::time_point guided_since_;
 };

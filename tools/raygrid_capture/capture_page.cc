@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "capture_json.h"
-#include "kept_pictures.h"
-#include "live_picture.h"
+#include "downscaled_jpeg.h"
+#include "full_size_images.h"
+#include "live_preview.h"
 #include "newest_stream.h"
 #include "page_files.h"
-#include "smaller_picture.h"
-#include "whole_pictures.h"
+#include "thumbnail_store.h"
 
 namespace raygrid {
 namespace {
@@ -49,8 +49,8 @@ std::string EscapedName(const std::string& name) {
 
 // Parses a path FOLDER/NAME.jpg into its escaped name; returns false for other
 // paths.
-bool ParsePicturePath(const std::string& path, const std::string& folder,
-                      std::string* name) {
+bool ParseImagePath(const std::string& path, const std::string& folder,
+                    std::string* name) {
   const std::string end = ".jpg";
   if (path.size() < folder.size() + end.size() ||
       path.compare(0, folder.size(), folder) != 0 ||
@@ -88,20 +88,20 @@ MHD_Result AnswerFile(MHD_Connection* connection, const char* type,
 
 class CapturePage::Impl {
  public:
-  Impl(const PageAddress& address, const PageWords& words, OnCommand on_command,
-       KeptFrameReader read_kept);
+  Impl(const PageAddress& address, const PageOptionNames& words,
+       OnCommand on_command, KeptFrameReader read_kept);
   ~Impl();
   const PageServer& server() const { return server_; }
   void Show(const CaptureState& state);
-  LivePicture* live() { return &live_; }
-  KeptPictures* kept() { return &kept_; }
+  LivePreview* live() { return &live_; }
+  ThumbnailStore* kept() { return &kept_; }
 
  private:
   MHD_Result Answer(MHD_Connection* connection, const std::string& path,
                     bool is_post);
   MHD_Result AnswerCommand(MHD_Connection* connection, const std::string& path);
   // Finds the name with this escaped form; returns false if no frame has it.
-  bool FindName(const std::string& escaped, std::string* name);
+  bool DecodeName(const std::string& escaped, std::string* name);
   void Repeat();
 
   const OnCommand on_command_;
@@ -112,18 +112,19 @@ class CapturePage::Impl {
                                               // escaped name
   bool is_new_ = false, is_stopped_ = false;
   NewestStream states_{"text/event-stream", "", kUsualStateSize};
-  KeptPictures kept_;
-  LivePicture live_;
-  WholePictures whole_;
+  ThumbnailStore kept_;
+  LivePreview live_;
+  FullSizeImages full_size_images_;
   PageServer server_;
   std::thread repeater_;
 };
 
-CapturePage::Impl::Impl(const PageAddress& address, const PageWords& words,
-                        OnCommand on_command, KeptFrameReader read_kept)
+CapturePage::Impl::Impl(const PageAddress& address,
+                        const PageOptionNames& words, OnCommand on_command,
+                        KeptFrameReader read_kept)
     : on_command_(std::move(on_command)),
       json_(CaptureJson({})),
-      whole_(std::move(read_kept)),
+      full_size_images_(std::move(read_kept)),
       server_(
           address, words, true,
           [this](MHD_Connection* connection, const std::string& path,
@@ -138,7 +139,7 @@ CapturePage::Impl::~Impl() {
   changed_.notify_one();
   repeater_.join();
   live_.End();
-  whole_.End();
+  full_size_images_.End();
   // Repeats the state, which may not have been sent yet.
   states_.Publish({"data: ", json_, "\n\nevent: end\ndata: end\n\n"});
   states_.End();
@@ -170,8 +171,8 @@ void CapturePage::Impl::Repeat() {
       !changed_.wait_for(lock, kMaxSilence, [this] { return is_stopped_; }));
 }
 
-bool CapturePage::Impl::FindName(const std::string& escaped,
-                                 std::string* name) {
+bool CapturePage::Impl::DecodeName(const std::string& escaped,
+                                   std::string* name) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = names_.find(escaped);
   if (found == names_.end()) return false;
@@ -189,7 +190,7 @@ MHD_Result CapturePage::Impl::AnswerCommand(MHD_Connection* connection,
   if (command.kind == CaptureCommand::Kind::kDelete) {
     const char* const escaped =
         MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "name");
-    if (!escaped || !FindName(escaped, &command.name))
+    if (!escaped || !DecodeName(escaped, &command.name))
       return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "no such frame\n");
   }
   if (on_command_) on_command_(command);
@@ -213,19 +214,20 @@ MHD_Result CapturePage::Impl::Answer(MHD_Connection* connection,
   if (path == "/state") return server_.AnswerStream(connection, &states_);
   if (path == "/live") return server_.AnswerStream(connection, live_.stream());
   std::string escaped, name;
-  if (ParsePicturePath(path, "/kept/", &escaped) && FindName(escaped, &name)) {
+  if (ParseImagePath(path, "/kept/", &escaped) && DecodeName(escaped, &name)) {
     const std::vector<uint8_t> jpeg = kept_.Find(name);
     if (!jpeg.empty())
       return AnswerBytes(connection, "image/jpeg", jpeg,
                          {{MHD_HTTP_HEADER_CACHE_CONTROL, "no-store"}});
   }
-  if (ParsePicturePath(path, "/picture/", &escaped) && FindName(escaped, &name))
-    return whole_.Answer(connection, name);
+  if (ParseImagePath(path, "/picture/", &escaped) && DecodeName(escaped, &name))
+    return full_size_images_.Answer(connection, name);
   return AnswerPlain(connection, MHD_HTTP_NOT_FOUND, "not found\n");
 }
 
-CapturePage::CapturePage(const PageAddress& address, const PageWords& words,
-                         OnCommand on_command, KeptFrameReader read_kept)
+CapturePage::CapturePage(const PageAddress& address,
+                         const PageOptionNames& words, OnCommand on_command,
+                         KeptFrameReader read_kept)
     : impl_(std::make_unique<Impl>(address, words, std::move(on_command),
                                    std::move(read_kept))) {}
 
@@ -239,13 +241,12 @@ bool CapturePage::has_new_token() const {
 
 void CapturePage::Show(const CaptureState& state) { impl_->Show(state); }
 
-void CapturePage::ShowPicture(const StreamFormat& format,
-                              const rg_image& image) {
+void CapturePage::ShowImage(const StreamFormat& format, const rg_image& image) {
   impl_->live()->Show(format, image);
 }
 
-void CapturePage::ShowPicture(const uint8_t* grey, int width, int height,
-                              size_t row_bytes) {
+void CapturePage::ShowImage(const uint8_t* grey, int width, int height,
+                            size_t row_bytes) {
   if (!impl_->live()->stream()->has_clients()) return;
   const StreamFormat format = MakeGreyFormat(width, height);
   impl_->live()->Show(format, MakeGreyImage(format, grey, row_bytes));

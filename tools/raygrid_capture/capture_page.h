@@ -23,7 +23,7 @@ struct CaptureCommand {
 };
 
 /// 8-bit grey, rows without padding.
-struct GreyPicture {
+struct GreyBuffer {
   int width = 0, height = 0;
   std::vector<uint8_t> bytes;
 };
@@ -44,10 +44,10 @@ class CapturePage {
   /// Reads a kept frame from disk; returns false if it cannot. Called by a
   /// thread of the page, one frame at a time. Must not throw.
   using KeptFrameReader =
-      std::function<bool(const std::string& name, GreyPicture*)>;
+      std::function<bool(const std::string& name, GreyBuffer*)>;
 
   /// Throws CameraError if the port is in use, or the token is not readable.
-  CapturePage(const PageAddress& address, const PageWords& words,
+  CapturePage(const PageAddress& address, const PageOptionNames& words,
               OnCommand on_command, KeptFrameReader read_kept);
   /// Still sends the last state, and the end of the capture, to all clients.
   ~CapturePage();
@@ -61,9 +61,8 @@ class CapturePage {
   void Show(const CaptureState& state);
 
   /// Copies the frame if a client watches.
-  void ShowPicture(const StreamFormat& format, const rg_image& image);
-  void ShowPicture(const uint8_t* grey, int width, int height,
-                   size_t row_bytes);
+  void ShowImage(const StreamFormat& format, const rg_image& image);
+  void ShowImage(const uint8_t* grey, int width, int height, size_t row_bytes);
 
   /// Adds the thumbnail of a kept frame of the next state.
   void AddKept(const std::string& name, const uint8_t* grey, int width,

@@ -51,21 +51,20 @@ std::string RigLine(const CaptureState& state) {
   for (const CameraState& camera : state.cameras) {
     text += fmt::format("{}{} {}", text.empty() ? "" : "   ", camera.name,
                         camera.word);
-    if (camera.deviation_px > 0)
-      text += fmt::format(" {:.3f} px", camera.deviation_px);
+    if (camera.stddev_px > 0)
+      text += fmt::format(" {:.3f} px", camera.stddev_px);
   }
   for (const LinkState& link : state.links)
     text += fmt::format("   {}-{} {:.3f} px", link.first, link.second,
-                        link.deviation_px);
+                        link.stddev_px);
   return text.empty() ? "" : text + "\n";
 }
 
 // Returns a darker character for a larger uncertainty, in factors of two above
 // the target.
-char ShadeOf(double deviation_px, double good_px) {
+char ComputeShade(double stddev_px, double good_px) {
   constexpr char kShades[] = " .:*@";
-  const int step =
-      static_cast<int>(std::ceil(std::log2(deviation_px / good_px)));
+  const int step = static_cast<int>(std::ceil(std::log2(stddev_px / good_px)));
   return kShades[std::clamp(step, 0, 4)];
 }
 
@@ -73,9 +72,9 @@ std::string FormatProgress(const CaptureState& state) {
   std::string text = fmt::format("{} kept", state.kept.size());
   if (state.num_expected > 0)
     text += fmt::format(", about {} more", state.num_expected);
-  if (state.deviation_px > 0) {
-    text += fmt::format("   uncertainty {:.2g} px{}", state.deviation_px,
-                        state.deviation_is_floor ? " (lower bound)" : "");
+  if (state.stddev_px > 0) {
+    text += fmt::format("   uncertainty {:.2g} px{}", state.stddev_px,
+                        state.stddev_is_floor ? " (lower bound)" : "");
     if (state.target_px > 0)
       text += fmt::format(", target {:g} px", state.target_px);
   }
@@ -90,8 +89,8 @@ std::string DrawState(const CaptureState& state, int num_columns) {
   constexpr double kGoodPx = 0.02;
   for (const PositionState& place : state.places)
     map.Put(place.pixel,
-            ShadeOf(place.deviation_px,
-                    state.target_px > 0 ? state.target_px : kGoodPx));
+            ComputeShade(place.stddev_px,
+                         state.target_px > 0 ? state.target_px : kGoodPx));
   for (const Eigen::Vector2d& feature : state.features) map.Put(feature, 'o');
   for (const ViewState& view : state.next) {
     std::vector<Eigen::Vector2d> closed = view.outline;

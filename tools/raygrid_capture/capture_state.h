@@ -11,7 +11,7 @@ namespace raygrid {
 /// Predicted uncertainty at a pixel.
 struct PositionState {
   Eigen::Vector2d pixel;
-  double deviation_px = 0;
+  double stddev_px = 0;
 };
 
 /// A view to fill with the board. Lines are in image pixels, possibly outside
@@ -25,14 +25,14 @@ struct ViewState {
 struct CameraState {
   std::string name;
   std::string word = "absent";  ///< status of its newest image
-  double deviation_px = 0;      ///< 95th percentile; 0: unknown
+  double stddev_px = 0;         ///< 95th percentile; 0: unknown
 };
 
 /// Uncertainty of the relative pose of two cameras: RMS of predicting a board's
 /// points in the second camera from its pose in the first.
 struct LinkState {
   std::string first, second;
-  double deviation_px = 0;
+  double stddev_px = 0;
 };
 
 /// The state after a frame; for a rig, of the camera whose view is to be
@@ -56,9 +56,9 @@ struct CaptureState {
 
   std::vector<PositionState> places;  ///< empty before a calibration
   /// 95th percentile over the image; 0 before a calibration.
-  double deviation_px = 0;
-  /// Whether there are too few frames, so that deviation_px is a lower bound.
-  bool deviation_is_floor = false;
+  double stddev_px = 0;
+  /// Whether there are too few frames, so that stddev_px is a lower bound.
+  bool stddev_is_floor = false;
   double target_px = 0;  ///< requested uncertainty; 0: none
 
   std::vector<std::string> kept;  ///< names of the frames, oldest first

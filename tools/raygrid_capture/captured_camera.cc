@@ -30,7 +30,7 @@ std::optional<double> FiniteOrNull(double value) {
 }
 
 // Returns the capture settings of a frame.
-SessionFrame StateOf(const FrameInfo& info) {
+SessionFrame MakeSessionFrame(const FrameInfo& info) {
   SessionFrame record;
   record.lens_position = info.lens_position;
   record.focus_steps = info.focus_steps;
@@ -46,7 +46,7 @@ SessionFrame StateOf(const FrameInfo& info) {
   return record;
 }
 
-LensFocus FocusOf(const SessionFrame& frame) {
+LensFocus MakeLensFocus(const SessionFrame& frame) {
   LensFocus focus;
   if (frame.lens_position)
     focus.lens_position = static_cast<float>(*frame.lens_position);
@@ -107,7 +107,8 @@ std::string CapturedCamera::GetStateText(const LiveFrame& frame,
                                          const SessionFrame* first) {
   if (IsLocking(frame, source, first)) return "locking";
   const char* const other =
-      first ? DescribeOtherCameraState(*first, StateOf(frame.info)) : nullptr;
+      first ? DescribeOtherCameraState(*first, MakeSessionFrame(frame.info))
+            : nullptr;
   return other ? other : "";
 }
 
@@ -120,7 +121,7 @@ bool CapturedCamera::IsLocking(const LiveFrame& frame, FrameSource* source,
   if (!lock_time_) {
     lock_time_ = Clock::now();
     // A resumed session restores its focus.
-    if (source && first) source->FocusAt(FocusOf(*first));
+    if (source && first) source->FocusAt(MakeLensFocus(*first));
     if (source) new_lock_ = source->LockState();
     is_locked_ = new_lock_ && !new_lock_->locked.empty();
   }
@@ -133,14 +134,14 @@ std::optional<StateLock> CapturedCamera::TakeLock() {
   return lock;
 }
 
-SessionFrame CapturedCamera::RecordOf(const LiveFrame& frame,
-                                      const DetectedFrame& seen) const {
-  SessionFrame record = StateOf(frame.info);
+SessionFrame CapturedCamera::MakeRecord(const LiveFrame& frame,
+                                        const DetectedFrame& seen) const {
+  SessionFrame record = MakeSessionFrame(frame.info);
   record.image = seen.features.image;
   record.seconds = frame.time_s;
-  record.edge_spread_px = FiniteOrNull(seen.quality.most_spread_px);
+  record.edge_spread_px = FiniteOrNull(seen.quality.max_spread_px);
   record.white = FiniteOrNull(seen.quality.white);
-  record.variance_taken = judge_.gain();
+  record.variance_reduction = judge_.gain();
   return record;
 }
 

@@ -37,8 +37,8 @@ class CapturedCamera {
   std::optional<StateLock> TakeLock();
 
   /// Returns the capture settings and quality of a frame.
-  SessionFrame RecordOf(const LiveFrame& frame,
-                        const DetectedFrame& seen) const;
+  SessionFrame MakeRecord(const LiveFrame& frame,
+                          const DetectedFrame& seen) const;
 
  private:
   bool IsLocking(const LiveFrame& frame, FrameSource* source,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "camera_error.h"
-#include "picture_rows.h"
+#include "rgb_rows.h"
 
 namespace raygrid {
 namespace {
@@ -47,7 +47,7 @@ void RequireGrey(const PixelFormatInfo& pixel_format) {
                         "YUYV, NV12, RGB888 or R8 (see raygrid-camera --list)");
 }
 
-Image GreyOf(const StreamFormat& format, const rg_image& frame) {
+Image ConvertToGrey(const StreamFormat& format, const rg_image& frame) {
   const PixelFormatInfo& info = *format.pixel_format;
   Image image;
   image.size = {format.width, format.height};
@@ -59,7 +59,7 @@ Image GreyOf(const StreamFormat& format, const rg_image& frame) {
         frame.planes[0].data + size_t{y} * frame.planes[0].stride;
     uint8_t* const grey = &image.pixels[image.stride() * y];
     if (info.model == ColourModel::kRgb) {
-      ReadPictureRow(format, frame, y, rgb.data());
+      ReadRgbRow(format, frame, y, rgb.data());
       MixColours(rgb.data(), format.width, grey);
     } else if (info.bits > 8) {
       WidenRow(info, row, format.width, grey);

@@ -13,7 +13,7 @@ void RequireGrey(const PixelFormatInfo& pixel_format);
 /// Returns the grey levels of a frame: the luma of grey and YUV formats, with
 /// all bits; computed from RGB as for colour files. More than 8 bits are
 /// shifted to the highest bits of 16.
-Image GreyOf(const StreamFormat& format, const rg_image& frame);
+Image ConvertToGrey(const StreamFormat& format, const rg_image& frame);
 
 }  // namespace raygrid
 

@@ -75,7 +75,7 @@ class SourceFrames : public LiveFrames {
       return std::nullopt;
     }
     LiveFrame frame;
-    frame.image = GreyOf(source_->format(), captured->image);
+    frame.image = ConvertToGrey(source_->format(), captured->image);
     frame.info = captured->info;
     frame.arrived = captured->arrived;
     source_->Release(*captured);

@@ -55,10 +55,10 @@ class StandardOutput {
     } else if (!is_quiet_ && is_kept) {
       fmt::print(
           stderr, "{}: kept{}; next: {}\n", state.kept.back(),
-          state.deviation_px > 0
+          state.stddev_px > 0
               ? fmt::format(", uncertainty before it {:.2g} px{}",
-                            state.deviation_px,
-                            state.deviation_is_floor ? " (lower bound)" : "")
+                            state.stddev_px,
+                            state.stddev_is_floor ? " (lower bound)" : "")
               : "",
           state.hint);
     }
@@ -108,16 +108,16 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
         return wishes->Delete(command.name);
     }
   };
-  const auto read = [&session](const std::string& name, GreyPicture* picture) {
+  const auto read = [&session](const std::string& name, GreyBuffer* picture) {
     try {
       std::vector<GreyImage> greys;
       for (size_t c = 0; c < session.cameras().size(); ++c)
-        if (const std::string path = session.PathOf(c, name);
+        if (const std::string path = session.MakePath(c, name);
             std::filesystem::exists(path))
           greys.push_back(MakeGreyImage(ReadImage(path, true)));
       std::vector<const GreyImage*> shown;
       for (const GreyImage& grey : greys) shown.push_back(&grey);
-      *picture = SideBySide(shown);
+      *picture = ConcatenateHorizontally(shown);
       return !greys.empty();
     } catch (const std::exception&) {
       return false;
@@ -125,8 +125,8 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
   };
   auto page = std::make_unique<CapturePage>(
       arguments.page,
-      PageWords{"raygrid capture", "--listen", "--port", "--page-name"}, follow,
-      read);
+      PageOptionNames{"raygrid capture", "--listen", "--port", "--page-name"},
+      follow, read);
   if (!arguments.common.quiet || page->has_new_token())
     fmt::print(stderr, "{}\n", page->link());
   return page;
@@ -140,10 +140,10 @@ void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
   fmt::print("{} {} kept in {}{}\n", state.kept.size(),
              state.cameras.empty() ? "frames" : "synchronized frames",
              arguments.output,
-             state.deviation_px > 0
+             state.stddev_px > 0
                  ? fmt::format("; uncertainty {:.2g} px in 95 % of the image{}",
-                               state.deviation_px,
-                               state.deviation_is_floor ? " (lower bound)" : "")
+                               state.stddev_px,
+                               state.stddev_is_floor ? " (lower bound)" : "")
                  : "");
 }
 
@@ -182,9 +182,9 @@ int Run(int argc, char** argv) {
   const auto frames = OpenFrames(arguments);
   if (!frames) return 0;
   // With existing photographs and videos, no operator follows suggestions.
-  constexpr double kPartWithoutOperator = 0.15;
+  constexpr double kMaxFractionWithoutOperator = 0.15;
   if (!frames->is_live())
-    arguments.loop.guide.part_of_next = kPartWithoutOperator;
+    arguments.loop.guide.min_gain_ratio = kMaxFractionWithoutOperator;
   SessionFolder session(arguments.output, pattern, frames->names(),
                         arguments.resume);
   StandardOutput output(arguments);
@@ -199,12 +199,12 @@ int Run(int argc, char** argv) {
   };
   if (page) {
     viewers.show_picture = [&page](const GreyImage& grey) {
-      page->ShowPicture(grey.bytes.data(), grey.size.width, grey.size.height,
-                        static_cast<size_t>(grey.size.width));
+      page->ShowImage(grey.bytes.data(), grey.size.width, grey.size.height,
+                      static_cast<size_t>(grey.size.width));
     };
     viewers.add_kept = [&page](const std::string& name,
                                const std::vector<const GreyImage*>& greys) {
-      const GreyPicture picture = SideBySide(greys);
+      const GreyBuffer picture = ConcatenateHorizontally(greys);
       page->AddKept(name, picture.bytes.data(), picture.width, picture.height,
                     static_cast<size_t>(picture.width));
     };

@@ -6,12 +6,13 @@
 
 namespace raygrid {
 
-PairedFrames::PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s)
+PairedFrames::PairedFrames(std::vector<CameraStream> cameras,
+                           double tolerance_s)
     : cameras_(std::move(cameras)),
       tolerance_s_(tolerance_s),
       pending_(cameras_.size()),
       last_pair_(Clock::now()) {
-  for (const NamedFrames& camera : cameras_)
+  for (const CameraStream& camera : cameras_)
     if (camera.frames->is_live() != is_live() ||
         camera.frames->done().has_value() !=
             cameras_[0].frames->done().has_value())
@@ -23,12 +24,12 @@ PairedFrames::PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s)
 
 std::vector<std::string> PairedFrames::names() const {
   std::vector<std::string> names;
-  for (const NamedFrames& camera : cameras_) names.push_back(camera.camera);
+  for (const CameraStream& camera : cameras_) names.push_back(camera.camera);
   return names;
 }
 
 bool PairedFrames::is_finished() const {
-  const auto is_finished = [](const NamedFrames& camera) {
+  const auto is_finished = [](const CameraStream& camera) {
     return camera.frames->is_finished();
   };
   if (is_live())
@@ -39,7 +40,7 @@ bool PairedFrames::is_finished() const {
 }
 
 std::optional<FrameSet> PairedFrames::Next() {
-  if (size() > 1) return is_live() ? NextLive() : NextOfFiles();
+  if (size() > 1) return is_live() ? NextLive() : ReadNextFiles();
   auto frame = cameras_[0].frames->Next();
   if (!frame) return std::nullopt;
   FrameSet frame_set;
@@ -58,7 +59,7 @@ bool PairedFrames::FillPending() {
   return is_full;
 }
 
-FrameSet PairedFrames::TakePending(const std::vector<bool>& taken) {
+FrameSet PairedFrames::PopPending(const std::vector<bool>& taken) {
   FrameSet frame_set(size());
   for (size_t c = 0; c < size(); ++c)
     if (taken[c]) frame_set[c].swap(pending_[c]);
@@ -69,31 +70,33 @@ std::optional<FrameSet> PairedFrames::NextLive() {
   constexpr std::chrono::seconds kPatience(1);
   const bool is_full = FillPending();
   const auto now = Clock::now();
-  const auto time_of = [&](size_t c) { return pending_[c]->info.timestamp_ns; };
+  const auto get_time = [&](size_t c) {
+    return pending_[c]->info.timestamp_ns;
+  };
   std::optional<size_t> oldest, newest;
   for (size_t c = 0; c < size(); ++c) {
     if (!pending_[c]) continue;
-    if (!oldest || time_of(c) < time_of(*oldest)) oldest = c;
-    if (!newest || time_of(c) > time_of(*newest)) newest = c;
+    if (!oldest || get_time(c) < get_time(*oldest)) oldest = c;
+    if (!newest || get_time(c) > get_time(*newest)) newest = c;
   }
   if (!oldest) return std::nullopt;
   if (is_full &&
-      static_cast<double>(time_of(*newest) - time_of(*oldest)) * 1e-9 <=
+      static_cast<double>(get_time(*newest) - get_time(*oldest)) * 1e-9 <=
           tolerance_s_) {
     last_pair_ = now;
     is_unpaired_ = false;
-    return TakePending(std::vector<bool>(size(), true));
+    return PopPending(std::vector<bool>(size(), true));
   }
   // The matching frame is missing, or a camera is late.
   is_unpaired_ = now - last_pair_ > kPatience;
   if (!is_full && !is_unpaired_) return std::nullopt;
   std::vector<bool> taken(size(), false);
   taken[*oldest] = true;
-  FrameSet alone = TakePending(taken);
+  FrameSet alone = PopPending(taken);
   return is_unpaired_ ? std::optional(std::move(alone)) : std::nullopt;
 }
 
-std::optional<FrameSet> PairedFrames::NextOfFiles() {
+std::optional<FrameSet> PairedFrames::ReadNextFiles() {
   FillPending();
   for (size_t c = 0; c < size(); ++c)
     if (!pending_[c] && !cameras_[c].frames->is_finished())
@@ -105,7 +108,7 @@ std::optional<FrameSet> PairedFrames::NextOfFiles() {
   if (!first) return std::nullopt;
   for (size_t c = 0; c < size(); ++c)
     taken[c] = pending_[c] && pending_[c]->name == *first;
-  return TakePending(taken);
+  return PopPending(taken);
 }
 
 }  // namespace raygrid

@@ -15,7 +15,7 @@ namespace raygrid {
 /// one.
 using FrameSet = std::vector<std::optional<LiveFrame>>;
 
-struct NamedFrames {
+struct CameraStream {
   std::string camera;  ///< empty: single camera
   std::unique_ptr<LiveFrames> frames;
 };
@@ -31,7 +31,7 @@ class PairedFrames {
   /// Frames of live cameras are synchronized if their time stamps differ by no
   /// more than the tolerance. Throws Error(kUsage) if live cameras, videos and
   /// folders are mixed.
-  PairedFrames(std::vector<NamedFrames> cameras, double tolerance_s);
+  PairedFrames(std::vector<CameraStream> cameras, double tolerance_s);
 
   size_t size() const { return cameras_.size(); }
   const std::string& name(size_t camera) const {
@@ -54,11 +54,11 @@ class PairedFrames {
 
  private:
   bool FillPending();
-  FrameSet TakePending(const std::vector<bool>& taken);
+  FrameSet PopPending(const std::vector<bool>& taken);
   std::optional<FrameSet> NextLive();
-  std::optional<FrameSet> NextOfFiles();
+  std::optional<FrameSet> ReadNextFiles();
 
-  std::vector<NamedFrames> cameras_;
+  std::vector<CameraStream> cameras_;
   const double tolerance_s_;
   FrameSet pending_;  // frames waiting for others of their set
   Clock::time_point last_pair_;

@@ -72,7 +72,7 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
           folder + ": is a session with another target; use --pattern " + path);
   } else {
     is_new_ = true;
-    TakePattern(path, text);
+    AdoptPattern(path, text);
     for (const std::string& camera : cameras) {
       cameras_.emplace_back();
       cameras_.back().camera = camera;
@@ -87,8 +87,8 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
 
 // Writes the pattern file. An existing file is never replaced, since it may be
 // the one given by the user.
-void SessionFolder::TakePattern(const std::string& path,
-                                const std::string& text) {
+void SessionFolder::AdoptPattern(const std::string& path,
+                                 const std::string& text) {
   if (!fs::exists(path)) {
     WriteFile(path, text);
     has_made_pattern_ = true;
@@ -135,8 +135,8 @@ std::vector<std::string> SessionFolder::CollectFrameSets() const {
   return names;
 }
 
-std::string SessionFolder::PathOf(size_t camera,
-                                  const std::string& image) const {
+std::string SessionFolder::MakePath(size_t camera,
+                                    const std::string& image) const {
   return SessionFramePath(folder_, cameras_[camera].camera, image);
 }
 
@@ -144,7 +144,7 @@ std::string SessionFolder::NewName(const std::string& photograph) {
   const auto is_taken = [this](const std::string& name) {
     for (size_t c = 0; c < cameras_.size(); ++c) {
       std::error_code error;
-      if (fs::exists(PathOf(c, name), error)) return true;
+      if (fs::exists(MakePath(c, name), error)) return true;
     }
     return false;
   };
@@ -155,10 +155,11 @@ std::string SessionFolder::NewName(const std::string& photograph) {
   return name;
 }
 
-void SessionFolder::Save(std::vector<KeptFrame> frames) {
-  for (KeptFrame& frame : frames)
-    WriteFile(PathOf(frame.camera, frame.record.image), std::move(frame.bytes));
-  for (const KeptFrame& frame : frames) {
+void SessionFolder::Save(std::vector<FrameToSave> frames) {
+  for (FrameToSave& frame : frames)
+    WriteFile(MakePath(frame.camera, frame.record.image),
+              std::move(frame.bytes));
+  for (const FrameToSave& frame : frames) {
     Session& session = cameras_[frame.camera];
     if (session.frames.empty()) session.image_size = frame.size;
     session.frames.push_back(frame.record);
@@ -175,7 +176,7 @@ void SessionFolder::Remove(const std::string& image) {
         [&image](const SessionFrame& frame) { return frame.image == image; });
     if (found == frames.end()) continue;
     frames.erase(found);
-    paths.push_back(PathOf(c, image));
+    paths.push_back(MakePath(c, image));
   }
   if (paths.empty()) return;
   Write();

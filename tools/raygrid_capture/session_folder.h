@@ -10,7 +10,7 @@
 namespace raygrid {
 
 /// A camera's image of a frame set, to be kept.
-struct KeptFrame {
+struct FrameToSave {
   size_t camera = 0;
   ImageSize size;
   SessionFrame record;  ///< `image` contains the name of the frame set
@@ -38,21 +38,21 @@ class SessionFolder {
   /// Returns the names of all frame sets, oldest first.
   std::vector<std::string> CollectFrameSets() const;
   /// Returns the path of an image, which need not exist.
-  std::string PathOf(size_t camera, const std::string& image) const;
+  std::string MakePath(size_t camera, const std::string& image) const;
 
   /// Returns an unused frame name: frame-0001.png and so on, or the name of the
   /// photograph.
   std::string NewName(const std::string& photograph);
   /// Adds a frame set. Throws Error(kOutput); earlier frame sets are not
   /// affected.
-  void Save(std::vector<KeptFrame> frames);
+  void Save(std::vector<FrameToSave> frames);
   void Remove(const std::string& image);
   void RecordLocked(size_t camera, const std::vector<std::string>& locked,
                     const std::vector<std::string>& not_locked);
 
  private:
   void Write();
-  void TakePattern(const std::string& path, const std::string& text);
+  void AdoptPattern(const std::string& path, const std::string& text);
   bool IsEmpty() const;
   void RemoveAll() const;
 

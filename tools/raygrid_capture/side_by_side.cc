@@ -4,8 +4,9 @@
 
 namespace raygrid {
 
-GreyPicture SideBySide(const std::vector<const GreyImage*>& pictures) {
-  GreyPicture all;
+GreyBuffer ConcatenateHorizontally(
+    const std::vector<const GreyImage*>& pictures) {
+  GreyBuffer all;
   for (const GreyImage* picture : pictures) {
     all.width += picture->size.width;
     all.height = std::max(all.height, picture->size.height);

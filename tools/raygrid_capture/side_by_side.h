@@ -9,7 +9,8 @@
 namespace raygrid {
 
 /// Concatenates pictures horizontally, aligned at the top, with black below.
-GreyPicture SideBySide(const std::vector<const GreyImage*>& pictures);
+GreyBuffer ConcatenateHorizontally(
+    const std::vector<const GreyImage*>& pictures);
 
 }  // namespace raygrid
 

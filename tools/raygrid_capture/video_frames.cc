@@ -23,7 +23,7 @@ namespace {
 // A file descriptor, or the read end of a pipe from a decoder process.
 class VideoStream {
  public:
-  static VideoStream OfFile(const std::string& path) {
+  static VideoStream OpenFile(const std::string& path) {
     VideoStream stream;
     stream.fd_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (stream.fd_ < 0)
@@ -32,7 +32,7 @@ class VideoStream {
     return stream;
   }
 
-  static VideoStream OfProgram(const std::string& path) {
+  static VideoStream OpenProgram(const std::string& path) {
     VideoStream stream;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
@@ -113,8 +113,8 @@ std::unique_ptr<LiveFrames> MakeVideoFrames(const std::string& path) {
   try {
     return MakeSourceFrames(
         std::make_unique<VideoSource>(IsReadWithoutFfmpeg(path)
-                                          ? VideoStream::OfFile(path)
-                                          : VideoStream::OfProgram(path)),
+                                          ? VideoStream::OpenFile(path)
+                                          : VideoStream::OpenProgram(path)),
         false);
   } catch (const CameraError& error) {
     throw InputError(

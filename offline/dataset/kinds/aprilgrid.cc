@@ -74,8 +74,8 @@ class AprilGridKind : public TargetKind {
     return squares;
   }
 
-  std::vector<MarkerPlace> Markers(const Board& board) const override {
-    std::vector<MarkerPlace> tags;
+  std::vector<MarkerPosition> Markers(const Board& board) const override {
+    std::vector<MarkerPosition> tags;
     const int columns = board.columns / 2, rows = board.rows / 2;
     const double pitch_m = board.square_m * (1 + board.spacing_ratio);
     for (int row = 0; row < rows; ++row) {

@@ -18,8 +18,8 @@ class CharucoKind : public TargetKind {
 
   // The first square's corner is one square to the left of and above feature
   // (0, 0).
-  std::vector<MarkerPlace> Markers(const Board& board) const override {
-    std::vector<MarkerPlace> markers;
+  std::vector<MarkerPosition> Markers(const Board& board) const override {
+    std::vector<MarkerPosition> markers;
     const double margin_m = (board.square_m - board.marker_m) / 2;
     int id = board.first_marker;
     for (int row = 0; row <= board.rows; ++row) {

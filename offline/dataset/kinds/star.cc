@@ -42,7 +42,7 @@ int TagStart(int num_features, int squares, int k, int count) {
   return static_cast<int>(std::ceil(center - squares / 2.0 - 0.5));
 }
 
-std::vector<BoardTag> PlaceTags(const StarBoardOptions& options, int squares) {
+std::vector<BoardTag> LayOutTags(const StarBoardOptions& options, int squares) {
   std::vector<BoardTag> tags;
   const int num_rows = NumTagRows(options);
   for (int row = 0; row < num_rows; ++row) {
@@ -190,8 +190,8 @@ class StarKind : public TargetKind {
     return ink;
   }
 
-  std::vector<MarkerPlace> Markers(const Board& board) const override {
-    std::vector<MarkerPlace> markers;
+  std::vector<MarkerPosition> Markers(const Board& board) const override {
+    std::vector<MarkerPosition> markers;
     for (const BoardTag& tag : board.tags)
       markers.push_back({tag.id, true, tag.family,
                          Eigen::Vector2d(tag.column, tag.row) * board.square_m,
@@ -296,7 +296,7 @@ std::vector<Board> StarBoards(const StarBoardOptions& options) {
       options.tag_squares > 0
           ? options.tag_squares
           : DefaultTagSquares(options.columns, options.rows, options.square_mm);
-  board.tags = PlaceTags(options, squares);
+  board.tags = LayOutTags(options, squares);
   if (!AreApart(options, board.tags))
     throw Error(
         ExitCode::kUsage,

@@ -35,7 +35,7 @@ void TargetKind::Read(const std::string& position, const YAML::Node& node,
       std::max(board->columns, board->rows) > kMaxFeaturesAlongSide)
     throw InputError(fmt::format("{}: columns and rows must be 2 to {}",
                                  position, kMaxFeaturesAlongSide));
-  RequireFewPoints(position, board->num_points());
+  CheckPointLimit(position, board->num_points());
   if (!(board->square_m >= kMinSquareM && board->square_m <= kMaxSquareM))
     throw InputError(fmt::format(
         "{}: square_m is {:g}, but must be 1e-6 (1 µm) to {:g} metres",

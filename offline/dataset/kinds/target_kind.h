@@ -22,7 +22,7 @@ namespace raygrid {
 using Polygon = std::vector<Eigen::Vector2d>;
 
 /// A marker on a board.
-struct MarkerPlace {
+struct MarkerPosition {
   int id = 0;
   bool is_april_tag = false;
   std::string family;      ///< AprilTag family or OpenCV dictionary
@@ -94,7 +94,7 @@ class TargetKind {
   /// x, y: board coordinates in squares.
   virtual bool IsBlack(const Board& board, double x, double y) const;
   virtual std::vector<Polygon> Ink(const Board& board) const;
-  virtual std::vector<MarkerPlace> Markers(const Board&) const { return {}; }
+  virtual std::vector<MarkerPosition> Markers(const Board&) const { return {}; }
   /// Returns the distance from the edges of features to the nearest marker
   /// cell, in squares.
   virtual double MarkerDistance(const Board&) const {

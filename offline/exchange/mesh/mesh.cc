@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
+size_t CountInaccurate(const MeshTable& mesh, const UnitMesh& unit) {
   size_t count = 0;
   for (size_t k = 0; k < mesh.vertices.size(); ++k) {
     Eigen::Vector2d moved = unit.vertices[k] - mesh.vertices[k];
@@ -23,9 +23,9 @@ size_t CountMoved(const MeshTable& mesh, const UnitMesh& unit) {
 }
 
 // Interpolates the source position of a pixel with separable weights.
-Eigen::Vector2d PlaceByWeights(const MeshLattice& lattice,
-                               const std::vector<Eigen::Vector2d>& vertices,
-                               const MeshWeights& x, const MeshWeights& y) {
+Eigen::Vector2d InterpolateByWeights(
+    const MeshLattice& lattice, const std::vector<Eigen::Vector2d>& vertices,
+    const MeshWeights& x, const MeshWeights& y) {
   Eigen::Vector2d position(0, 0);
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < 3; ++i) {
@@ -106,8 +106,8 @@ MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
   double sum = 0, worst = -1;
   for (int y = 0; y < mesh.size.height; ++y)
     for (int x = 0; x < mesh.size.width; ++x) {
-      const Eigen::Vector2d position =
-          PlaceByWeights(mesh.lattice, unit.vertices, columns[x], rows[y]);
+      const Eigen::Vector2d position = InterpolateByWeights(
+          mesh.lattice, unit.vertices, columns[x], rows[y]);
       const Eigen::Vector2d& source =
           mesh.sources[static_cast<size_t>(y) * mesh.size.width + x];
       if (!source.allFinite()) {
@@ -126,7 +126,7 @@ MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
     error.max_px = std::sqrt(worst);
     error.rms_px = std::sqrt(sum / error.num_pixels);
   }
-  error.num_moved = CountMoved(mesh, unit);
+  error.num_inaccurate = CountInaccurate(mesh, unit);
   return error;
 }
 
@@ -138,11 +138,11 @@ std::string FormatMeshError(const MeshError& error) {
     text += fmt::format(
         "; {} pixels that are empty in the undistorted view are filled",
         error.num_filled);
-  if (error.num_moved > 0)
+  if (error.num_inaccurate > 0)
     text += fmt::format(
         "; {} vertices outside the image are clamped to the range of the unit "
         "(avoid this with --alpha 0)",
-        error.num_moved);
+        error.num_inaccurate);
   return text;
 }
 
@@ -185,9 +185,9 @@ void AppendLittleEndian(uint64_t number, int num_bytes, std::string* bytes) {
 }
 
 std::string PathWithSuffix(const std::string& path, const std::string& suffix) {
-  const std::filesystem::path whole(path);
-  return (whole.parent_path() /
-          (whole.stem().string() + suffix + whole.extension().string()))
+  const std::filesystem::path full_path(path);
+  return (full_path.parent_path() /
+          (full_path.stem().string() + suffix + full_path.extension().string()))
       .string();
 }
 

@@ -108,7 +108,7 @@ struct MeshError {
   /// image.
   size_t num_filled = 0;
   /// Needed vertices that quantization or clamping moves by more than 1 px.
-  size_t num_moved = 0;
+  size_t num_inaccurate = 0;
 };
 
 /// Interpolates a source position bilinearly between four vertices.

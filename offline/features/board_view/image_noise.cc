@@ -21,7 +21,7 @@ double Response(const GreyImage& image, int x, int y) {
 
 // Returns the mean grey level of a block and the standard deviation of its
 // noise.
-NoiseAtLevel NoiseOfBlock(const GreyImage& image, int x0, int y0) {
+NoiseAtGreyLevel EstimateBlockNoise(const GreyImage& image, int x0, int y0) {
   double sum = 0, levels = 0;
   for (int y = y0; y < y0 + kBlockPx; ++y) {
     for (int x = x0; x < x0 + kBlockPx; ++x) {
@@ -32,21 +32,21 @@ NoiseAtLevel NoiseOfBlock(const GreyImage& image, int x0, int y0) {
   return {levels / kBlockPx / kBlockPx, std::sqrt(sum) / kBlockPx / 6};
 }
 
-std::vector<NoiseAtLevel> NoiseOfBlocks(const GreyImage& image) {
-  std::vector<NoiseAtLevel> blocks;
+std::vector<NoiseAtGreyLevel> EstimateBlockNoises(const GreyImage& image) {
+  std::vector<NoiseAtGreyLevel> blocks;
   for (int y = 1; y + kBlockPx < image.size.height; y += kStridePx)
     for (int x = 1; x + kBlockPx < image.size.width; x += kStridePx)
-      blocks.push_back(NoiseOfBlock(image, x, y));
+      blocks.push_back(EstimateBlockNoise(image, x, y));
   return blocks;
 }
 
-double SmoothestNoise(std::vector<NoiseAtLevel> blocks) {
+double SmoothestNoise(std::vector<NoiseAtGreyLevel> blocks) {
   if (blocks.empty()) return 0;
   const auto chosen =
       blocks.begin() + static_cast<ptrdiff_t>(
                            kQuantile * static_cast<double>(blocks.size() - 1));
   std::nth_element(blocks.begin(), chosen, blocks.end(),
-                   [](const NoiseAtLevel& a, const NoiseAtLevel& b) {
+                   [](const NoiseAtGreyLevel& a, const NoiseAtGreyLevel& b) {
                      return a.noise < b.noise;
                    });
   return chosen->noise;
@@ -55,33 +55,33 @@ double SmoothestNoise(std::vector<NoiseAtLevel> blocks) {
 }  // namespace
 
 double EstimateNoise(const GreyImage& image) {
-  return SmoothestNoise(NoiseOfBlocks(image));
+  return SmoothestNoise(EstimateBlockNoises(image));
 }
 
-std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image) {
-  constexpr size_t kNumLevels = 8, kMinBlocks = 12;
-  std::vector<NoiseAtLevel> blocks = NoiseOfBlocks(image);
+std::vector<NoiseAtGreyLevel> EstimateNoiseByGreyLevel(const GreyImage& image) {
+  constexpr size_t kNumGreyLevels = 8, kMinBlocks = 12;
+  std::vector<NoiseAtGreyLevel> blocks = EstimateBlockNoises(image);
   std::stable_sort(blocks.begin(), blocks.end(),
-                   [](const NoiseAtLevel& a, const NoiseAtLevel& b) {
+                   [](const NoiseAtGreyLevel& a, const NoiseAtGreyLevel& b) {
                      return a.level < b.level;
                    });
-  const size_t num_levels =
-      std::clamp<size_t>(blocks.size() / kMinBlocks, 1, kNumLevels);
-  std::vector<NoiseAtLevel> by_level;
-  for (size_t k = 0; k < num_levels && !blocks.empty(); ++k) {
-    const auto begin = blocks.begin() + k * blocks.size() / num_levels;
-    const auto end = blocks.begin() + (k + 1) * blocks.size() / num_levels;
+  const size_t num_grey_levels =
+      std::clamp<size_t>(blocks.size() / kMinBlocks, 1, kNumGreyLevels);
+  std::vector<NoiseAtGreyLevel> noise_by_grey_level;
+  for (size_t k = 0; k < num_grey_levels && !blocks.empty(); ++k) {
+    const auto begin = blocks.begin() + k * blocks.size() / num_grey_levels;
+    const auto end = blocks.begin() + (k + 1) * blocks.size() / num_grey_levels;
     const double level = (begin + (end - begin) / 2)->level;
     double noise = SmoothestNoise({begin, end});
-    for (const NoiseAtLevel& other : by_level)
+    for (const NoiseAtGreyLevel& other : noise_by_grey_level)
       noise = std::min(
           noise, other.noise * std::sqrt(std::max(
                                    1.0, level / std::max(1.0, other.level))));
-    for (NoiseAtLevel& darker : by_level)
+    for (NoiseAtGreyLevel& darker : noise_by_grey_level)
       darker.noise = std::min(darker.noise, noise);
-    by_level.push_back({level, noise});
+    noise_by_grey_level.push_back({level, noise});
   }
-  return by_level;
+  return noise_by_grey_level;
 }
 
 }  // namespace raygrid

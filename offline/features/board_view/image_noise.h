@@ -13,7 +13,7 @@ namespace raygrid {
 double EstimateNoise(const GreyImage& image);
 
 /// Standard deviation of the noise at a grey level.
-struct NoiseAtLevel {
+struct NoiseAtGreyLevel {
   double level, noise;
 };
 
@@ -21,7 +21,7 @@ struct NoiseAtLevel {
 /// from the smoothest blocks at each level. Photon noise increases at most with
 /// the square root of the intensity; larger values are attributed to texture
 /// and limited accordingly.
-std::vector<NoiseAtLevel> EstimateNoiseByLevel(const GreyImage& image);
+std::vector<NoiseAtGreyLevel> EstimateNoiseByGreyLevel(const GreyImage& image);
 
 }  // namespace raygrid
 

@@ -14,7 +14,7 @@ namespace {
 
 // Returns the smallest difference between grey levels in use, at most 1 (8
 // bits): some 16-bit files contain only 8 bits of information.
-double UsedLevelStep(const GreyImage& image) {
+double ComputeGreyLevelRange(const GreyImage& image) {
   float step = 1;
   for (size_t i = 1; i < image.levels.size(); ++i) {
     const float difference = std::fabs(image.levels[i] - image.levels[i - 1]);
@@ -67,23 +67,24 @@ double LargeDifference(const cv::Mat& differences) {
 
 // Estimates the noise of means over 8 x 8 pixels. Noise may be correlated
 // between neighbouring pixels, due to compression or demosaicing.
-std::vector<NoiseAtLevel> CellNoise(const GreyImage& image) {
-  std::vector<NoiseAtLevel> noise = EstimateNoiseByLevel(image);
-  const std::vector<NoiseAtLevel> halved = EstimateNoiseByLevel(Halved(image));
-  for (NoiseAtLevel& n : noise) n.noise /= 7;
+std::vector<NoiseAtGreyLevel> CellNoise(const GreyImage& image) {
+  std::vector<NoiseAtGreyLevel> noise = EstimateNoiseByGreyLevel(image);
+  const std::vector<NoiseAtGreyLevel> halved =
+      EstimateNoiseByGreyLevel(Halved(image));
+  for (NoiseAtGreyLevel& n : noise) n.noise /= 7;
   for (size_t k = 0; k < std::min(noise.size(), halved.size()); ++k)
     noise[k].noise = std::max(noise[k].noise, halved[k].noise / 4);
   return noise;
 }
 
 // Interpolates the noise linearly between grey levels.
-double NoiseAt(const std::vector<NoiseAtLevel>& noise, double level) {
+double NoiseAt(const std::vector<NoiseAtGreyLevel>& noise, double level) {
   constexpr double kLeast = 1e-6;
   size_t k = 0;
   while (k < noise.size() && noise[k].level <= level) ++k;
   if (k == 0) return std::max(kLeast, noise.front().noise);
   if (k == noise.size()) return std::max(kLeast, noise.back().noise);
-  const NoiseAtLevel &a = noise[k - 1], &b = noise[k];
+  const NoiseAtGreyLevel &a = noise[k - 1], &b = noise[k];
   const double part = (level - a.level) / (b.level - a.level);
   return std::max(kLeast, a.noise + part * (b.noise - a.noise));
 }
@@ -92,22 +93,22 @@ double NoiseAt(const std::vector<NoiseAtLevel>& noise, double level) {
 // median, because they would dominate the correlation within a window. The
 // image is scaled such that its noise is about one grey level.
 void CorrectDeadPixels(GreyImage* image) {
-  constexpr double kFarBeyond = 20;
+  constexpr double kMinHotPixelStep = 20;
   cv::Mat around = cv::Mat::ones(3, 3, CV_8U);
   around.at<uint8_t>(1, 1) = 0;
   cv::Mat levels = MakeLevels(*image), lowest, highest, median;
   cv::erode(levels, lowest, around);
   cv::dilate(levels, highest, around);
   cv::medianBlur(levels, median, 3);
-  const cv::Mat is_dead =
-      (levels > highest + kFarBeyond) | (levels < lowest - kFarBeyond);
+  const cv::Mat is_dead = (levels > highest + kMinHotPixelStep) |
+                          (levels < lowest - kMinHotPixelStep);
   median.copyTo(levels, is_dead);
 }
 
 }  // namespace
 
 std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image) {
-  const double step = UsedLevelStep(image);
+  const double step = ComputeGreyLevelRange(image);
   const int exponent = std::min(
       static_cast<int>(std::lround(-std::log2(EstimateNoise(image, step)))),
       static_cast<int>(std::floor(-std::log2(step))));
@@ -129,14 +130,14 @@ bool IsPureNoise(const GreyImage& image) {
   // For pure noise, 0.05 % of the differences from the surrounding cells exceed
   // 3.5 standard deviations; corners cause larger ones.
   constexpr int kCellPx = 8, kAroundCells = 5;
-  constexpr double kFew = 5e-4, kMaxDeviations = 4.5;
+  constexpr double kTailFraction = 5e-4, kMaxSigmas = 4.5;
   cv::Mat median, cells, around;
   cv::medianBlur(MakeLevels(image), median, 3);
   cv::resize(median, cells, cv::Size(), 1.0 / kCellPx, 1.0 / kCellPx,
              cv::INTER_AREA);
   cv::blur(cells, around, cv::Size(kAroundCells, kAroundCells),
            cv::Point(-1, -1), cv::BORDER_REFLECT);
-  const std::vector<NoiseAtLevel> noise = CellNoise(image);
+  const std::vector<NoiseAtGreyLevel> noise = CellNoise(image);
   if (noise.empty()) return false;
   std::vector<float> differences;
   differences.reserve(cells.total());
@@ -145,7 +146,7 @@ bool IsPureNoise(const GreyImage& image) {
       differences.push_back(static_cast<float>(
           std::fabs(cells.at<float>(y, x) - around.at<float>(y, x)) /
           NoiseAt(noise, around.at<float>(y, x))));
-  return Quantile(std::move(differences), 1 - kFew) < kMaxDeviations;
+  return Quantile(std::move(differences), 1 - kTailFraction) < kMaxSigmas;
 }
 
 GreyImage Denoise(const GreyImage& image) {
@@ -170,11 +171,10 @@ GreyImage Denoise(const GreyImage& image) {
 bool HasLowContrast(const GreyImage& image) {
   // A distant board covers a hundredth of the image. White noise spans 6.2
   // deviations without a thousandth at either end.
-  constexpr double kMinSteps = 8, kMinDeviations = 8, kFew = 0.001;
-  const double step = UsedLevelStep(image);
-  return ComputeContrast(image, kFew) <
-         std::max(kMinSteps * step,
-                  kMinDeviations * EstimateNoise(image, step));
+  constexpr double kMinSteps = 8, kMinSigmas = 8, kTailFraction = 0.001;
+  const double step = ComputeGreyLevelRange(image);
+  return ComputeContrast(image, kTailFraction) <
+         std::max(kMinSteps * step, kMinSigmas * EstimateNoise(image, step));
 }
 
 }  // namespace raygrid

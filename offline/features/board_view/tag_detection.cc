@@ -22,7 +22,7 @@ using DetectorPointer =
 
 // Adds a black border cell: code cells are counted from the corner of the black
 // square.
-FamilyPointer WithWideBorder(FamilyPointer family) {
+FamilyPointer WidenBorder(FamilyPointer family) {
   for (uint32_t bit = 0; bit < family->nbits; ++bit) {
     ++family->bit_x[bit];
     ++family->bit_y[bit];
@@ -41,11 +41,11 @@ FamilyPointer MakeFamily(TagFamily kind) {
     case TagFamily::kStandard41h12:
       return {tagStandard41h12_create(), tagStandard41h12_destroy};
     case TagFamily::k36h11WideBorder:
-      return WithWideBorder(MakeFamily(TagFamily::k36h11));
+      return WidenBorder(MakeFamily(TagFamily::k36h11));
     case TagFamily::k25h9WideBorder:
-      return WithWideBorder(MakeFamily(TagFamily::k25h9));
+      return WidenBorder(MakeFamily(TagFamily::k25h9));
     case TagFamily::k16h5WideBorder:
-      return WithWideBorder(MakeFamily(TagFamily::k16h5));
+      return WidenBorder(MakeFamily(TagFamily::k16h5));
     default:
       return {tag36h11_create(), tag36h11_destroy};
   }
@@ -157,7 +157,7 @@ namespace {
 // With a fisheye, tag cells deviate from the positions predicted by the
 // homography, and edges are curved. One bit error is corrected; tag36h11 has a
 // minimum Hamming distance of 11.
-TagOptions OfStarBoards(float decimate) {
+TagOptions MakeStarBoardOptions(float decimate) {
   TagOptions options;
   options.decimate = decimate;
   options.max_wrong_bits = 1;
@@ -168,7 +168,7 @@ TagOptions OfStarBoards(float decimate) {
 
 std::vector<DetectedTag> DetectTagsInImage(const cv::Mat& image,
                                            TagFamily family, float decimate) {
-  return TagDetector({family}, OfStarBoards(decimate)).Detect(image);
+  return TagDetector({family}, MakeStarBoardOptions(decimate)).Detect(image);
 }
 
 float QuickDecimation(const ImageSize& size) {

@@ -16,27 +16,29 @@ namespace raygrid {
 namespace {
 
 // Returns the target point at an offset from a feature, in squares.
-Eigen::Vector3d Beside(const Board& board, const Feature& feature,
-                       const Eigen::Vector2d& offset) {
+Eigen::Vector3d OffsetPoint(const Board& board, const Feature& feature,
+                            const Eigen::Vector2d& offset) {
   Eigen::Vector3d point =
       board.points[board.PointIndex(feature.column, feature.row)];
   point.head<2>() += board.square_m * offset;
   return point;
 }
 
-using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
+using PoseByView = std::map<std::pair<std::string, int>, Pose>;
 
-PoseOfView ByView(const std::vector<BoardPose>& poses) {
-  PoseOfView pose_of_view;
+PoseByView IndexByView(const std::vector<BoardPose>& poses) {
+  PoseByView pose_by_view;
   for (const BoardPose& pose : poses)
-    pose_of_view[{pose.image, pose.board}] = pose.camera_from_board;
-  return pose_of_view;
+    pose_by_view[{pose.image, pose.board}] = pose.camera_from_board;
+  return pose_by_view;
 }
 
 class Refiner {
  public:
   Refiner(const EstimatedScene& scene, const DetectionOptions& options)
-      : scene_(scene), options_(options), pose_of_view_(ByView(scene.poses)) {
+      : scene_(scene),
+        options_(options),
+        pose_by_view_(IndexByView(scene.poses)) {
     for (const Board& board : scene.pattern->boards)
       boards_.push_back(
           {&board, std::make_unique<FeatureRefiner>(board, options)});
@@ -44,7 +46,7 @@ class Refiner {
 
   bool Knows(const std::string& image) const {
     return std::any_of(boards_.begin(), boards_.end(), [&](const auto& board) {
-      return pose_of_view_.count({image, board.first->id}) > 0;
+      return pose_by_view_.count({image, board.first->id}) > 0;
     });
   }
 
@@ -55,8 +57,8 @@ class Refiner {
       std::vector<Feature> features;
       for (const Feature& feature : measured.features)
         if (feature.board == board->id) features.push_back(feature);
-      const auto pose = pose_of_view_.find({measured.image, board->id});
-      if (pose != pose_of_view_.end())
+      const auto pose = pose_by_view_.find({measured.image, board->id});
+      if (pose != pose_by_view_.end())
         features = refiner->RefineWith(
             image, features, [this, &pose, b = board](const Feature& feature) {
               return ComputeCameraMapping(*scene_.camera, pose->second, *b,
@@ -71,7 +73,7 @@ class Refiner {
  private:
   const EstimatedScene& scene_;
   const DetectionOptions& options_;
-  PoseOfView pose_of_view_;
+  PoseByView pose_by_view_;
   std::vector<std::pair<const Board*, std::unique_ptr<FeatureRefiner>>> boards_;
 };
 
@@ -83,8 +85,9 @@ std::optional<LocalMapping> ComputeCameraMapping(const CameraModel& camera,
                                                  const Feature& feature,
                                                  int window_px) {
   const auto project = [&](const Eigen::Vector2d& offset) {
-    return camera.Project(camera_from_board * Beside(board, feature, offset),
-                          &feature.pixel, window_px);
+    return camera.Project(
+        camera_from_board * OffsetPoint(board, feature, offset), &feature.pixel,
+        window_px);
   };
   // The linear part first, to determine how many squares the window covers.
   constexpr double kStep = 0.05;

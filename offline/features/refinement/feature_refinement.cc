@@ -17,8 +17,8 @@ namespace raygrid {
 namespace {
 
 constexpr int kRoughSamplesPerPixel = 1, kSamplesPerPixel = 8;
-constexpr int kRefinementReach = 3;  // columns and rows of neighbours in
-                                     // Predicted()
+constexpr int kRefinementRadius = 3;  // columns and rows of neighbours in
+                                      // Predicted()
 constexpr int kRefinementDegree = 3;
 
 // Thresholds for rejecting features.
@@ -32,8 +32,8 @@ constexpr double kMinTagCornerInsidePx = 2;
 constexpr double kMinRefinedContrast = 0.5;  // grey levels
 // Maximum standard deviation along the less certain direction: an error of 0.5
 // px would be eight standard deviations.
-constexpr double kMaxDeviationPx = 0.06;
-constexpr int kMaxStrayOutliers = 2;  // more indicate misnumbered features
+constexpr double kMaxStdDevPx = 0.06;
+constexpr int kMaxIsolatedOutliers = 2;  // more indicate misnumbered features
 
 constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 
@@ -41,7 +41,7 @@ constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
 bool Predicted(const FeatureLattice& lattice, const Feature& feature,
                LocalMapping* mapping) {
   return FitLocalMapping(lattice.Around(feature.column, feature.row,
-                                        kRefinementReach, false),
+                                        kRefinementRadius, false),
                          kRefinementDegree, mapping) > 0;
 }
 
@@ -88,8 +88,8 @@ std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
   if (count < 2 && num_steps > 1) return std::nullopt;
   if (count == 0) return Way{to, true};
   one_step /= count;
-  const double deviation_px = (at(to) - at(from) - num_steps * one_step).norm();
-  return Way{to, deviation_px <= kToleranceSteps * one_step.norm()};
+  const double stddev_px = (at(to) - at(from) - num_steps * one_step).norm();
+  return Way{to, stddev_px <= kToleranceSteps * one_step.norm()};
 }
 
 const std::array<Place, 4> kSteps = {Place(1, 0), Place(-1, 0), Place(0, 1),
@@ -141,7 +141,7 @@ void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
   bool is_in_doubt =
       std::count_if(detection->rejected.begin(), detection->rejected.end(),
                     [](const auto& r) { return r.reason == kNotInLine; }) >
-      kMaxStrayOutliers;
+      kMaxIsolatedOutliers;
   for (const auto& group : groups)
     for (const Place& p : group) is_in_doubt |= IsAtDiscontinuity(*lattice, p);
   if (!is_in_doubt) return;
@@ -188,10 +188,10 @@ struct FeatureRefiner::Data {
                         WindowMappings* windows, Eigen::Vector2d* pixel) const;
   void RefineOnce(const GreyImage& image, const Round& round,
                   FeatureLattice* lattice, ImageDetection* detection) const;
-  void RefineBySymmetry(const GreyImage& image, FeatureLattice* lattice,
-                        ImageDetection* detection) const;
-  void RefineByCorners(const GreyImage& image, FeatureLattice* lattice,
-                       ImageDetection* detection) const;
+  void RefineWithSymmetry(const GreyImage& image, FeatureLattice* lattice,
+                          ImageDetection* detection) const;
+  void RefineWithCornerModel(const GreyImage& image, FeatureLattice* lattice,
+                             ImageDetection* detection) const;
 };
 
 FeatureRefiner::FeatureRefiner(const Board& board,
@@ -310,11 +310,10 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (!tag_corners && std::pow(result.rms, 2) - 2 * noise2 >
                           std::pow(kMaxAsymmetry, 2) * signal2)
     return "not symmetric";
-  if (round.is_last && !(result.deviation_px < kMaxDeviationPx))
+  if (round.is_last && !(result.stddev_px < kMaxStdDevPx))
     return "below the noise";
   if (round.is_last &&
-      !(std::hypot(result.deviation_px, window.bend_deviation_px) <
-        kMaxDeviationPx))
+      !(std::hypot(result.stddev_px, window.bend_stddev_px) < kMaxStdDevPx))
     return "too much distortion";
   *pixel = result.mapping.center;
   return {};
@@ -342,9 +341,9 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
 
 // First a coarse pass to make the neighbours accurate, then a fine pass with
 // the curvature estimated from them.
-void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
-                                            FeatureLattice* lattice,
-                                            ImageDetection* detection) const {
+void FeatureRefiner::Data::RefineWithSymmetry(const GreyImage& image,
+                                              FeatureLattice* lattice,
+                                              ImageDetection* detection) const {
   const double noise = EstimateNoise(image);
   RefineOnce(image, {&rough_samples, kMaxMovePx, kMaxMoveSquares, noise, false},
              lattice, detection);
@@ -355,9 +354,9 @@ void FeatureRefiner::Data::RefineBySymmetry(const GreyImage& image,
              lattice, detection);
 }
 
-void FeatureRefiner::Data::RefineByCorners(const GreyImage& image,
-                                           FeatureLattice* lattice,
-                                           ImageDetection* detection) const {
+void FeatureRefiner::Data::RefineWithCornerModel(
+    const GreyImage& image, FeatureLattice* lattice,
+    ImageDetection* detection) const {
   const cv::Mat view(image.size.height, image.size.width, CV_8U,
                      const_cast<uint8_t*>(image.bytes.data()));
   const int half = options.window_px / 2;
@@ -388,12 +387,12 @@ ImageDetection FeatureRefiner::Refine(
     case Refinement::kNone:
       break;
     case Refinement::kCornerSubpix:
-      data_->RefineByCorners(image, &lattice, &detection);
+      data_->RefineWithCornerModel(image, &lattice, &detection);
       RejectOutliers(data_->board, image.size, kRefined,
                      data_->options.window_px, &lattice, &detection);
       break;
     default:
-      data_->RefineBySymmetry(image, &lattice, &detection);
+      data_->RefineWithSymmetry(image, &lattice, &detection);
   }
   RejectIsolatedFeatures(data_->board, &lattice, &detection);
   RejectIsolatedGroups(data_->board, &lattice, &detection);

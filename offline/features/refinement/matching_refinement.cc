@@ -33,7 +33,7 @@ struct Places {
   std::vector<float> x, y;
 };
 
-Places MakePlaces(int window_px) {
+Places MakeSamplePositions(int window_px) {
   Places places;
   std::mt19937 engine(1);
   const auto uniform = [&engine] {
@@ -53,7 +53,7 @@ Places MakePlaces(int window_px) {
 const Places& GetWindowSamples(int window_px) {
   thread_local int made_for = 0;
   thread_local Places places;
-  if (made_for != window_px) places = MakePlaces(window_px);
+  if (made_for != window_px) places = MakeSamplePositions(window_px);
   made_for = window_px;
   return places;
 }
@@ -121,7 +121,7 @@ struct Moments {
 
 // Returns the intensity at a position, which is subtracted from all samples to
 // preserve the precision of floats.
-float MiddleLevel(const GreyImage& image, const Eigen::Vector2d& at) {
+float ComputeMeanGreyLevel(const GreyImage& image, const Eigen::Vector2d& at) {
   const auto index = [](double x, int count) {
     return static_cast<int>(std::clamp(x, 0.0, count - 1.0));
   };
@@ -134,7 +134,7 @@ class ShiftedSamples {
  public:
   ShiftedSamples(const GreyImage& image, const Rendering& rendering,
                  const Eigen::Vector2d& start, int reach)
-      : image_(image), middle_(MiddleLevel(image, start)) {
+      : image_(image), middle_(ComputeMeanGreyLevel(image, start)) {
     const Eigen::Array2f first = start.array().cast<float>() + 0.5f;
     const Eigen::Array2i size(image.size.width, image.size.height);
     for (size_t i = 0; i < rendering.size(); i += kStride) {
@@ -226,14 +226,14 @@ class Matching {
            const Eigen::Vector2d& start)
       : image_(image),
         samples_(Inside(rendering, image.size, start, kMaxShiftPx + 1)),
-        middle_(MiddleLevel(image, start)) {
+        middle_(ComputeMeanGreyLevel(image, start)) {
     const size_t whole = samples_.size() - samples_.size() % kLanes;
     for (auto* column : {&samples_.x, &samples_.y, &samples_.white})
       column->resize(whole);
     base_ = start.cast<int>().array() - kBasePx;
   }
 
-  bool HasEnough() const { return samples_.size() >= kMinSamples; }
+  bool HasEnoughSamples() const { return samples_.size() >= kMinSamples; }
 
   // Computes one Gauss-Newton step for shift, factor and bias. moments: values
   // before the step.
@@ -305,7 +305,7 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
       EstimateShift(image, rendering, start, static_cast<int>(search_px));
   result.center = first;
   const Matching matching(image, rendering, first);
-  if (!matching.HasEnough()) return result;
+  if (!matching.HasEnoughSamples()) return result;
   double f = 0, b = 0;
   constexpr int kMaxSteps = 6;
   for (int i = 0; i < kMaxSteps; ++i) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "features/board_view/lattice_lens.h"
+#include "features/board_view/lattice_camera.h"
 #include "features/board_view/local_mapping.h"
 
 namespace raygrid {
@@ -16,12 +16,12 @@ double ComputeToleratedErrorPx(const std::vector<Correspondence>& around,
                                const LocalMapping& predicted, int degree,
                                int window_px) {
   constexpr double kMaxSquares = 0.3;
-  const double most_px = kMaxSquares * predicted.SpacingPx();
+  const double max_distance_px = kMaxSquares * predicted.SpacingPx();
   if (predicted.SpacingPx() < window_px) return 0;
-  if (degree == 1) return most_px;  // curvature unknown
+  if (degree == 1) return max_distance_px;  // curvature unknown
   LocalMapping lower;
   if (FitLocalMapping(around, degree - 1, &lower) == 0) return 0;
-  return std::min(most_px, (lower.center - predicted.center).norm());
+  return std::min(max_distance_px, (lower.center - predicted.center).norm());
 }
 
 // Computes the relative deviations of features of one lattice, from which
@@ -39,7 +39,7 @@ class LineOutlierFilter {
 
   // Returns the distance of a feature from its prediction by the neighbours,
   // relative to the tolerance; 0 if there are too few neighbours.
-  double RelativeDeviation(int column, int row) {
+  double ComputeRelativeDeviation(int column, int row) {
     LocalMapping predicted;
     const auto around = lattice_.Around(column, row, 2, false);
     const int degree = FitLocalMapping(around, 3, &predicted);
@@ -58,7 +58,7 @@ class LineOutlierFilter {
       least = std::min(least, (pixel - in_perspective.center).norm() /
                                   (tolerance_px * slack));
     if (least > 1)
-      if (const auto seen = PredictByLens(column, row))
+      if (const auto seen = PredictWithCamera(column, row))
         least = std::min(least, (pixel - *seen).norm() / tolerance_px);
     if (least <= 1) return least;
     const double doubt_px =
@@ -67,11 +67,11 @@ class LineOutlierFilter {
   }
 
  private:
-  std::optional<Eigen::Vector2d> PredictByLens(int column, int row) {
+  std::optional<Eigen::Vector2d> PredictWithCamera(int column, int row) {
     // Tag corners of an AprilGrid are not evenly spaced.
-    if (!is_lens_made_ && !board_.IsTagGrid())
-      lens_ = LatticeLens::Fit(lattice_.Features(), size_);
-    is_lens_made_ = true;
+    if (!is_camera_fitted_ && !board_.IsTagGrid())
+      lens_ = LatticeCamera::Fit(lattice_.Features(), size_);
+    is_camera_fitted_ = true;
     return lens_ ? lens_->Project(Eigen::Vector2d(column, row)) : std::nullopt;
   }
 
@@ -80,8 +80,8 @@ class LineOutlierFilter {
   Tolerance tolerance_;
   int window_px_;
   const FeatureLattice& lattice_;
-  bool is_lens_made_ = false;
-  std::optional<LatticeLens> lens_;
+  bool is_camera_fitted_ = false;
+  std::optional<LatticeCamera> lens_;
 };
 
 }  // namespace
@@ -101,7 +101,7 @@ void RejectOutliers(const Board& board, const ImageSize& size,
     double worst = 1;
     int worst_column = -1, worst_row = -1;
     for (const Feature& f : lattice->Features()) {
-      const double deviation = judge.RelativeDeviation(f.column, f.row);
+      const double deviation = judge.ComputeRelativeDeviation(f.column, f.row);
       if (deviation <= worst) continue;
       worst = deviation;
       worst_column = f.column;

@@ -143,7 +143,7 @@ struct System {
 
 // Positions of sample pairs in the patch, and intermediate terms of the
 // Jacobian.
-struct MirroredPlaces {
+struct MirroredPositions {
   FloatLanes ax, ay, bx, by;
   FloatLanes nx, ny;  // A s
   FloatLanes q, r;    // 1 / (1 + h s), 1 / (1 - h s)
@@ -189,8 +189,9 @@ class Problem {
     return x;
   }
 
-  MirroredPlaces CollectFeaturePositions(const Parameters& p, size_t i) const {
-    MirroredPlaces at;
+  MirroredPositions CollectFeaturePositions(const Parameters& p,
+                                            size_t i) const {
+    MirroredPositions at;
     if constexpr (N == 2) {
       at.ax = p.cx + LoadLanes(&pairs_.ax[i]);
       at.ay = p.cy + LoadLanes(&pairs_.ay[i]);
@@ -219,7 +220,7 @@ class Problem {
   float MeanSum(const float* channel, const Parameters& p) const {
     FloatLanes sum = {};
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const MirroredPlaces at = CollectFeaturePositions(p, i);
+      const MirroredPositions at = CollectFeaturePositions(p, i);
       sum += Bilinear(channel, patch_.side(), 0, at.ax, at.ay).value +
              Bilinear(channel, patch_.side(), 0, at.bx, at.by).value;
     }
@@ -232,7 +233,7 @@ class Problem {
     FloatLanes cost = {}, sum = {}, sum_squares = {};
     const float sign = reflection_.sign;
     for (size_t i = 0; i < pairs_.size(); i += kLanes) {
-      const MirroredPlaces at = CollectFeaturePositions(p, i);
+      const MirroredPositions at = CollectFeaturePositions(p, i);
       const SampledLanes a = Bilinear(channel, patch_.side(), 0, at.ax, at.ay);
       SampledLanes b = Bilinear(channel, patch_.side(), 0, at.bx, at.by);
       const FloatLanes residual = a.value - sign * b.value - twice_middle;
@@ -265,14 +266,14 @@ class Problem {
   }
 
   // d x(+-s) / d h = -A s u / (1 +- h s)^2, d x(+-s) / d A = +-u / (1 +- h s).
-  static void AddHomography(const MirroredPlaces& at, const SampledLanes& a,
+  static void AddHomography(const MirroredPositions& at, const SampledLanes& a,
                             const SampledLanes& b, FloatLanes* j) {
-    const FloatLanes by_h = (b.dx * at.nx + b.dy * at.ny) * at.r * at.r -
-                            (a.dx * at.nx + a.dy * at.ny) * at.q * at.q;
+    const FloatLanes J_h = (b.dx * at.nx + b.dy * at.ny) * at.r * at.r -
+                           (a.dx * at.nx + a.dy * at.ny) * at.q * at.q;
     const FloatLanes by_x = kScale * (a.dx * at.q + b.dx * at.r);
     const FloatLanes by_y = kScale * (a.dy * at.q + b.dy * at.r);
-    j[2] = by_h * at.u;
-    j[3] = by_h * at.v;
+    j[2] = J_h * at.u;
+    j[3] = J_h * at.v;
     j[4] = by_x * at.u;
     j[5] = by_x * at.v;
     j[6] = by_y * at.u;
@@ -340,8 +341,8 @@ bool Minimize(const Problem<N>& problem, double max_move_px,
 // centre and are subtracted from H. Both factors were measured with white
 // noise.
 template <int N>
-double DeviationPx(const System<N>& system, int samples_per_pixel,
-                   double noise) {
+double ComputeStdDevPx(const System<N>& system, int samples_per_pixel,
+                       double noise) {
   constexpr double kNoiseDifferences = 1.33, kNoiseGradients = 2.9;
   constexpr double kRounding = 1 / 12.0;
   const double s2 =
@@ -372,7 +373,7 @@ void Refine(const SymmetryPatch& patch, const Pairs& pairs,
   result->rms = std::sqrt(system.cost / n);
   result->contrast =
       std::sqrt(std::max(0.0, system.sum_squares / n - mean * mean));
-  result->deviation_px = DeviationPx(system, samples_per_pixel, options.noise);
+  result->stddev_px = ComputeStdDevPx(system, samples_per_pixel, options.noise);
 }
 
 }  // namespace
@@ -407,9 +408,9 @@ WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
   // Reused for the next feature, to avoid zero-initialization.
   thread_local Pairs pairs;
   MakePairs(image.size, samples, mask, start, &pairs);
-  constexpr size_t kMinPart = 7;  // at least 1/7 of the window (30 of 220
-                                  // pixels)
-  if (pairs.size() * kMinPart < samples.x.size()) return result;
+  constexpr size_t kMaxSamplesPerPair = 7;  // at least 1/7 of the window (30 of
+                                            // 220 pixels)
+  if (pairs.size() * kMaxSamplesPerPair < samples.x.size()) return result;
   // One more pixel for the fraction of the start position, one for
   // interpolation.
   const int reach_px = samples.window_px / 2 +

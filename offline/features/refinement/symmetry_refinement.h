@@ -38,7 +38,7 @@ struct WindowFit {
   double contrast = 0;   ///< standard deviation of the samples, grey levels
   /// Standard deviation of the centre due to image noise, along its less
   /// certain direction; valid for intensities only.
-  double deviation_px = 0;
+  double stddev_px = 0;
 };
 
 /// Minimizes C_sym(H) = sum_i (I(x(s_i)) -+ I(x(-s_i)))^2 over the homography's

@@ -67,8 +67,8 @@ Vector2d OffsetAt(const LocalMapping& mapping, const Matrix2d& inverse,
 enum CornerParameter {
   kCornerX,
   kCornerY,
-  kTurnU,
-  kTurnV,
+  kRotationU,
+  kRotationV,
   kLogSigma,
   kBlackLevel,
   kWhiteLevel,
@@ -90,16 +90,16 @@ struct CornerSystem {
 };
 
 // Standard deviations of the priors.
-constexpr double kEdgeTurn = 0.05;  // radians
-constexpr double kBlurPx = 0.9, kLogSigmaDeviation = 0.7;
+constexpr double kEdgeRotationStdDevRad = 0.05;  // radians
+constexpr double kBlurPx = 0.9, kLogSigmaStdDev = 0.7;
 constexpr double kWhiteSlope = 0.1;  // fraction of the contrast
 
 // Recorded intensity for light from 0 to 1, and its derivatives.
-struct SeenLight {
-  double seen, by_light, by_tone;
+struct ToneResponse {
+  double seen, J_light, J_tone;
 };
 
-SeenLight ApplyTone(double light, double tone) {
+ToneResponse ApplyTone(double light, double tone) {
   constexpr double kNearlyLinear = 1e-3;
   if (std::fabs(tone) < kNearlyLinear)
     return {light + tone / 2 * light * (1 - light),
@@ -113,19 +113,19 @@ class CornerProblem {
  public:
   CornerProblem(const Quadrants& quadrants, const LocalMapping& start,
                 std::vector<WindowPixel> samples,
-                const TagCornerOptions& options, double tone_deviation)
+                const TagCornerOptions& options, double tone_stddev)
       : quadrants_(quadrants),
         samples_(std::move(samples)),
         has_known_edges_(options.has_known_edges),
         tone_(options.tone),
-        tone_deviation_(tone_deviation),
+        tone_stddev_(tone_stddev),
         prior_scale_(std::max(options.noise * options.noise, 1 / 12.0)) {
     inverse_ = start.linear.inverse();
     const auto turned = [](const Vector2d& a) {
       return Vector2d(-a.y(), a.x());
     };
-    turn_u_ = inverse_ * turned(start.linear.col(0));
-    turn_v_ = inverse_ * turned(start.linear.col(1));
+    rotation_u_ = inverse_ * turned(start.linear.col(0));
+    rotation_v_ = inverse_ * turned(start.linear.col(1));
   }
 
   // Returns the initial values: grey levels by linear least squares, other
@@ -155,26 +155,26 @@ class CornerProblem {
     InkBlurrer blurred(quadrants_, GetBlur(p));
     for (const WindowPixel& s : samples_) {
       const Vector2d moved = s.place - inverse_ * p.head<2>() -
-                             (p[kTurnU] * s.place.x() * turn_u_ +
-                              p[kTurnV] * s.place.y() * turn_v_);
+                             (p[kRotationU] * s.place.x() * rotation_u_ +
+                              p[kRotationV] * s.place.y() * rotation_v_);
       const BlurredInk ink = blurred.At(moved.x(), moved.y());
       const double white =
           p[kWhiteLevel] + p[kWhiteByX] * s.x + p[kWhiteByY] * s.y;
-      const SeenLight light =
+      const ToneResponse light =
           ApplyTone(std::clamp(1 - ink.ink, 0.0, 1.0), p[kTone]);
       const double residual = p[kBlackLevel] + white * light.seen - s.level;
-      const double by_ink = -white * light.by_light;
-      const Vector2d J_place = by_ink * Vector2d(ink.by_u, ink.by_v);
+      const double J_ink = -white * light.J_light;
+      const Vector2d J_board_pose = J_ink * Vector2d(ink.by_u, ink.by_v);
       CornerParameters j;
-      j.head<2>() = -inverse_.transpose() * J_place;
-      j[kTurnU] = -J_place.dot(turn_u_) * s.place.x();
-      j[kTurnV] = -J_place.dot(turn_v_) * s.place.y();
-      j[kLogSigma] = by_ink * ink.by_log_sigma;
+      j.head<2>() = -inverse_.transpose() * J_board_pose;
+      j[kRotationU] = -J_board_pose.dot(rotation_u_) * s.place.x();
+      j[kRotationV] = -J_board_pose.dot(rotation_v_) * s.place.y();
+      j[kLogSigma] = J_ink * ink.by_log_sigma;
       j[kBlackLevel] = 1;
       j[kWhiteLevel] = light.seen;
       j[kWhiteByX] = light.seen * s.x;
       j[kWhiteByY] = light.seen * s.y;
-      j[kTone] = white * light.by_tone;
+      j[kTone] = white * light.J_tone;
       system.hessian.selfadjointView<Eigen::Lower>().rankUpdate(j);
       system.gradient += residual * j;
       system.squares += residual * residual;
@@ -205,24 +205,24 @@ class CornerProblem {
       system->cost += weight * std::pow(p[k] - expected, 2);
     };
     constexpr double kFixed = 1e-6;
-    const double turn = has_known_edges_ ? kFixed : kEdgeTurn;
-    add(kTurnU, 0, turn);
-    add(kTurnV, 0, turn);
-    add(kLogSigma, std::log(kBlurPx), kLogSigmaDeviation);
+    const double turn = has_known_edges_ ? kFixed : kEdgeRotationStdDevRad;
+    add(kRotationU, 0, turn);
+    add(kRotationV, 0, turn);
+    add(kLogSigma, std::log(kBlurPx), kLogSigmaStdDev);
     const double slope = kWhiteSlope * std::max(1.0, std::fabs(p[kWhiteLevel]));
     add(kWhiteByX, 0, slope);
     add(kWhiteByY, 0, slope);
-    add(kTone, tone_, tone_deviation_);
+    add(kTone, tone_, tone_stddev_);
   }
 
   const Quadrants& quadrants_;
   std::vector<WindowPixel> samples_;
   bool has_known_edges_;
-  double tone_, tone_deviation_;
+  double tone_, tone_stddev_;
   double prior_scale_;
   Matrix2d inverse_;
-  Vector2d turn_u_, turn_v_;  // displacement per radian of edge rotation, in
-                              // squares
+  Vector2d rotation_u_, rotation_v_;  // displacement per radian of edge
+                                      // rotation, in squares
 };
 
 // Levenberg-Marquardt. Returns false if the corner moves by more than
@@ -252,7 +252,8 @@ bool MinimizeCorner(const CornerProblem& problem, double max_move_px,
     } else {
       lambda *= 10;
     }
-    if (step.head<2>().norm() < kConvergedPx && std::fabs(step[kTurnU]) < 1e-4)
+    if (step.head<2>().norm() < kConvergedPx &&
+        std::fabs(step[kRotationU]) < 1e-4)
       break;
   }
   return true;
@@ -260,8 +261,8 @@ bool MinimizeCorner(const CornerProblem& problem, double max_move_px,
 
 // Returns the standard deviation of the corner along its less certain
 // direction.
-double CornerDeviationPx(const CornerSystem& system, size_t count,
-                         double noise) {
+double ComputeCornerStdDevPx(const CornerSystem& system, size_t count,
+                             double noise) {
   const double s2 = std::max(
       noise * noise + 1 / 12.0,
       system.squares / static_cast<double>(count - kNumCornerParameters));
@@ -295,7 +296,7 @@ struct TagCornerRefiner::Data {
                                     const LocalMapping& start,
                                     int quarter_turns) const;
   WindowFit Fit(const GreyImage& image, const TagCorner& start,
-                const TagCornerOptions& options, double tone_deviation,
+                const TagCornerOptions& options, double tone_stddev,
                 double* tone) const;
 };
 
@@ -317,10 +318,11 @@ std::vector<InkRectangle> TagCornerRefiner::Data::InkAround(
 std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
     const GreyImage& image, int column, int row, const LocalMapping& start,
     int window_px) const {
-  constexpr double kPartOfBorder = 0.6, kPartOfGap = 0.5, kPartOfEdge = 0.8;
+  constexpr double kBorderFraction = 0.6, kGapFraction = 0.5,
+                   kMaxEdgeFraction = 0.8;
   const double cell = tags[0].cell_m / board.square_m;
-  const double inwards = kPartOfBorder * board.border_cells * cell;
-  const double outwards = std::min(kPartOfGap * board.spacing_ratio, cell);
+  const double inwards = kBorderFraction * board.border_cells * cell;
+  const double outwards = std::min(kGapFraction * board.spacing_ratio, cell);
   // Signs of the direction towards the inside of the tag.
   const Vector2d inside(column % 2 == 0 ? 1 : -1, row % 2 == 0 ? 1 : -1);
   const Matrix2d inverse = start.linear.inverse();
@@ -335,7 +337,7 @@ std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
       const Vector2d in = place.cwiseProduct(inside);
       const double depth = in.minCoeff();
       if (!(depth >= -outwards && depth <= inwards &&
-            in.maxCoeff() <= kPartOfEdge))
+            in.maxCoeff() <= kMaxEdgeFraction))
         continue;
       samples.push_back({(x - middle.x()) / static_cast<double>(half),
                          (y - middle.y()) / static_cast<double>(half), place,
@@ -388,12 +390,11 @@ TagCornerRefiner::TagCornerRefiner(const Board& board)
     : data_(std::make_unique<Data>(board)) {}
 TagCornerRefiner::~TagCornerRefiner() = default;
 
-// Also estimates the tone, unless tone_deviation is negligible.
+// Also estimates the tone, unless tone_stddev is negligible.
 WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
                                       const TagCorner& start,
                                       const TagCornerOptions& options,
-                                      double tone_deviation,
-                                      double* tone) const {
+                                      double tone_stddev, double* tone) const {
   const auto& [column, row, mapping] = start;
   WindowFit fit;
   fit.mapping = mapping;
@@ -413,7 +414,7 @@ WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
   const Quadrants quadrants(InkAround(column, row, turns),
                             options.window_px / mapping.CircleWidthPx());
   const CornerProblem problem(quadrants, mapping, std::move(pixels), options,
-                              tone_deviation);
+                              tone_stddev);
   CornerParameters p = problem.Start();
   CornerSystem system;
   if (!MinimizeCorner(problem, options.max_move_px, &p, &system)) return fit;
@@ -423,7 +424,7 @@ WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
   fit.mapping.center += p.head<2>();
   fit.rms = std::sqrt(system.squares / n);
   fit.contrast = std::sqrt(std::max(0.0, system.sum_squares / n - mean * mean));
-  fit.deviation_px = CornerDeviationPx(system, problem.size(), options.noise);
+  fit.stddev_px = ComputeCornerStdDevPx(system, problem.size(), options.noise);
   *tone = p[kTone];
   return fit;
 }
@@ -440,14 +441,14 @@ double TagCornerRefiner::EstimateTone(const GreyImage& image,
                                       const std::vector<TagCorner>& corners,
                                       TagCornerOptions options) const {
   constexpr size_t kMaxCorners = 80, kMinCorners = 8;
-  constexpr double kToneDeviation = 1;
+  constexpr double kToneStdDev = 1;
   options.tone = 0;
   std::vector<double> tones;
   const size_t stride = 1 + corners.size() / kMaxCorners;
   for (size_t i = 0; i < corners.size(); i += stride) {
     double tone = 0;
     const WindowFit fit =
-        data_->Fit(image, corners[i], options, kToneDeviation, &tone);
+        data_->Fit(image, corners[i], options, kToneStdDev, &tone);
     if (fit.is_converged) tones.push_back(tone);
   }
   if (tones.size() < kMinCorners) return 0;

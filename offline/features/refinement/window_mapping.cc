@@ -7,22 +7,22 @@
 namespace raygrid {
 namespace {
 
-constexpr int kWindowReach = 3;  // distance of the neighbours, in squares
+constexpr int kWindowRadius = 3;  // distance of the neighbours, in squares
 constexpr int kWindowDegree = 3;
-constexpr double kSmallBendPx = 0.25;  // negligible
+constexpr double kMaxNegligibleSagittaPx = 0.25;  // negligible
 // Error of a mapping fitted within three squares, as fractions of its curvature
 // in the window, and of its difference from a mapping fitted within two
 // squares. Measured with lenses up to 190 degrees.
-constexpr double kPartOfBend = 0.07, kPartOfDifference = 0.1;
+constexpr double kSagittaFraction = 0.07, kDifferenceFraction = 0.1;
 // Error of the mapping of the lens model, as fractions of its curvature and of
 // its residuals at the neighbours.
-constexpr double kPartOfLensBend = 0.02, kPartOfError = 0.15;
+constexpr double kCameraSagittaFraction = 0.02, kErrorFraction = 0.15;
 
 // Returns the maximum difference of the curvatures of two mappings: of the
 // displacement of the midpoint of two opposite points at radius_px from the
 // feature. Symmetry refinement cannot observe these even terms.
-double BendPx(const LocalMapping& a, const LocalMapping& b,
-              const LocalMapping& scale, double radius_px) {
+double ComputeSagittaPx(const LocalMapping& a, const LocalMapping& b,
+                        const LocalMapping& scale, double radius_px) {
   constexpr int kDirections = 8;
   const Eigen::Matrix2d inverse = scale.linear.inverse();
   const auto bend = [](const LocalMapping& m, const Eigen::Vector2d& s) {
@@ -39,8 +39,8 @@ double BendPx(const LocalMapping& a, const LocalMapping& b,
   return most;
 }
 
-double BendPx(const LocalMapping& mapping, double radius_px) {
-  return BendPx(mapping, LocalMapping(), mapping, radius_px);
+double ComputeSagittaPx(const LocalMapping& mapping, double radius_px) {
+  return ComputeSagittaPx(mapping, LocalMapping(), mapping, radius_px);
 }
 
 // Returns the RMS residual of a mapping after removing the mean.
@@ -59,47 +59,50 @@ double ScatterPx(const LocalMapping& mapping,
 
 }  // namespace
 
-const std::optional<LatticeLens>& WindowMappings::Lens() {
+const std::optional<LatticeCamera>& WindowMappings::Lens() {
   // Tag corners of an AprilGrid are not evenly spaced.
   if (!is_lens_made_ && !board_.IsTagGrid())
-    lens_ = LatticeLens::Fit(lattice_.Features(), size_);
+    lens_ = LatticeCamera::Fit(lattice_.Features(), size_);
   is_lens_made_ = true;
   return lens_;
 }
 
-std::optional<WindowMapping> WindowMappings::ByLens(int column, int row) {
+std::optional<WindowMapping> WindowMappings::PredictWithCamera(int column,
+                                                               int row) {
   if (!Lens()) return std::nullopt;
   const auto seen = Lens()->Around(Eigen::Vector2d(column, row));
   const auto around = lattice_.Around(column, row, 1, true);
   constexpr size_t kMinAround = 3;
   if (!seen || around.size() < kMinAround) return std::nullopt;
-  return WindowMapping{*seen, kWindowDegree,
-                       std::max(kPartOfLensBend * BendPx(*seen, window_px_ / 3),
-                                kPartOfError * ScatterPx(*seen, around))};
+  return WindowMapping{
+      *seen, kWindowDegree,
+      std::max(kCameraSagittaFraction * ComputeSagittaPx(*seen, window_px_ / 3),
+               kErrorFraction * ScatterPx(*seen, around))};
 }
 
 WindowMapping WindowMappings::At(int column, int row) {
   WindowMapping window;
   window.degree =
-      FitLocalMapping(lattice_.Around(column, row, kWindowReach, true),
+      FitLocalMapping(lattice_.Around(column, row, kWindowRadius, true),
                       kWindowDegree, &window.mapping);
   // A mapping without curvature is optimized together with the centre.
   if (window.degree <= 1) return window;
   const double radius_px = window_px_ / 3;
-  const double bend_px = BendPx(window.mapping, radius_px);
-  if (bend_px < kSmallBendPx) return window;
+  const double sagitta_px = ComputeSagittaPx(window.mapping, radius_px);
+  if (sagitta_px < kMaxNegligibleSagittaPx) return window;
   LocalMapping nearer;
   const bool is_known =
-      FitLocalMapping(lattice_.Around(column, row, kWindowReach - 1, true),
+      FitLocalMapping(lattice_.Around(column, row, kWindowRadius - 1, true),
                       kWindowDegree, &nearer) > 0;
   const double difference_px =
-      is_known ? BendPx(window.mapping, nearer, window.mapping, radius_px)
-               : bend_px;
-  window.bend_deviation_px =
-      std::max(kPartOfBend * bend_px, kPartOfDifference * difference_px);
-  const auto by_lens = ByLens(column, row);
-  if (by_lens && by_lens->bend_deviation_px < window.bend_deviation_px)
-    return *by_lens;
+      is_known
+          ? ComputeSagittaPx(window.mapping, nearer, window.mapping, radius_px)
+          : sagitta_px;
+  window.bend_stddev_px = std::max(kSagittaFraction * sagitta_px,
+                                   kDifferenceFraction * difference_px);
+  const auto camera_window = PredictWithCamera(column, row);
+  if (camera_window && camera_window->bend_stddev_px < window.bend_stddev_px)
+    return *camera_window;
   return window;
 }
 

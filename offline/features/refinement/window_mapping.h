@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "features/board_view/feature_lattice.h"
-#include "features/board_view/lattice_lens.h"
+#include "features/board_view/lattice_camera.h"
 #include "features/board_view/local_mapping.h"
 
 namespace raygrid {
@@ -15,7 +15,7 @@ struct WindowMapping {
   int degree = 0;  ///< degree of the polynomial; 0: no mapping
   /// Standard deviation of the centre in symmetry refinement, in pixels, due to
   /// lens curvature that the mapping does not compensate.
-  double bend_deviation_px = 0;
+  double bend_stddev_px = 0;
 };
 
 /// Local mappings within the windows of features: fitted to the neighbours of
@@ -31,15 +31,15 @@ class WindowMappings {
   WindowMapping At(int column, int row);
 
  private:
-  const std::optional<LatticeLens>& Lens();
-  std::optional<WindowMapping> ByLens(int column, int row);
+  const std::optional<LatticeCamera>& Lens();
+  std::optional<WindowMapping> PredictWithCamera(int column, int row);
 
   const Board& board_;
   const FeatureLattice& lattice_;
   ImageSize size_;
   double window_px_;
   bool is_lens_made_ = false;
-  std::optional<LatticeLens> lens_;
+  std::optional<LatticeCamera> lens_;
 };
 
 }  // namespace raygrid

@@ -23,17 +23,17 @@ cv::Ptr<cv::aruco::Dictionary> BoardDictionary(
   auto dictionary = cv::makePtr<cv::aruco::Dictionary>();
   dictionary->markerSize = markers[0].bits.size - 2 * border_cells;
   const int num_bits = dictionary->markerSize * dictionary->markerSize;
-  int least_distance = num_bits;
+  int min_distance = num_bits;
   for (const PlacedMarker& marker : markers) {
     const cv::Mat code = MakeCode(marker.bits, border_cells);
     if (!dictionary->bytesList.empty())
       for (int id = 0; id < dictionary->bytesList.rows; ++id)
-        least_distance = std::min(least_distance,
-                                  dictionary->getDistanceToId(code, id, true));
+        min_distance =
+            std::min(min_distance, dictionary->getDistanceToId(code, id, true));
     dictionary->bytesList.push_back(
         cv::aruco::Dictionary::getByteListFromBits(code));
   }
-  dictionary->maxCorrectionBits = std::max(0, (least_distance - 1) / 2);
+  dictionary->maxCorrectionBits = std::max(0, (min_distance - 1) / 2);
   return dictionary;
 }
 

@@ -100,7 +100,7 @@ FeatureLattice CharucoLocator::Data::FindCorners(
   }
   for (const double min_correlation : kMarkerCorrelations)
     drawn.Grow(image, {min_correlation}, &lattice);
-  drawn.GrowByRatio(image, {0.7, 0.9}, &lattice);
+  drawn.GrowWithSpacingRatio(image, {0.7, 0.9}, &lattice);
   return lattice;
 }
 
@@ -140,8 +140,8 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
           ->FindCorners(image, markers,
                         is_other ? data_->other_growth : data_->growth)
           .Features();
-  constexpr int kFewMarkers = 4;
-  if (markers.size() < kFewMarkers &&
+  constexpr int kMinMarkersForOrientation = 4;
+  if (markers.size() < kMinMarkersForOrientation &&
       data_->NumConsistentMarkers(MirrorImage(image)) > markers.size()) {
     located.warnings.push_back(fmt::format("board {} is mirrored", board.id));
     located.features.clear();  // ambiguous corners with arbitrary numbers

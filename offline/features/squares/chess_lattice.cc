@@ -60,7 +60,7 @@ class SeedFinder {
                                   const Direction& down) const {
     const bool is_dark = origin.IsDarkBetween(right, down);
     const auto along = [&](const Direction& direction) {
-      return Nearest(origin, [&](const Saddle& saddle) {
+      return FindNearestSaddles(origin, [&](const Saddle& saddle) {
         constexpr double kMaxSine = 0.2;
         const Direction to = (saddle.pixel - origin.pixel).normalized();
         return to.dot(direction) > 0 &&
@@ -74,10 +74,11 @@ class SeedFinder {
         const Eigen::Vector2d u = beside->pixel - origin.pixel;
         const Eigen::Vector2d v = below->pixel - origin.pixel;
         const double tolerance = 0.35 * std::min(u.norm(), v.norm());
-        const auto opposite = Nearest(origin, [&](const Saddle& saddle) {
-          return (saddle.pixel - origin.pixel - u - v).norm() < tolerance &&
-                 saddle.IsDarkBetween(right, down) == is_dark;
-        });
+        const auto opposite =
+            FindNearestSaddles(origin, [&](const Saddle& saddle) {
+              return (saddle.pixel - origin.pixel - u - v).norm() < tolerance &&
+                     saddle.IsDarkBetween(right, down) == is_dark;
+            });
         if (!opposite.empty())
           return Seed{
               {origin.pixel, beside->pixel, below->pixel, opposite[0]->pixel},
@@ -89,8 +90,8 @@ class SeedFinder {
 
   // Returns up to three candidates of similar strength, nearest first.
   template <typename Condition>
-  std::vector<const Saddle*> Nearest(const Saddle& origin,
-                                     const Condition& is_candidate) const {
+  std::vector<const Saddle*> FindNearestSaddles(
+      const Saddle& origin, const Condition& is_candidate) const {
     constexpr double kMaxRatio = 4;
     constexpr size_t kCount = 3;
     std::vector<const Saddle*> found;
@@ -185,7 +186,7 @@ void ChessLatticeFinder::Find(
     }
   }
   for (Grown& grown : all)
-    if (growth_.GrowByRatio(image, kCriterion, &grown.lattice) &&
+    if (growth_.GrowWithSpacingRatio(image, kCriterion, &grown.lattice) &&
         is_wanted(grown.lattice))
       return;
 }

@@ -106,7 +106,7 @@ std::optional<SideContrast> SideContrastAt(const GreyImage& image,
   SideContrast contrast;
   for (const double x : {-kOffset, kOffset}) {
     for (const double y : {-kOffset, kOffset}) {
-      const auto level = MeanLevel(image, mapping, {x, y});
+      const auto level = ComputeMeanGreyLevel(image, mapping, {x, y});
       if (!level) return std::nullopt;
       const bool is_black = ((x > 0) == (y > 0)) == IsEven(column + row);
       (x * to_column + y * to_row > 0 ? contrast.outside : contrast.inside) +=
@@ -120,8 +120,8 @@ std::optional<SideContrast> SideContrastAt(const GreyImage& image,
 // in the direction of (to_column, to_row). Where the last squares of a board
 // border on a background of medium brightness, the image correlates with a
 // corner by 0.71, nearly the required minimum.
-bool AlternatesBeyond(const GreyImage& image, const FeatureLattice& lattice,
-                      const Rectangle& line, int to_column, int to_row) {
+bool AlternatesOutside(const GreyImage& image, const FeatureLattice& lattice,
+                       const Rectangle& line, int to_column, int to_row) {
   SideContrast sum;
   for (int row = line.top; row <= line.bottom; ++row) {
     for (int column = line.left; column <= line.right; ++column) {
@@ -141,12 +141,13 @@ bool AlternatesBeyond(const GreyImage& image, const FeatureLattice& lattice,
 bool IsBoardLine(const GreyImage& image, const FeatureLattice& lattice,
                  const Rectangle& line, int to_column, int to_row) {
   return IsWellFilled(image, lattice, line) &&
-         AlternatesBeyond(image, lattice, line, to_column, to_row);
+         AlternatesOutside(image, lattice, line, to_column, to_row);
 }
 
 // Returns the lattice without spurious outer rows and columns: background next
 // to a board may resemble squares.
-Rectangle SeenRectangle(const GreyImage& image, const FeatureLattice& lattice) {
+Rectangle ComputeReliableRectangle(const GreyImage& image,
+                                   const FeatureLattice& lattice) {
   Rectangle part = Bounds(lattice);
   for (;;) {
     if (part.columns() < 1 || part.rows() < 1) return part;
@@ -166,7 +167,7 @@ Rectangle SeenRectangle(const GreyImage& image, const FeatureLattice& lattice) {
 
 // The position one square outside an outermost corner, where the outermost
 // squares end if the corner is the board's last one.
-struct Beyond {
+struct OutsideCorner {
   LocalMapping mapping;  // prediction
   int to_column = 0, to_row = 0;
   bool is_dark = false;  // to the lower right, if there were a corner
@@ -182,13 +183,13 @@ struct Beyond {
 
 // Whether the surroundings of a board are as bright as its white squares
 // (paper), not an occluding object.
-bool IsPaperOutside(const GreyImage& image, const Beyond& place) {
+bool IsPaperOutside(const GreyImage& image, const OutsideCorner& place) {
   double black = 0, white = 0;
   std::vector<double> outside;
   for (const double x : {-0.3, 0.3}) {
     for (const double y : {-0.3, 0.3}) {
       const Eigen::Vector2d offset(x, y);
-      const auto level = MeanLevel(image, place.mapping, offset);
+      const auto level = ComputeMeanGreyLevel(image, place.mapping, offset);
       if (!level) return false;
       if (place.IsOutside(offset))
         outside.push_back(*level);
@@ -214,11 +215,11 @@ bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
                                 : to_row < 0    ? row == part.top
                                                 : row == part.bottom;
       if (!is_outermost || !lattice.Has(column, row)) continue;
-      const int beyond_column = column + to_column, beyond_row = row + to_row;
-      Beyond place = {
-          {}, to_column, to_row, IsEven(beyond_column + beyond_row)};
-      if (!lattice.IsOnBoard(beyond_column, beyond_row) ||
-          !PredictFeature(lattice, beyond_column, beyond_row, &place.mapping))
+      const int outside_column = column + to_column, outside_row = row + to_row;
+      OutsideCorner place = {
+          {}, to_column, to_row, IsEven(outside_column + outside_row)};
+      if (!lattice.IsOnBoard(outside_column, outside_row) ||
+          !PredictFeature(lattice, outside_column, outside_row, &place.mapping))
         continue;
       const DrawnPatch end(0.5, [&](const Eigen::Vector2d& offset) {
         return place.IsBlack(offset);
@@ -284,8 +285,8 @@ std::array<Eigen::Vector2d, 4> Directions(const FeatureLattice& lattice) {
   return {right, down, -right, -down};
 }
 
-const Numbering& MostUpright(const std::vector<Numbering>& numberings,
-                             const FeatureLattice& lattice) {
+const Numbering& SelectMostUpright(const std::vector<Numbering>& numberings,
+                                   const FeatureLattice& lattice) {
   const auto directions = Directions(lattice);
   const auto uprightness = [&](const Numbering& numbering) {
     const double x = directions[numbering.quarter_turns].x();
@@ -304,8 +305,9 @@ struct Ends {
 
 // Returns the possible positions of a board on the lattice that contain the
 // rectangle `part` of it; edges marked in `ends` must coincide.
-std::vector<Rectangle> PossiblePlaces(const Rectangle& part, const Ends& ends,
-                                      int columns, int rows) {
+std::vector<Rectangle> ListPossiblePositions(const Rectangle& part,
+                                             const Ends& ends, int columns,
+                                             int rows) {
   std::vector<Rectangle> places;
   for (int top = part.bottom - rows + 1; top <= part.top; ++top) {
     for (int left = part.right - columns + 1; left <= part.left; ++left) {
@@ -345,7 +347,8 @@ std::vector<Numbering> ChessboardLocator::Data::Numberings(
   for (int turns = 0; turns < 4; ++turns) {
     const int columns = IsEven(turns) ? board.columns : board.rows;
     const int rows = IsEven(turns) ? board.rows : board.columns;
-    for (const Rectangle& place : PossiblePlaces(part, ends, columns, rows))
+    for (const Rectangle& place :
+         ListPossiblePositions(part, ends, columns, rows))
       numberings.push_back({place, turns, is_mirrored});
   }
   return numberings;
@@ -364,7 +367,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
                      numberings.end());
     return numberings;
   };
-  const auto is_one_place = [](const std::vector<Numbering>& numberings) {
+  const auto is_unambiguous = [](const std::vector<Numbering>& numberings) {
     for (const Numbering& numbering : numberings)
       if (numbering.place < numberings[0].place ||
           numberings[0].place < numbering.place)
@@ -382,7 +385,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
     return std::nullopt;
   }
   std::vector<Numbering> right = right_ones(all);
-  if (is_one_place(right)) return MostUpright(right, lattice);
+  if (is_unambiguous(right)) return SelectMostUpright(right, lattice);
   if (right.empty()) {
     // If both sides are odd, mirroring swaps the colours; if both are even,
     // only inverted printing does.
@@ -391,7 +394,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
         is_mirrored ? "board {} is mirrored, or its colours are inverted"
                     : "the colours of board {} are inverted",
         board.id);
-    return MostUpright(Numberings(part, {}, is_mirrored), lattice);
+    return SelectMostUpright(Numberings(part, {}, is_mirrored), lattice);
   }
   const auto ends_towards = [&](int to_column, int to_row) {
     return EndsTowards(image, lattice, part, to_column, to_row);
@@ -399,7 +402,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
   const Ends ends = {ends_towards(-1, 0), ends_towards(0, -1),
                      ends_towards(1, 0), ends_towards(0, 1)};
   right = right_ones(Numberings(part, ends, false));
-  if (is_one_place(right)) return MostUpright(right, lattice);
+  if (is_unambiguous(right)) return SelectMostUpright(right, lattice);
   *warning = right.empty() ? unlike_board()
                            : fmt::format(
                                  "board {}: {} x {} corners detected, but they "
@@ -416,14 +419,14 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   const Board& board = data_->board;
   ImageDetection located;
   std::string in_vain;
-  int most_in_vain = 0;
+  int max_failures = 0;
   const auto is_wanted = [&](const FeatureLattice& seen) {
-    const Rectangle part = SeenRectangle(image, seen);
+    const Rectangle part = ComputeReliableRectangle(image, seen);
     std::string warning;
     const auto numbering = data_->Number(image, seen, part, &warning);
     if (!numbering) {
-      if (seen.num_found() > most_in_vain) {
-        most_in_vain = seen.num_found();
+      if (seen.num_found() > max_failures) {
+        max_failures = seen.num_found();
         in_vain = warning;
       }
       return false;
@@ -436,7 +439,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
     if (warning.empty()) {  // otherwise the image differs from the drawing
       for (const double min_correlation : {0.7, 0.6})
         data_->growth.Grow(image, {min_correlation}, &lattice);
-      data_->growth.GrowByRatio(image, {0.7, 0.9}, &lattice);
+      data_->growth.GrowWithSpacingRatio(image, {0.7, 0.9}, &lattice);
     } else {
       located.warnings.push_back(warning);
     }
@@ -454,7 +457,7 @@ std::optional<ChessboardSize> EstimateChessboardSize(const GreyImage& image) {
   constexpr double kMinFilled = 0.95;
   std::optional<ChessboardSize> size;
   ChessLatticeFinder(kMaxSide).Find(image, [&](const FeatureLattice& seen) {
-    const Rectangle part = SeenRectangle(image, seen);
+    const Rectangle part = ComputeReliableRectangle(image, seen);
     if (std::min(part.columns(), part.rows()) < kMinSide) return false;
     int num_found = 0;
     for (int row = part.top; row <= part.bottom; ++row)

@@ -13,13 +13,13 @@ namespace raygrid {
 namespace {
 
 constexpr double kMinCornerSpacingPx = 5;
-constexpr double kNearPart = 0.4;      // fraction of the patch radius
-constexpr double kMinNearReachPx = 5;  // larger than blur
+constexpr double kNearFraction = 0.4;   // fraction of the patch radius
+constexpr double kMinNearRadiusPx = 5;  // larger than blur
 
 // Returns the radius of a patch, in squares, within which corners are
 // unambiguous. An AprilGrid resembles a chessboard only up to the tags' borders
 // and the squares between them, since the tags may be rotated.
-double PatchReach(const Board& board) {
+double ComputePatchRadius(const Board& board) {
   constexpr double kHalfSquare = 0.5;
   return board.IsTagGrid() ? KindOf(board).MarkerDistance(board) : kHalfSquare;
 }
@@ -62,8 +62,8 @@ std::optional<Step> StepAcross(const FeatureLattice& lattice, int column,
 
 // Predicts a feature from the three previous ones along (x, y), assuming that
 // the ratio of successive steps (as complex numbers) is constant.
-bool PredictByRatio(const FeatureLattice& lattice, int column, int row, int x,
-                    int y, LocalMapping* prediction) {
+bool PredictWithSpacingRatio(const FeatureLattice& lattice, int column, int row,
+                             int x, int y, LocalMapping* prediction) {
   for (int k = 1; k <= 3; ++k)
     if (!lattice.Has(column - k * x, row - k * y)) return false;
   const auto across =
@@ -106,8 +106,9 @@ CornerGrowth::CornerGrowth(const Board& board) : board_(board) {
     const auto is_black = [&](const Eigen::Vector2d& offset) {
       return appearance.IsBlack(point.head<2>() + board.square_m * offset);
     };
-    patches_.emplace_back(PatchReach(board), is_black);
-    near_patches_.emplace_back(kNearPart * PatchReach(board), is_black);
+    patches_.emplace_back(ComputePatchRadius(board), is_black);
+    near_patches_.emplace_back(kNearFraction * ComputePatchRadius(board),
+                               is_black);
   }
 }
 
@@ -125,8 +126,9 @@ bool CornerGrowth::Find(const GreyImage& image, int column, int row,
       !WholeImage(image.size).Contains(match.pixel) ||
       IsOccupied(*lattice, column, row, match.pixel, prediction))
     return false;
-  const double near_px = kNearPart * PatchReach(board_) * spacing_px;
-  if (near_px > kMinNearReachPx) {
+  const double near_px =
+      kNearFraction * ComputePatchRadius(board_) * spacing_px;
+  if (near_px > kMinNearRadiusPx) {
     LocalMapping moved = prediction;
     moved.center = match.pixel;
     const PatchCorrelation nearer = FindPatch(
@@ -174,29 +176,30 @@ bool CornerGrowth::Sweep(const GreyImage& image,
   return is_any_found;
 }
 
-bool CornerGrowth::GrowByRatio(const GreyImage& image,
-                               const PatchCriterion& criterion,
-                               FeatureLattice* lattice) const {
+bool CornerGrowth::GrowWithSpacingRatio(const GreyImage& image,
+                                        const PatchCriterion& criterion,
+                                        FeatureLattice* lattice) const {
   const int num_before = lattice->num_found();
   int num_known;
   do {
     num_known = lattice->num_found();
     for (int row = 0; row < board_.rows; ++row)
       for (int column = 0; column < board_.columns; ++column)
-        FindByRatio(image, column, row, criterion, lattice);
+        FindWithSpacingRatio(image, column, row, criterion, lattice);
     if (lattice->num_found() > num_known) Grow(image, criterion, lattice);
   } while (lattice->num_found() > num_known);
   return lattice->num_found() > num_before;
 }
 
-void CornerGrowth::FindByRatio(const GreyImage& image, int column, int row,
-                               const PatchCriterion& criterion,
-                               FeatureLattice* lattice) const {
+void CornerGrowth::FindWithSpacingRatio(const GreyImage& image, int column,
+                                        int row,
+                                        const PatchCriterion& criterion,
+                                        FeatureLattice* lattice) const {
   constexpr double kSearchSquares = 0.25;
   for (const auto& [x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
     LocalMapping prediction;
     if (!lattice->Has(column, row) &&
-        PredictByRatio(*lattice, column, row, x, y, &prediction))
+        PredictWithSpacingRatio(*lattice, column, row, x, y, &prediction))
       Find(image, column, row, prediction, kSearchSquares, criterion, lattice);
   }
 }

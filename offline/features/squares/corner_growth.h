@@ -25,15 +25,16 @@ class CornerGrowth {
   /// Extends the lattice where squares shrink faster than polynomials predict,
   /// e.g. near the edge of a fisheye image. For boards with evenly spaced
   /// features. Returns whether any feature was found.
-  bool GrowByRatio(const GreyImage& image, const PatchCriterion& criterion,
-                   FeatureLattice* lattice) const;
+  bool GrowWithSpacingRatio(const GreyImage& image,
+                            const PatchCriterion& criterion,
+                            FeatureLattice* lattice) const;
 
  private:
   bool Sweep(const GreyImage& image, const PatchCriterion& criterion,
              std::vector<int>* tried_with, FeatureLattice* lattice) const;
-  void FindByRatio(const GreyImage& image, int column, int row,
-                   const PatchCriterion& criterion,
-                   FeatureLattice* lattice) const;
+  void FindWithSpacingRatio(const GreyImage& image, int column, int row,
+                            const PatchCriterion& criterion,
+                            FeatureLattice* lattice) const;
 
   Board board_;
   // One patch per feature. The smaller near_patches_ locate a corner more

@@ -100,16 +100,17 @@ DrawnPatch::DrawnPatch(
     double reach,
     const std::function<bool(const Eigen::Vector2d& offset)>& is_black)
     : reach_(reach) {
-  // Each sample is the mean of kParts x kParts points of its cell.
-  constexpr int kParts = 3;
-  const double part = 2 * reach / kSamples / kParts;
+  // Each sample is the mean of kSubsamples x kSubsamples points of its cell.
+  constexpr int kSubsamples = 3;
+  const double subsample_size = 2 * reach / kSamples / kSubsamples;
   for (const Eigen::Vector2d& offset : Offsets()) {
     int white = 0;
-    for (int j = 0; j < kParts; ++j)
-      for (int i = 0; i < kParts; ++i)
-        white += !is_black(
-            offset + part * Eigen::Vector2d(i - kParts / 2, j - kParts / 2));
-    levels_.push_back(static_cast<float>(white) / (kParts * kParts));
+    for (int j = 0; j < kSubsamples; ++j)
+      for (int i = 0; i < kSubsamples; ++i)
+        white += !is_black(offset + subsample_size *
+                                        Eigen::Vector2d(i - kSubsamples / 2,
+                                                        j - kSubsamples / 2));
+    levels_.push_back(static_cast<float>(white) / (kSubsamples * kSubsamples));
   }
 }
 
@@ -122,9 +123,9 @@ std::vector<Eigen::Vector2d> DrawnPatch::Offsets() const {
   return offsets;
 }
 
-std::optional<double> MeanLevel(const GreyImage& image,
-                                const LocalMapping& mapping,
-                                const Eigen::Vector2d& offset) {
+std::optional<double> ComputeMeanGreyLevel(const GreyImage& image,
+                                           const LocalMapping& mapping,
+                                           const Eigen::Vector2d& offset) {
   constexpr double kReach = 0.1;  // squares
   double sum = 0;
   for (const double dx : {-kReach, 0.0, kReach}) {

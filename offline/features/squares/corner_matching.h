@@ -38,9 +38,9 @@ struct PatchCorrelation {
 
 /// Returns the mean grey level of the image around a board offset; nullopt
 /// outside the image.
-std::optional<double> MeanLevel(const GreyImage& image,
-                                const LocalMapping& mapping,
-                                const Eigen::Vector2d& offset);
+std::optional<double> ComputeMeanGreyLevel(const GreyImage& image,
+                                           const LocalMapping& mapping,
+                                           const Eigen::Vector2d& offset);
 
 /// Criterion for accepting a match of drawing and image.
 struct PatchCriterion {

@@ -63,7 +63,7 @@ cv::Mat Strengths(const cv::Mat& image) {
   return strengths;
 }
 
-bool IsLargestAround(const cv::Mat& values, int x, int y) {
+bool IsLocalMaximum(const cv::Mat& values, int x, int y) {
   const float value = values.at<float>(y, x);
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
@@ -98,7 +98,7 @@ std::vector<Saddle> FindSaddles(const GreyImage& image, double scale,
     for (int x = 2; x + 2 < smooth.cols; ++x) {
       const float strength = strengths.at<float>(y, x);
       if (strength < kMinStrength * kMinStrength ||
-          !IsLargestAround(strengths, x, y))
+          !IsLocalMaximum(strengths, x, y))
         continue;
       const Derivatives d = DerivativesAt(smooth, x, y);
       const Eigen::Vector2d step = -d.hessian.inverse() * d.gradient;

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "features/board_view/lattice_lens.h"
+#include "features/board_view/lattice_camera.h"
 #include "features/star/star_growth.h"
 
 namespace raygrid {
@@ -14,11 +14,11 @@ namespace {
 
 // Maximum probability that the visible tag cells match by chance: 9 cells, if
 // the stars are consistent with a single placement.
-constexpr double kMaxByChance = 2e-3;
+constexpr double kMaxFalseAlarmProbability = 2e-3;
 // Another placement makes the identification ambiguous if its probability of
-// matching by chance is below kMaxRivalByChance and below kRivalOverBest times
-// that of the best placement.
-constexpr double kMaxRivalByChance = 5e-2;
+// matching by chance is below kMaxRivalProbability and below kRivalOverBest
+// times that of the best placement.
+constexpr double kMaxRivalProbability = 5e-2;
 constexpr double kRivalOverBest = 1e4;
 constexpr double kMaxWrongFrame = 0.1;
 constexpr int kMinFrameCells = 4;   // per colour
@@ -36,7 +36,7 @@ struct Cells {
   std::vector<Cell> frames, codes;
 };
 
-Cells CellsOf(const TaggedBoard& tagged) {
+Cells MakeCells(const TaggedBoard& tagged) {
   Cells cells;
   const double square_m = tagged.board.square_m;
   for (const PlacedMarker& tag : tagged.tags) {
@@ -64,7 +64,7 @@ class CellReader {
              int degree)
       : image_(image), lattice_(lattice), reach_(reach), degree_(degree) {}
   CellReader(const GreyImage& image, const FeatureLattice& lattice,
-             const LatticeLens& lens)
+             const LatticeCamera& lens)
       : image_(image), lattice_(lattice), lens_(lens) {}
 
   bool has_lens() const { return lens_.has_value(); }
@@ -132,14 +132,14 @@ class CellReader {
   const GreyImage& image_;
   const FeatureLattice& lattice_;
   int reach_ = 0, degree_ = 0;
-  std::optional<LatticeLens> lens_;
+  std::optional<LatticeCamera> lens_;
   std::vector<Correspondence> known_;  // offsets from lattice (0, 0)
   std::map<std::pair<int, int>, std::optional<LocalMapping>> mappings_;
 };
 
 // Returns P(k <= num_wrong) for k ~ Binomial(count, 1/2): the probability that
 // random cells match as well.
-double ByChance(int num_wrong, int count) {
+double ComputeBinomialTail(int num_wrong, int count) {
   double term = std::pow(0.5, count), sum = 0;
   for (int k = 0; k <= num_wrong; ++k) {
     sum += term;
@@ -150,7 +150,7 @@ double ByChance(int num_wrong, int count) {
 
 // A cell with its grey level, and its distance from the nearest star in
 // squares.
-struct SeenCell {
+struct SampledCell {
   double distance, level;
   bool is_black;
 };
@@ -164,9 +164,9 @@ struct DetectedFrame {
   double max_distance = -1;
 };
 
-DetectedFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
+DetectedFrame FitFrame(std::vector<SampledCell> cells, bool is_whole) {
   std::stable_sort(cells.begin(), cells.end(),
-                   [](const SeenCell& a, const SeenCell& b) {
+                   [](const SampledCell& a, const SampledCell& b) {
                      return a.distance < b.distance;
                    });
   DetectedFrame frame;
@@ -204,7 +204,7 @@ DetectedFrame FrameOf(std::vector<SeenCell> cells, bool is_whole) {
 // strongly foreshortened board, the lattice may have been extended by
 // structures that resemble half stars, whose spacing differs from the
 // prediction.
-void RemoveUnexplained(const LatticeLens& lens, std::vector<Feature>* stars) {
+void RemoveUnexplained(const LatticeCamera& lens, std::vector<Feature>* stars) {
   constexpr double kMaxErrorSquares = 0.15;
   stars->erase(
       std::remove_if(stars->begin(), stars->end(),
@@ -225,14 +225,14 @@ class Identification {
       : detected_(detected), boards_(boards), stars_(lattice.Features()) {
     int tag_squares = 0;
     for (const TaggedBoard* board : boards) {
-      cells_.push_back(CellsOf(*board));
+      cells_.push_back(MakeCells(*board));
       for (const BoardTag& tag : board->board.tags)
         tag_squares = std::max(tag_squares, tag.squares);
     }
     // Quadratic polynomials may extrapolate better than cubic ones.
     for (const int degree : {3, 2})
       readers_.emplace_back(image, lattice, tag_squares / 2 + 3, degree);
-    if (const auto lens = LatticeLens::Fit(stars_, image.size)) {
+    if (const auto lens = LatticeCamera::Fit(stars_, image.size)) {
       readers_.emplace_back(image, lattice, *lens);
       RemoveUnexplained(*lens, &stars_);
     }
@@ -246,9 +246,10 @@ class Identification {
         Weigh(placement);
       }
     }
-    if (num_tags_seen_ == 0 || best_chance_ * num_tags_seen_ > kMaxByChance ||
-        rival_chance_ <
-            std::min(kMaxRivalByChance, kRivalOverBest * best_chance_))
+    if (num_detected_tags_ == 0 ||
+        best_probability_ * num_detected_tags_ > kMaxFalseAlarmProbability ||
+        rival_probability_ <
+            std::min(kMaxRivalProbability, kRivalOverBest * best_probability_))
       return std::nullopt;
     return best_;
   }
@@ -257,9 +258,9 @@ class Identification {
   // Returns the corners of detected tags that, in this placement, are adjacent
   // to stars that are also near the tag in the image; they improve the local
   // mappings.
-  std::vector<Correspondence> CornersBesideStars(
+  std::vector<Correspondence> CollectCornersNearStars(
       const LatticePlacement& placement) const {
-    constexpr double kReachSquares = 3;
+    constexpr double kRadiusSquares = 3;
     std::vector<Correspondence> corners;
     for (const VisibleTag& seen :
          FindVisibleTags(boards_[placement.board]->board, detected_)) {
@@ -274,7 +275,8 @@ class Identification {
       const Eigen::Vector2d offset =
           (on_board[0] + on_board[2]) / 2 -
           placement.OnBoard(star.column, star.row).cast<double>();
-      if (offset.cwiseAbs().maxCoeff() > seen.tag.squares / 2.0 + kReachSquares)
+      if (offset.cwiseAbs().maxCoeff() >
+          seen.tag.squares / 2.0 + kRadiusSquares)
         continue;
       for (int k = 0; k < 4; ++k)
         corners.push_back({placement.OnLattice(on_board[k]), c[k]});
@@ -282,20 +284,20 @@ class Identification {
     return corners;
   }
 
-  std::vector<SeenCell> Read(const LatticePlacement& placement,
-                             const std::vector<Cell>& cells,
-                             CellReader* reader) const {
-    std::vector<SeenCell> seen;
+  std::vector<SampledCell> Read(const LatticePlacement& placement,
+                                const std::vector<Cell>& cells,
+                                CellReader* reader) const {
+    std::vector<SampledCell> seen;
     for (const Cell& cell : cells) {
       const auto level = reader->Read(placement, cell);
       if (!level) continue;
       const Eigen::Vector2d place = placement.OnLattice(cell.center);
-      double least2 = 1e9;
+      double min_squared_distance = 1e9;
       for (const Feature& star : stars_)
-        least2 = std::min(
-            least2,
+        min_squared_distance = std::min(
+            min_squared_distance,
             (place - Eigen::Vector2d(star.column, star.row)).squaredNorm());
-      seen.push_back({std::sqrt(least2), *level, cell.is_black});
+      seen.push_back({std::sqrt(min_squared_distance), *level, cell.is_black});
     }
     return seen;
   }
@@ -303,39 +305,42 @@ class Identification {
   // Returns the probability that the code cells match as well by chance; 1 if
   // no tag frame is found. has_corners: the tag's corners are known, so the
   // complete frame must match.
-  double ChanceOf(const LatticePlacement& placement, bool has_corners,
-                  CellReader* reader) const {
+  double ComputeFalseAlarmProbability(const LatticePlacement& placement,
+                                      bool has_corners,
+                                      CellReader* reader) const {
     const Cells& cells = cells_[placement.board];
     const DetectedFrame frame =
-        FrameOf(Read(placement, cells.frames, reader), has_corners);
+        FitFrame(Read(placement, cells.frames, reader), has_corners);
     if (frame.max_distance < 0) return 1;
     int count = 0, num_wrong = 0;
-    for (const SeenCell& cell : Read(placement, cells.codes, reader)) {
+    for (const SampledCell& cell : Read(placement, cells.codes, reader)) {
       if (cell.distance > frame.max_distance) continue;
       ++count;
       num_wrong += (cell.level < frame.threshold) != cell.is_black;
     }
-    return ByChance(num_wrong, count);
+    return ComputeBinomialTail(num_wrong, count);
   }
 
   void Weigh(const LatticePlacement& placement) {
-    const auto corners = CornersBesideStars(placement);
+    const auto corners = CollectCornersNearStars(placement);
     double chance = 1;
     for (CellReader& reader : readers_) {
-      chance = std::min(chance, ChanceOf(placement, false, &reader));
+      chance = std::min(
+          chance, ComputeFalseAlarmProbability(placement, false, &reader));
       if (corners.empty() || reader.has_lens()) continue;
       CellReader with_corners = reader;
       for (const Correspondence& corner : corners)
         with_corners.Add(corner.offset, corner.pixel);
-      chance = std::min(chance, ChanceOf(placement, true, &with_corners));
+      chance = std::min(
+          chance, ComputeFalseAlarmProbability(placement, true, &with_corners));
     }
-    num_tags_seen_ += chance < 1;
-    if (chance < best_chance_) {
-      rival_chance_ = best_chance_;
-      best_chance_ = chance;
+    num_detected_tags_ += chance < 1;
+    if (chance < best_probability_) {
+      rival_probability_ = best_probability_;
+      best_probability_ = chance;
       best_ = placement;
     } else {
-      rival_chance_ = std::min(rival_chance_, chance);
+      rival_probability_ = std::min(rival_probability_, chance);
     }
   }
 
@@ -345,8 +350,8 @@ class Identification {
   std::vector<CellReader> readers_;
   std::vector<Feature> stars_;
   LatticePlacement best_;
-  double best_chance_ = 1, rival_chance_ = 1;
-  int num_tags_seen_ = 0;
+  double best_probability_ = 1, rival_probability_ = 1;
+  int num_detected_tags_ = 0;
 };
 
 }  // namespace

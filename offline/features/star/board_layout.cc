@@ -12,31 +12,31 @@ namespace raygrid {
 namespace {
 
 // The square around each lattice position is sampled at 8 x 8 points.
-constexpr int kPartsPerSquare = 8;
-constexpr int kNumParts = kPartsPerSquare * kPartsPerSquare;
-constexpr int kLayoutReach = 4;  // in squares: stars used for local mappings
-constexpr int kMaxBeyond = 2;    // in squares from the nearest star
+constexpr int kSubcellsPerSide = 8;
+constexpr int kSubcellsPerSquare = kSubcellsPerSide * kSubcellsPerSide;
+constexpr int kLayoutRadius = 4;  // in squares: stars used for local mappings
+constexpr int kMaxStarDistance = 2;       // in squares from the nearest star
 constexpr double kMinLayoutContrast = 8;  // grey levels
 // Maximum fractions of mismatches among all samples, and among samples at
 // positions without a detected star.
-constexpr double kMaxWrong = 0.1, kMaxWrongBesideStars = 0.15;
+constexpr double kMaxWrong = 0.1, kMaxWrongNearStars = 0.15;
 // Minimum number of samples, and of squares containing them, at which the best
 // placement matches and a rival does not.
 constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
 constexpr double kMaxWrongWhereRivalIsRight = 0.15;
 
 // Returns the offset of a sample from the centre of its square.
-Eigen::Vector2d PartOffset(int part) {
-  return Eigen::Vector2d(part % kPartsPerSquare + 0.5,
-                         part / kPartsPerSquare + 0.5) /
-             kPartsPerSquare -
+Eigen::Vector2d GetSubcellOffset(int part) {
+  return Eigen::Vector2d(part % kSubcellsPerSide + 0.5,
+                         part / kSubcellsPerSide + 0.5) /
+             kSubcellsPerSide -
          Eigen::Vector2d(0.5, 0.5);
 }
 
 enum class Shade : char { kUnsure, kWhite, kBlack };
 
 template <typename IsBlack>
-Shade ShadeOf(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
+Shade ComputeShade(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
   constexpr double kMargin = 0.045;  // squares
   const bool is_black = is_black_at(center);
   for (const double v : {-kMargin, kMargin})
@@ -48,20 +48,20 @@ Shade ShadeOf(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
 
 // The expected appearance of a board at all sample points; kUnsure near edges
 // between black and white.
-class ExpectedParts {
+class ExpectedSubcells {
  public:
-  explicit ExpectedParts(const Board& board)
+  explicit ExpectedSubcells(const Board& board)
       : columns_(board.columns + 2), rows_(board.rows + 2) {
     const BoardAppearance appearance(board);
-    shades_.reserve(static_cast<size_t>(columns_) * rows_ * kNumParts);
+    shades_.reserve(static_cast<size_t>(columns_) * rows_ * kSubcellsPerSquare);
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < columns_; ++column)
-        for (int part = 0; part < kNumParts; ++part)
-          shades_.push_back(
-              ShadeOf(Eigen::Vector2d(column - 1, row - 1) + PartOffset(part),
-                      [&](const Eigen::Vector2d& p) {
-                        return appearance.IsBlack(board.square_m * p);
-                      }));
+        for (int part = 0; part < kSubcellsPerSquare; ++part)
+          shades_.push_back(ComputeShade(
+              Eigen::Vector2d(column - 1, row - 1) + GetSubcellOffset(part),
+              [&](const Eigen::Vector2d& p) {
+                return appearance.IsBlack(board.square_m * p);
+              }));
   }
 
   // The appearance is defined up to one square outside the outermost features.
@@ -70,14 +70,15 @@ class ExpectedParts {
            place.y() < rows_ - 1;
   }
   Shade At(const Eigen::Vector2i& place, const Eigen::Vector2d& offset) const {
-    const Eigen::Array2i part = ((offset.array() + 0.5) * kPartsPerSquare)
+    const Eigen::Array2i part = ((offset.array() + 0.5) * kSubcellsPerSide)
                                     .floor()
                                     .cast<int>()
                                     .max(0)
-                                    .min(kPartsPerSquare - 1);
+                                    .min(kSubcellsPerSide - 1);
     const size_t square =
         static_cast<size_t>(place.y() + 1) * columns_ + place.x() + 1;
-    return shades_[square * kNumParts + part.y() * kPartsPerSquare + part.x()];
+    return shades_[square * kSubcellsPerSquare + part.y() * kSubcellsPerSide +
+                   part.x()];
   }
 
  private:
@@ -86,7 +87,7 @@ class ExpectedParts {
 };
 
 // A sample that is clearly black or white.
-struct SeenPart {
+struct SampledSubcell {
   Eigen::Vector2i place;  // lattice position
   Eigen::Vector2d offset;
   bool is_black, is_on_star;
@@ -96,28 +97,28 @@ struct Levels {
   double white = 0, black = 0;
 };
 
-class PartReader {
+class SubcellReader {
  public:
-  PartReader(const GreyImage& image, const FeatureLattice& lattice,
-             int segments)
+  SubcellReader(const GreyImage& image, const FeatureLattice& lattice,
+                int segments)
       : image_(image),
         lattice_(lattice),
         segments_(segments),
         stars_(lattice.Features()) {}
 
-  std::vector<SeenPart> ReadAll() {
-    std::vector<SeenPart> seen;
-    for (const Eigen::Vector2i& place : PlacesAroundStars())
-      ReadPlace(place, &seen);
+  std::vector<SampledSubcell> ReadAll() {
+    std::vector<SampledSubcell> seen;
+    for (const Eigen::Vector2i& place : ListPositionsNearStars())
+      ReadSquare(place, &seen);
     return seen;
   }
 
  private:
-  std::vector<Eigen::Vector2i> PlacesAroundStars() const {
+  std::vector<Eigen::Vector2i> ListPositionsNearStars() const {
     std::vector<Eigen::Vector2i> places;
     for (const Feature& star : stars_)
-      for (int v = -kMaxBeyond; v <= kMaxBeyond; ++v)
-        for (int u = -kMaxBeyond; u <= kMaxBeyond; ++u)
+      for (int v = -kMaxStarDistance; v <= kMaxStarDistance; ++v)
+        for (int u = -kMaxStarDistance; u <= kMaxStarDistance; ++u)
           if (lattice_.IsOnBoard(star.column + u, star.row + v))
             places.emplace_back(star.column + u, star.row + v);
     const auto is_before = [](const Eigen::Vector2i& a,
@@ -129,8 +130,8 @@ class PartReader {
     return places;
   }
 
-  std::optional<double> LevelAt(const LocalMapping& mapping,
-                                const Eigen::Vector2d& offset) const {
+  std::optional<double> SampleGreyLevel(const LocalMapping& mapping,
+                                        const Eigen::Vector2d& offset) const {
     const Eigen::Vector2d pixel = mapping(offset);
     if (!WholeImage(image_.size).Contains(pixel)) return std::nullopt;
     return image_.at(static_cast<int>(std::lround(pixel.x())),
@@ -138,7 +139,8 @@ class PartReader {
   }
 
   // Estimates the black and white levels from the segments of the nearest star.
-  std::optional<Levels> LevelsNear(const Eigen::Vector2i& place) const {
+  std::optional<Levels> GetNearestGreyLevels(
+      const Eigen::Vector2i& place) const {
     const Feature& star = *std::min_element(
         stars_.begin(), stars_.end(), [&](const Feature& a, const Feature& b) {
           return (Eigen::Vector2i(a.column, a.row) - place).squaredNorm() <
@@ -146,16 +148,16 @@ class PartReader {
         });
     LocalMapping mapping;
     if (!FitLocalMapping(
-            lattice_.Around(star.column, star.row, kLayoutReach, true), 2,
+            lattice_.Around(star.column, star.row, kLayoutRadius, true), 2,
             &mapping))
       return std::nullopt;
     double sums[2] = {0, 0};
     int counts[2] = {0, 0};
-    for (int part = 0; part < kNumParts; ++part) {
-      const Eigen::Vector2d offset = PartOffset(part);
-      const auto level = LevelAt(mapping, offset);
+    for (int part = 0; part < kSubcellsPerSquare; ++part) {
+      const Eigen::Vector2d offset = GetSubcellOffset(part);
+      const auto level = SampleGreyLevel(mapping, offset);
       if (!level) continue;
-      const Shade shade = ShadeOf(offset, [&](const Eigen::Vector2d& p) {
+      const Shade shade = ComputeShade(offset, [&](const Eigen::Vector2d& p) {
         return IsBlackInStar(segments_, p.x(), p.y());
       });
       if (shade == Shade::kUnsure) continue;
@@ -169,24 +171,24 @@ class PartReader {
     return levels;
   }
 
-  void ReadPlace(const Eigen::Vector2i& place,
-                 std::vector<SeenPart>* seen) const {
+  void ReadSquare(const Eigen::Vector2i& place,
+                  std::vector<SampledSubcell>* seen) const {
     LocalMapping mapping;
     if (!FitLocalMapping(
-            lattice_.Around(place.x(), place.y(), kLayoutReach, true), 2,
+            lattice_.Around(place.x(), place.y(), kLayoutRadius, true), 2,
             &mapping))
       return;
     if (!WholeImage(image_.size).Contains(mapping.center, 20)) return;
-    const auto levels = LevelsNear(place);
+    const auto levels = GetNearestGreyLevels(place);
     if (!levels) return;
-    for (int part = 0; part < kNumParts; ++part) {
-      const Eigen::Vector2d offset = PartOffset(part);
-      const auto level = LevelAt(mapping, offset);
+    for (int part = 0; part < kSubcellsPerSquare; ++part) {
+      const Eigen::Vector2d offset = GetSubcellOffset(part);
+      const auto level = SampleGreyLevel(mapping, offset);
       if (!level) continue;
-      constexpr double kClearly = 0.35;
+      constexpr double kMinContrastFraction = 0.35;
       const double whiteness =
           (*level - levels->black) / (levels->white - levels->black);
-      if (std::abs(whiteness - 0.5) < 0.5 - kClearly) continue;
+      if (std::abs(whiteness - 0.5) < 0.5 - kMinContrastFraction) continue;
       seen->push_back(
           {place, offset, whiteness < 0.5, lattice_.Has(place.x(), place.y())});
     }
@@ -201,24 +203,24 @@ class PartReader {
 // The result of comparing each sample with a placement: 1 match, -1 mismatch, 0
 // undefined.
 struct Verdicts {
-  std::vector<signed char> of_parts;
+  std::vector<signed char> subcell_values;
   int num_right = 0, num_wrong = 0;
-  int num_right_beside = 0, num_wrong_beside = 0;  // at positions without a
+  int num_right_nearby = 0, num_wrong_nearby = 0;  // at positions without a
                                                    // star
 
   bool IsPlausible() const {
     return num_wrong <= kMaxWrong * (num_right + num_wrong) &&
-           num_wrong_beside <=
-               kMaxWrongBesideStars * (num_right_beside + num_wrong_beside);
+           num_wrong_nearby <=
+               kMaxWrongNearStars * (num_right_nearby + num_wrong_nearby);
   }
 };
 
 Verdicts CollectAssessments(const LatticePlacement& placement,
-                            const ExpectedParts& expected,
-                            const std::vector<SeenPart>& seen) {
+                            const ExpectedSubcells& expected,
+                            const std::vector<SampledSubcell>& seen) {
   Verdicts verdicts;
-  verdicts.of_parts.reserve(seen.size());
-  for (const SeenPart& part : seen) {
+  verdicts.subcell_values.reserve(seen.size());
+  for (const SampledSubcell& part : seen) {
     const Eigen::Vector2i place =
         placement.OnBoard(part.place.x(), part.place.y());
     signed char assessment = 0;
@@ -231,22 +233,22 @@ Verdicts CollectAssessments(const LatticePlacement& placement,
     } else if (part.is_on_star) {
       assessment = -1;
     }
-    verdicts.of_parts.push_back(assessment);
+    verdicts.subcell_values.push_back(assessment);
     verdicts.num_right += assessment > 0;
     verdicts.num_wrong += assessment < 0;
-    verdicts.num_right_beside += assessment > 0 && !part.is_on_star;
-    verdicts.num_wrong_beside += assessment < 0 && !part.is_on_star;
+    verdicts.num_right_nearby += assessment > 0 && !part.is_on_star;
+    verdicts.num_wrong_nearby += assessment < 0 && !part.is_on_star;
   }
   return verdicts;
 }
 
 bool Refutes(const Verdicts& a, const Verdicts& b,
-             const std::vector<SeenPart>& seen) {
+             const std::vector<SampledSubcell>& seen) {
   int num_a = 0, num_b = 0, num_squares = 0;
   const Eigen::Vector2i* last_square = nullptr;
   for (size_t i = 0; i < seen.size(); ++i) {
-    num_b += a.of_parts[i] < 0 && b.of_parts[i] > 0;
-    if (a.of_parts[i] <= 0 || b.of_parts[i] >= 0) continue;
+    num_b += a.subcell_values[i] < 0 && b.subcell_values[i] > 0;
+    if (a.subcell_values[i] <= 0 || b.subcell_values[i] >= 0) continue;
     ++num_a;
     num_squares += !last_square || *last_square != seen[i].place;
     last_square = &seen[i].place;
@@ -257,14 +259,14 @@ bool Refutes(const Verdicts& a, const Verdicts& b,
 
 }  // namespace
 
-std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
-                                               const FeatureLattice& lattice,
-                                               const Board& board) {
+std::optional<LatticePlacement> AssignWithLayout(const GreyImage& image,
+                                                 const FeatureLattice& lattice,
+                                                 const Board& board) {
   const auto placements = ListPlacements(lattice.Features(), board);
   if (placements.empty()) return std::nullopt;
-  const std::vector<SeenPart> seen =
-      PartReader(image, lattice, board.segments).ReadAll();
-  const ExpectedParts expected(board);
+  const std::vector<SampledSubcell> seen =
+      SubcellReader(image, lattice, board.segments).ReadAll();
+  const ExpectedSubcells expected(board);
   std::vector<Verdicts> verdicts;
   verdicts.reserve(placements.size());
   for (const LatticePlacement& placement : placements)

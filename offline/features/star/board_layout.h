@@ -15,9 +15,9 @@ namespace raygrid {
 /// matches the board in this placement, and contradicts every other placement
 /// for which the board would look different.
 /// one where the board would look different.
-std::optional<LatticePlacement> AssignByLayout(const GreyImage& image,
-                                               const FeatureLattice& lattice,
-                                               const Board& board);
+std::optional<LatticePlacement> AssignWithLayout(const GreyImage& image,
+                                                 const FeatureLattice& lattice,
+                                                 const Board& board);
 
 /// Returns whether more than two stars of another board would lie on the board
 /// in this placement.

@@ -9,7 +9,7 @@ namespace {
 
 // Maximum fractions of stars at board positions without a star: on tags, and
 // outside the board, where paper may resemble half of a star with few segments.
-constexpr double kMaxPartOnTags = 0.2, kMaxPartBeyond = 0.4;
+constexpr double kMaxFractionOnTags = 0.2, kMaxFractionOutside = 0.4;
 
 // Rotates (column, row) by multiples of 90 degrees, clockwise on the board.
 Eigen::Vector2d Rotated(int quarter_turns, const Eigen::Vector2d& p) {
@@ -38,13 +38,14 @@ bool Fits(const LatticePlacement& placement, const std::vector<Feature>& stars,
     else
       num_on_tags += !board.HasFeature(p.x(), p.y());
   }
-  return num_on_tags <= limit(kMaxPartOnTags) &&
-         num_beyond <= limit(kMaxPartBeyond);
+  return num_on_tags <= limit(kMaxFractionOnTags) &&
+         num_beyond <= limit(kMaxFractionOutside);
 }
 
-void AddThoseOfTurn(int quarter_turns, const std::vector<Feature>& stars,
-                    const Board& board,
-                    std::vector<LatticePlacement>* placements) {
+void AddPlacementsOfRotation(int quarter_turns,
+                             const std::vector<Feature>& stars,
+                             const Board& board,
+                             std::vector<LatticePlacement>* placements) {
   Eigen::Array2i low(1 << 20, 1 << 20), high = -low;
   LatticePlacement placement;
   placement.quarter_turns = quarter_turns;
@@ -86,9 +87,9 @@ Eigen::Vector2d LatticePlacement::OnLattice(
 std::vector<LatticePlacement> ListPlacements(const std::vector<Feature>& stars,
                                              const Board& board) {
   std::vector<LatticePlacement> placements;
-  const int num_turns = FindStarSymmetries(board.segments);
-  for (int k = 0; k < num_turns; ++k)
-    AddThoseOfTurn(4 / num_turns * k, stars, board, &placements);
+  const int num_rotations = CountStarSymmetries(board.segments);
+  for (int k = 0; k < num_rotations; ++k)
+    AddPlacementsOfRotation(4 / num_rotations * k, stars, board, &placements);
   return placements;
 }
 

@@ -12,9 +12,9 @@ namespace {
 constexpr double kMinCorrelation = 0.5;
 constexpr int kMinStars = 12;   // minimum size of an accepted lattice
 constexpr int kMaxTrials = 40;  // number of candidates
-constexpr size_t kNumNearest = 12, kNumNeighbors = 40;
+constexpr size_t kNumNearestStars = 12, kNumNeighbors = 40;
 // Stars of few segments have junctions along the edges of their squares too.
-constexpr int kFewSegments = 6, kMoreJunctions = 2;
+constexpr int kMaxFewSegments = 6, kMoreJunctions = 2;
 
 Board LooseBoard(int segments, int side) {
   Board board;
@@ -102,7 +102,7 @@ std::vector<Basis> FindBases(const std::vector<Eigen::Vector2d>& offsets,
   return bases;
 }
 
-Basis QuarterTurned(const Basis& linear) {
+Basis RotateByQuarter(const Basis& linear) {
   Basis turned;
   turned << linear.col(1), -linear.col(0);
   return turned;
@@ -115,7 +115,7 @@ LocalMapping Shifted(LocalMapping mapping, const Eigen::Vector2d& offset) {
 
 }  // namespace
 
-int FindStarSymmetries(int segments) {
+int CountStarSymmetries(int segments) {
   return segments % 8 == 0 ? 4 : segments % 4 == 0 ? 2 : 1;
 }
 
@@ -131,7 +131,7 @@ LooseLatticeFinder::LooseLatticeFinder(int segments, int max_side,
 std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
     const GreyImage& image, const std::vector<StarCandidate>& candidates,
     const Eigen::Vector2d& center) const {
-  constexpr double kClearlyBetter = 0.3;
+  constexpr double kMinTotalGain = 0.3;
   constexpr double kMinTotal = 3 * kMinCorrelation;
   std::optional<Seed> best;
   const auto correlation = [&](const LocalMapping& mapping, double search_px) {
@@ -139,25 +139,25 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
                                            options_.window_px, search_px);
     return match.is_converged ? match.correlation : 0;
   };
-  const int num_turns = 4 / FindStarSymmetries(board_.segments);
-  const int density = board_.segments <= kFewSegments ? kMoreJunctions : 1;
+  const int num_rotations = 4 / CountStarSymmetries(board_.segments);
+  const int density = board_.segments <= kMaxFewSegments ? kMoreJunctions : 1;
   const auto offsets =
       OffsetsAround(candidates, center, density * kNumNeighbors);
-  for (const Basis& basis : FindBases(offsets, density * kNumNearest)) {
+  for (const Basis& basis : FindBases(offsets, density * kNumNearestStars)) {
     LocalMapping mapping;
     mapping.center = center;
     mapping.linear = basis;
-    for (int turn = 0; turn < num_turns; ++turn) {
+    for (int turn = 0; turn < num_rotations; ++turn) {
       double total = correlation(mapping, 1);
       if (total >= kMinCorrelation) {
         const double search_px = std::max(2.0, 0.15 * mapping.SpacingPx());
         for (const Eigen::Vector2d& offset :
              {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}})
           total += correlation(Shifted(mapping, offset), search_px);
-        if (total > (best ? best->total + kClearlyBetter : kMinTotal))
+        if (total > (best ? best->total + kMinTotalGain : kMinTotal))
           best = Seed{mapping, total};
       }
-      mapping.linear = QuarterTurned(mapping.linear);
+      mapping.linear = RotateByQuarter(mapping.linear);
     }
   }
   return best;
@@ -201,7 +201,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSimilarStars(
   others[1].mapping = Shifted(seed.mapping, {0.5, 0});
   others[2].mapping = Shifted(seed.mapping, {0, 0.5});
   for (const int turned : {1, 2})
-    others[turned].mapping.linear = QuarterTurned(seed.mapping.linear);
+    others[turned].mapping.linear = RotateByQuarter(seed.mapping.linear);
   return others;
 }
 
@@ -210,7 +210,7 @@ FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
                                             double alike) const {
   const int mid = board_.columns / 2;
   StarGrowth growth(image, board_, texture_, masks_, options_, {});
-  growth.RequireAlike(alike);
+  growth.SetMinCorrelationRatio(alike);
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column)
       growth.Try(mid + column, mid + row,
@@ -225,16 +225,18 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
     std::vector<StarCandidate>* candidates) const {
   // Half stars along the board's edges correlate less than their neighbours, as
   // do stars where the resolution decreases.
-  constexpr double kAlike = 0.6, kLessAlike = 0.5;
+  constexpr double kMinCorrelationRatio = 0.6,
+                   kMinReducedCorrelationRatio = 0.5;
   for (Seed seed : FindSeeds(smaller, scale, candidates)) {
     seed.mapping.center = FromDownscaled(seed.mapping.center, scale);
     seed.mapping.linear *= scale;
-    std::vector<FeatureLattice> lattices = {GrowFrom(image, seed, kAlike),
-                                            GrowFrom(image, seed, kLessAlike)};
+    std::vector<FeatureLattice> lattices = {
+        GrowFrom(image, seed, kMinCorrelationRatio),
+        GrowFrom(image, seed, kMinReducedCorrelationRatio)};
     if (lattices[1].num_found() < kMinStars) continue;
     for (const Seed& other : FindSimilarStars(seed)) {
-      lattices.push_back(GrowFrom(image, other, kAlike));
-      lattices.push_back(GrowFrom(image, other, kLessAlike));
+      lattices.push_back(GrowFrom(image, other, kMinCorrelationRatio));
+      lattices.push_back(GrowFrom(image, other, kMinReducedCorrelationRatio));
     }
     RemoveExplained(lattices[1], candidates);
     lattices.erase(std::remove_if(lattices.begin(), lattices.end(),

@@ -12,7 +12,7 @@ namespace raygrid {
 
 /// Returns the number of rotations by multiples of 90 degrees under which a
 /// lattice of such stars is invariant: 4 (all), 2 (0 and 180 degrees) or 1.
-int FindStarSymmetries(int segments);
+int CountStarSymmetries(int segments);
 
 /// Detects lattices of stars from candidates, for unknown boards and positions
 /// on them.

@@ -70,7 +70,7 @@ GradientMaps MakeMaps(const cv::Mat& image) {
   return maps;
 }
 
-bool IsLeastAround(const cv::Mat& map, int x, int y) {
+bool IsLocalMinimum(const cv::Mat& map, int x, int y) {
   constexpr int kReach = 2;
   const float value = map.at<float>(y, x);
   for (int dy = -kReach; dy <= kReach; ++dy)
@@ -108,15 +108,16 @@ Junction Examine(const GradientMaps& maps, int x, int y) {
   return junction;
 }
 
-void FindAtScale(const cv::Mat& image, double scale, double min_gradient,
-                 std::vector<StarCandidate>* candidates) {
+void FindCandidatesAtScale(const cv::Mat& image, double scale,
+                           double min_gradient,
+                           std::vector<StarCandidate>* candidates) {
   const GradientMaps maps = MakeMaps(image);
   const double min_energy = min_gradient * min_gradient * kSigmaPx * kSigmaPx;
   for (int y = kRadiusPx; y < image.rows - kRadiusPx; ++y) {
     for (int x = kRadiusPx; x < image.cols - kRadiusPx; ++x) {
       const float scatter = maps.scatter.at<float>(y, x);
       if (scatter > kMaxScatter || maps.energy.at<float>(y, x) < min_energy ||
-          !IsLeastAround(maps.scatter, x, y))
+          !IsLocalMinimum(maps.scatter, x, y))
         continue;
       const Junction junction = Examine(maps, x, y);
       constexpr double kMaxOffsetPx = 2;
@@ -159,7 +160,7 @@ std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
   double scale = 1;
   for (int k = 0; k < kNumScales; ++k) {
     if (std::min(scaled.cols, scaled.rows) < 4 * kRadiusPx) break;
-    FindAtScale(scaled, scale, min_gradient, &found);
+    FindCandidatesAtScale(scaled, scale, min_gradient, &found);
     cv::Mat half;
     cv::resize(scaled, half, cv::Size(scaled.cols / 2, scaled.rows / 2), 0, 0,
                cv::INTER_AREA);

@@ -60,9 +60,9 @@ class Search {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
     if (IsComplete()) return;
     LookForLooseLattices(image_, 1);
-    const bool sees_other_stars = SeesOtherStars();
+    const bool may_have_other_stars = MayHaveOtherStars();
     LookInSmallerImages();
-    if (sees_other_stars && !IsComplete() &&
+    if (may_have_other_stars && !IsComplete() &&
         !IsQuickSearchThorough(image_.size))
       GrowFromTags(DetectTags(image_, TagSearch::kThorough));
   }
@@ -71,18 +71,18 @@ class Search {
   // Returns nullptr if the board was not detected.
   const StarGrowth* growth(size_t board) const { return growths_[board].get(); }
   // Whether there are stars whose board could not be identified.
-  bool sees_unnamed_stars() const { return sees_unnamed_stars_; }
+  bool has_unidentified_stars() const { return has_unidentified_stars_; }
 
  private:
   bool IsFound(size_t board) const {
     return growths_[board] && growths_[board]->IsSound(kMaxInVainIfFound);
   }
-  bool IsSeen(size_t board) const {
+  bool IsBoardDetected(size_t board) const {
     return growths_[board] && growths_[board]->IsSound(kMaxInVain);
   }
-  bool IsEachSeen() const {
+  bool AreAllBoardsDetected() const {
     for (size_t b = 0; b < boards_.size(); ++b)
-      if (!IsSeen(b)) return false;
+      if (!IsBoardDetected(b)) return false;
     return true;
   }
   bool IsComplete() const {
@@ -91,10 +91,10 @@ class Search {
     return true;
   }
   // Whether boards are missing and enough star candidates remain.
-  bool SeesOtherStars() const {
+  bool MayHaveOtherStars() const {
     return !IsComplete() && candidates_.size() >= kMinCandidates;
   }
-  bool SeesUnknownTag() const {
+  bool HasUnknownTag() const {
     return std::any_of(tags_.begin(), tags_.end(), [&](const auto& tag) {
       return !IsOnABoard(tag, boards_);
     });
@@ -149,9 +149,9 @@ class Search {
   // Large stars are searched in downscaled images, because their interiors
   // contain many structures that resemble small stars.
   void LookInSmallerImages() {
-    constexpr double kSmallestScale = 4;
+    constexpr double kMinScale = 4;
     GreyImage smaller = image_;
-    for (double scale = 2; scale <= kSmallestScale && !IsEachSeen();
+    for (double scale = 2; scale <= kMinScale && !AreAllBoardsDetected();
          scale *= 2) {
       smaller = Halved(smaller);
       LookForLooseLattices(smaller, scale);
@@ -168,18 +168,19 @@ class Search {
         missing.push_back(b);
         tagged.push_back(&boards_[b]->tagged);
       }
-      if (missing.empty() || !SeesOtherStars()) return;
+      if (missing.empty() || !MayHaveOtherStars()) return;
       const auto lattices = finder.Find(image_, smaller, scale, &candidates_);
       if (lattices.empty()) return;
-      sees_unnamed_stars_ |= !GrowFromFirstNamed(lattices, missing, tagged);
+      has_unidentified_stars_ |=
+          !GrowFromFirstIdentified(lattices, missing, tagged);
     }
   }
 
   // Grows from the first identifiable lattice; returns false if there is none.
   // The lattices are alternatives for the same stars.
-  bool GrowFromFirstNamed(const std::vector<FeatureLattice>& lattices,
-                          const std::vector<size_t>& missing,
-                          const std::vector<const TaggedBoard*>& tagged) {
+  bool GrowFromFirstIdentified(const std::vector<FeatureLattice>& lattices,
+                               const std::vector<size_t>& missing,
+                               const std::vector<const TaggedBoard*>& tagged) {
     // The layout of a chessboard does not distinguish its lattice from the
     // shifted ones.
     const bool is_chessboard = tagged[0]->board.segments == 4;
@@ -198,21 +199,21 @@ class Search {
   // the lattice must belong to it, even if none of its tags is visible.
   std::optional<LatticePlacement> AssignRemainingBoard(
       const FeatureLattice& lattice, const std::vector<size_t>& missing) const {
-    const auto is_left = [&](size_t b) { return !IsSeen(b); };
+    const auto is_left = [&](size_t b) { return !IsBoardDetected(b); };
     const auto left = std::find_if(missing.begin(), missing.end(), is_left);
     if (left == missing.end() ||
         std::find_if(left + 1, missing.end(), is_left) != missing.end() ||
-        SeesUnknownTag())
+        HasUnknownTag())
       return std::nullopt;
     std::vector<Feature> others;
     for (size_t b = 0; b < boards_.size(); ++b) {
-      if (!IsSeen(b)) continue;
+      if (!IsBoardDetected(b)) continue;
       const std::vector<Feature> found = growths_[b]->lattice().Features();
       others.insert(others.end(), found.begin(), found.end());
     }
     if (others.empty()) return std::nullopt;
     const Board& board = boards_[*left]->board();
-    auto placement = AssignByLayout(image_, lattice, board);
+    auto placement = AssignWithLayout(image_, lattice, board);
     if (!placement || AreOnBoard(others, lattice, *placement, board))
       return std::nullopt;
     placement->board = static_cast<int>(left - missing.begin());
@@ -242,7 +243,7 @@ class Search {
   std::vector<DetectedTag> tags_;
   std::vector<std::unique_ptr<StarGrowth>> growths_;  // one per board
   std::vector<StarCandidate> candidates_;
-  bool sees_unnamed_stars_ = false;
+  bool has_unidentified_stars_ = false;
 };
 
 void Append(const std::vector<RejectedFeature>& from,
@@ -318,7 +319,7 @@ ImageDetection StarDetector::Detect(const GreyImage& image) const {
   if (search.tags().empty() && detection.features.empty())
     for (const std::string& seen : DescribeOtherTags(image))
       detection.warnings.push_back("no tag of the pattern found, but " + seen);
-  if (search.sees_unnamed_stars() && detection.features.empty() &&
+  if (search.has_unidentified_stars() && detection.features.empty() &&
       detection.warnings.empty())
     detection.warnings.push_back(
         "stars detected, but no tag to identify the board");

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMinStarSpacingPx = 8;
 constexpr double kMaxSearchPx = 9;
 // Maximum downscaling factor when the search radius exceeds kMaxSearchPx.
-constexpr double kSmallestScale = 8;
+constexpr double kMinScale = 8;
 
 // Computes the homography from four correspondences, scaled such that its
 // denominator is 1 at the centre of `from`.
@@ -128,15 +128,16 @@ void StarGrowth::Grow() {
 
 void StarGrowth::GrowAcrossGaps() {
   constexpr double kMinGapCorrelation = 0.5;
-  const auto lens = LatticeLens::Fit(lattice_.Features(), image_.size);
-  if (!lens || !TryByLens(*lens, kMinGapCorrelation)) return;
+  const auto lens = LatticeCamera::Fit(lattice_.Features(), image_.size);
+  if (!lens || !TryWithCamera(*lens, kMinGapCorrelation)) return;
   while (Sweep(kMinGapCorrelation)) {
   }
 }
 
 // Searches stars that have no direct neighbours, at the positions predicted by
 // the lens model; returns false if none was found.
-bool StarGrowth::TryByLens(const LatticeLens& lens, double min_correlation) {
+bool StarGrowth::TryWithCamera(const LatticeCamera& lens,
+                               double min_correlation) {
   constexpr double kSearchSquares = 0.1;
   const int before = lattice_.num_found();
   for (int row = 0; row < board_.rows; ++row) {
@@ -291,8 +292,8 @@ bool StarGrowth::HasDirectNeighbour(int column, int row) const {
 bool StarGrowth::Predict(int column, int row, LocalMapping* mapping) const {
   std::vector<Correspondence> around = lattice_.Around(column, row, 2, false);
   if (around.size() < 6) around = lattice_.Around(column, row, 3, false);
-  constexpr size_t kEnoughWithoutTag = 4;
-  if (around.size() < kEnoughWithoutTag &&
+  constexpr size_t kMinNeighborsWithoutTag = 4;
+  if (around.size() < kMinNeighborsWithoutTag &&
       PredictFromTag(column, row, around, mapping))
     return true;
   return FitLocalMapping(around, 2, mapping) > 0 ||
@@ -305,14 +306,14 @@ bool StarGrowth::PredictFromTag(int column, int row,
                                 const std::vector<Correspondence>& around,
                                 LocalMapping* mapping) const {
   const Eigen::Vector2d place(column, row);
-  double least_distance = 6;  // squares
+  double min_distance = 6;  // squares
   bool is_predicted = false;
   for (const VisibleTag& seen : tags_) {
     const double half = seen.tag.squares / 2.0;
     const Eigen::Vector2d center(seen.tag.column + half, seen.tag.row + half);
     const double distance = (center - place).norm();
     const auto predicted = MappingAt(seen.homography, place);
-    if (distance > least_distance || !predicted) continue;
+    if (distance > min_distance || !predicted) continue;
     LocalMapping moved = *predicted;
     if (!around.empty()) {
       const Correspondence& star = *std::min_element(
@@ -325,7 +326,7 @@ bool StarGrowth::PredictFromTag(int column, int row,
       moved.center += star.pixel - at_star->center;
     }
     *mapping = moved;
-    least_distance = distance;
+    min_distance = distance;
     is_predicted = true;
   }
   return is_predicted;
@@ -335,10 +336,10 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
                      double search_squares, double min_correlation) {
   const double spacing_px = mapping.SpacingPx();
   const double search_px =
-      std::min(search_squares * spacing_px, kMaxSearchPx * kSmallestScale);
+      std::min(search_squares * spacing_px, kMaxSearchPx * kMinScale);
   // Only the part of a star within the window must be in the image.
-  const double window_reach_px = options_.window_px / 2;
-  if (!IsVisible(image_.size, mapping, window_reach_px, search_px))
+  const double window_radius_px = options_.window_px / 2;
+  if (!IsVisible(image_.size, mapping, window_radius_px, search_px))
     return false;  // star outside the image
   const auto refuse = [&](const char* reason) {
     // Stars that the image's edge may hide do not count as unsuccessful
@@ -354,15 +355,16 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
   if (!match.is_converged)
     return refuse(match.factor < 0 ? "colours inverted" : "no star");
   if (match.correlation <
-      std::max(min_correlation, alike_ * CorrelationAround(column, row)))
+      std::max(min_correlation,
+               min_correlation_ratio_ * CorrelationAround(column, row)))
     return refuse("does not match a star");
   LocalMapping found = mapping;
   found.center = match.center;
-  if (!IsVisible(image_.size, mapping, window_reach_px, 0) &&
-      !IsVisible(image_.size, found, window_reach_px, 0))
+  if (!IsVisible(image_.size, mapping, window_radius_px, 0) &&
+      !IsVisible(image_.size, found, window_radius_px, 0))
     return false;
   if (IsOccupied(column, row, match.center, mapping) ||
-      TurnsBack(column, row, match.center))
+      FoldsBack(column, row, match.center))
     return refuse("duplicate of another star");
   lattice_.Set(column, row, match.center);
   correlations_[board_.PointIndex(column, row)] = match.correlation;
@@ -437,7 +439,7 @@ bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
 
 // Whether the step from the previous star in a row or column is reversed or
 // much shorter than the step before: an extrapolated polynomial may fold.
-bool StarGrowth::TurnsBack(int column, int row,
+bool StarGrowth::FoldsBack(int column, int row,
                            const Eigen::Vector2d& pixel) const {
   constexpr double kMinPart = 0.3;  // fraction of the previous step
   for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {

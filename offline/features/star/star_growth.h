@@ -10,7 +10,7 @@
 
 #include "features/board_view/detection.h"
 #include "features/board_view/feature_lattice.h"
-#include "features/board_view/lattice_lens.h"
+#include "features/board_view/lattice_camera.h"
 #include "features/board_view/tag_detection.h"
 #include "features/refinement/matching_refinement.h"
 #include "features/refinement/symmetry_mask.h"
@@ -49,7 +49,7 @@ class StarGrowth {
   }
   /// Requires the correlation of a star with the rendered star to be at least
   /// this fraction of its neighbours' mean correlation.
-  void RequireAlike(double part) { alike_ = part; }
+  void SetMinCorrelationRatio(double part) { min_correlation_ratio_ = part; }
   /// Searches for a star within search_squares of its predicted position;
   /// returns whether it was found.
   bool Try(int column, int row, const LocalMapping& mapping,
@@ -77,7 +77,7 @@ class StarGrowth {
   bool HasAdjacentStar(const BoardTag& tag) const;
   void StartAtNeighbour(const VisibleTag& seen, double min_correlation);
   bool Sweep(double min_correlation);
-  bool TryByLens(const LatticeLens& lens, double min_correlation);
+  bool TryWithCamera(const LatticeCamera& lens, double min_correlation);
   bool HasDirectNeighbour(int column, int row) const;
   bool IsAdjacentToTag(int column, int row) const;
   bool Predict(int column, int row, LocalMapping* mapping) const;
@@ -90,7 +90,7 @@ class StarGrowth {
   double CorrelationAround(int column, int row) const;
   bool IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
                   const LocalMapping& mapping) const;
-  bool TurnsBack(int column, int row, const Eigen::Vector2d& pixel) const;
+  bool FoldsBack(int column, int row, const Eigen::Vector2d& pixel) const;
 
   const GreyImage& image_;
   const Board& board_;
@@ -100,7 +100,7 @@ class StarGrowth {
   std::vector<VisibleTag> tags_;
   std::vector<GreyImage> smaller_;  // each half the size of the previous one
   FeatureLattice lattice_;
-  double alike_ = 0;
+  double min_correlation_ratio_ = 0;
   std::vector<double> correlations_;  // by feature
   std::vector<int> tried_with_;       // one per feature
   // number of neighbours at the last attempt, one per feature; -1: none

@@ -140,9 +140,9 @@ class RAYGRID_HOST_API Camera {
   /// Predicted uncertainty: the standard deviation (1 sigma) per coordinate of
   /// the projection of a far point.
   /// @param pixel any pixel
-  /// @param deviation_px in pixels
+  /// @param stddev_px in pixels
   /// @return false if the file does not contain it, or outside the area
-  bool Uncertainty(const Vector2& pixel, Scalar* deviation_px) const;
+  bool Uncertainty(const Vector2& pixel, Scalar* stddev_px) const;
 
   /// Computes the bearing of a pixel. For a non-central camera, this is the
   /// direction of its observation line.

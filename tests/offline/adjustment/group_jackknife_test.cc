@@ -85,7 +85,7 @@ double MeanFactor(double correlated_px) {
                                   problem.state);
     const GroupJackknife jackknife(response, problem.views, prior,
                                    FixedPoints(), problem.state, kNoisePx);
-    sum += VarianceFactors(jackknife.Of(0, PixelMoves(problem))).of_all;
+    sum += VarianceFactors(jackknife.Of(0, PixelMoves(problem))).overall_factor;
   }
   return sum / kNumDraws;
 }
@@ -104,12 +104,12 @@ TEST(VarianceFactors, AreThoseOfTheBandAsFarAsItIsDetermined) {
   changes.predicted = Eigen::MatrixXd::Ones(63, 10);
   changes.observed = 4 * changes.predicted;
   changes.observed.row(0) *= 4;
-  const Eigen::VectorXd factors = VarianceFactors(changes).of_each;
+  const Eigen::VectorXd factors = VarianceFactors(changes).group_factors;
   EXPECT_NEAR(factors[40], 4, 0.1);
   EXPECT_GT(factors[0], 6);  // ten squares say 16
   EXPECT_LT(factors[0], 14);
   changes.observed = changes.predicted;
-  EXPECT_NEAR(VarianceFactors(changes).of_each.mean(), 1, 0.05);
+  EXPECT_NEAR(VarianceFactors(changes).group_factors.mean(), 1, 0.05);
 }
 
 }  // namespace

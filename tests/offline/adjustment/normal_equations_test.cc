@@ -63,7 +63,7 @@ Eigen::MatrixXd DenseJacobian(const LinearizedResidual& r,
   if (layout.num_cameras > 0 && r.camera > 0)
     row.middleCols<6>(layout.CameraPose(r.camera)) = r.J_camera_pose;
   if (layout.num_places > 0 && r.place >= 0)
-    row.middleCols<6>(layout.Place(r.place)) = r.J_place;
+    row.middleCols<6>(layout.Place(r.place)) = r.J_board_pose;
   if (layout.num_points > 0)
     row.middleCols<3>(layout.Point(r.point)) = r.J_point;
   row.middleCols<6>(layout.Pose(r.pose)) = r.J_pose;

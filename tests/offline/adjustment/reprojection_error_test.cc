@@ -90,14 +90,14 @@ void ExpectDerivatives(const Single& single) {
                 CentralDifference(J_point, single.state.points[0], 1e-6)),
             1e-5);
   if (single.view.place >= 0) {
-    const auto J_place = [&](const Eigen::VectorXd& update) {
+    const auto J_board_pose = [&](const Eigen::VectorXd& update) {
       AdjustmentState changed = single.state;
       Pose& pose = changed.target_from_board[single.view.place];
       pose = UpdatedPose(pose, update);
       return ResidualOf(changed, single.view);
     };
-    EXPECT_LT(RelativeDifference(linear.J_place,
-                                 CentralDifference(J_place, zero, 1e-6)),
+    EXPECT_LT(RelativeDifference(linear.J_board_pose,
+                                 CentralDifference(J_board_pose, zero, 1e-6)),
               1e-5);
   }
   if (single.state.modes.count() == 0) return;

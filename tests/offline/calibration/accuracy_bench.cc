@@ -28,14 +28,14 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
           "%.2f, %.2f, ratio %.2f; trusted %.2f: %.2f, %.2f, ratio %.2f; "
           "jackknife scale %.2f\n",
           seed, error.rms_px, error.median_px, error.max_px, error.oracle_px,
-          error.within_1, error.within_2, error.ratio, error.valid_part,
+          error.within_1, error.within_2, error.ratio, error.valid_fraction,
           error.trusted_within_1, error.trusted_within_2, error.trusted_ratio,
           error.jackknife_scale);
     sum.within_1 += error.within_1 / num_seeds;
     sum.within_2 += error.within_2 / num_seeds;
     sum.trusted_within_1 += error.trusted_within_1 / num_seeds;
     sum.trusted_within_2 += error.trusted_within_2 / num_seeds;
-    sum.valid_part += error.valid_part / num_seeds;
+    sum.valid_fraction += error.valid_fraction / num_seeds;
     sum.jackknife_scale += error.jackknife_scale / num_seeds;
     rms_px.push_back(error.rms_px);
     max_px.push_back(error.max_px);
@@ -49,7 +49,7 @@ void Measure(const TrueErrorSetting& setting, int num_seeds, bool verbose) {
       setting.lens.c_str(), setting.target.c_str(), setting.num_images,
       setting.noise_px, mean_px, Quantile(rms_px, 0.5), Quantile(max_px, 0.5),
       oracle_px, mean_px / oracle_px, sum.within_1, sum.within_2,
-      sum.valid_part, sum.trusted_within_1, sum.trusted_within_2,
+      sum.valid_fraction, sum.trusted_within_1, sum.trusted_within_2,
       sum.jackknife_scale);
   std::fflush(stdout);
 }

@@ -18,7 +18,7 @@ namespace {
 SimulatedObservations Simulate(int num_images, double bend_m = 0) {
   SimulationOptions options;
   options.num_images = num_images;
-  options.board_bend_m = bend_m;
+  options.board_sagitta_m = bend_m;
   return SimulateObservations(ExampleSimulatedCamera(), FineTestBoard(),
                               options);
 }
@@ -82,7 +82,7 @@ TEST(Accuracy, HundredImagesGiveTheTrueRays) {
       "%.4f px\n",
       error, Quantile(errors, 1), deviation);
   EXPECT_LE(Quantile(errors, 1), 0.1);
-  EXPECT_LE(Quantile(deviations, 1), known.max_deviation_px);
+  EXPECT_LE(Quantile(deviations, 1), known.max_stddev_px);
   // One draw of the noise: the few smooth directions that are known least do
   // not average out.
   EXPECT_LE(error, 2 * deviation);

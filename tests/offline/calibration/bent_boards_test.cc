@@ -65,7 +65,7 @@ TEST(Calibrate, SaysThatABoardIsNotFlatAsTold) {
     SimulationOptions simulation;
     simulation.num_images = 16;
     simulation.features_per_image = 130;
-    simulation.board_bend_m = bend_m;
+    simulation.board_sagitta_m = bend_m;
     CalibrationOptions options = WithCells(160);
     options.fix_target_geometry = true;
     const CalibrationResult result = Calibrate(

@@ -9,7 +9,7 @@
 #include "calibration/operating_point_calibration.h"
 #include "evaluation/model_difference.h"
 #include "simulation/simulated_camera.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "simulation/simulated_rig.h"
 #include "support.h"
@@ -209,7 +209,7 @@ double StackErrorPx(bool is_turned) {
   for (const double value : {0.0, 2.5, 5.0, 7.5, 10.0}) {
     ++simulation.seed;
     const auto lens =
-        MakeChangingLens(OperatingParameter::kLensPosition, value, size);
+        MakeVaryingCamera(OperatingParameter::kLensPosition, value, size);
     for (ImageFeatures& image :
          SimulateObservations(*lens, Misprinted(nominal, 0.0004), simulation)
              .dataset.images) {
@@ -231,7 +231,7 @@ double StackErrorPx(bool is_turned) {
           .cameras[0]
           .camera.stack.value();
   return CompareModels(
-             *MakeChangingLens(OperatingParameter::kLensPosition, 3.7, size),
+             *MakeVaryingCamera(OperatingParameter::kLensPosition, 3.7, size),
              stack.cameras.At({3.7}), 20)
       .rms_px;
 }

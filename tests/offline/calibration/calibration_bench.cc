@@ -14,7 +14,7 @@
 #include "dataset/memory_retention.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -60,7 +60,7 @@ void TimeCalibration(const Case& c, int num_threads) {
   simulation.num_images = c.num_images;
   simulation.features_per_image = c.features_per_image;
   simulation.shared_noise_px = c.shared_noise_px;
-  const auto truth = MakeSimulatedLens(c.lens, c.size);
+  const auto truth = MakeSimulatedCamera(c.lens, c.size);
   CalibrationInput input;
   input.dataset = SimulateObservations(*truth, pattern, simulation).dataset;
   CalibrationOptions options;

@@ -10,9 +10,9 @@
 
 #include "calibration/camera_evaluation.h"
 #include "camera/thin_prism_fisheye.h"
-#include "evaluation/line_spread.h"
 #include "evaluation/model_difference.h"
-#include "simulation/line_lens.h"
+#include "evaluation/noncentrality.h"
+#include "simulation/noncentral_simulated_camera.h"
 #include "simulation/simulated_camera.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
@@ -312,10 +312,10 @@ TEST(Calibrate, TrustsNoCellThatTheImageCircleCuts) {
 }
 
 // A pinhole-like lens behind an aquarium's wall.
-GlassLens LensBehindGlass() {
+CoverGlassCamera LensBehindGlass() {
   GlassPlate plate;
   plate.thickness_m = 0.02;
-  return GlassLens(*MakeSimulatedLens("pinhole", {640, 480}), plate);
+  return CoverGlassCamera(*MakeSimulatedCamera("pinhole", {640, 480}), plate);
 }
 
 CalibrationResult CalibrateSeenBy(const CameraModel& lens,
@@ -337,24 +337,24 @@ CalibrationResult CalibrateSeenBy(const CameraModel& lens,
 constexpr double kNoiseRmsPx = 0.05 * M_SQRT2;
 
 TEST(Calibrate, OnlyLinesExplainWhatIsSeenThroughGlass) {
-  const GlassLens lens = LensBehindGlass();
+  const CoverGlassCamera lens = LensBehindGlass();
   const CalibrationResult central = CalibrateSeenBy(lens, "central-generic");
   const CalibrationResult lines = CalibrateSeenBy(lens, "noncentral-generic");
   EXPECT_GT(central.camera.held_out->rms_px, 2 * kNoiseRmsPx);
   EXPECT_LT(lines.camera.held_out->rms_px, 1.2 * kNoiseRmsPx);
-  EXPECT_FALSE(central.line_spread);
-  ASSERT_TRUE(lines.line_spread);
-  const LineSpread truth = MeasureLineSpread(lens);
-  EXPECT_NEAR(lines.line_spread->rms_m, truth.rms_m, 0.1 * truth.rms_m);
+  EXPECT_FALSE(central.noncentrality);
+  ASSERT_TRUE(lines.noncentrality);
+  const Noncentrality truth = ComputeNoncentrality(lens);
+  EXPECT_NEAR(lines.noncentrality->rms_m, truth.rms_m, 0.1 * truth.rms_m);
   // The frame's origin is where the lines come nearest.
-  EXPECT_LT(lines.line_spread->nearest_point.norm(), 1e-9);
+  EXPECT_LT(lines.noncentrality->nearest_point.norm(), 1e-9);
   EXPECT_LT(CompareModels(lens, *lines.camera.camera, 16, 0.5).rms_px,
             0.25 * CompareModels(lens, *central.camera.camera, 16, 0.5).rms_px);
 }
 
 TEST(Calibrate, AdjustsEveryModel) {
   for (const std::string& model : ListCalibratedModels()) {
-    const auto lens = MakeSimulatedLens(
+    const auto lens = MakeSimulatedCamera(
         model == "opencv" ? "pinhole" : "fisheye", {640, 480});
     const CalibrationResult result = CalibrateSeenBy(*lens, model, 12);
     EXPECT_EQ(result.camera.camera->Name(), model);
@@ -364,10 +364,10 @@ TEST(Calibrate, AdjustsEveryModel) {
 }
 
 TEST(Calibrate, LinesOfACentralLensMeet) {
-  const auto lens = MakeSimulatedLens("pinhole", {640, 480});
+  const auto lens = MakeSimulatedCamera("pinhole", {640, 480});
   const CalibrationResult lines = CalibrateSeenBy(*lens, "noncentral-generic");
   EXPECT_LT(lines.camera.held_out->rms_px, 1.1 * kNoiseRmsPx);
-  EXPECT_LT(lines.line_spread->rms_m, 2e-5);
+  EXPECT_LT(lines.noncentrality->rms_m, 2e-5);
 }
 
 // With noise, from where the boards are given to be; every third feature.

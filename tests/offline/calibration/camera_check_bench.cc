@@ -10,7 +10,7 @@
 #include "calibration/camera_check.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -31,11 +31,11 @@ Dataset Observe(const Arguments& arguments, int num_images, uint64_t seed) {
   options.num_images = num_images;
   options.features_per_image = arguments.features_per_image;
   options.noise_px = arguments.noise_px;
-  options.board_bend_m = arguments.bend_mm / 1000;
+  options.board_sagitta_m = arguments.bend_mm / 1000;
   options.seed = seed;
   return SimulateObservations(
-             *MakeSimulatedLens(arguments.lens,
-                                {arguments.width, arguments.height}),
+             *MakeSimulatedCamera(arguments.lens,
+                                  {arguments.width, arguments.height}),
              ChessboardPattern(30, 24, 0.02), options)
       .dataset;
 }

@@ -6,7 +6,7 @@
 
 #include "calibration/calibration.h"
 #include "simulation/simulated_camera.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -112,7 +112,7 @@ struct Unchanged {
 
 int CountFalseAlarms(const Unchanged& unchanged, int num_cameras,
                      int num_draws) {
-  const auto lens = MakeSimulatedLens(unchanged.lens, {640, 480});
+  const auto lens = MakeSimulatedCamera(unchanged.lens, {640, 480});
   const auto observe = [&](int num_images, uint64_t seed) {
     SimulationOptions options;
     options.num_images = num_images;
@@ -240,8 +240,8 @@ TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
                     });
     const CameraChange change =
         CheckCamera(Cameras()[0], dataset, FineTestBoard(), 1).change;
-    EXPECT_NEAR(change.largest_local_px, 0.35, 0.25);
-    EXPECT_LT((change.largest_local_pixel - place).norm(), 110);
+    EXPECT_NEAR(change.max_local_px, 0.35, 0.25);
+    EXPECT_LT((change.max_local_pixel - place).norm(), 110);
   }
 }
 

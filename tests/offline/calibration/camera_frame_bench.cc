@@ -16,7 +16,7 @@
 #include "camera/model_fitting.h"
 #include "dataset/error.h"
 #include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_rig.h"
 
 namespace raygrid {
@@ -78,7 +78,7 @@ double AngleDeg(const Eigen::Quaterniond& rotation) {
 
 Frame FrameOf(const CameraModel& camera) {
   Frame frame;
-  frame.turn_deg = kDegreesPerRad * FindCameraFrame(camera).AngleRad();
+  frame.turn_deg = kDegreesPerRad * ComputeCameraFrame(camera).AngleRad();
   if (const auto ray = camera.Unproject(camera.area().center()))
     frame.axis_deg = kDegreesPerRad * std::acos(std::min(1.0, ray->z()));
   int index = 0;
@@ -105,7 +105,7 @@ void Run(int count, int first, uint64_t seed) {
     simulation.num_images = (c.num_images + c.num_boards - 1) / c.num_boards;
     simulation.features_per_image = 120;
     simulation.noise_px = c.noise_px;
-    simulation.board_bend_m = c.bend_m;
+    simulation.board_sagitta_m = c.bend_m;
     simulation.seed = seed + i;
     const Pattern pattern = Boards(c.num_boards);
     CalibrationOptions options;
@@ -113,7 +113,7 @@ void Run(int count, int first, uint64_t seed) {
     options.knot_spacing_px = c.knot_spacing_px;
     try {
       const Dataset dataset =
-          SimulateRig(MakeCameraRow(MakeSimulatedLens(c.lens, c.size), 1, 0),
+          SimulateRig(MakeCameraRow(MakeSimulatedCamera(c.lens, c.size), 1, 0),
                       pattern, simulation)
               .datasets.front();
       options.hold_out = {dataset.images.front().image};

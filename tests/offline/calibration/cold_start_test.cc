@@ -8,9 +8,9 @@
 #include "camera/central_radial.h"
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
-#include "simulation/fisheye_lens.h"
 #include "simulation/random.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/simulated_fisheye.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -52,7 +52,7 @@ std::shared_ptr<CameraModel> RandomFisheye(double view_deg, const Area& area,
   const Eigen::Vector2d center = RandomCenter(random);
   p.cx = center.x();
   p.cy = center.y();
-  return std::make_shared<FisheyeLens>(kSize, area, p);
+  return std::make_shared<SimulatedFisheye>(kSize, area, p);
 }
 
 std::shared_ptr<CameraModel> RandomPinhole(double view_deg, const Area& area,
@@ -71,8 +71,8 @@ std::shared_ptr<CameraModel> RandomPinhole(double view_deg, const Area& area,
                                   random->Uniform(-1e-3, 1e-3)});
 }
 
-std::vector<LensBump> RandomBumps(Random* random) {
-  std::vector<LensBump> bumps;
+std::vector<DistortionBump> RandomBumps(Random* random) {
+  std::vector<DistortionBump> bumps;
   for (int i = 0; i < 3; ++i) {
     const double x = random->Uniform(0, kSize.width);
     const double y = random->Uniform(0, kSize.height);
@@ -215,7 +215,7 @@ class ColdStartOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ColdStartOf, AnUnevenLensEndsAtTheNoise) {
   constexpr double kFineNoisePx = 0.1;
-  const auto lens = MakeSimulatedLens(GetParam(), kSize);
+  const auto lens = MakeSimulatedCamera(GetParam(), kSize);
   SimulationOptions simulation;
   simulation.num_images = 40;
   simulation.noise_px = kFineNoisePx;

@@ -18,9 +18,9 @@ SimulatedRigObservations SimulateInARow(const std::string& lens,
   SimulationOptions options;
   options.num_images = 6;
   options.features_per_image = 100;
-  options.board_bend_m = 0.001;
+  options.board_sagitta_m = 0.001;
   return SimulateRig(
-      MakeCameraRow(MakeSimulatedLens(lens, {640, 480}), num_cameras, 0.05),
+      MakeCameraRow(MakeSimulatedCamera(lens, {640, 480}), num_cameras, 0.05),
       TwoTestBoards(), options);
 }
 
@@ -34,7 +34,7 @@ CalibrationOptions CoarseOptionsOf(const std::string& model) {
 }
 
 double FitTurnRad(const CameraModel& camera) {
-  return FindCameraFrame(camera).AngleRad();
+  return ComputeCameraFrame(camera).AngleRad();
 }
 
 double AxisRad(const CameraModel& camera) {
@@ -92,7 +92,7 @@ TEST(CameraFrames, OfCoarseGridsAreFoundToo) {
   pattern.boards.back().id = 1;
   const Dataset dataset =
       SimulateRig(
-          MakeCameraRow(MakeSimulatedLens("noncentral", {480, 640}), 1, 0),
+          MakeCameraRow(MakeSimulatedCamera("noncentral", {480, 640}), 1, 0),
           pattern, simulation)
           .datasets.front();
   CalibrationOptions options = CoarseOptionsOf("noncentral-generic");

@@ -11,7 +11,7 @@
 #include "calibration/calibration.h"
 #include "dataset/memory_retention.h"
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -37,7 +37,7 @@ double TrueErrorPx(const CameraModel& truth, const Dataset& dataset,
 void TryCells(const std::string& lens, int num_images, int num_seeds,
               double noise_px) {
   const Pattern pattern = ChessboardPattern(20, 15, 0.03);
-  const auto truth = MakeSimulatedLens(lens, kSize);
+  const auto truth = MakeSimulatedCamera(lens, kSize);
   std::printf("%-10s %4d images:", lens.c_str(), num_images);
   // Geometric means over seeds.
   double chosen_px = 0;

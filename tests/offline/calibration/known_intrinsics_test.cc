@@ -116,9 +116,9 @@ TEST(KnownIntrinsics, ImproveTheRelativePose) {
   EXPECT_NE(known.assessment.word, "fail");
   EXPECT_NEAR(ComputeTrainingMetrics(known).rms_px, 0.05 * std::sqrt(2), 0.01);
   const Baseline &of_joint = joint.baselines[0], &of_known = known.baselines[0];
-  EXPECT_LT(*of_known.rotation_sd_rad, 0.6 * *of_joint.rotation_sd_rad);
+  EXPECT_LT(*of_known.rotation_stddev_rad, 0.6 * *of_joint.rotation_stddev_rad);
   EXPECT_LT(ErrorOf(known, rig, of_known).head<3>().norm(),
-            4 * *of_known.rotation_sd_rad);
+            4 * *of_known.rotation_stddev_rad);
 }
 
 // Sums of squares over seeds, in units of the stated covariances: of pairs with
@@ -141,12 +141,12 @@ TEST(KnownIntrinsics, CovariancesOfRelativePosesAreThoseOfTheErrors) {
       const Eigen::Matrix<double, 6, 1> error = ErrorOf(result, rig, pair);
       squares[k] += error.dot(pair.covariance->ldlt().solve(error));
       EXPECT_NEAR(pair.covariance->diagonal().head<3>().sum(),
-                  std::pow(*pair.rotation_sd_rad, 2), 1e-15);
+                  std::pow(*pair.rotation_stddev_rad, 2), 1e-15);
       const double true_m = (rig.camera_from_rig[pair.second] *
                              rig.camera_from_rig[pair.first].Inverse())
                                 .translation.norm();
       distances +=
-          std::pow((pair.distance_m - true_m) / *pair.distance_sd_m, 2);
+          std::pow((pair.distance_m - true_m) / *pair.distance_stddev_m, 2);
     }
   }
   for (const double sum : squares) {  // chi^2 of 48 degrees of freedom, 99.99 %
@@ -174,7 +174,7 @@ TEST(KnownIntrinsics, OfOneCameraStayWhileTheOtherIsEstimated) {
   EXPECT_NEAR(ComputeTrainingMetrics(result).rms_px, 0.05 * std::sqrt(2), 0.01);
   EXPECT_LT(std::abs(result.baselines[0].distance_m -
                      rig.camera_from_rig[1].translation.norm()),
-            4 * *result.baselines[0].distance_sd_m);
+            4 * *result.baselines[0].distance_stddev_m);
 }
 
 TEST(KnownIntrinsics, OfTheWrongCameraAreReported) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "simulation/fisheye_lens.h"
 #include "simulation/random.h"
 #include "simulation/simulated_camera.h"
+#include "simulation/simulated_fisheye.h"
 
 namespace raygrid {
 
@@ -18,7 +18,7 @@ namespace raygrid {
 struct LensFamily {
   ImageSize size;
   double f_px = 0;
-  bool is_fisheye = false;  ///< FisheyeLens, or else OpenCvModel
+  bool is_fisheye = false;  ///< SimulatedFisheye, or else OpenCvModel
   double k1 = 0, k2 = 0;
   int num_bumps = 8;
   double bump_px = 0;  ///< standard deviation of each coordinate
@@ -38,11 +38,11 @@ inline LensFamily LensFamilyOf(const std::string& name) {
   return {{640, 480}, 500, false, -0.1, 0.02, 0, 0, 1};
 }
 
-inline std::vector<LensBump> DrawBumps(const LensFamily& family,
-                                       Random* random) {
+inline std::vector<DistortionBump> DrawBumps(const LensFamily& family,
+                                             Random* random) {
   const double margin = 2 * family.radius_px;
-  std::vector<LensBump> bumps(family.num_bumps);
-  for (LensBump& bump : bumps) {
+  std::vector<DistortionBump> bumps(family.num_bumps);
+  for (DistortionBump& bump : bumps) {
     bump.center.x() = random->Uniform(-margin, family.size.width - 1 + margin);
     bump.center.y() = random->Uniform(-margin, family.size.height - 1 + margin);
     bump.displacement_px.x() = family.bump_px * random->Normal();
@@ -61,7 +61,7 @@ inline std::unique_ptr<CameraModel> DrawLens(const LensFamily& family,
   const Area image = {0, 0, size.width - 1.0, size.height - 1.0};
   const Area around = {-kMarginPx, -kMarginPx, image.x1 + kMarginPx,
                        image.y1 + kMarginPx};
-  std::vector<LensBump> bumps = DrawBumps(family, &random);
+  std::vector<DistortionBump> bumps = DrawBumps(family, &random);
   const double cx = size.width * 0.503 - 0.5 + kCenterPx * random.Normal();
   const double cy = size.height * 0.495 - 0.5 + kCenterPx * random.Normal();
   std::shared_ptr<const CameraModel> lens;
@@ -73,7 +73,7 @@ inline std::unique_ptr<CameraModel> DrawLens(const LensFamily& family,
     parameters.k1 = family.k1;
     parameters.k2 = family.k2;
     parameters.max_theta = 110 * M_PI / 180;
-    lens = std::make_shared<FisheyeLens>(size, around, parameters);
+    lens = std::make_shared<SimulatedFisheye>(size, around, parameters);
   } else {
     lens = std::make_shared<OpenCvModel>(
         size, around,

@@ -75,7 +75,7 @@ TEST(MixedCameras, AreNotSeenInOne) {
 // Errs alike with any parametric camera.
 TEST(MixedCameras, AreNotSeenInALensWithBumps) {
   const Dataset dataset =
-      Observe(*MakeSimulatedLens("wide", {640, 480}), 1, 20);
+      Observe(*MakeSimulatedCamera("wide", {640, 480}), 1, 20);
   EXPECT_FALSE(Calibrated(dataset).mixed_cameras);
 }
 

@@ -176,7 +176,7 @@ CalibrationOptions CoarseCells() {
 }
 
 // Each image that was given is used, or in a group.
-std::set<std::string> NamedImages(const CalibrationResult& result) {
+std::set<std::string> RigCameraImages(const CalibrationResult& result) {
   std::set<std::string> names;
   for (const ImageFeatures& image : result.features.images)
     names.insert(image.image);
@@ -198,7 +198,7 @@ TEST(CalibrateNearDuplicates, CopiesChangeNoFigure) {
             alone.camera.uncertainty->lattice.MedianPx());
   EXPECT_EQ(copied.features.images.size(), 10u);
   EXPECT_EQ(copied.near_duplicates.size(), 10u);
-  EXPECT_EQ(NamedImages(copied).size(), 40u);
+  EXPECT_EQ(RigCameraImages(copied).size(), 40u);
   EXPECT_TRUE(copied.rejected_images.empty());
   EXPECT_TRUE(std::any_of(
       copied.assessment.reasons.begin(), copied.assessment.reasons.end(),
@@ -303,7 +303,7 @@ TEST(CalibrateNearDuplicates, AreMeasuredAgainOnce) {
   EXPECT_EQ(num_poses, 6u);
   EXPECT_NEAR(*result.refinement_rms_px, kMovePx, 1e-9);
   EXPECT_EQ(result.features.images.size(), 6u);
-  EXPECT_EQ(NamedImages(result).size(), 18u);
+  EXPECT_EQ(RigCameraImages(result).size(), 18u);
 }
 
 TEST(CalibrateNearDuplicates, InstantsOfARigCountOnce) {

@@ -5,7 +5,7 @@
 #include "calibration/operating_point_calibration.h"
 #include "dataset/error.h"
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -22,9 +22,10 @@ struct Sweep {
 };
 
 // Adds images of the lens in a state.
-void TakeImages(const LensState& state, const OperatingPoint& values,
-                const SimulationOptions& options, Sweep* sweep) {
-  const auto lens = MakeChangingLens(state, kSweepSize);
+void TakeImages(const SimulatedOperatingPoint& state,
+                const OperatingPoint& values, const SimulationOptions& options,
+                Sweep* sweep) {
+  const auto lens = MakeVaryingCamera(state, kSweepSize);
   for (ImageFeatures& image :
        SimulateObservations(*lens, FineTestBoard(), options).dataset.images) {
     image.image = std::to_string(options.seed) + image.image;
@@ -43,7 +44,7 @@ Sweep TakeSweep(OperatingParameter condition, const std::vector<double>& values,
   options.noise_px = 0.05;
   for (const double value : values) {
     options.seed = sweep.conditions.values.size() + 1;
-    LensState state;
+    SimulatedOperatingPoint state;
     (condition == OperatingParameter::kLensPosition ? state.lens_position
                                                     : state.temperature) =
         value;
@@ -64,7 +65,7 @@ Sweep TakeSweepOfBoth(int images_each, uint64_t seed) {
   TestRandom random(seed);
   for (const double position : {0.0, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.0})
     for (int k = 0; k < images_each; ++k) {
-      const LensState state = {position, random.Uniform(20, 70)};
+      const SimulatedOperatingPoint state = {position, random.Uniform(20, 70)};
       options.seed = 1000 * seed + sweep.conditions.values.size();
       TakeImages(state, {state.lens_position, state.temperature}, options,
                  &sweep);
@@ -92,15 +93,16 @@ OperatingPointCalibration CalibrateSweep(const Sweep& sweep) {
 }
 
 double ErrorPx(const OperatingPointCalibration& stack, double value) {
-  return CompareModels(*MakeChangingLens(stack.cameras.ranges()[0].condition,
-                                         value, kSweepSize),
+  return CompareModels(*MakeVaryingCamera(stack.cameras.ranges()[0].condition,
+                                          value, kSweepSize),
                        stack.cameras.At({value}), 20)
       .rms_px;
 }
 
-double ErrorPx(const OperatingPointCalibration& stack, const LensState& state) {
+double ErrorPx(const OperatingPointCalibration& stack,
+               const SimulatedOperatingPoint& state) {
   return CompareModels(
-             *MakeChangingLens(state, kSweepSize),
+             *MakeVaryingCamera(state, kSweepSize),
              stack.cameras.At({state.lens_position, state.temperature}), 20)
       .rms_px;
 }
@@ -108,9 +110,8 @@ double ErrorPx(const OperatingPointCalibration& stack, const LensState& state) {
 // The mean of a lattice's squares.
 double MeanSquare(const UncertaintyLattice& lattice) {
   double sum = 0;
-  for (const double deviation : lattice.deviation_px)
-    sum += deviation * deviation;
-  return sum / static_cast<double>(lattice.deviation_px.size());
+  for (const double deviation : lattice.stddev_px) sum += deviation * deviation;
+  return sum / static_cast<double>(lattice.stddev_px.size());
 }
 
 TEST(CalibrateOperatingPoints, TellsTheCameraAtLensPositionsThatNoImageHas) {
@@ -241,9 +242,9 @@ TEST(CalibrateOperatingPoints, FollowsACameraThatWarms) {
   EXPECT_LT(ErrorPx(stack, 65), 0.03);
   // A camera that does not change is wrong by half of this, at least.
   const auto cold =
-      MakeChangingLens(OperatingParameter::kTemperature, 26, kSweepSize);
+      MakeVaryingCamera(OperatingParameter::kTemperature, 26, kSweepSize);
   const auto warm =
-      MakeChangingLens(OperatingParameter::kTemperature, 65, kSweepSize);
+      MakeVaryingCamera(OperatingParameter::kTemperature, 65, kSweepSize);
   EXPECT_GT(CompareModels(*cold, *warm, 20).rms_px, 0.2);
 }
 
@@ -259,16 +260,19 @@ TEST(CalibrateOperatingPoints,
   EXPECT_EQ(stack.cameras.ranges()[0].high, 10);
   EXPECT_GE(stack.cameras.orders()[0], 2);
   EXPECT_EQ(stack.cameras.orders()[1], 1);
-  for (const LensState& state :
-       {LensState{0.7, 60}, LensState{2.2, 30}, LensState{5.2, 45},
-        LensState{8.3, 62}, LensState{9.5, 25}})
+  for (const SimulatedOperatingPoint& state :
+       {SimulatedOperatingPoint{0.7, 60}, SimulatedOperatingPoint{2.2, 30},
+        SimulatedOperatingPoint{5.2, 45}, SimulatedOperatingPoint{8.3, 62},
+        SimulatedOperatingPoint{9.5, 25}})
     EXPECT_LT(ErrorPx(stack, state), 0.03)
         << state.lens_position << " " << state.temperature;
   // A camera over the lens position alone is wrong by the temperature.
-  EXPECT_GT(CompareModels(*MakeChangingLens(LensState{2.2, 30}, kSweepSize),
-                          *MakeChangingLens(LensState{2.2, 45}, kSweepSize), 20)
-                .rms_px,
-            0.1);
+  EXPECT_GT(
+      CompareModels(
+          *MakeVaryingCamera(SimulatedOperatingPoint{2.2, 30}, kSweepSize),
+          *MakeVaryingCamera(SimulatedOperatingPoint{2.2, 45}, kSweepSize), 20)
+          .rms_px,
+      0.1);
   ASSERT_EQ(stack.deviations.size(), 15u);
   EXPECT_EQ(stack.deviations.front().values[0], 0);
   EXPECT_EQ(stack.deviations.back().values[0], 10);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "dataset/dataset.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -39,12 +39,12 @@ inline RandomCalibration MakeRandomCalibration(unsigned seed, int min_images,
                             random.Uniform(0, 1))));
   options.features_per_image = 60 + random.Index(80);
   options.noise_px = 0.02 * std::pow(20, random.Uniform(0, 1));
-  options.board_bend_m = 0.003 * random.Uniform(0, 1);
+  options.board_sagitta_m = 0.003 * random.Uniform(0, 1);
   options.seed = seed;
-  result.dataset =
-      SimulateObservations(*MakeSimulatedLens(result.lens, ImageSize{640, 480}),
-                           result.pattern, options)
-          .dataset;
+  result.dataset = SimulateObservations(
+                       *MakeSimulatedCamera(result.lens, ImageSize{640, 480}),
+                       result.pattern, options)
+                       .dataset;
   return result;
 }
 

@@ -25,7 +25,7 @@ SimulationOptions BudgetSimulation(uint64_t seed) {
 }
 
 BudgetInput InputWith(SimulatedFault fault, const SimulationOptions& options) {
-  const auto camera = MakeSimulatedLens("example", {640, 480});
+  const auto camera = MakeSimulatedCamera("example", {640, 480});
   const Pattern pattern = ChessboardPattern(17, 11, 0.024);
   return MakeBudgetInput(
       *camera, SimulateFaultyObservations(*camera, pattern, options, fault),
@@ -48,9 +48,9 @@ TEST(ResidualBudget, NoiseAloneIsNoise) {
     EXPECT_LT(budget.large, 0.001);
     for (const CauseShare& share : budget.causes) {
       ASSERT_TRUE(share.is_observable);
-      EXPECT_EQ(share.in_turn, 0);
-      EXPECT_LE(share.alone, std::max(share.chance_high, 0.002));
-      EXPECT_LT(share.chance_high, 0.01);
+      EXPECT_EQ(share.sequential_share, 0);
+      EXPECT_LE(share.alone, std::max(share.random_limit, 0.002));
+      EXPECT_LT(share.random_limit, 0.01);
     }
     EXPECT_EQ(AssessBudget(budget).limit, "noise");
   }
@@ -62,7 +62,7 @@ TEST(ResidualBudget, NoiseOfAPinholeIsNoise) {
   for (const uint64_t seed : {1, 2, 3}) {
     SimulationOptions options = BudgetSimulation(seed);
     options.features_per_image = 48;
-    const auto camera = MakeSimulatedLens("pinhole", {640, 480});
+    const auto camera = MakeSimulatedCamera("pinhole", {640, 480});
     const Pattern pattern = ChessboardPattern(8, 6, 0.025);
     const ResidualBudget budget = ComputeResidualBudget(MakeBudgetInput(
         *camera, SimulateObservations(*camera, pattern, options).dataset,
@@ -85,11 +85,11 @@ TEST(ResidualBudget, NamesTheFaultThatIsThere) {
       double sum = budget.noise + budget.large + budget.rest;
       for (int k = 0; k < kNumErrorCauses; ++k) {
         const CauseShare& share = budget.Of(static_cast<ErrorCause>(k));
-        sum += share.in_turn;
+        sum += share.sequential_share;
         if (k + 1 == f)
-          EXPECT_GT(share.in_turn, 0.4) << ToString(fault);
+          EXPECT_GT(share.sequential_share, 0.4) << ToString(fault);
         else
-          EXPECT_LT(share.in_turn, 0.05) << ToString(fault);
+          EXPECT_LT(share.sequential_share, 0.05) << ToString(fault);
       }
       EXPECT_NEAR(sum, 1, 1e-9);
     }
@@ -128,7 +128,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   ASSERT_TRUE(result.budget.has_value());
   ResidualBudget budget = *result.budget;
   EXPECT_EQ(AssessBudget(budget).limit, "per-view deformation");
-  EXPECT_GT(budget.Of(ErrorCause::kDeformation).in_turn, 0.4);
+  EXPECT_GT(budget.Of(ErrorCause::kDeformation).sequential_share, 0.4);
   // Only things that were not tried are advised.
   EXPECT_NE(AssessBudget(budget).advice.find("--rigid-target"),
             std::string::npos);
@@ -183,24 +183,24 @@ TEST(ResidualBudget, ExactFeaturesHaveNoErrors) {
 }
 
 // A budget whose only cause is one.
-ResidualBudget BudgetOf(ErrorCause cause, const BudgetFacts& facts) {
+ResidualBudget BudgetOf(ErrorCause cause, const BudgetSummary& facts) {
   ResidualBudget budget;
   budget.facts = facts;
   CauseShare& share = budget.causes[static_cast<size_t>(cause)];
   share.is_observable = true;
-  share.in_turn = share.alone = 0.5;
+  share.sequential_share = share.alone = 0.5;
   budget.noise = 0.5;
   return budget;
 }
 
 TEST(AssessBudget, AdvisesNothingThatWasDone) {
-  const auto advice = [](ErrorCause cause, const BudgetFacts& facts) {
+  const auto advice = [](ErrorCause cause, const BudgetSummary& facts) {
     return AssessBudget(BudgetOf(cause, facts)).advice;
   };
   const auto has = [](const std::string& text, const char* word) {
     return text.find(word) != std::string::npos;
   };
-  BudgetFacts facts;
+  BudgetSummary facts;
   facts.model = "opencv";
   EXPECT_TRUE(
       has(advice(ErrorCause::kImagePosition, facts), "--model central"));
@@ -288,7 +288,7 @@ TEST(AssessBudget, IsTheVerdictOfACalibration) {
   options.knot_spacing_px = 320;
   options.rigid_board = true;
   options.num_threads = 2;
-  const auto camera = MakeSimulatedLens("wide", {1280, 720});
+  const auto camera = MakeSimulatedCamera("wide", {1280, 720});
   const Dataset seen = SimulateFaultyObservations(
       *camera, pattern, simulation, SimulatedFault::kRollingShutter, 2);
   for (int i = 0; i < 6; ++i)

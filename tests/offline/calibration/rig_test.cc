@@ -123,15 +123,15 @@ void ExpectBaseline(const RigResult& result, const SimulatedRig& truth,
   const Pose expected =
       truth.camera_from_rig[b] * truth.camera_from_rig[a].Inverse();
   const Baseline& baseline = BaselineOf(result, a, b);
-  EXPECT_LT(*baseline.distance_sd_m, 1e-3 * expected.translation.norm());
+  EXPECT_LT(*baseline.distance_stddev_m, 1e-3 * expected.translation.norm());
   EXPECT_LT(std::abs(found.translation.norm() - expected.translation.norm()),
-            4 * *baseline.distance_sd_m);
-  EXPECT_LT(*baseline.rotation_sd_rad, 2e-3);
+            4 * *baseline.distance_stddev_m);
+  EXPECT_LT(*baseline.rotation_stddev_rad, 2e-3);
   EXPECT_LT(found.rotation.angularDistance(expected.rotation),
-            4 * *baseline.rotation_sd_rad);
+            4 * *baseline.rotation_stddev_rad);
   EXPECT_LT((found.translation - expected.translation).norm(),
-            4 * (*baseline.distance_sd_m +
-                 expected.translation.norm() * *baseline.rotation_sd_rad));
+            4 * (*baseline.distance_stddev_m +
+                 expected.translation.norm() * *baseline.rotation_stddev_rad));
 }
 
 TEST(CalibrateRig, FindsTheRelativePoseOfTwoCameras) {
@@ -203,7 +203,7 @@ TEST(CalibrateRig, EachBoardOfSeveralHasItsOwnPoses) {
 TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
   const SimulatedRig rig = Stereo();
   SimulationOptions options = CollectFrameSets(24);
-  options.board_bend_m = 0.003;
+  options.board_sagitta_m = 0.003;
   const SimulatedRigObservations seen = SimulateRig(rig, TestBoard(), options);
   const RigResult result =
       Calibrate(Inputs(seen), TestBoard(), QuickWithout("sim0003.png"));
@@ -215,7 +215,7 @@ TEST(CalibrateRig, ScaleIsThatOfTheBoardsThoughTheyAreBent) {
 TEST(CalibrateRig, DeviationsCountNoiseThatNeighboursShare) {
   constexpr int kSeeds = 6;
   const std::shared_ptr<const CameraModel> lens =
-      MakeSimulatedLens("pinhole", {640, 480});
+      MakeSimulatedCamera("pinhole", {640, 480});
   const SimulatedRig rig = {
       {lens, lens}, {{}, {Eigen::Quaterniond::Identity(), {-0.1, 0, 0}}}};
   double squares = 0;
@@ -230,7 +230,7 @@ TEST(CalibrateRig, DeviationsCountNoiseThatNeighboursShare) {
     const RigResult result = Calibrate(Inputs(seen), TestBoard(), quick);
     const Baseline& baseline = BaselineOf(result, 0, 1);
     squares +=
-        std::pow((baseline.distance_m - 0.1) / *baseline.distance_sd_m, 2);
+        std::pow((baseline.distance_m - 0.1) / *baseline.distance_stddev_m, 2);
   }
   const double rms = std::sqrt(squares / kSeeds);
   EXPECT_GT(rms, 0.5);

@@ -93,10 +93,10 @@ TEST(CalibrateRigidTargets, ConnectCamerasThatNeverSeeOneBoardTogether) {
         << DescribeRigidTargets(result.rigid_targets, result.board_pairs)
                .back();
     const Baseline& baseline = result.baselines.front();
-    ASSERT_TRUE(baseline.distance_sd_m);
+    ASSERT_TRUE(baseline.distance_stddev_m);
     EXPECT_LT(std::abs(baseline.distance_m - kBaselineM),
-              3 * *baseline.distance_sd_m);
-    EXPECT_LT(*baseline.distance_sd_m, 1e-3);
+              3 * *baseline.distance_stddev_m);
+    EXPECT_LT(*baseline.distance_stddev_m, 1e-3);
     EXPECT_GT(baseline.num_shared_views, 3);
     for (int board = 1; board < 3; ++board) {
       const Pose truth = TrueRelation(seen, 0, board);

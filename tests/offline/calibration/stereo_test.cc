@@ -71,7 +71,7 @@ std::optional<Eigen::Vector2d> PointInView(const BlobCamera& blob,
 
 SimulatedRig RigOf(const std::string& lens, const ImageSize& size) {
   const std::shared_ptr<const CameraModel> camera =
-      MakeSimulatedLens(lens, size);
+      MakeSimulatedCamera(lens, size);
   return {{camera, camera},
           {{}, {RotationFromVector({0.02, -0.05, 0.03}), {-0.1, 0.004, 0.01}}}};
 }

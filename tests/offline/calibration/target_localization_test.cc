@@ -92,16 +92,16 @@ TEST(LocalizeTargets, CamerasOfARigShareAPose) {
   int count = 0;
   EXPECT_NEAR(ComputeErrorRatio(found.poses, seen.poses[0], &count), 1, 0.25);
   EXPECT_GT(count, 40);
-  double sd_of_both = 0, sd_of_one = 0;
+  double stddev_of_both = 0, stddev_of_one = 0;
   const TargetLocalization alone = LocalizeTargets(
       {{rig.cameras[0].get()}, {Pose()}}, {seen.datasets[0]}, TestBoard(), 2);
   for (const TargetPose& one : alone.poses)
     for (const TargetPose& both : found.poses)
       if (one.pose.image == both.pose.image) {
-        sd_of_one += one.TranslationStdDev();
-        sd_of_both += both.TranslationStdDev();
+        stddev_of_one += one.TranslationStdDev();
+        stddev_of_both += both.TranslationStdDev();
       }
-  EXPECT_LT(sd_of_both, 0.8 * sd_of_one);
+  EXPECT_LT(stddev_of_both, 0.8 * stddev_of_one);
 }
 
 TEST(LocalizeTargets, OutliersDoNotMoveThePose) {
@@ -146,7 +146,7 @@ double RmsOf(const std::vector<Eigen::Vector3d>& points,
 TEST(EstimateTargetGeometry, FindsTheDeformationOfATarget) {
   const OpenCvModel camera = ExampleLens();
   SimulationOptions options = LocalizedViews(12, 0.05);
-  options.board_bend_m = 0.004;
+  options.board_sagitta_m = 0.004;
   const SimulatedObservations seen =
       SimulateObservations(camera, TestBoard(), options);
   const RigModel alone = {{&camera}, {Pose()}};

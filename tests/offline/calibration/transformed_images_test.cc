@@ -6,7 +6,7 @@
 
 #include "calibration/calibration.h"
 #include "calibration/camera_initialization.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -98,7 +98,7 @@ TEST(TransformedImages, AreNamedIfScaled) {
 // Residuals are also correlated if no parametric model fits the lens.
 TEST(TransformedImages, AreNotSeenInALensWithBumps) {
   EXPECT_FALSE(
-      DetectIn(SimulateImages(*MakeSimulatedLens("wide", {640, 480}))));
+      DetectIn(SimulateImages(*MakeSimulatedCamera("wide", {640, 480}))));
 }
 
 TEST(TransformedImages, AreReported) {

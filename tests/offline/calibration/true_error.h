@@ -30,7 +30,7 @@ struct TrueError {
   /// stated standard deviations; RMS of the errors over the RMS stated.
   double within_1 = 0, within_2 = 0, ratio = 0;
   double trusted_within_1 = 0, trusted_within_2 = 0, trusted_ratio = 0;
-  double valid_part = 0, jackknife_scale = 1;
+  double valid_fraction = 0, jackknife_scale = 1;
 };
 
 /// Adds how far stated standard deviations hold.
@@ -63,7 +63,7 @@ inline void AddCoverage(const ModelDifference& difference,
   error->trusted_within_1 = sums[1].within_1 / sums[1].count;
   error->trusted_within_2 = sums[1].within_2 / sums[1].count;
   error->trusted_ratio = std::sqrt(sums[1].squares / sums[1].stated2);
-  error->valid_part = sums[1].count / sums[0].count;
+  error->valid_fraction = sums[1].count / sums[0].count;
   error->jackknife_scale = uncertainty.jackknife_scale;
 }
 
@@ -77,7 +77,7 @@ inline TrueError MeasureTrueError(const TrueErrorSetting& setting,
   simulation.num_images = setting.num_images;
   simulation.noise_px = setting.noise_px;
   simulation.seed = seed;
-  if (setting.target == "bent") simulation.board_bend_m = 0.002;
+  if (setting.target == "bent") simulation.board_sagitta_m = 0.002;
   if (setting.target == "bending") simulation.board_deformation_m = 0.0003;
   if (setting.target == "correlated") simulation.shared_noise_px = 0.05;
   const Pattern pattern = ChessboardPattern(25, 17, 0.015);

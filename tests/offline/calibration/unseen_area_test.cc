@@ -7,7 +7,7 @@
 
 #include "calibration/calibration.h"
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -84,7 +84,7 @@ struct LensCase {
 
 // No parametric camera is better there, where both answer.
 void ExpectGoesOnWell(const LensCase& test, double max_angle_rad = M_PI) {
-  const auto truth = MakeSimulatedLens(test.lens, kSize);
+  const auto truth = MakeSimulatedCamera(test.lens, kSize);
   const Dataset dataset = SeenInTheMiddle(*truth, test.num_images);
   const CalibrationResult grid =
       CalibrateModel(dataset, test.model, test.knot_spacing_px);
@@ -134,7 +134,7 @@ TEST(UnseenArea, GoesOnWellBehindGlass) {
 
 TEST(UnseenArea, IsLeftOutWhereFeaturesAreAskedFor) {
   const Dataset dataset =
-      SeenInTheMiddle(*MakeSimulatedLens("example", kSize), 20);
+      SeenInTheMiddle(*MakeSimulatedCamera("example", kSize), 20);
   CalibrationOptions options;
   options.area = AreaChoice::kFeatures;
   options.knot_spacing_px = 80;

@@ -13,18 +13,20 @@ double AngleOf(const Eigen::Quaterniond& rotation) {
 }
 
 CentralGeneric GridOf(const std::string& lens) {
-  return FittedGrid(*MakeSimulatedLens(lens, {640, 480}), 40);
+  return FittedGrid(*MakeSimulatedCamera(lens, {640, 480}), 40);
 }
 
 TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
   for (const char* lens : {"example", "wide", "fisheye"}) {
     const CentralGeneric camera = GridOf(lens);
-    const Eigen::Quaterniond frame = FindCameraFrame(camera).frame_from_camera;
+    const Eigen::Quaterniond frame =
+        ComputeCameraFrame(camera).frame_from_camera;
     for (const Eigen::Vector3d& vector :
          {Eigen::Vector3d(0.1, -0.6, 0.05), Eigen::Vector3d(0, 0.01, 1),
           Eigen::Vector3d(-0.3, 0.3, 0)}) {
       const Eigen::Quaterniond turn = RotationFromVector(vector);
-      const CameraFrame turned = FindCameraFrame(RotatedCamera(camera, turn));
+      const CameraFrame turned =
+          ComputeCameraFrame(RotatedCamera(camera, turn));
       EXPECT_LT(AngleOf(turned.frame_from_camera * turn * frame.conjugate()),
                 1e-6)
           << lens;
@@ -33,28 +35,29 @@ TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
 }
 
 TEST(CameraFrame, OfALensIsTheLenssOwn) {
-  const CameraFrame frame = FindCameraFrame(FittedGrid(ExampleLens(), 20));
+  const CameraFrame frame = ComputeCameraFrame(FittedGrid(ExampleLens(), 20));
   EXPECT_EQ(frame.lens, "opencv");
   EXPECT_LT(frame.AngleRad(), kMaxFrameRotationRad);
-  EXPECT_EQ(FindCameraFrame(ExampleLens()).AngleRad(), 0);
+  EXPECT_EQ(ComputeCameraFrame(ExampleLens()).AngleRad(), 0);
 }
 
 // Least squares alone would turn the lens by degrees to follow the bumps.
 TEST(CameraFrame, IsNotTurnedByBumps) {
   const CentralGeneric camera = GridOf("example");
-  for (const std::string& lens : LensNames(ModelUse::kCompare))
-    EXPECT_LT(FindCameraFrame(camera, lens).AngleRad(), 1 * M_PI / 180) << lens;
+  for (const std::string& lens : ListModelNames(ModelUse::kCompare))
+    EXPECT_LT(ComputeCameraFrame(camera, lens).AngleRad(), 1 * M_PI / 180)
+        << lens;
 }
 
 TEST(CameraFrame, OnceTurnedNeedsNoRotation) {
   const CentralGeneric camera = GridOf("example");
   const Eigen::Quaterniond astray = RotationFromVector({0.2, -0.5, 0.1});
   const auto off = Rotated(camera, astray);
-  const CameraFrame frame = FindCameraFrame(*off);
+  const CameraFrame frame = ComputeCameraFrame(*off);
   EXPECT_GT(frame.AngleRad(), 30 * M_PI / 180);
   const auto turned = Rotated(*off, frame.frame_from_camera);
-  EXPECT_LT(FindCameraFrame(*turned).AngleRad(), kMaxFrameRotationRad);
-  for (const std::string& lens : LensNames(ModelUse::kCompare))
+  EXPECT_LT(ComputeCameraFrame(*turned).AngleRad(), kMaxFrameRotationRad);
+  for (const std::string& lens : ListModelNames(ModelUse::kCompare))
     EXPECT_LT(
         AngleOf(
             FitNearestModel(lens, *turned, turned->area()).model_from_camera),

@@ -1,6 +1,6 @@
 #include "camera/equivalent_central_camera.h"
 
-#include "simulation/line_lens.h"
+#include "simulation/noncentral_simulated_camera.h"
 #include "support.h"
 
 namespace raygrid {
@@ -21,7 +21,7 @@ Eigen::Vector3d PointOn(const SceneSurface& scene,
 }
 
 TEST(EquivalentCentralCamera, SeesThePointsThere) {
-  const MovingPupilLens lens(ExampleLens(), 0.02);
+  const MovingPupilCamera lens(ExampleLens(), 0.02);
   for (const SceneSurface& scene : Surfaces()) {
     const EquivalentCentralCamera camera(lens, scene);
     EXPECT_TRUE(camera.IsCentral());
@@ -45,7 +45,7 @@ TEST(EquivalentCentralCamera, SeesThePointsThere) {
 }
 
 TEST(EquivalentCentralCamera, SeesNothingThatIsBehindAPlane) {
-  const MovingPupilLens lens(ExampleLens(), 0.02);
+  const MovingPupilCamera lens(ExampleLens(), 0.02);
   const EquivalentCentralCamera behind(lens, {0.5, Eigen::Vector3d(0, 0, -1)});
   EXPECT_FALSE(behind.Unproject({320, 240}));
   EXPECT_FALSE(behind.Project({0, 0, 1}));

@@ -1,14 +1,13 @@
-#include "camera/lens_models.h"
-
 #include <opencv2/calib3d.hpp>
 
 #include "camera/model_fitting.h"
+#include "camera/model_registry.h"
 #include "support.h"
 
 namespace raygrid {
 namespace {
 
-std::unique_ptr<ParametricModel> LensOf(const LensModel& model,
+std::unique_ptr<ParametricModel> LensOf(const ModelInfo& model,
                                         const Eigen::VectorXd& parameters) {
   const ImageSize size = {640, 480};
   return model.make(size, WholeImage(size), parameters);
@@ -17,12 +16,12 @@ std::unique_ptr<ParametricModel> LensOf(const LensModel& model,
 std::unique_ptr<ParametricModel> LensOf(const char* model,
                                         const std::vector<double>& parameters) {
   return LensOf(
-      *FindLensModel(model),
+      *FindModelInfo(model),
       Eigen::Map<const Eigen::VectorXd>(parameters.data(), parameters.size()));
 }
 
 // Parameters of which every one is at work.
-Eigen::VectorXd ExampleOf(const LensModel& model) {
+Eigen::VectorXd ExampleOf(const ModelInfo& model) {
   Eigen::VectorXd parameters = model.starts(230, 322, 236).front();
   for (Eigen::Index k = 0; k < parameters.size(); ++k)
     parameters[k] +=
@@ -33,27 +32,27 @@ Eigen::VectorXd ExampleOf(const LensModel& model) {
 // Calls test with each model and an example of it.
 template <typename Test>
 void ForEachModel(const Test& test) {
-  for (const LensModel& model : GetLensModels()) {
+  for (const ModelInfo& model : GetModelRegistry()) {
     SCOPED_TRACE(model.name);
     if (model.make) test(model, *LensOf(model, ExampleOf(model)));
   }
 }
 
-TEST(GetLensModels, ProjectionInvertsUnprojection) {
-  ForEachModel([](const LensModel&, const ParametricModel& lens) {
+TEST(GetModelRegistry, ProjectionInvertsUnprojection) {
+  ForEachModel([](const ModelInfo&, const ParametricModel& lens) {
     ExpectRoundTrip(lens, 1e-6);
   });
 }
 
-TEST(GetLensModels, DerivativesAreThoseOfProjection) {
-  ForEachModel([](const LensModel&, const ParametricModel& lens) {
+TEST(GetModelRegistry, DerivativesAreThoseOfProjection) {
+  ForEachModel([](const ModelInfo&, const ParametricModel& lens) {
     ExpectDerivativeByPoint(lens, 1e-6);
     ExpectDerivativeByParameter(lens, 1e-5, 1e-6);
   });
 }
 
-TEST(GetLensModels, LookStraightAheadInTheirCentreIfNotTilted) {
-  ForEachModel([](const LensModel& model, const ParametricModel& lens) {
+TEST(GetModelRegistry, LookStraightAheadInTheirCentreIfNotTilted) {
+  ForEachModel([](const ModelInfo& model, const ParametricModel& lens) {
     Eigen::VectorXd plain = lens.Parameters();
     const std::vector<int> orders = lens.DistortionOrders();
     ASSERT_EQ(orders.size(), model.parameters.size());
@@ -65,8 +64,8 @@ TEST(GetLensModels, LookStraightAheadInTheirCentreIfNotTilted) {
   });
 }
 
-TEST(GetLensModels, SeeNothingOutsideTheirArea) {
-  ForEachModel([](const LensModel&, const ParametricModel& whole) {
+TEST(GetModelRegistry, SeeNothingOutsideTheirArea) {
+  ForEachModel([](const ModelInfo&, const ParametricModel& whole) {
     const auto lens = whole.CloneWithArea({100, 100, 300, 200});
     EXPECT_FALSE(lens->Unproject({99.9, 150}));
     EXPECT_FALSE(lens->Unproject({150, 200.1}));
@@ -78,15 +77,15 @@ TEST(GetLensModels, SeeNothingOutsideTheirArea) {
   });
 }
 
-TEST(GetLensModels, FitACameraOfTheirKind) {
-  ForEachModel([](const LensModel& model, const ParametricModel& lens) {
+TEST(GetModelRegistry, FitACameraOfTheirKind) {
+  ForEachModel([](const ModelInfo& model, const ParametricModel& lens) {
     const FittedModel fit =
         FitParametricModel(model.name, lens, lens.area(), {});
     EXPECT_LT(fit.rms_px, 1e-3);
   });
 }
 
-void ExpectAgreementWithOpenCv(const LensModel& model) {
+void ExpectAgreementWithOpenCv(const ModelInfo& model) {
   const Eigen::VectorXd p = ExampleOf(model);
   const auto lens = LensOf(model, p);
   const cv::Matx33d matrix(p[0], 0, p[2], 0, p[1], p[3], 0, 0, 1);
@@ -112,14 +111,14 @@ void ExpectAgreementWithOpenCv(const LensModel& model) {
   EXPECT_GT(num_seen, 300);
 }
 
-TEST(GetLensModels, AgreeWithOpenCv) {
+TEST(GetModelRegistry, AgreeWithOpenCv) {
   for (const char* model : {"opencv", "opencv-14"})
-    ExpectAgreementWithOpenCv(*FindLensModel(model));
+    ExpectAgreementWithOpenCv(*FindModelInfo(model));
 }
 
 // The unified model with alpha = xi / (1 + xi) and beta = 1, and the double
 // sphere without its first sphere, are one lens in three models.
-TEST(GetLensModels, AgreeWhereTheyAreOneLens) {
+TEST(GetModelRegistry, AgreeWhereTheyAreOneLens) {
   const double xi = 0.8, alpha = xi / (1 + xi), f = 250;
   const auto omni = LensOf(
       "omni-radtan", {f * (1 + xi), f * (1 + xi), 322, 236, xi, 0, 0, 0, 0});
@@ -137,7 +136,7 @@ TEST(GetLensModels, AgreeWhereTheyAreOneLens) {
 
 // alpha = 1 and beta = 1 shows a direction at the sine of its angle: nothing
 // beyond 90 degrees.
-TEST(GetLensModels, EndWhereTheRadiusStopsToGrow) {
+TEST(GetModelRegistry, EndWhereTheRadiusStopsToGrow) {
   const auto lens = LensOf("eucm", {200, 200, 322, 236, 1, 1});
   EXPECT_TRUE(lens->Project({1, 0, 0.1}, nullptr, 0));
   EXPECT_FALSE(lens->Project({1, 0, -0.1}, nullptr, 0));
@@ -145,9 +144,9 @@ TEST(GetLensModels, EndWhereTheRadiusStopsToGrow) {
   EXPECT_FALSE(lens->Project({0, 0, 0}));
 }
 
-TEST(GetLensModels, KnowNoOthers) {
-  EXPECT_FALSE(FindLensModel("central-radial")->make);
-  EXPECT_EQ(FindLensModel("equidistant"), nullptr);
+TEST(GetModelRegistry, KnowNoOthers) {
+  EXPECT_FALSE(FindModelInfo("central-radial")->make);
+  EXPECT_EQ(FindModelInfo("equidistant"), nullptr);
   EXPECT_TRUE(IsParametricModel("eucm"));
 }
 

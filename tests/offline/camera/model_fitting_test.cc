@@ -4,7 +4,7 @@
 #include "camera/stereographic.h"
 #include "camera/thin_prism_fisheye.h"
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "support.h"
 
 namespace raygrid {
@@ -32,18 +32,20 @@ TEST(FitParametricModel, FindsACameraOfItsKind) {
 
 TEST(FitParametricModel, FitsPinholesAndFisheyes) {
   const ImageSize size = {640, 480};
-  EXPECT_LT(RmsPx("thin-prism-fisheye", *MakeSimulatedLens("pinhole", size)),
+  EXPECT_LT(RmsPx("thin-prism-fisheye", *MakeSimulatedCamera("pinhole", size)),
             0.01);
-  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedLens("pinhole", size)), 0.01);
-  EXPECT_LT(RmsPx("thin-prism-fisheye", *MakeSimulatedLens("fisheye190", size)),
-            1e-3);
-  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedLens("fisheye190", size)),
+  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedCamera("pinhole", size)),
+            0.01);
+  EXPECT_LT(
+      RmsPx("thin-prism-fisheye", *MakeSimulatedCamera("fisheye190", size)),
+      1e-3);
+  EXPECT_LT(RmsPx("central-radial", *MakeSimulatedCamera("fisheye190", size)),
             0.01);
 }
 
 TEST(FitParametricModel, LeavesWhatItHasNoParametersFor) {
-  const auto wide = MakeSimulatedLens("wide", {640, 480});
-  for (const std::string& model : LensNames(ModelUse::kCompare)) {
+  const auto wide = MakeSimulatedCamera("wide", {640, 480});
+  for (const std::string& model : ListModelNames(ModelUse::kCompare)) {
     const double rms_px = RmsPx(model, *wide);
     EXPECT_GT(rms_px, 0.1) << model;
     EXPECT_LT(rms_px, 0.7) << model;
@@ -53,7 +55,7 @@ TEST(FitParametricModel, LeavesWhatItHasNoParametersFor) {
 // A camera that looks aside: its model may look straight, or not.
 TEST(FitParametricModel, TurnsIfItMay) {
   const ImageSize size = {640, 480};
-  const auto lens = MakeSimulatedLens("pinhole", size);
+  const auto lens = MakeSimulatedCamera("pinhole", size);
   CentralGeneric grid = FittedGrid(*lens, 40);
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(0.2, Eigen::Vector3d(1, 2, 0.5).normalized()));
@@ -133,7 +135,7 @@ TEST(FitParametricModel, TiesFocalLengths) {
 // A pixel that is not trusted is followed where nothing else tells, and gives
 // way.
 TEST(FitParametricModel, FollowsTrustedPixels) {
-  const auto bumpy = MakeSimulatedLens("wide", {640, 480});
+  const auto bumpy = MakeSimulatedCamera("wide", {640, 480});
   ValidityMask mask = ValidityMask::Over(bumpy->image_size());
   for (size_t k = 0; k < mask.is_valid.size(); ++k) {
     const Eigen::Vector2d at = mask.CellCenter(static_cast<int>(k));
@@ -162,7 +164,7 @@ TEST(FitParametricModel, FollowsTrustedPixels) {
 }
 
 TEST(FitParametricModel, OpenCvHasNothingBehind) {
-  const auto lens = MakeSimulatedLens("fisheye190", {640, 480});
+  const auto lens = MakeSimulatedCamera("fisheye190", {640, 480});
   const FittedModel fit =
       FitParametricModel("opencv", *lens, lens->area(), {true});
   EXPECT_FALSE(fit.model->Unproject({1, 240}));

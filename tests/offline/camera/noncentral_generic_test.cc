@@ -69,11 +69,11 @@ TEST(NonCentralGeneric, ProjectsNothingFromBehindOrNowhere) {
   EXPECT_FALSE(camera.Project({NAN, 0, 1}));
   EXPECT_FALSE(camera.Project({0, 0, INFINITY}));
   EXPECT_FALSE(
-      NonCentralGeneric(CentralPart(camera)).Project(Eigen::Vector3d::Zero()));
+      NonCentralGeneric(MakeCentral(camera)).Project(Eigen::Vector3d::Zero()));
 }
 
 TEST(NonCentralGeneric, WithAllPointsAtTheOriginIsCentral) {
-  const CentralGeneric central = CentralPart(ExampleLines());
+  const CentralGeneric central = MakeCentral(ExampleLines());
   const NonCentralGeneric lines(central);
   TestRandom random(3);
   for (int i = 0; i < 200; ++i) {
@@ -116,7 +116,7 @@ double LineDifference(const ObservationLine& a, const ObservationLine& b) {
 }
 
 TEST(FitNonCentralGeneric, FollowsTheLinesOfALens) {
-  const auto lens = MakeSimulatedLens("glass", {640, 480});
+  const auto lens = MakeSimulatedCamera("glass", {640, 480});
   const NonCentralGeneric fitted =
       FitNonCentralGeneric(*lens, WholeImage({640, 480}), 83, 63);
   TestRandom random(6);

@@ -1,7 +1,7 @@
 #include "camera/sensor_mode.h"
 
 #include "simulation/simulated_camera.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "support.h"
 
 namespace raygrid {
@@ -63,7 +63,7 @@ TEST(ModeCamera, LightsWhatTheCameraLights) {
 
 TEST(ModeCamera, DerivativesAreThoseOfProjection) {
   ExpectDerivativeByPoint(
-      ModeCamera(*MakeSimulatedLens("wide", {640, 480}), HalvedCrop()), 1e-5);
+      ModeCamera(*MakeSimulatedCamera("wide", {640, 480}), HalvedCrop()), 1e-5);
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ double RmsAtRandomPx(const CameraModel& lens, const SplinedStereographic& fit) {
 
 TEST(SplinedStereographic, FitsFollowLenses) {
   for (const char* name : {"wide", "fisheye190"}) {
-    const auto lens = MakeSimulatedLens(name, kSplinedSize);
+    const auto lens = MakeSimulatedCamera(name, kSplinedSize);
     const auto fit = FitSplinedStereographic(*lens, nullptr);
     ASSERT_TRUE(fit);
     EXPECT_LT(RmsAtRandomPx(*lens, *fit), 0.005) << name;
@@ -97,7 +97,7 @@ TEST(SplinedStereographic, FitsFollowLenses) {
 }
 
 TEST(SplinedStereographic, FitsTakeTheGridThatIsTold) {
-  const auto lens = MakeSimulatedLens("wide", kSplinedSize);
+  const auto lens = MakeSimulatedCamera("wide", kSplinedSize);
   const auto covering = FitSplinedStereographic(*lens, nullptr, {{30, 20, 0}});
   EXPECT_EQ(covering->grid().columns, 30);
   EXPECT_EQ(covering->grid().rows, 20);
@@ -114,7 +114,7 @@ TEST(SplinedStereographic, FitsTakeTheGridThatIsTold) {
 
 // Pixels beyond the image circle look anywhere, and would widen the grid.
 TEST(SplinedStereographic, FitsEndWithTheImageCircle) {
-  const auto lens = MakeSimulatedLens("fisheye190", kSplinedSize);
+  const auto lens = MakeSimulatedCamera("fisheye190", kSplinedSize);
   const auto whole = FitSplinedStereographic(*lens, nullptr);
   lens->SetImageCircle(ImageCircle{{320, 240}, {215, 215}});
   const auto lit = FitSplinedStereographic(*lens, nullptr);
@@ -138,7 +138,7 @@ TEST(SplinedStereographic, FitsHaveFewPointsAcrossNarrowImages) {
 }
 
 TEST(SplinedStereographic, FitsFollowTrustedPixels) {
-  const auto lens = MakeSimulatedLens("wide", kSplinedSize);
+  const auto lens = MakeSimulatedCamera("wide", kSplinedSize);
   ValidityMask mask = ValidityMask::Over(kSplinedSize);
   for (size_t k = 0; k < mask.is_valid.size(); ++k)
     mask.is_valid[k] = static_cast<int>(k) % mask.columns < mask.columns / 2;

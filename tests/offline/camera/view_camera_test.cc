@@ -72,10 +72,10 @@ TEST(ViewCamera, ShowsNothingBeyondWhereItsProjectionEnds) {
   for (const ViewProjection projection : kProjections) {
     const bool is_around = projection == ViewProjection::kCylindrical ||
                            projection == ViewProjection::kEquirectangular;
-    EXPECT_EQ(ShowsDirection(projection, behind), is_around);
-    EXPECT_EQ(ShowsDirection(projection, above),
+    EXPECT_EQ(ContainsDirection(projection, behind), is_around);
+    EXPECT_EQ(ContainsDirection(projection, above),
               !is_around && projection != ViewProjection::kPinhole);
-    EXPECT_FALSE(ShowsDirection(projection, Eigen::Vector3d::Zero()));
+    EXPECT_FALSE(ContainsDirection(projection, Eigen::Vector3d::Zero()));
     EXPECT_FALSE(ViewOfProjection(projection).Project({NAN, 0, 1}))
         << ProjectionName(projection);
     EXPECT_EQ(PlaneDirection(projection, {3.2, 0}).has_value(),

@@ -12,7 +12,7 @@
 #include "features/pattern_detector.h"
 #include "simulation/board_surface.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "target/board_spec.h"
 
 namespace raygrid {
@@ -34,7 +34,7 @@ std::vector<GreyImage> RenderViews(const CameraModel& camera,
                             0.5,
                             1.1 * i,
                             0.2 * i};
-    const auto pose = PoseOf(view, board, camera);
+    const auto pose = ComputePose(view, board, camera);
     if (!pose) continue;
     ImagingOptions imaging;
     imaging.read_noise = 2;
@@ -48,7 +48,7 @@ std::vector<GreyImage> RenderViews(const CameraModel& camera,
 void Time(const std::string& spec, const std::string& lens,
           const ImageSize& size) {
   const Pattern pattern = ReadPatternOrSpec(spec);
-  const auto camera = MakeSimulatedLens(lens, size);
+  const auto camera = MakeSimulatedCamera(lens, size);
   const std::vector<GreyImage> images =
       RenderViews(*camera, pattern.boards.front());
   const PatternDetector detector(pattern, {});

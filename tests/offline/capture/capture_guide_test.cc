@@ -58,8 +58,7 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
     if (num_images == 6) expected = guide.num_expected();
     const ImageFeatures image = capture.Follow(guide);
     EXPECT_TRUE(guide.IsNextView(image)) << num_images;
-    EXPECT_TRUE(guide.IsWorthKeeping(guide.ComputeGain(image), true))
-        << num_images;
+    EXPECT_TRUE(guide.ShouldKeep(guide.ComputeGain(image), true)) << num_images;
     capture.Add(image);
   }
   const CaptureGuide guide = capture.Guide();
@@ -83,8 +82,7 @@ TEST(CaptureGuide, IsNotDoneBeforeACalibrationHasEnoughImages) {
     ASSERT_FALSE(guide.is_done()) << num_images;
     ASSERT_TRUE(guide.next());
     const ImageFeatures image = capture.Follow(guide);
-    EXPECT_TRUE(guide.IsWorthKeeping(guide.ComputeGain(image), true))
-        << num_images;
+    EXPECT_TRUE(guide.ShouldKeep(guide.ComputeGain(image), true)) << num_images;
     if (const auto expected = guide.num_expected())
       EXPECT_GE(*expected, kMinReliableImages - num_images);
     capture.Add(image);
@@ -102,7 +100,7 @@ TEST(CaptureGuide, KeepsNoViewTwice) {
     capture.Add(image);
     const CaptureGuide next = capture.Guide();
     EXPECT_FALSE(next.IsNextView(image)) << k;
-    EXPECT_FALSE(next.IsWorthKeeping(next.ComputeGain(image), false)) << k;
+    EXPECT_FALSE(next.ShouldKeep(next.ComputeGain(image), false)) << k;
   }
 }
 
@@ -125,7 +123,7 @@ TEST(CaptureGuide, ForgetsAnImageThatIsRemoved) {
 TEST(BoardOutline, LiesWhereTheCameraSeesTheBoard) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
-  const Pose pose = *PoseOf({{320, 240}, 300, 0.5, 1, 0.3}, board, camera);
+  const Pose pose = *ComputePose({{320, 240}, 300, 0.5, 1, 0.3}, board, camera);
   const std::vector<Eigen::Vector2d> outline =
       ProjectOutline(camera, board, pose);
   const std::vector<Eigen::Vector3d> points = OutlinePoints(board);
@@ -139,7 +137,7 @@ TEST(BoardOutline, LiesWhereTheCameraSeesTheBoard) {
 TEST(BoardOutline, GoesOnBeyondTheImage) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
-  const Pose pose = *PoseOf({{500, 300}, 700, 0.4, 2, 0}, board, camera);
+  const Pose pose = *ComputePose({{500, 300}, 700, 0.4, 2, 0}, board, camera);
   const std::vector<Eigen::Vector2d> outline =
       ProjectOutline(camera, board, pose);
   ASSERT_EQ(outline.size(), 4u * kOutlineSteps);
@@ -160,7 +158,7 @@ class JudgedCapture {
   JudgedCapture() : guide_(GuidedCapture({}).Guide()) {
     GuidedCapture capture({});
     frame_.features = capture.Follow(guide_);
-    frame_.quality.least_spread_px = frame_.quality.most_spread_px = 0.8;
+    frame_.quality.min_spread_px = frame_.quality.max_spread_px = 0.8;
     frame_.quality.white = 200;
     frame_.quality.black = 20;
   }
@@ -197,9 +195,9 @@ TEST(KeyframeSelector, SaysWhatIsWrongInAWord) {
   frame.quality.clipped = 0.5;
   EXPECT_EQ(capture.Word(frame), "bright");
   frame = capture.frame();
-  frame.quality.most_spread_px = 2;  // in one direction
+  frame.quality.max_spread_px = 2;  // in one direction
   EXPECT_EQ(capture.Word(frame), "moving");
-  frame.quality.least_spread_px = 2;
+  frame.quality.min_spread_px = 2;
   EXPECT_EQ(capture.Word(frame), "blurred");
   EXPECT_EQ(capture.Word(capture.frame()), "kept");
 }
@@ -207,7 +205,7 @@ TEST(KeyframeSelector, SaysWhatIsWrongInAWord) {
 TEST(KeyframeSelector, TakesASoftLensAsItIs) {
   JudgedCapture capture;
   DetectedFrame frame = capture.frame();
-  frame.quality.least_spread_px = frame.quality.most_spread_px = 2.5;
+  frame.quality.min_spread_px = frame.quality.max_spread_px = 2.5;
   EXPECT_EQ(capture.Word(frame), "kept");
 }
 
@@ -239,8 +237,8 @@ TEST(KeyframeSelector, WaitsWhenABoardComes) {
 std::string HintFrom(const BoardView& from, const BoardView& to) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
-  return DescribeMove(camera, board, *PoseOf(from, board, camera),
-                      *PoseOf(to, board, camera));
+  return DescribeMove(camera, board, *ComputePose(from, board, camera),
+                      *ComputePose(to, board, camera));
 }
 
 TEST(ViewHint, SaysHowToMoveABoard) {
@@ -261,7 +259,7 @@ TEST(ViewHint, NamesTheSideThatGoesAway) {
   const BoardView facing = {{320, 240}, 300, 0, 0, 0};
   for (const double axis_rad : {0.0, M_PI / 2, M_PI, 3 * M_PI / 2}) {
     const BoardView tilted = {{320, 240}, 300, 0.5, axis_rad, 0};
-    const Pose pose = *PoseOf(tilted, board, camera);
+    const Pose pose = *ComputePose(tilted, board, camera);
     const auto z = [&](int column, int row) {
       return (pose * board.points[board.PointIndex(column, row)]).z();
     };

@@ -40,7 +40,7 @@ TEST(BoardView, PutsTheMiddleAtItsPixel) {
   const Board board = TestBoard().boards.front();
   for (const double tilt_rad : {0.0, 0.7}) {
     const BoardView view = {{500, 130}, 300, tilt_rad, 1.1, 0.4};
-    const auto pose = PoseOf(view, board, camera);
+    const auto pose = ComputePose(view, board, camera);
     ASSERT_TRUE(pose);
     const auto pixel = camera.Project(*pose * ComputeBoardCenter(board));
     ASSERT_TRUE(pixel);
@@ -51,7 +51,7 @@ TEST(BoardView, PutsTheMiddleAtItsPixel) {
 TEST(BoardView, ShowsTheBoardAsWideAsAsked) {
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const Board board = TestBoard().boards.front();
-  const auto pose = PoseOf({{320, 240}, 100, 0, 0, 0}, board, camera);
+  const auto pose = ComputePose({{320, 240}, 100, 0, 0, 0}, board, camera);
   ASSERT_TRUE(pose);
   const Eigen::Vector3d center = ComputeBoardCenter(board);
   const Eigen::Vector3d half = {(board.columns - 1) * board.square_m / 2, 0, 0};
@@ -64,8 +64,8 @@ TEST(BoardView, ShowsTheBoardAsWideAsAsked) {
 TEST(BoardView, IsNothingWhereTheCameraSeesNothing) {
   const Board board = TestBoard().boards.front();
   const SimulatedCamera camera = ExampleSimulatedCamera();
-  EXPECT_FALSE(PoseOf({{-200, 240}, 100, 0, 0, 0}, board, camera));
-  EXPECT_FALSE(PoseOf({{320, 240}, 0, 0, 0, 0}, board, camera));
+  EXPECT_FALSE(ComputePose({{-200, 240}, 100, 0, 0, 0}, board, camera));
+  EXPECT_FALSE(ComputePose({{320, 240}, 0, 0, 0, 0}, board, camera));
 }
 
 // ---- The camera so far ------------------------------------------------------
@@ -175,7 +175,7 @@ TEST(NextView, LooksWhereNothingWasSeen) {
                             0.6,
                             1.3 * i,
                             0.5 * i};
-    const auto pose = PoseOf(view, board, camera);
+    const auto pose = ComputePose(view, board, camera);
     ASSERT_TRUE(pose);
     images.push_back(
         {std::to_string(i), VisibleFeatures(camera, board, *pose)});
@@ -220,7 +220,7 @@ TEST(NextView, BeginsWithFourTiltedViews) {
   const Board board = TestBoard().boards.front();
   LiveCamera live(TestBoard(), kCaptureSize, 1);
   for (int i = 0; i < kNumFirstViews; ++i) {
-    const auto pose = PoseOf(FirstView(i, kCaptureSize), board, camera);
+    const auto pose = ComputePose(FirstView(i, kCaptureSize), board, camera);
     ASSERT_TRUE(pose);
     live.Add({std::to_string(i), VisibleFeatures(camera, board, *pose)});
   }

@@ -31,7 +31,7 @@ BoardImage RenderBoard(const std::string& spec, const ImagingOptions& options,
   seen.board = ReadPatternOrSpec(spec).boards.front();
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const auto pose =
-      PoseOf({{320, 240}, 420, 0.4, 1.0, turn_rad}, seen.board, camera);
+      ComputePose({{320, 240}, 420, 0.4, 1.0, turn_rad}, seen.board, camera);
   const BoardSurface surface(seen.board);
   seen.image =
       RenderImage(PixelRays(camera, 2), {{&surface, *pose}}, options, 2);
@@ -63,9 +63,9 @@ TEST(FrameQuality, TellsHowFarALensSpreadsEdges) {
       options.blur_px = blur_px;
       const FrameQuality quality = RenderBoard(spec, options).Measured();
       const double expected_px = std::hypot(blur_px, 0.35);
-      EXPECT_NEAR(quality.least_spread_px, expected_px, 0.2 * expected_px)
+      EXPECT_NEAR(quality.min_spread_px, expected_px, 0.2 * expected_px)
           << spec << " " << blur_px;
-      EXPECT_NEAR(quality.most_spread_px, expected_px, 0.2 * expected_px)
+      EXPECT_NEAR(quality.max_spread_px, expected_px, 0.2 * expected_px)
           << spec << " " << blur_px;
     }
 }
@@ -76,9 +76,9 @@ TEST(FrameQuality, TellsMotionFromDefocus) {
     const FrameQuality still = seen.Measured();
     Smear(5, &seen.image);
     const FrameQuality moving = seen.Measured();
-    EXPECT_NEAR(moving.least_spread_px, still.least_spread_px, 0.25) << spec;
+    EXPECT_NEAR(moving.min_spread_px, still.min_spread_px, 0.25) << spec;
     // Two of five pixels hold 0.4 of a step, as with a Gaussian of 1.9 px.
-    EXPECT_NEAR(moving.most_spread_px, 1.9, 0.45) << spec;
+    EXPECT_NEAR(moving.max_spread_px, 1.9, 0.45) << spec;
   }
 }
 
@@ -99,7 +99,7 @@ TEST(FrameQuality, TellsBlackAndWhite) {
 TEST(FrameQuality, IsNotKnownWithoutFeatures) {
   BoardImage seen = RenderBoard(kBoards[0], {});
   seen.features.clear();
-  EXPECT_EQ(seen.Measured().most_spread_px, 0);
+  EXPECT_EQ(seen.Measured().max_spread_px, 0);
 }
 
 }  // namespace

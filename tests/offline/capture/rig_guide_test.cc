@@ -57,7 +57,8 @@ class GuidedRig : public testing::Test {
   // How far the second camera sees a board from where the first one, as it was
   // adjusted, and the link predict it, RMS.
   double ErrorPx(const CameraLink& link) const {
-    const Pose pose = *PoseOf({{340, 240}, 300, 0.3, 1, 0.2}, board_, lens_);
+    const Pose pose =
+        *ComputePose({{340, 240}, 300, 0.3, 1, 0.2}, board_, lens_);
     const CameraModel& first = live_[0].adjusted()->state.camera();
     const CameraModel& second = live_[1].adjusted()->state.camera();
     std::vector<PointPixelMatch> matches;
@@ -112,7 +113,7 @@ TEST_F(GuidedRig, AsksForAViewOfBothOnceEachIsKnown) {
   EXPECT_TRUE(Guide(true).next());
 
   const BoardView view = {{380, 240}, 250, 0.3, 1, 0.2};
-  const Pose pose = *PoseOf(view, board_, lens_);
+  const Pose pose = *ComputePose(view, board_, lens_);
   ++num_instants_;
   const ImageFeatures first = See(pose);
   const ImageFeatures second = See(TrueSecondFromFirst() * pose);
@@ -134,7 +135,8 @@ TEST_F(GuidedRig, LeadsToARigThatIsKnown) {
     const RigGuide guide = Guide(num_steps > 40);
     if (guide.is_done()) break;
     if (guide.to_connect() && !guide.next()) {
-      const Pose pose = *PoseOf({{380, 240}, 250, 0.3, 1, 0.2}, board_, lens_);
+      const Pose pose =
+          *ComputePose({{380, 240}, 250, 0.3, 1, 0.2}, board_, lens_);
       Follow({0, {&board_, pose, 1}}, true);
       continue;
     }
@@ -158,12 +160,13 @@ TEST_F(GuidedRig, TellsHowWellALinkIsKnown) {
   for (int trial = 0; trial < kTrials; ++trial) {
     live_ = std::vector<LiveCamera>(2, LiveCamera(TestBoard(), {640, 480}, 2));
     for (int k = 0; k < 16; ++k) {
-      const Pose pose = *PoseOf({{300.0 + 40 * (k % 4), 160.0 + 50 * (k / 4)},
-                                 300,
-                                 0.5,
-                                 1.3 * k,
-                                 0.2 * k},
-                                board_, lens_);
+      const Pose pose =
+          *ComputePose({{300.0 + 40 * (k % 4), 160.0 + 50 * (k / 4)},
+                        300,
+                        0.5,
+                        1.3 * k,
+                        0.2 * k},
+                       board_, lens_);
       Follow({0, {&board_, pose, 1}}, true);
     }
     const auto link = CameraLink::Of(live_[0], live_[1]);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "camera/central_radial.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/splined_stereographic.h"
 #include "camera/thin_prism_fisheye.h"
 #include "camera/view_camera.h"
@@ -18,8 +18,9 @@ namespace {
 
 CameraFile NonCentralFile() {
   CameraFile file;
-  file.camera = std::make_shared<NonCentralGeneric>(FitNonCentralGeneric(
-      *MakeSimulatedLens("glass", {640, 480}), {1.0 / 3, 2, 630.1, 470}, 7, 6));
+  file.camera = std::make_shared<NonCentralGeneric>(
+      FitNonCentralGeneric(*MakeSimulatedCamera("glass", {640, 480}),
+                           {1.0 / 3, 2, 630.1, 470}, 7, 6));
   return file;
 }
 
@@ -110,7 +111,7 @@ TEST(CameraFile, RoundTripKeepsTheCamera) {
 // Every model of named parameters comes back to the bit, if all digits are
 // asked for.
 TEST(CameraFile, HoldsEveryLensModelExactly) {
-  for (const LensModel& model : GetLensModels()) {
+  for (const ModelInfo& model : GetModelRegistry()) {
     if (!model.make) continue;
     Eigen::VectorXd parameters = model.starts(700.0 / 3, 319, 241).front();
     for (Eigen::Index k = 0; k < parameters.size(); ++k)
@@ -221,16 +222,16 @@ TEST(CameraFile, RowTimeIsReadAsItIsWritten) {
   auto read = ParseCameraFile("camera.yaml", text).line_delay;
   ASSERT_TRUE(read);
   EXPECT_NEAR(read->seconds, -20.125e-6, 1e-15);
-  EXPECT_NEAR(read->deviation_s, 0.03125e-6, 1e-15);
+  EXPECT_NEAR(read->stddev_s, 0.03125e-6, 1e-15);
   ExpectCameraRefused(Replaced(text, "row_time_us: -20", "row_time_us: -2000"));
   ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_time_us: fast"));
   ExpectCameraRefused(Replaced(text, "deviation_us: 0", "deviation_us: -1"));
   ExpectCameraRefused(Replaced(text, "row_time_us: -", "row_tim_us: -"));
-  file.line_delay->deviation_s = 0;
+  file.line_delay->stddev_s = 0;
   text = FormatCameraFile(file);
   read = ParseCameraFile("camera.yaml", text).line_delay;
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->deviation_s, 0);
+  EXPECT_EQ(read->stddev_s, 0);
 }
 
 TEST(CameraFile, AreasOutsideTheImageAreRefused) {
@@ -349,11 +350,11 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   const UncertaintyLattice& lattice = read.uncertainty->lattice;
   EXPECT_EQ(lattice.columns, 3);
   EXPECT_EQ(lattice.rows, 2);
-  EXPECT_EQ(lattice.deviation_px[5], 0.25);
-  EXPECT_TRUE(std::isnan(lattice.deviation_px[4]));
+  EXPECT_EQ(lattice.stddev_px[5], 0.25);
+  EXPECT_TRUE(std::isnan(lattice.stddev_px[4]));
   EXPECT_EQ(read.uncertainty->mask.knot_spacing_px, 16);
   EXPECT_EQ(read.uncertainty->mask.is_valid, file.uncertainty->mask.is_valid);
-  EXPECT_EQ(read.uncertainty->max_deviation_px, 0.025);
+  EXPECT_EQ(read.uncertainty->max_stddev_px, 0.025);
   EXPECT_EQ(read.uncertainty->modes.columns, 2);
   EXPECT_EQ(read.uncertainty->modes.rest_px, 0.004);
   EXPECT_EQ(read.uncertainty->modes.displacements_px,
@@ -372,7 +373,7 @@ TEST(CameraFile, KeepsAMaskWithoutUncertainty) {
   EXPECT_EQ(text.find("uncertainty"), std::string::npos);
   const CameraFile read = ReadCameraText(text);
   ASSERT_TRUE(read.uncertainty);
-  EXPECT_FALSE(read.uncertainty->HasDeviations());
+  EXPECT_FALSE(read.uncertainty->HasStdDevs());
   EXPECT_EQ(read.uncertainty->mask.is_valid, file.uncertainty->mask.is_valid);
   EXPECT_EQ(FormatCameraFile(read), text);
   // A file that was cut has lost its uncertainty.
@@ -408,7 +409,7 @@ TEST(CameraFile, RefusesAMalformedMaskOrLattice) {
 
 CameraFile FileOfAFleet() {
   CameraFile file = GridFile();
-  file.spread = LensSpread{4, 5, {}};
+  file.spread = PopulationCovariance{4, 5, {}};
   for (int k = 0; k < 2; ++k) {
     auto& field = file.spread->displacements_px.emplace_back();
     for (int i = 0; i < 20; ++i) field.emplace_back(0.25 * i, -0.125 * k * i);
@@ -473,7 +474,7 @@ TEST(UncertaintyLattice, IsBilinearBetweenItsPixels) {
   EXPECT_NEAR(lattice.At(area, {110, 70}), 0.25, 1e-12);
   EXPECT_NEAR(lattice.At(area, {35, 20}), 0.015, 1e-12);
   EXPECT_NEAR(lattice.At(area, {35, 45}), 0.0375, 1e-12);
-  lattice.deviation_px[3] = NAN;
+  lattice.stddev_px[3] = NAN;
   EXPECT_TRUE(std::isnan(lattice.At(area, {35, 45})));
   EXPECT_NEAR(lattice.MedianPx(), 0.03, 1e-12);
 }

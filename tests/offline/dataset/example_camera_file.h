@@ -27,7 +27,7 @@ inline CameraUncertainty ExampleUncertainty() {
   uncertainty.mask = ValidityMask::Over({640, 480});
   for (size_t k = 0; k < uncertainty.mask.is_valid.size(); k += 3)
     uncertainty.mask.is_valid[k] = true;
-  uncertainty.max_deviation_px = 0.025;
+  uncertainty.max_stddev_px = 0.025;
   uncertainty.modes = {2,
                        2,
                        {{{0.01, 0.02}, {0.03, 0}, {-0.5, 0}, {0, 0.125}}},

@@ -26,9 +26,9 @@ CameraFile StackFile() {
     for (int k = 0; k < grid.surface().num_points(); ++k)
       stack.terms()[j].points()[k] = {1e-3 * j * k, -2e-4 * k};
   file.uncertainty = ExampleUncertainty();
-  file.uncertainty->lattice.deviation_px[4] = 0.05;
+  file.uncertainty->lattice.stddev_px[4] = 0.05;
   UncertaintyLattice warm = file.uncertainty->lattice;
-  for (double& deviation : warm.deviation_px) deviation *= 2;
+  for (double& deviation : warm.stddev_px) deviation *= 2;
   file.stack = OperatingPointCalibration{
       stack, {{{20}, file.uncertainty->lattice}, {{60}, warm}}};
   return file;
@@ -50,7 +50,7 @@ TEST(CameraFile, KeepsAStack) {
               1e-11);
   ASSERT_EQ(read.stack->deviations.size(), 2u);
   EXPECT_EQ(read.stack->deviations[1].values, OperatingPoint{60});
-  EXPECT_EQ(read.stack->deviations[1].lattice.deviation_px[0], 0.02);
+  EXPECT_EQ(read.stack->deviations[1].lattice.stddev_px[0], 0.02);
   EXPECT_EQ(FormatCameraFile(read), FormatCameraFile(file));
 }
 
@@ -60,7 +60,7 @@ TEST(CameraFile, OfAStackAtAValueIsThatCameraAlone) {
   EXPECT_FALSE(at.stack.has_value());
   EXPECT_EQ(at.camera->Parameters(), file.stack->cameras.At({30}).Parameters());
   // A quarter of the way from one to twice the deviations.
-  EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 0.0125, 1e-12);
+  EXPECT_NEAR(at.uncertainty->lattice.stddev_px[0], 0.0125, 1e-12);
   EXPECT_EQ(at.capture->sensor_temperature_c, 30);
 }
 
@@ -81,8 +81,7 @@ CameraFile StackFileOfBoth() {
     for (const double temperature : {20, 60}) {
       file.stack->deviations.push_back(
           {{position, temperature}, file.uncertainty->lattice});
-      for (double& deviation :
-           file.stack->deviations.back().lattice.deviation_px)
+      for (double& deviation : file.stack->deviations.back().lattice.stddev_px)
         deviation *= factor;
       factor *= 2;
     }
@@ -113,7 +112,7 @@ TEST(CameraFile, KeepsAStackOfTwoConditions) {
 
 TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
   const CameraFile file = StackFileOfBoth();
-  const double once_px = file.uncertainty->lattice.deviation_px[0];
+  const double once_px = file.uncertainty->lattice.stddev_px[0];
   const CameraFile near = MakeCameraFileAt(file, {10, std::nullopt});
   ASSERT_TRUE(near.stack.has_value());
   EXPECT_EQ(near.camera->Parameters(),
@@ -122,9 +121,9 @@ TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
   EXPECT_FALSE(near.capture->sensor_temperature_c.has_value());
   ASSERT_EQ(near.stack->deviations.size(), 2u);
   EXPECT_EQ(near.stack->deviations[0].values, OperatingPoint{20});
-  EXPECT_NEAR(near.stack->deviations[1].lattice.deviation_px[0], 8 * once_px,
+  EXPECT_NEAR(near.stack->deviations[1].lattice.stddev_px[0], 8 * once_px,
               1e-12);
-  EXPECT_NEAR(near.uncertainty->lattice.deviation_px[0], 6 * once_px, 1e-12);
+  EXPECT_NEAR(near.uncertainty->lattice.stddev_px[0], 6 * once_px, 1e-12);
   // Half of the way in both.
   const CameraFile at = MakeCameraFileAt(file, {5, 40});
   EXPECT_FALSE(at.stack.has_value());
@@ -133,22 +132,22 @@ TEST(CameraFile, OfTwoConditionsIsHeldAtOneOrBoth) {
           .cwiseAbs()
           .maxCoeff(),
       1e-15);
-  EXPECT_NEAR(at.uncertainty->lattice.deviation_px[0], 3.75 * once_px, 1e-12);
+  EXPECT_NEAR(at.uncertainty->lattice.stddev_px[0], 3.75 * once_px, 1e-12);
   EXPECT_EQ(at.capture->sensor_temperature_c, 40);
 }
 
 TEST(CameraFile, OfAStackTrustsNoCellThatIsKnownTooBadlyThere) {
   CameraFile file = StackFileOfBoth();
-  file.uncertainty->lattice.deviation_px[4] = 0.05;
+  file.uncertainty->lattice.stddev_px[4] = 0.05;
   double factor = 1;
   for (OperatingPointUncertainty& known : file.stack->deviations) {
-    known.lattice.deviation_px[4] = 0.05 * factor;
+    known.lattice.stddev_px[4] = 0.05 * factor;
     factor *= 2;
   }
   std::vector<bool>& valid_region = file.uncertainty->mask.is_valid;
   valid_region.assign(valid_region.size(), true);
-  const auto& deviations = file.uncertainty->lattice.deviation_px;
-  file.uncertainty->max_deviation_px =
+  const auto& deviations = file.uncertainty->lattice.stddev_px;
+  file.uncertainty->max_stddev_px =
       2.5 * *std::max_element(deviations.begin(), deviations.end());
   const size_t all = valid_region.size();
   const auto num_trusted = [](const std::optional<CameraUncertainty>& known) {
@@ -162,10 +161,10 @@ TEST(CameraFile, OfAStackTrustsNoCellThatIsKnownTooBadlyThere) {
   EXPECT_LT(at_end, all);
   const auto everywhere = ComputeMaxUncertainty(file);
   EXPECT_EQ(num_trusted(everywhere), at_end);
-  EXPECT_EQ(everywhere->lattice.deviation_px[0], 8 * deviations[0]);
+  EXPECT_EQ(everywhere->lattice.stddev_px[0], 8 * deviations[0]);
   // A camera that does not tell at one value is not known everywhere.
-  file.stack->deviations[1].lattice.deviation_px[0] = NAN;
-  EXPECT_TRUE(std::isnan(ComputeMaxUncertainty(file)->lattice.deviation_px[0]));
+  file.stack->deviations[1].lattice.stddev_px[0] = NAN;
+  EXPECT_TRUE(std::isnan(ComputeMaxUncertainty(file)->lattice.stddev_px[0]));
 }
 
 TEST(CameraFile, RefusesAMalformedStack) {

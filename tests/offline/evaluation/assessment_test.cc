@@ -18,7 +18,7 @@ CalibrationMetrics GoodFigures() {
   metrics.held_out = {0.11, 0.13, 0.9, 3000};
   metrics.boards_seen = metrics.different_views = 30;
   metrics.tilt_rad = 0.8;
-  metrics.median_deviation_px = 0.02;
+  metrics.median_stddev_px = 0.02;
   metrics.valid_share = 0.95;
   metrics.valid_limit_px = 0.3;
   metrics.extrapolated = {0.02, 0.1, "corners"};
@@ -73,7 +73,7 @@ TEST(Assessment, FailsLargeHeldOutErrors) {
 
 TEST(Assessment, FailsViewsThatLeaveTheCameraOpen) {
   CalibrationMetrics metrics = GoodFigures();
-  metrics.median_deviation_px = 15;
+  metrics.median_stddev_px = 15;
   metrics.valid_share = 0;
   const Assessment assessment = AssessCalibration(metrics);
   EXPECT_EQ(assessment.word, "fail");
@@ -102,7 +102,7 @@ TEST(Assessment, AnInterruptedCalibrationSaysOnlyThat) {
   metrics.interrupted = true;
   metrics.neighbor_correlation = 0.9;
   metrics.held_out.reset();
-  metrics.median_deviation_px.reset();
+  metrics.median_stddev_px.reset();
   metrics.valid_share.reset();
   metrics.valid_limit_px.reset();
   metrics.extrapolated.reset();
@@ -334,7 +334,7 @@ TEST(Assessment, SaysNothingOfHundredthsOfAPixel) {
   metrics.training = {0.002, 0.003, 0.02, 3000};
   metrics.held_out = {0.004, 0.005, 0.03, 3000};
   metrics.neighbor_correlation = 0.6;
-  metrics.median_deviation_px = 0.004;
+  metrics.median_stddev_px = 0.004;
   metrics.valid_share = 0.1;
   metrics.valid_limit_px = 0.0015;
   metrics.extrapolated = {0, 0, ""};
@@ -368,7 +368,7 @@ TEST(Assessment, SaysWhereAndHowMuchExtrapolationMatters) {
 
 TEST(Assessment, AsksForMoreViewsWhereLittleIsValid) {
   CalibrationMetrics metrics = GoodFigures();
-  metrics.median_deviation_px = 0.4;
+  metrics.median_stddev_px = 0.4;
   metrics.valid_share = 0.45;
   const Assessment assessment = AssessCalibration(metrics);
   EXPECT_EQ(assessment.word, "warn");
@@ -477,7 +477,7 @@ TEST(Assessment, WarnsOfEachWeakness) {
   expect_warning(metrics);
   metrics = GoodFigures();
   metrics.valid_share = 0.2;
-  metrics.median_deviation_px = 0.4;
+  metrics.median_stddev_px = 0.4;
   expect_warning(metrics);
   metrics = GoodFigures();
   metrics.extrapolated = {0.2, 2, "corners"};
@@ -489,7 +489,7 @@ TEST(Assessment, WarnsOfEachWeakness) {
   metrics.mirrored_images = {"mirrored.png"};
   expect_warning(metrics);
   metrics = GoodFigures();
-  metrics.median_deviation_px.reset();
+  metrics.median_stddev_px.reset();
   expect_warning(metrics);
 }
 

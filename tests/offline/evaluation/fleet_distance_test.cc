@@ -7,7 +7,7 @@
 #include "camera/lens_displacements.h"
 #include "camera/rotated_camera.h"
 #include "fleet/lens_family.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 constexpr double kFocalScatter = 0.004;
 
 // A fleet whose focal lengths alone differ.
-LensSpread SpreadOfFocalLengths() {
-  LensSpread spread;
+PopulationCovariance SpreadOfFocalLengths() {
+  PopulationCovariance spread;
   spread.columns = 17;
   spread.rows = 13;
   const SimulatedCamera mean = LensFamily::Mean();
@@ -84,7 +84,7 @@ TEST(FleetDistance, CountsWhatACameraStatesOfItself) {
 // Half of what a fisheye sees lies far beyond the middle's image.
 TEST(FleetDistance, IsLargeWhereTheMiddleSeesNothing) {
   const FleetDistance distance =
-      DistanceOf(*MakeSimulatedLens("fisheye190", {640, 480}));
+      DistanceOf(*MakeSimulatedCamera("fisheye190", {640, 480}));
   EXPECT_GT(distance.rms_px, 20);
   EXPECT_TRUE(distance.IsOutlier());
   EXPECT_NE(distance.Warning().find("calibrate it without"), std::string::npos);

@@ -32,11 +32,11 @@ TEST(MeasureFoldOver, FindsAFoldedEdge) {
   const CentralGeneric camera = FoldedLeftOf(128);
   ValidityMask mask = ValidityMask::Over({640, 480});
   EXPECT_NEAR(MeasureFoldOver(camera, &mask).part, 0.2, 0.02);
-  EXPECT_EQ(MeasureFoldOver(camera, &mask).valid_part, 0);
-  EXPECT_EQ(MeasureFoldOver(camera, nullptr).valid_part, 0);
+  EXPECT_EQ(MeasureFoldOver(camera, &mask).valid_fraction, 0);
+  EXPECT_EQ(MeasureFoldOver(camera, nullptr).valid_fraction, 0);
   // The upper half.
   std::fill_n(mask.is_valid.begin(), mask.columns * mask.rows / 2, true);
-  EXPECT_NEAR(MeasureFoldOver(camera, &mask).valid_part, 0.1, 0.01);
+  EXPECT_NEAR(MeasureFoldOver(camera, &mask).valid_fraction, 0.1, 0.01);
 }
 
 TEST(MeasureFoldOver, CountsCellsOfAMirroredCameraTheOtherWayRound) {

@@ -136,9 +136,9 @@ TEST(CompareModels, LinesThatDriftAlongThemselvesAreTheSame) {
 
 TEST(CompareModels, ShowsWhatIsNotCentral) {
   const NonCentralGeneric lines = ExampleLines();
-  const ModelDifference near = CompareModels(lines, CentralPart(lines), 8, 0.4);
+  const ModelDifference near = CompareModels(lines, MakeCentral(lines), 8, 0.4);
   EXPECT_GT(near.max_px, 0.2);
-  EXPECT_LT(CompareModels(lines, CentralPart(lines), 8, 400).max_px, 0.01);
+  EXPECT_LT(CompareModels(lines, MakeCentral(lines), 8, 400).max_px, 0.01);
 }
 
 }  // namespace

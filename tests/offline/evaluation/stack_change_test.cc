@@ -1,4 +1,4 @@
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "evaluation/operating_point_change.h"
 #include "support.h"
 
@@ -9,9 +9,9 @@ namespace {
 CentralGeneric RadialGrid(double focal_px, const Eigen::Vector2d& center_px,
                           double k1) {
   Eigen::VectorXd parameters =
-      Eigen::VectorXd::Zero(FindLensModel("opencv")->parameters.size());
+      Eigen::VectorXd::Zero(FindModelInfo("opencv")->parameters.size());
   parameters.head<5>() << focal_px, focal_px, center_px.x(), center_px.y(), k1;
-  const auto lens = FindLensModel("opencv")->make(
+  const auto lens = FindModelInfo("opencv")->make(
       {640, 480}, {-40, -40, 679, 519}, parameters);
   return FitCentralGeneric(*lens, {0, 0, 639, 479}, 20, 16);
 }

@@ -61,8 +61,8 @@ TEST(UncertaintySummary, SharesAreOfTheImageCircle) {
 TEST(UncertaintySummary, SaysWhatIsExtrapolated) {
   const auto camera = Camera();
   const auto where = [&](const auto& is_beyond) {
-    return FindExtrapolatedRegion(*camera, std::nullopt,
-                                  SupportedBut(is_beyond), Lattice(1, 3))
+    return SummarizeExtrapolatedRegion(*camera, std::nullopt,
+                                       SupportedBut(is_beyond), Lattice(1, 3))
         .where;
   };
   EXPECT_EQ(where([](const auto&) { return false; }), "");
@@ -83,7 +83,7 @@ TEST(UncertaintySummary, SaysWhatIsExtrapolated) {
 }
 
 TEST(UncertaintySummary, SaysHowMuchExtrapolationMayErr) {
-  const ExtrapolatedRegion region = FindExtrapolatedRegion(
+  const ExtrapolatedRegion region = SummarizeExtrapolatedRegion(
       *Camera(), std::nullopt,
       SupportedBut([](const auto& p) { return p.x() > 576; }), Lattice(1, 3));
   EXPECT_NEAR(region.share, 0.1, 0.01);

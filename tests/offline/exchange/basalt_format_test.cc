@@ -41,8 +41,8 @@ ExchangeContents ParseBasalt(const std::string& text,
 
 WriteRequest RequestOf(const ExchangeContents& contents) {
   WriteRequest request = {"f.json", {}};
-  for (const ReadLens& read : contents.cameras) {
-    WrittenLens camera;
+  for (const InputCamera& read : contents.cameras) {
+    OutputCamera camera;
     camera.name = read.name;
     camera.serial = read.serial;
     camera.lens = read.lens;
@@ -55,7 +55,7 @@ WriteRequest RequestOf(const ExchangeContents& contents) {
 TEST(MakeBasaltFormat, ReadsARigInTheFrameOfItsFirstCamera) {
   const ExchangeContents contents = ParseBasalt(kBasalt);
   ASSERT_TRUE(contents.IsRig());
-  const ReadLens &first = contents.cameras[0], &second = contents.cameras[1];
+  const InputCamera &first = contents.cameras[0], &second = contents.cameras[1];
   EXPECT_EQ(first.name, "cam0");
   EXPECT_EQ(first.lens.external_model->name, "ds");
   EXPECT_EQ(first.lens.Value("xi"), -0.25);
@@ -111,7 +111,7 @@ TEST(MakeBasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
   const std::string ucm =
       TextWith(TextWith(kBasalt, "\"ds\"", "\"ucm\""), "\"xi\": -0.25,", "");
   const ConvertedCamera lens = ParseBasalt(ucm).cameras[0].lens;
-  const auto model = MakeLens(lens);
+  const auto model = MakeCameraModel(lens);
   EXPECT_EQ(model->Name(), "double-sphere");
   // x / (alpha d + (1 - alpha) z), d = 3
   const auto pixel = model->Project(Eigen::Vector3d(2, 1, 2));

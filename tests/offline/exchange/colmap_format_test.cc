@@ -62,7 +62,8 @@ TEST(MakeColmapFormat, ReadsWhatColmapWrites) {
     Eigen::VectorXd parameters(12);
     // COLMAP's first pixel is at (0.5, 0.5).
     parameters << 500, 500, 320, 240, 0.01, 0, 0, 0, 0, 0, 0, 0;
-    EXPECT_EQ(MakeLens(contents.cameras[1].lens)->Parameters(), parameters);
+    EXPECT_EQ(MakeCameraModel(contents.cameras[1].lens)->Parameters(),
+              parameters);
   }
 }
 
@@ -73,7 +74,7 @@ TEST(MakeColmapFormat, ReadsThePrismFisheyeOfAria) {
       "-0.003 0.001 -0.0005 0.001 -0.002 0.0005 -0.0004 0.0002 -0.0003\n");
   ASSERT_EQ(contents.cameras.size(), 1u);
   EXPECT_NE(contents.warnings.at(0).find("RMS 0.00"), std::string::npos);
-  const auto grid = MakeLens(contents.cameras[0].lens);
+  const auto grid = MakeCameraModel(contents.cameras[0].lens);
   const double k[] = {0.05, -0.02, 0.005, -0.003, 0.001, -0.0005};
   for (const double x : {-0.9, 0.1, 0.8})
     for (const double y : {-0.6, 0.05, 0.7}) {
@@ -125,7 +126,7 @@ TEST(MakeColmapFormat, HasRigsInTheFrameOfTheirFirstCamera) {
   EXPECT_EQ(rig.cameras[1].camera_from_rig->translation,
             Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR(rig.cameras[1].camera_from_rig->rotation.z(), 0.6, 1e-15);
-  std::vector<WrittenLens> lenses(2);
+  std::vector<OutputCamera> lenses(2);
   const Pose rig_from_other = {RotationFromVector({0.3, 0.2, 0.1}), {4, 5, 6}};
   for (int c = 0; c < 2; ++c) {
     lenses[c].lens = rig.cameras[c].lens;
@@ -167,7 +168,7 @@ TEST(MakeColmapFormat, HasPosesOfOneWorld) {
 }
 
 TEST(MakeColmapFormat, WritesImagesAndNoPoints) {
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = ParseColmap(kColmapCameras).cameras[0].lens;
   camera.poses = {{"a.png", 3, {RotationFromVector({1, 2, 0.5}), {1, 2, 3}}}};
   const Format format = MakeColmapFormat();
@@ -246,8 +247,8 @@ TEST(MakeColmapFormat, RefusesInOneLine) {
   };
   for (const auto& [file, words] : cases)
     ExpectError(ExitCode::kInput, words, [&, &file = file] {
-      for (const ReadLens& camera : ParseColmap(file).cameras)
-        MakeLens(camera.lens);
+      for (const InputCamera& camera : ParseColmap(file).cameras)
+        MakeCameraModel(camera.lens);
     });
 }
 
@@ -280,7 +281,7 @@ TEST(MakeColmapFormat, TakesDamagedBytesForNothingElse) {
       const ExchangeContents contents = ReadExchangeFile(
           &format, {"c.bin", cameras, "", {}, {beside, images}});
       ExpectFinite(contents);
-      for (const ReadLens& camera : contents.cameras) {
+      for (const InputCamera& camera : contents.cameras) {
         EXPECT_TRUE(
             camera.camera_from_rig.value_or(Pose{}).translation.allFinite());
       }

@@ -54,7 +54,7 @@ inline void ExpectFinite(const ExchangeContents& contents) {
     for (const Eigen::Vector3d& point : board.points)
       EXPECT_TRUE(point.allFinite());
   }
-  for (const ReadLens& camera : contents.cameras) {
+  for (const InputCamera& camera : contents.cameras) {
     EXPECT_TRUE(MakeCameraFile(camera).camera->Parameters().allFinite());
     ExpectFinite(camera.features);
     for (const BoardPose& pose : camera.poses)

@@ -190,7 +190,7 @@ TEST(DamagedFiles, OfStatesAreNothingElse) {
     ReadRequest request = {"s/intrinsics0.yaml", "", "", {}};
     request.beside = TextsOfState();
     if (k >= 0) request.beside[k % 4] = Mutated(request.beside[k % 4], &random);
-    ReadLens camera;
+    InputCamera camera;
     std::vector<std::string> warnings;
     num_refused +=
         IsRefused([&] { ReadCameraState(request, &camera, &warnings); });

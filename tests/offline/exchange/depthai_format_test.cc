@@ -46,8 +46,8 @@ TEST(MakeDepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
   ASSERT_EQ(contents.cameras.size(), 3u);
   ASSERT_TRUE(contents.IsRig());
   EXPECT_TRUE(contents.warnings.empty());
-  const ReadLens &right = contents.cameras[0], &left = contents.cameras[1],
-                 &middle = contents.cameras[2];
+  const InputCamera &right = contents.cameras[0], &left = contents.cameras[1],
+                    &middle = contents.cameras[2];
   EXPECT_EQ(right.name, "CAM_C");
   EXPECT_EQ(right.lens.external_model->name, "perspective8");
   EXPECT_EQ(right.lens.Value("k6"), 0.6);
@@ -74,9 +74,9 @@ TEST(MakeDepthAiFormat, ReadsARigWhoseCamerasAreAChain) {
 
 TEST(MakeDepthAiFormat, WritesTheRotationsOfAPair) {
   WriteRequest request = {"f.json", {}};
-  for (const ReadLens& read : ParseDevice(kDevice).cameras) {
+  for (const InputCamera& read : ParseDevice(kDevice).cameras) {
     if (request.cameras.size() == 2) break;
-    WrittenLens camera;
+    OutputCamera camera;
     camera.name = read.name;
     camera.lens = read.lens;
     camera.camera_from_rig = read.camera_from_rig;

@@ -33,7 +33,7 @@ TEST(ExternalModel, MakesTheLensThatItHolds) {
   const ExternalModel external_model = MakeOpenCvModel("five", 5);
   const OpenCvModel lens = LensWith(0.01, 0);
   const auto made =
-      MakeLens(ConvertToExternalModel(external_model, lens).value());
+      MakeCameraModel(ConvertToExternalModel(external_model, lens).value());
   EXPECT_EQ(made->Parameters(), lens.Parameters());
   EXPECT_EQ(made->image_size(), kFormImage);
 }
@@ -45,7 +45,7 @@ TEST(ExternalModel, ShiftsPixelsOfProgramsThatBeginAtTheCorner) {
       ConvertToExternalModel(external_model, ExampleLens()).value();
   EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] + 0.5);
   EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] + 0.5);
-  EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
+  EXPECT_EQ(MakeCameraModel(held)->Parameters(), ExampleLens().Parameters());
 }
 
 // The middle of an image of 640 x 480 is at (319.5, 239.5).
@@ -56,7 +56,7 @@ TEST(ExternalModel, ShiftsPixelsOfProgramsThatBeginInTheMiddle) {
       ConvertToExternalModel(external_model, ExampleLens()).value();
   EXPECT_EQ(held.Value("cx"), ExampleLens().Parameters()[2] - 319.5);
   EXPECT_EQ(held.Value("cy"), ExampleLens().Parameters()[3] - 239.5);
-  EXPECT_EQ(MakeLens(held)->Parameters(), ExampleLens().Parameters());
+  EXPECT_EQ(MakeCameraModel(held)->Parameters(), ExampleLens().Parameters());
 }
 
 TEST(ExternalModel, HasOneFocalLengthIfThereIsOne) {
@@ -66,7 +66,7 @@ TEST(ExternalModel, HasOneFocalLengthIfThereIsOne) {
                          {500, 500, 320, 240, -0.1, 0, 0, 0, 0, 0, 0, 0});
   const auto held = ConvertToExternalModel(external_model, lens).value();
   EXPECT_EQ(held.values, (std::vector<double>{500, 320, 240, -0.1}));
-  EXPECT_EQ(MakeLens(held)->Parameters(), lens.Parameters());
+  EXPECT_EQ(MakeCameraModel(held)->Parameters(), lens.Parameters());
   EXPECT_FALSE(ConvertToExternalModel(external_model,
                                       LensWith(0, 0)));  // 510 and 515 px
 }
@@ -119,7 +119,7 @@ TEST(ExternalModel, RefusesNumbersThatNoLensHas) {
   const auto expect = [&](std::vector<double> values, ImageSize size,
                           const char* word) {
     ExpectError(ExitCode::kInput, {word}, [&] {
-      MakeLens({&external_model, size, std::move(values)});
+      MakeCameraModel({&external_model, size, std::move(values)});
     });
   };
   expect({500, 500, 320, 240, 0, 0, 0, NAN}, kFormImage, "p2");

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/thin_prism_fisheye.h"
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
@@ -51,11 +51,11 @@ ConvertedCamera ExampleOf(const ExternalModel& external_model) {
 }
 
 // Cameras of every form that a format holds, and a file of it for each.
-std::vector<std::pair<WrittenLens, std::string>> Examples(
+std::vector<std::pair<OutputCamera, std::string>> Examples(
     const Format& format) {
-  std::vector<std::pair<WrittenLens, std::string>> examples;
+  std::vector<std::pair<OutputCamera, std::string>> examples;
   for (const ExternalModel& external_model : format.external_models) {
-    WrittenLens camera;
+    OutputCamera camera;
     camera.name = "front";
     camera.lens = ExampleOf(external_model);
     camera.valid_region = ValidityMask::Over(kExampleImage);
@@ -73,7 +73,7 @@ TEST(GetFormats, HaveNamesOfTheirOwnAndModelsThatAreKnown) {
     EXPECT_TRUE(format.read || format.write) << format.name;
     for (const ExternalModel& external_model : format.external_models) {
       if (external_model.IsSpline() || external_model.IsGrid()) continue;
-      const LensModel* model = FindLensModel(external_model.model);
+      const ModelInfo* model = FindModelInfo(external_model.model);
       ASSERT_NE(model, nullptr) << external_model.model;
       for (const std::string& parameter : external_model.parameters)
         EXPECT_TRUE(parameter == "f" ||
@@ -107,8 +107,9 @@ TEST(GetFormats, ReadWhatTheyWriteToTheBit) {
       if (camera.lens.external_model->IsGrid())
         continue;  // nearly, as its test says
       const Eigen::VectorXd parameters =
-          MakeLens(read.cameras[0].lens)->Parameters();
-      const Eigen::VectorXd expected = MakeLens(camera.lens)->Parameters();
+          MakeCameraModel(read.cameras[0].lens)->Parameters();
+      const Eigen::VectorXd expected =
+          MakeCameraModel(camera.lens)->Parameters();
       if (kOfParts.count(format.name) > 0)
         EXPECT_LT((parameters - expected).norm(), kLastBits * expected.norm());
       else
@@ -133,8 +134,8 @@ TEST(GetFormats, AreReadBehindAByteOrderMark) {
     SCOPED_TRACE(format.name);
     const ExchangeContents read = ReadExchangeFile(
         nullptr, {"front.yaml", "\xef\xbb\xbf" + text, "", SizeToSay(format)});
-    EXPECT_EQ(MakeLens(read.cameras.at(0).lens)->Name(),
-              MakeLens(camera.lens)->Name());
+    EXPECT_EQ(MakeCameraModel(read.cameras.at(0).lens)->Name(),
+              MakeCameraModel(camera.lens)->Name());
   }
 }
 
@@ -245,7 +246,7 @@ TEST(GetFormats, RefuseOptionsAgainstTheFile) {
                 });
     EXPECT_EQ(read_with("", kExampleImage).cameras[0].lens.size, kExampleImage);
     for (const ExternalModel& other : format.external_models)
-      if (FindLensModel(other.model) &&
+      if (FindModelInfo(other.model) &&
           other.model != camera.lens.external_model->model)
         ExpectError(ExitCode::kInput, {"front.yaml", "--model " + other.name},
                     [&] { read_with(other.name, {}); });

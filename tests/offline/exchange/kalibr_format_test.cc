@@ -27,7 +27,7 @@ ExchangeContents ParseKalibr(const std::string& text) {
 TEST(MakeKalibrFormat, ReadsAChain) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   ASSERT_TRUE(contents.IsRig());
-  const ReadLens &first = contents.cameras[0], &second = contents.cameras[1];
+  const InputCamera &first = contents.cameras[0], &second = contents.cameras[1];
   EXPECT_EQ(first.name, "cam0");
   EXPECT_EQ(first.lens.external_model->name, "pinhole-radtan");
   EXPECT_EQ(first.lens.Value("p2"), 1.7e-05);
@@ -78,7 +78,7 @@ TEST(MakeKalibrFormat, ChainsPoses) {
 TEST(MakeKalibrFormat, WritesWhatItReads) {
   const ExchangeContents contents = ParseKalibr(kCamchain);
   WriteRequest request = {"f.yaml", {}};
-  for (const ReadLens& camera : contents.cameras)
+  for (const InputCamera& camera : contents.cameras)
     request.cameras.push_back({camera.name,
                                "",
                                camera.lens,

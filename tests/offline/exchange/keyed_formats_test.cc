@@ -494,7 +494,7 @@ TEST(MakeKeyedFormats, TakeDamagedFilesForNothingElse) {
 // A line of the camera matrix, and of coefficients if there are any.
 TEST(MakeKeyedFormats, WriteLinesOfNumbers) {
   const auto written = [](const std::string& line) {
-    WrittenLens camera;
+    OutputCamera camera;
     camera.lens = Read(line, kImage).cameras.at(0).lens;
     return FindFormat("--to", "calib-line").write({"calib.txt", {camera}});
   };
@@ -512,7 +512,7 @@ TEST(MakeKeyedFormats, WriteProjectionsOfKitti) {
   EXPECT_TRUE(format.supports_rigs);
   WriteRequest request = {"calib.txt", {{}, {}}};
   const auto read = Read("410 410 322.5 238", kImage);
-  for (WrittenLens& camera : request.cameras) {
+  for (OutputCamera& camera : request.cameras) {
     camera.lens = read.cameras.at(0).lens;
     camera.lens.external_model = &format.external_models.front();
     camera.lens.values.resize(4);

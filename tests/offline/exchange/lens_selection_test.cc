@@ -1,5 +1,4 @@
-#include "exchange/lens_selection.h"
-
+#include "exchange/external_model_selection.h"
 #include "exchange/opencv_model_list.h"
 #include "support.h"
 
@@ -21,10 +20,11 @@ class LensChoice : public ::testing::Test {
 TEST_F(LensChoice, IsTheCameraItselfInTheShortestForm) {
   const OpenCvModel lens(kChoiceImage, WholeImage(kChoiceImage),
                          {510, 515, 322, 236, -0.15, 0.06, 0, 0, 0, 0, 0, 0});
-  const SelectedLens chosen = SelectLens(all_, lens, nullptr);
+  const SelectedModel chosen = SelectExternalModel(all_, lens, nullptr);
   EXPECT_EQ(chosen.lens.external_model->name, "four");
   EXPECT_FALSE(chosen.fit);
-  EXPECT_EQ(SelectLens(all_, ExampleLens(), nullptr).lens.external_model->name,
+  EXPECT_EQ(SelectExternalModel(all_, ExampleLens(), nullptr)
+                .lens.external_model->name,
             "eight");
 }
 
@@ -34,14 +34,14 @@ TEST_F(LensChoice, TakesTheFewestCoefficientsThatDo) {
       kChoiceImage, WholeImage(kChoiceImage),
       {510, 515, 322, 236, -0.25, 0.1, 0.05, 0, 0, 0, 1e-3, 2e-3});
   const CentralGeneric grid = FittedGrid(lens, 20);
-  const SelectedLens chosen = SelectLens(all_, grid, nullptr);
+  const SelectedModel chosen = SelectExternalModel(all_, grid, nullptr);
   EXPECT_EQ(chosen.lens.external_model->name, "five");
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.02);
   EXPECT_FALSE(chosen.fit->IsTurned());
-  EXPECT_EQ(chosen.fit->num_beyond, 0u);
+  EXPECT_EQ(chosen.fit->num_unrepresentable, 0u);
   // Four leave much more, and are taken if nothing else may be.
-  const SelectedLens four = SelectLens({&four_}, grid, nullptr);
+  const SelectedModel four = SelectExternalModel({&four_}, grid, nullptr);
   EXPECT_GT(four.fit->rms_px, 2 * chosen.fit->rms_px);
 }
 
@@ -50,18 +50,18 @@ TEST_F(LensChoice, FitsAFormWithoutAParameterOfEveryStart) {
   const ExternalModel unified =
       MakeExternalModel("unified", "double-sphere", {"alpha"});
   const auto lens =
-      MakeLens({&unified, kChoiceImage, {250, 251, 322, 236, 0.6}});
-  const SelectedLens chosen =
-      SelectLens({&unified}, FittedGrid(*lens, 20), nullptr);
+      MakeCameraModel({&unified, kChoiceImage, {250, 251, 322, 236, 0.6}});
+  const SelectedModel chosen =
+      SelectExternalModel({&unified}, FittedGrid(*lens, 20), nullptr);
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.02);
 }
 
 // The error told is that of the lens that is written.
 TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
-  const auto wide = MakeSimulatedLens("wide", kChoiceImage);
-  const SelectedLens chosen = SelectLens({&eight_}, *wide, nullptr);
-  const auto written = MakeLens(chosen.lens);
+  const auto wide = MakeSimulatedCamera("wide", kChoiceImage);
+  const SelectedModel chosen = SelectExternalModel({&eight_}, *wide, nullptr);
+  const auto written = MakeCameraModel(chosen.lens);
   double sum = 0, worst = 0;
   int count = 0;
   for (double y = 0; y < kChoiceImage.height; y += 5) {
@@ -81,22 +81,22 @@ TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
 }
 
 TEST_F(LensChoice, CountsWhatLiesBeyondAForm) {
-  const auto lens = MakeSimulatedLens("fisheye190", kChoiceImage);
-  const SelectedLens chosen = SelectLens(all_, *lens, nullptr);
+  const auto lens = MakeSimulatedCamera("fisheye190", kChoiceImage);
+  const SelectedModel chosen = SelectExternalModel(all_, *lens, nullptr);
   EXPECT_EQ(chosen.lens.external_model->name, "fisheye");
-  EXPECT_GT(chosen.fit->num_beyond, 1000u);
-  EXPECT_GT(chosen.fit->widest_rad, 95 * M_PI / 180);
-  EXPECT_NE(FormatLensFit(*chosen.fit).find("degrees off axis"),
+  EXPECT_GT(chosen.fit->num_unrepresentable, 1000u);
+  EXPECT_GT(chosen.fit->max_valid_angle_rad, 95 * M_PI / 180);
+  EXPECT_NE(FormatModelFit(*chosen.fit).find("degrees off axis"),
             std::string::npos);
 }
 
 TEST_F(LensChoice, ComparesTrustedPixelsAlone) {
-  const auto wide = MakeSimulatedLens("wide", kChoiceImage);
+  const auto wide = MakeSimulatedCamera("wide", kChoiceImage);
   ValidityMask mask = ValidityMask::Over(kChoiceImage);
   for (size_t k = 0; k < mask.is_valid.size(); ++k)
     mask.is_valid[k] = mask.CellCenter(static_cast<int>(k)).x() < 320;
-  const LensFit half = *SelectLens({&eight_}, *wide, &mask).fit;
-  const LensFit all = *SelectLens({&eight_}, *wide, nullptr).fit;
+  const ModelFit half = *SelectExternalModel({&eight_}, *wide, &mask).fit;
+  const ModelFit all = *SelectExternalModel({&eight_}, *wide, nullptr).fit;
   EXPECT_NEAR(static_cast<double>(half.num_pixels),
               static_cast<double>(all.num_pixels) / 2, 0.05 * all.num_pixels);
   EXPECT_LT(half.rms_px, all.rms_px);
@@ -106,7 +106,7 @@ TEST_F(LensChoice, ComparesTrustedPixelsAlone) {
 TEST_F(LensChoice, RefusesCamerasOfLines) {
   const NonCentralGeneric lines = ExampleLines();
   ExpectError(ExitCode::kUsage, {"is non-central", "view"},
-              [&] { SelectLens(all_, lines, nullptr); });
+              [&] { SelectExternalModel(all_, lines, nullptr); });
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ struct Lens {
 
 using Formula = Eigen::Vector2d (Lens::*)(const Eigen::Vector3d&) const;
 
-inline void ExpectLens(const ReadLens& read, const Lens& lens, Formula formula,
-                       double tolerance_px = 1e-9) {
-  const auto model = MakeLens(read.lens);
+inline void ExpectLens(const InputCamera& read, const Lens& lens,
+                       Formula formula, double tolerance_px = 1e-9) {
+  const auto model = MakeCameraModel(read.lens);
   for (const double x : {-0.31, 0.02, 0.27})
     for (const double y : {-0.22, 0.01, 0.18}) {
       const Eigen::Vector3d point(x, y, 1.1);

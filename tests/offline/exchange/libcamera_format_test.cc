@@ -12,8 +12,8 @@ constexpr char kTuning[] =
     "1501.5, 540.75,\n        0.0, 0.0, 1.0,\n      ]\n      coefficients: [\n"
     "        -0.3, 0.1, 0.001, -0.002, 0.05,\n      ]\n...\n";
 
-ReadLens ParseTuning(std::string text, const std::string& from = "",
-                     const std::string& to = "") {
+InputCamera ParseTuning(std::string text, const std::string& from = "",
+                        const std::string& to = "") {
   if (!from.empty()) {
     const size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
@@ -26,7 +26,7 @@ ReadLens ParseTuning(std::string text, const std::string& from = "",
 
 TEST(MakeLibcameraFormat, ReadsTheModuleOfATuningFile) {
   EXPECT_EQ(RecognizeFormat(kTuning)->name, "libcamera");
-  const ReadLens camera = ParseTuning(kTuning);
+  const InputCamera camera = ParseTuning(kTuning);
   EXPECT_EQ(camera.lens.external_model->name, "dewarp5");
   EXPECT_EQ(camera.lens.Value("fy"), 1501.5);
   EXPECT_EQ(camera.lens.Value("cx"), 959.25);
@@ -49,12 +49,12 @@ TEST(MakeLibcameraFormat, SaysWhatItDoesNotTake) {
 }
 
 TEST(MakeLibcameraFormat, KeepsTheNameAndTheSize) {
-  WrittenLens camera;
+  OutputCamera camera;
   camera.name = "front";
   camera.serial = "A 1";
   camera.lens = ParseTuning(kTuning).lens;
   const std::string text = MakeLibcameraFormat().write({"f.yaml", {camera}});
-  const ReadLens back =
+  const InputCamera back =
       ReadExchangeFile(nullptr, {"f.yaml", text, "", {}}).cameras.at(0);
   EXPECT_EQ(back.name, "front");
   EXPECT_EQ(back.serial, "A 1");

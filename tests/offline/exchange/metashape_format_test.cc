@@ -30,7 +30,7 @@ TEST(MakeMetashapeFormat, ReadsAFrame) {
   EXPECT_TRUE(contents.warnings.empty());
   const ConvertedCamera& lens = contents.cameras[0].lens;
   EXPECT_EQ(lens.size, (ImageSize{4096, 3072}));
-  const auto model = MakeLens(lens);
+  const auto model = MakeCameraModel(lens);
   EXPECT_EQ(model->Name(), "opencv");
   Eigen::VectorXd expected(12);
   // fx, fy, cx, cy, k1 to k6, p1, p2
@@ -43,7 +43,7 @@ TEST(MakeMetashapeFormat, ReadsAFisheye) {
   for (const char* name : {"fisheye", "equidistant_fisheye"}) {
     const ExchangeContents contents =
         ParseMetashape(TextWith(FisheyeCalibration(), "fisheye", name));
-    const auto model = MakeLens(contents.cameras[0].lens);
+    const auto model = MakeCameraModel(contents.cameras[0].lens);
     EXPECT_EQ(model->Name(), "thin-prism-fisheye");
     Eigen::VectorXd expected(12);
     // fx, fy, cx, cy, k1 to k4, p1, p2, sx1, sy1
@@ -56,9 +56,9 @@ TEST(MakeMetashapeFormat, ReadsAFisheye) {
 TEST(MakeMetashapeFormat, WritesWhatItReads) {
   for (const std::string& text :
        {std::string(kMetashape), FisheyeCalibration()}) {
-    WrittenLens camera;
+    OutputCamera camera;
     camera.lens = ParseMetashape(text).cameras[0].lens;
-    camera.fit = LensFit{};
+    camera.fit = ModelFit{};
     const std::string written =
         MakeMetashapeFormat().write({"f.xml", {camera}});
     EXPECT_EQ(ParseMetashape(written).cameras[0].lens.values,
@@ -87,8 +87,9 @@ TEST(MakeMetashapeFormat, ReadsTheSensorsOfADocument) {
   };
   const auto read = ParseMetashape(document(begin + adjusted));
   ASSERT_EQ(read.cameras.size(), 1u);
-  EXPECT_EQ(MakeLens(read.cameras[0].lens)->Parameters(),
-            MakeLens(ParseMetashape(kMetashape).cameras[0].lens)->Parameters());
+  EXPECT_EQ(MakeCameraModel(read.cameras[0].lens)->Parameters(),
+            MakeCameraModel(ParseMetashape(kMetashape).cameras[0].lens)
+                ->Parameters());
   const auto first = ParseMetashape(document(begin));
   EXPECT_EQ(first.cameras.at(0).lens.Value("fy"), 3000);
   EXPECT_EQ(first.warnings.size(), 2u);
@@ -99,8 +100,9 @@ TEST(MakeMetashapeFormat, ReadsTheSensorsOfADocument) {
 // b2 is a skew: x + b2 y.
 TEST(MakeMetashapeFormat, ReadsASkewAsAGrid) {
   const auto read = ParseMetashape(TextWith(kMetashape, "<b2>0", "<b2>-4.25"));
-  const auto grid = MakeLens(read.cameras.at(0).lens);
-  const auto straight = MakeLens(ParseMetashape(kMetashape).cameras[0].lens);
+  const auto grid = MakeCameraModel(read.cameras.at(0).lens);
+  const auto straight =
+      MakeCameraModel(ParseMetashape(kMetashape).cameras[0].lens);
   const double cy = straight->Parameters()[3], fy = straight->Parameters()[1];
   for (const double y : {-0.3, 0.0, 0.35}) {
     const Eigen::Vector3d point(0.2, y, 1);

@@ -32,7 +32,7 @@ std::string MrcalWith(const std::string& old, const std::string& by) {
 TEST(MakeMrcalFormat, ReadsWhatMrcalWrites) {
   const ExchangeContents contents = ParseMrcal(kMrcal);
   ASSERT_EQ(contents.cameras.size(), 1u);
-  const ReadLens& camera = contents.cameras[0];
+  const InputCamera& camera = contents.cameras[0];
   EXPECT_EQ(camera.lens.external_model->name, "LENSMODEL_OPENCV5");
   EXPECT_EQ(camera.lens.values,
             (std::vector<double>{500, 501, 320, 240, 0.1, 0.01, 0.001, 0.002,
@@ -49,7 +49,7 @@ TEST(MakeMrcalFormat, ReadsWhatMrcalWrites) {
   EXPECT_FALSE(camera.valid_region->IsValidAt({630, 200}));
   const CameraFile file = MakeCameraFile(camera);
   EXPECT_EQ(file.uncertainty->mask.is_valid, camera.valid_region->is_valid);
-  EXPECT_FALSE(file.uncertainty->HasDeviations());
+  EXPECT_FALSE(file.uncertainty->HasStdDevs());
 }
 
 TEST(MakeMrcalFormat, ReadsTheNamesOfOldVersions) {
@@ -69,7 +69,7 @@ TEST(MakeMrcalFormat, ReadsTheNamesOfOldVersions) {
 TEST(MakeMrcalFormat, TellsWhatCanBeTrusted) {
   const std::string key = "'valid_intrinsics_region'";
   EXPECT_FALSE(ParseMrcal(MrcalWith(key, "'other'")).cameras[0].valid_region);
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = ParseMrcal(kMrcal).cameras[0].lens;
   const auto written = [&] {
     return FindFormat("--to", "mrcal").write({"a.cameramodel", {camera}});
@@ -79,7 +79,7 @@ TEST(MakeMrcalFormat, TellsWhatCanBeTrusted) {
   for (const size_t num_trusted : {size_t{0}, mask.is_valid.size() / 2}) {
     std::fill_n(mask.is_valid.begin(), num_trusted, true);
     camera.valid_region = mask;
-    const ReadLens read = ParseMrcal(written()).cameras[0];
+    const InputCamera read = ParseMrcal(written()).cameras[0];
     ASSERT_TRUE(read.valid_region);
     EXPECT_EQ(read.valid_region->is_valid, mask.is_valid);
   }

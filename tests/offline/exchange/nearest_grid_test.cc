@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "exchange/damaged_files.h"
 #include "exchange/format.h"
 #include "exchange/lenses_by_formula.h"
@@ -26,7 +26,7 @@ TEST(MakeOcamCalibFormat, IsReadAsItsGrid) {
   const auto read = Read(text);
   EXPECT_EQ(read.cameras.at(0).lens.size, kImage);
   EXPECT_NE(read.warnings.at(0).find("RMS 0.00"), std::string::npos);
-  const auto grid = MakeLens(read.cameras[0].lens);
+  const auto grid = MakeCameraModel(read.cameras[0].lens);
   for (const double x : {-150.0, 30.0, 140.0})
     for (const double y : {-120.0, 20.0, 190.0}) {
       const double r2 = x * x + y * y, r = std::sqrt(r2);
@@ -43,18 +43,18 @@ TEST(MakeOcamCalibFormat, IsReadAsItsGrid) {
 // against the camera that was exported.
 TEST(MakeOcamCalibFormat, WritesTheNearestPolynomial) {
   const Lens lens = {{290, 291.5, 322.5, 238}, {0.03, -0.01, 0.004, -0.001}};
-  const auto camera = FindLensModel("thin-prism-fisheye")
+  const auto camera = FindModelInfo("thin-prism-fisheye")
                           ->make(kImage, WholeImage(kImage),
                                  (Eigen::VectorXd(12) << 290, 291.5, 322.5, 238,
                                   0.03, -0.01, 0.004, -0.001, 0, 0, 0, 0)
                                      .finished());
   const Format& format = FindFormat("--to", "ocamcalib");
-  const SelectedLens chosen =
-      SelectLens(format.FindModels(""), *camera, nullptr);
+  const SelectedModel chosen =
+      SelectExternalModel(format.FindModels(""), *camera, nullptr);
   ASSERT_TRUE(chosen.fit);
   EXPECT_LT(chosen.fit->max_px, 0.05);
-  EXPECT_EQ(chosen.fit->num_beyond, 0u);
-  WrittenLens written;
+  EXPECT_EQ(chosen.fit->num_unrepresentable, 0u);
+  OutputCamera written;
   written.lens = chosen.lens;
   written.fit = chosen.fit;
   const std::string text = format.write({"calib_results.txt", {written}});
@@ -102,7 +102,7 @@ TEST(MakeDsoFormat, WritesItsModels) {
   const Format& format = FindFormat("--to", "dso");
   const auto written = [&](const std::string& line) {
     const auto read = Read(line + "\n640 480\ncrop\n640 480\n");
-    WrittenLens camera;
+    OutputCamera camera;
     camera.lens = read.cameras.at(0).lens;
     return format.write({"camera.txt", {camera}});
   };
@@ -126,7 +126,7 @@ TEST(MakeDsoFormat, ReadsItsModels) {
   ExpectLens(lens("Pinhole 0.625 0.75 0.5 0.5 0"),
              {{400, 360, 319.5, 239.5}, {}}, &Lens::Pinhole);
   const double omega = 0.92;
-  const auto fov = MakeLens(lens("0.625 0.75 0.5 0.5 0.92").lens);
+  const auto fov = MakeCameraModel(lens("0.625 0.75 0.5 0.5 0.92").lens);
   for (const double x : {-0.6, 0.1, 0.7}) {
     const Eigen::Vector2d xy(x, 0.3);
     const double bent =

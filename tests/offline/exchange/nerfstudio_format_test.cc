@@ -41,7 +41,7 @@ TEST(MakeNerfstudioFormat, ReadsACameraWhosePixelsBeginAtTheCorner) {
   EXPECT_EQ(lens.size, (ImageSize{640, 480}));
   EXPECT_EQ(lens.Value("p2"), -0.002);
   EXPECT_EQ(lens.Value("k3"), 0);
-  EXPECT_EQ(Eigen::Vector4d(MakeLens(lens)->Parameters().head<4>()),
+  EXPECT_EQ(Eigen::Vector4d(MakeCameraModel(lens)->Parameters().head<4>()),
             Eigen::Vector4d(500.25, 501.5, 319.5, 240));
   const ConvertedCamera fisheye =
       ParseNerfstudio(FisheyeTransforms()).cameras[0].lens;
@@ -59,8 +59,9 @@ TEST(MakeNerfstudioFormat, ReadsTheFlagOfFisheyes) {
   };
   const auto said = ParseNerfstudio(with("\"is_fisheye\": true"));
   EXPECT_TRUE(said.warnings.empty());
-  EXPECT_EQ(MakeLens(said.cameras.at(0).lens)->Parameters(),
-            MakeLens(ParseNerfstudio(fisheye).cameras[0].lens)->Parameters());
+  EXPECT_EQ(
+      MakeCameraModel(said.cameras.at(0).lens)->Parameters(),
+      MakeCameraModel(ParseNerfstudio(fisheye).cameras[0].lens)->Parameters());
   EXPECT_EQ(ParseNerfstudio(TextWith(kTransforms, "\"frames\"",
                                      "\"is_fisheye\": false, \"frames\""))
                 .cameras.at(0)
@@ -114,12 +115,12 @@ TEST(MakeNerfstudioFormat, ReadsPlacesOfFrames) {
 
 TEST(MakeNerfstudioFormat, WritesWhatItReads) {
   const ExchangeContents contents = ParseNerfstudio(kTransforms);
-  WrittenLens camera;
+  OutputCamera camera;
   camera.name = "front";
   camera.lens = contents.cameras[0].lens;
   camera.poses = contents.cameras[0].poses;
   const std::string text = MakeNerfstudioFormat().write({"f.json", {camera}});
-  const ReadLens again = ParseNerfstudio(text).cameras[0];
+  const InputCamera again = ParseNerfstudio(text).cameras[0];
   EXPECT_EQ(again.name, "front");
   EXPECT_EQ(again.lens.values, camera.lens.values);
   ASSERT_EQ(again.poses.size(), 2u);

@@ -99,7 +99,7 @@ TEST(OpenCvFormat, ReadsOmnidir) {
         "   data: [ 1.25 ]\n"}) {
     const ExchangeContents contents = Parse(four + xi);
     EXPECT_TRUE(contents.warnings.empty());
-    const auto lens = MakeLens(contents.cameras.at(0).lens);
+    const auto lens = MakeCameraModel(contents.cameras.at(0).lens);
     EXPECT_EQ(lens->Name(), "omni-radtan");
     const Eigen::Vector3d point(0.2, -0.1, 1);
     const double depth = 1 + 1.25 * point.norm(), x = 0.2 / depth,
@@ -185,7 +185,7 @@ TEST(OpenCvFormat, ReadsPairs) {
           1e-12);
     }
   }
-  std::vector<ReadLens> one(1);
+  std::vector<InputCamera> one(1);
   ExpectError(ExitCode::kInput, {"f: ", "R and T", "import"},
               [&] { AssignPairPose(Pose{}, "f", &one); });
 }
@@ -255,7 +255,7 @@ constexpr char kCorners[] =
     "       0., 0., 2. ]\n";
 
 TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
-  const ReadLens camera = Parse(kYaml + std::string(kCorners)).cameras.at(0);
+  const InputCamera camera = Parse(kYaml + std::string(kCorners)).cameras.at(0);
   ASSERT_EQ(camera.features.size(), 2u);
   EXPECT_EQ(camera.features[1].image, "view0001");
   const Feature& last = camera.features[1].features.back();
@@ -283,7 +283,7 @@ TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
        {std::array{"board_width", "other", "--board-size"},
         std::array{"board_height: 2", "board_height: 3", "2 x 3"}}) {
     const std::string text = TextWith(kCorners, old, by);
-    const ReadLens camera = Parse(kYaml + text).cameras.at(0);
+    const InputCamera camera = Parse(kYaml + text).cameras.at(0);
     EXPECT_TRUE(camera.features.empty());
     EXPECT_NE(camera.missing_features_reason.find(word), std::string::npos);
     ExpectError(ExitCode::kInput, {"f: ", "image_points", word},
@@ -296,7 +296,7 @@ TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
 }
 
 TEST(OpenCvFormat, HoldsPoses) {
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = Parse(kYaml).cameras[0].lens;
   camera.poses = {
       {"a b.png", 0, {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {1, 2, 3}}},
@@ -339,9 +339,9 @@ TEST(OpenCvFormat, SaysWhatMayNotBeExpected) {
 
 TEST(OpenCvFormat, StoresWhatAFitLeaves) {
   const Format format = OpenCvFormat();
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = Parse(kYaml).cameras[0].lens;
-  camera.fit = LensFit{0.125, 0.25, 0.5, 1000, 7};
+  camera.fit = ModelFit{0.125, 0.25, 0.5, 1000, 7};
   for (const char* path : {"a.yaml", "a.xml", "a.json"}) {
     const std::string text = format.write({path, {camera}});
     for (const char* word : {"raygrid_fit", "rms_px", "0.125", "max_px", "0.5",

@@ -33,8 +33,8 @@ TEST(MakePhotonVisionFormat, ReadsCameraCornersAndPoses) {
   const ExchangeContents contents = ParsePhotonVision(kPhotonVision);
   EXPECT_TRUE(contents.warnings.empty());
   ASSERT_EQ(contents.cameras.size(), 1u);
-  const ReadLens& camera = contents.cameras[0];
-  const auto model = MakeLens(camera.lens);
+  const InputCamera& camera = contents.cameras[0];
+  const auto model = MakeCameraModel(camera.lens);
   EXPECT_EQ(model->Name(), "opencv");
   Eigen::VectorXd expected(12);
   // fx, fy, cx, cy, k1 to k6, p1, p2
@@ -71,7 +71,7 @@ TEST(MakePhotonVisionFormat, ReadsSettings) {
 }
 
 TEST(MakePhotonVisionFormat, WritesWhatItReads) {
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = ParsePhotonVision(kPhotonVision).cameras[0].lens;
   const std::string text =
       MakePhotonVisionFormat().write({"front.json", {camera}});

@@ -2,7 +2,7 @@
 
 #include "camera/noncentral_generic.h"
 #include "camera/thin_prism_fisheye.h"
-#include "exchange/lens_selection.h"
+#include "exchange/external_model_selection.h"
 #include "exchange/puzzlepaint_files.h"
 #include "exchange/puzzlepaint_state.h"
 #include "exchange/unit_grid.h"
@@ -23,13 +23,13 @@ ThinPrismFisheye GridLens() {
 }
 
 // The camera in the form that it takes, as a file and a lens.
-std::pair<std::string, SelectedLens> WrittenGrid(const CameraModel& camera) {
+std::pair<std::string, SelectedModel> WrittenGrid(const CameraModel& camera) {
   std::vector<const ExternalModel*> external_models;
   static const Format format = MakePuzzlepaintFormat();
   for (const ExternalModel& external_model : format.external_models)
     external_models.push_back(&external_model);
-  SelectedLens chosen = SelectLens(external_models, camera, nullptr);
-  WrittenLens written;
+  SelectedModel chosen = SelectExternalModel(external_models, camera, nullptr);
+  OutputCamera written;
   written.name = "front";
   written.lens = chosen.lens;
   written.fit = chosen.fit;
@@ -85,11 +85,11 @@ TEST(MakePuzzlepaintFormat, WritesTheNearestGrid) {
   const size_t rms = read.warnings[0].find("RMS ");
   ASSERT_NE(rms, std::string::npos) << read.warnings[0];
   EXPECT_LT(std::stod(read.warnings[0].substr(rms + 4)), 0.01);
-  const auto camera = MakeLens(read.cameras[0].lens);
+  const auto camera = MakeCameraModel(read.cameras[0].lens);
   EXPECT_EQ(camera->Name(), "central-generic");
   const std::string inner =
       TextWith(TextWith(text, "min_x : 0", "min_x : 12"), "y : 239", "y : 230");
-  const auto part = MakeLens(ParsePuzzlepaint(inner).cameras[0].lens);
+  const auto part = MakeCameraModel(ParsePuzzlepaint(inner).cameras[0].lens);
   EXPECT_EQ(part->area(), (Area{11.5, 0, 319, 230.5}));
   EXPECT_NE(
       WrittenGrid(*part).first.find(inner.substr(
@@ -110,7 +110,7 @@ TEST(MakePuzzlepaintFormat, HoldsLines) {
   EXPECT_LT(chosen.fit->max_px, 0.02);
   EXPECT_LT(text.find("point_grid : ["), text.find("direction_grid : ["));
   ExpectRoundTrip(*chosen.lens.grid, 1e-5);
-  const auto read = MakeLens(ParsePuzzlepaint(text).cameras[0].lens);
+  const auto read = MakeCameraModel(ParsePuzzlepaint(text).cameras[0].lens);
   EXPECT_EQ(read->Name(), "noncentral-generic");
   for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(3, 4), Eigen::Vector2d(160, 120),
@@ -199,8 +199,8 @@ TEST(MakePuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
 }
 
 // Cameras without lenses, whose files are written beside them.
-std::vector<WrittenLens> PosedCameras(const std::vector<std::string>& images) {
-  std::vector<WrittenLens> cameras(1);
+std::vector<OutputCamera> PosedCameras(const std::vector<std::string>& images) {
+  std::vector<OutputCamera> cameras(1);
   for (const std::string& image : images)
     cameras[0].poses.push_back(
         {image, 0, {Eigen::Quaterniond::Identity(), {0, 0, 1}}});
@@ -216,7 +216,7 @@ std::map<int, Pose> WrittenPoses(const std::vector<std::string>& images,
 }
 
 TEST(MakePuzzlepaintFormat, PlacesTheRigByACameraThatIsNotItsOrigin) {
-  std::vector<WrittenLens> cameras = PosedCameras({"a.png"});
+  std::vector<OutputCamera> cameras = PosedCameras({"a.png"});
   cameras[0].camera_from_rig =
       Pose{Eigen::Quaterniond(0.6, 0, 0.8, 0), {0.5, -0.25, 0.125}};
   const auto files = WriteState("s/intrinsics0.yaml", cameras, {});
@@ -268,7 +268,7 @@ TEST(MakePuzzlepaintFormat, WritesPointsThatReplaceNone) {
 }
 
 TEST(MakePuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
-  std::vector<WrittenLens> cameras = PosedCameras({"a.png", "b.png"});
+  std::vector<OutputCamera> cameras = PosedCameras({"a.png", "b.png"});
   ExpectError(ExitCode::kUsage, {"front.yaml", "intrinsics0.yaml"}, [&] {
     MakePuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
   });

@@ -14,9 +14,9 @@ namespace {
 
 // A rectilinear lens whose radius r becomes r times a factor.
 template <typename Factor>
-void ExpectRadial(const ReadLens& read, const Numbers& k, const Factor& factor,
-                  double tolerance_px) {
-  const auto model = MakeLens(read.lens);
+void ExpectRadial(const InputCamera& read, const Numbers& k,
+                  const Factor& factor, double tolerance_px) {
+  const auto model = MakeCameraModel(read.lens);
   for (const double x : {-0.25, 0.02, 0.2})
     for (const double y : {-0.18, 0.01, 0.12}) {
       const auto seen = model->Project({x, y, 1});
@@ -37,7 +37,7 @@ std::string GyroflowProfile(const std::string& model,
       model, coefficients);
 }
 
-TEST(RadialLens, ReadsGyroflow) {
+TEST(RadialModel, ReadsGyroflow) {
   const Numbers k = {500, 501, 322.5, 238};
   const auto exact = Read(GyroflowProfile("poly3", "-0.08"));
   EXPECT_TRUE(exact.warnings.empty());
@@ -63,7 +63,7 @@ TEST(RadialLens, ReadsGyroflow) {
 
 // f: mm at a sensor of crop factor 1.5; the polynomial's unit is half the
 // smaller side of the calibration's 3:2 images.
-TEST(RadialLens, ReadsLensfun) {
+TEST(RadialModel, ReadsLensfun) {
   const std::string text =
       "<lensdatabase version=\"1\"><lens><maker>a</maker><model>b c</model>"
       "<mount>d</mount><cropfactor>1.5</cropfactor><calibration><distortion "

@@ -32,14 +32,14 @@ ExchangeContents ParseRos(const std::string& text) {
 }
 
 TEST(MakeRosFormat, ReadsFiles) {
-  const ReadLens camera = ParseRos(kCameraInfo).cameras.at(0);
+  const InputCamera camera = ParseRos(kCameraInfo).cameras.at(0);
   EXPECT_EQ(camera.name, "narrow_stereo/left");
   EXPECT_EQ(camera.lens.external_model->name, "plumb_bob");
   EXPECT_EQ(camera.lens.size, (ImageSize{640, 480}));
   EXPECT_EQ(camera.lens.values,
             (std::vector<double>{500.5, 501, 320.25, 240, -0.3, 0.1, 0.001,
                                  -0.002, 0}));
-  EXPECT_FALSE(camera.rectified->IsBeside());
+  EXPECT_FALSE(camera.rectified->HasBaseline());
 }
 
 TEST(MakeRosFormat, ReadsMessages) {
@@ -74,7 +74,7 @@ TEST(MakeRosFormat, ReadsWhatNeedNotBeThere) {
     return ParseRos(text).cameras.at(0);
   };
   const std::string text = kCameraInfo;
-  const ReadLens single = read(text.substr(0, text.find("rectification")));
+  const InputCamera single = read(text.substr(0, text.find("rectification")));
   EXPECT_FALSE(single.rectified);
   EXPECT_EQ(single.lens.values, read(text).lens.values);
   for (const char* none : {"none", "''", "\"\""}) {
@@ -138,7 +138,7 @@ TEST(MakeRosFormat, SaysWhatIsMissingOrWrong) {
 
 // Two views with one K, 0.1 m apart, of cameras that are turned.
 TEST(MakeRosFormat, FindsThePosesOfAPair) {
-  std::vector<ReadLens> pair(2);
+  std::vector<InputCamera> pair(2);
   const Eigen::AngleAxisd first(0.1, Eigen::Vector3d::UnitY()),
       second(-0.2, Eigen::Vector3d::UnitX());
   pair[0].rectified.emplace();
@@ -150,7 +150,7 @@ TEST(MakeRosFormat, FindsThePosesOfAPair) {
   pair[1].rectified->p(0, 3) = -40;
   ComputePairPoses(&pair);
   const Eigen::Vector3d point(0.3, -0.2, 2);
-  const auto in_view = [&](const ReadLens& camera) {
+  const auto in_view = [&](const InputCamera& camera) {
     return Eigen::Vector3d(camera.rectified->r *
                            (*camera.camera_from_rig * point));
   };
@@ -166,7 +166,7 @@ TEST(MakeRosFormat, FindsThePosesOfAPair) {
 }
 
 TEST(MakeRosFormat, WritesNumbersThatPythonTakesForSuch) {
-  WrittenLens camera;
+  OutputCamera camera;
   camera.lens = ParseRos(kCameraInfo).cameras[0].lens;
   camera.lens.values[4] = 1e-7;
   camera.lens.values[0] = 500;

@@ -16,7 +16,7 @@
 #include "features/star/star_detection.h"
 #include "features/star/star_growth.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -35,7 +35,7 @@ Pattern LargeBoard() {
 
 // Squares of about 40 px, all in the image.
 GreyImage Photograph(const Board& board) {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const BoardSurface surface(board);
   Pose pose;
   pose.rotation =

@@ -1,5 +1,4 @@
-#include "features/detection_pictures.h"
-
+#include "features/detection_overlays.h"
 #include "photographs.h"
 
 namespace raygrid {

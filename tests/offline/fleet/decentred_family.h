@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
+#include "simulation/asymmetric_camera.h"
 #include "simulation/random.h"
-#include "simulation/uneven_lens.h"
 
 namespace raygrid {
 
 /// A decentred lens of a family: what a place sees, the family's middle sees at
 /// place + d(place). Places are in widths of the image.
-class DecentredFamilyLens : public DecentredLens {
+class DecentredFamilyLens : public DecentredCamera {
  public:
   /// Standard deviations of that in which lenses differ.
   struct Scatter {
@@ -25,10 +25,10 @@ class DecentredFamilyLens : public DecentredLens {
   };
 
   DecentredFamilyLens(const ImageSize& size, const Area& area)
-      : DecentredLens(size, area) {}
+      : DecentredCamera(size, area) {}
   DecentredFamilyLens(const ImageSize& size, const Area& area,
                       const Scatter& scatter, Random* random)
-      : DecentredLens(size, area) {
+      : DecentredCamera(size, area) {
     const auto two = [&](double deviation) -> Eigen::Vector2d {
       const double x = random->Normal(), y = random->Normal();
       return deviation * Eigen::Vector2d(x, y);
@@ -52,11 +52,11 @@ class DecentredFamilyLens : public DecentredLens {
 
  protected:
   Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override {
-    return DecentredLens::DirectionOf(place + Displacement(place));
+    return DecentredCamera::DirectionOf(place + Displacement(place));
   }
   std::optional<Eigen::Vector2d> PlaceOf(
       const Eigen::Vector3d& direction) const override {
-    const auto middle = DecentredLens::PlaceOf(direction);
+    const auto middle = DecentredCamera::PlaceOf(direction);
     constexpr double kFar = 2;
     if (!middle || middle->norm() > kFar) return std::nullopt;
     constexpr int kRounds = 30;  // each leaves a twentieth of the error or less

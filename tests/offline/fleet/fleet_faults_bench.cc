@@ -14,9 +14,9 @@
 
 #include "dataset/dataset.h"
 #include "dataset/files.h"
+#include "simulation/asymmetric_camera.h"
 #include "simulation/random.h"
 #include "simulation/simulated_observations.h"
-#include "simulation/uneven_lens.h"
 
 namespace raygrid {
 namespace {
@@ -32,10 +32,11 @@ struct FamilyMember {
 
 // With (x, y) = (X, Y) / Z:
 //   pixel = centre + focal (1 + k1 (x^2 + y^2)) (x, y) / (1 + tan(tilt) x)
-class FamilyMemberLens : public UnevenLens {
+class FamilyMemberLens : public AsymmetricCamera {
  public:
   explicit FamilyMemberLens(const FamilyMember& member)
-      : UnevenLens(kSize, {-1, -1, 1.0 * kSize.width, 1.0 * kSize.height}),
+      : AsymmetricCamera(kSize,
+                         {-1, -1, 1.0 * kSize.width, 1.0 * kSize.height}),
         member_(member) {}
   std::string Name() const override { return "member of a family"; }
   std::unique_ptr<CameraModel> Clone() const override {

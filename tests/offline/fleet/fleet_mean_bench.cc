@@ -17,7 +17,7 @@
 #include "evaluation/model_difference.h"
 #include "evaluation/residual_statistics.h"
 #include "fleet/fleet_mean.h"
-#include "fleet/fleet_spread.h"
+#include "fleet/population_estimation.h"
 #include "lens_family.h"
 #include "simulation/simulated_observations.h"
 
@@ -54,12 +54,13 @@ DecentredFamilyLens::Scatter DecentredScatter(double times) {
 // A camera that others lie around, and how they differ from it, if known.
 struct Around {
   std::shared_ptr<const CameraModel> camera = nullptr;
-  std::shared_ptr<const LensSpread> spread = nullptr;
+  std::shared_ptr<const PopulationCovariance> spread = nullptr;
 };
 
 Around AroundOf(const CameraFile& file) {
   Around around = {file.camera};
-  if (file.spread) around.spread = std::make_shared<LensSpread>(*file.spread);
+  if (file.spread)
+    around.spread = std::make_shared<PopulationCovariance>(*file.spread);
   return around;
 }
 
@@ -92,7 +93,7 @@ CalibrationResult CalibrateLens(const CameraModel& lens, const Sight& sight,
   CalibrationOptions options;
   options.num_threads = 1;
   options.like = around.camera;
-  options.prior_spread = around.spread;
+  options.prior_population = around.spread;
   // One image held out and cells of 1/16 of the width save the time of
   // cross-validation.
   ++simulation.num_images;
@@ -253,7 +254,7 @@ Around ExactAround(const std::string& family) {
   for (CameraFile& file : files) file.camera = lenses.draw();
   CameraFile middle;
   middle.camera = lenses.middle;
-  middle.spread = EstimateSpread(*lenses.middle, files);
+  middle.spread = EstimatePopulationCovariance(*lenses.middle, files);
   return AroundOf(middle);
 }
 

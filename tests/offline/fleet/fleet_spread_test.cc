@@ -1,5 +1,3 @@
-#include "fleet/fleet_spread.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "decentred_family.h"
 #include "evaluation/model_difference.h"
 #include "fleet/fleet_mean.h"
+#include "fleet/population_estimation.h"
 #include "lens_family.h"
 #include "simulation/random.h"
 #include "simulation/simulated_observations.h"
@@ -46,8 +45,9 @@ double RmsPx(const std::vector<Eigen::Vector2d>& field) {
 
 // Far below that come the curvature of what a focal length does, and what
 // polynomials leave of bumps.
-TEST(EstimateSpread, IsOneDirectionIfOneFigureDiffers) {
-  const auto spread = EstimateSpread(LensFamily::Mean(), LongerAndShorter(60));
+TEST(EstimatePopulationCovariance, IsOneDirectionIfOneFigureDiffers) {
+  const auto spread =
+      EstimatePopulationCovariance(LensFamily::Mean(), LongerAndShorter(60));
   ASSERT_TRUE(spread.has_value());
   const auto& fields = spread->displacements_px;
   ASSERT_GE(fields.size(), 1u);
@@ -62,11 +62,11 @@ TEST(EstimateSpread, IsOneDirectionIfOneFigureDiffers) {
 // Units whose files say that they are wrong by a part of how they differ, which
 // comes off: but of a further unit's variance, which is (n + 1) / (n - 1) of
 // what is found, and with a n-th of it for the middle's errors.
-TEST(EstimateSpread, IsLessWhatFilesSay) {
+TEST(EstimatePopulationCovariance, IsLessWhatFilesSay) {
   constexpr int kCount = 60;
   const SimulatedCamera mean = LensFamily::Mean();
   std::vector<CameraFile> units = LongerAndShorter(kCount);
-  const auto all = EstimateSpread(mean, units);
+  const auto all = EstimatePopulationCovariance(mean, units);
   ASSERT_TRUE(all.has_value());
   CameraUncertainty stated;
   stated.modes.columns = all->columns;
@@ -79,7 +79,7 @@ TEST(EstimateSpread, IsLessWhatFilesSay) {
                             all->Places(mean.area())))
     mode.push_back(displacement.value());
   for (CameraFile& unit : units) unit.uncertainty = stated;
-  const auto left = EstimateSpread(mean, units);
+  const auto left = EstimatePopulationCovariance(mean, units);
   ASSERT_TRUE(left.has_value());
   constexpr double kComesOff = (kCount + 1.0) / (kCount - 1) - 1.0 / kCount;
   const double expected_px =
@@ -89,12 +89,13 @@ TEST(EstimateSpread, IsLessWhatFilesSay) {
               0.03 * expected_px);
 }
 
-TEST(EstimateSpread, IsNoneOfFewUnits) {
-  EXPECT_FALSE(EstimateSpread(LensFamily::Mean(), LongerAndShorter(7)));
+TEST(EstimatePopulationCovariance, IsNoneOfFewUnits) {
+  EXPECT_FALSE(
+      EstimatePopulationCovariance(LensFamily::Mean(), LongerAndShorter(7)));
 }
 
 double P99Of(const CameraModel& lens, const CameraFile& mean,
-             std::shared_ptr<const LensSpread> spread) {
+             std::shared_ptr<const PopulationCovariance> spread) {
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
   SimulationOptions simulation;
   simulation.num_images = 6;
@@ -104,7 +105,7 @@ double P99Of(const CameraModel& lens, const CameraFile& mean,
       SimulateObservations(lens, pattern, simulation).dataset;
   CalibrationOptions options;
   options.like = mean.camera;
-  options.prior_spread = std::move(spread);
+  options.prior_population = std::move(spread);
   options.hold_out = {dataset.images.back().image};
   options.knot_spacing_px = kUnitSize.width / 8.0;
   const CameraFile camera = Calibrate(dataset, pattern, options).camera;
@@ -113,7 +114,7 @@ double P99Of(const CameraModel& lens, const CameraFile& mean,
 }
 
 // Five images tell what differs; the rest is as it is in the fleet.
-TEST(EstimateSpread, ServesAUnitOfFewImages) {
+TEST(EstimatePopulationCovariance, ServesAUnitOfFewImages) {
   Random random(5);
   std::vector<CameraFile> units;
   for (int u = 0; u < 30; ++u)
@@ -123,7 +124,7 @@ TEST(EstimateSpread, ServesAUnitOfFewImages) {
   ASSERT_TRUE(mean && mean->spread);
   const DecentredFamilyLens unit(kUnitSize, kUnitArea, {}, &random);
   const double with_spread =
-      P99Of(unit, *mean, std::make_shared<LensSpread>(*mean->spread));
+      P99Of(unit, *mean, std::make_shared<PopulationCovariance>(*mean->spread));
   EXPECT_LT(with_spread, 0.7 * P99Of(unit, *mean, nullptr));
 }
 

@@ -34,7 +34,7 @@ TEST(GaugeStudy, HasTheVariancesOfATextbook) {
   // Mean squares between: 3 * 12.5 = 37.5, so the variance is 36.5 / 3.
   EXPECT_NEAR(metric.factors[0].deviation, std::sqrt(36.5 / 3), 1e-9);
   EXPECT_NEAR(metric.gauge, std::sqrt(1 + 36.5 / 3), 1e-9);
-  EXPECT_NEAR(*metric.part_of_limits, 6 * metric.gauge / 30, 1e-9);
+  EXPECT_NEAR(*metric.fraction_of_limits, 6 * metric.gauge / 30, 1e-9);
   EXPECT_FALSE(metric.fleet);
   EXPECT_TRUE(study.unobservable_reason.empty());
 }
@@ -85,7 +85,7 @@ TEST(GaugeStudy, IsAPartOfTheFleetsSpread) {
                  std::vector<GaugeRepeat>(200, {"G", "", ""}), fleet, {});
   const GaugeMetric& metric = study.metrics.at(0);
   EXPECT_TRUE(metric.factors.empty());
-  EXPECT_NEAR(*metric.part_of_fleet, 0.2, 0.04);
+  EXPECT_NEAR(*metric.fraction_of_fleet, 0.2, 0.04);
   EXPECT_NEAR(*metric.num_classes, 7, 1);
 }
 

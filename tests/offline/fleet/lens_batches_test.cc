@@ -49,7 +49,7 @@ TEST(LensBatches, DifferInWhatWasMoved) {
     EXPECT_TRUE(comparison.metrics[0].differs) << seed;
     EXPECT_TRUE(comparison.metrics[1].differs) << seed;
     EXPECT_NEAR(comparison.metrics[1].means[2] - 802.5, 0, 0.9) << seed;
-    EXPECT_NEAR(comparison.metrics[1].deviation_within, 1, 0.35) << seed;
+    EXPECT_NEAR(comparison.metrics[1].within_batch_stddev, 1, 0.35) << seed;
     EXPECT_FALSE(comparison.metrics[2].differs) << seed;
     EXPECT_NEAR(comparison.metrics[2].means[0], 0.03, 0.006) << seed;
   }
@@ -85,7 +85,7 @@ TEST(LensBatches, HaveTheChanceOfATextbook) {
   // Between 42 / 2, within 6 / 6: F(2, 6) = 21. With two degrees of freedom,
   // its chance is (1 + 2 F / 6)^-3.
   EXPECT_NEAR(comparison.metrics[1].chance, std::pow(8, -3), 1e-12);
-  EXPECT_NEAR(comparison.metrics[1].deviation_within, 1, 1e-12);
+  EXPECT_NEAR(comparison.metrics[1].within_batch_stddev, 1, 1e-12);
 }
 
 TEST(LensBatches, LeaveOutOutliersUnknownOnesAndSmallBatches) {

@@ -38,10 +38,10 @@ class LensFamily {
     p[5] += scatter_.k2 * random_.Normal();
     p[10] += scatter_.p * random_.Normal();
     p[11] += scatter_.p * random_.Normal();
-    std::vector<LensBump> own;
+    std::vector<DistortionBump> own;
     constexpr int kOwnBumps = 6;
     for (int k = 0; k < kOwnBumps && scatter_.bumps_px > 0; ++k) {
-      LensBump bump;
+      DistortionBump bump;
       bump.center.x() = random_.Uniform(0, kSize.width);
       bump.center.y() = random_.Uniform(0, kSize.height);
       bump.displacement_px.x() = scatter_.bumps_px * random_.Normal();
@@ -76,12 +76,12 @@ class LensFamily {
   }
 
   static SimulatedCamera Make(const std::vector<double>& p,
-                              const std::vector<LensBump>& own) {
-    std::vector<LensBump> bumps = {{{147, 120}, {0.9, -0.5}, 90},
-                                   {{479, 340}, {-0.7, 1.3}, 110},
-                                   {{332, 57}, {0.4, 0.8}, 70},
-                                   {{89, 398}, {-1.0, -0.6}, 100},
-                                   {{562, 129}, {0.8, 0.4}, 80}};
+                              const std::vector<DistortionBump>& own) {
+    std::vector<DistortionBump> bumps = {{{147, 120}, {0.9, -0.5}, 90},
+                                         {{479, 340}, {-0.7, 1.3}, 110},
+                                         {{332, 57}, {0.4, 0.8}, 70},
+                                         {{89, 398}, {-1.0, -0.6}, 100},
+                                         {{562, 129}, {0.8, 0.4}, 80}};
     bumps.insert(bumps.end(), own.begin(), own.end());
     OpenCvModel::ParameterArray coefficients;
     std::copy(p.begin(), p.end(), coefficients.begin());

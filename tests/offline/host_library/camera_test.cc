@@ -6,7 +6,7 @@
 #include <new>
 
 #include "camera/central_radial.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "camera/splined_stereographic.h"
 #include "camera/view_camera.h"
 #include "dataset/camera_file.h"
@@ -54,7 +54,7 @@ CameraD Opened(const ModelPointer& model) {
 }
 
 // A lens with some distortion.
-ModelPointer ExampleLensOf(const LensModel& lens) {
+ModelPointer ExampleLensOf(const ModelInfo& lens) {
   const ImageSize size = {640, 480};
   Eigen::VectorXd parameters = lens.starts(500, 322, 236).front();
   for (size_t k = 0; k < lens.parameters.size(); ++k) {
@@ -102,7 +102,7 @@ const std::vector<ModelPointer>& Models() {
         FitSplinedStereographic(grid, nullptr),
         Shared(ViewCamera(ViewProjection::kEquirectangular, {640, 480},
                           WholeImage({640, 480}), {100, 100, 319.5, 239.5}))};
-    for (const LensModel& lens : GetLensModels())
+    for (const ModelInfo& lens : GetModelRegistry())
       if (lens.make) all.push_back(ExampleLensOf(lens));
     // Files have 12 decimals of control points.
     for (ModelPointer& model : all)
@@ -179,7 +179,7 @@ TEST(HostCamera, RoundsToAThousandthOfAPixelInFloat) {
   for (const ModelPointer& model : Models()) {
     // Near folds, pixels vary without bound.
     if (model->DirectionGrid() &&
-        FindUnfoldedSide(*model->DirectionGrid()).folds())
+        ComputeUnfoldedSide(*model->DirectionGrid()).folds())
       continue;
     SCOPED_TRACE(model->Name());
     const CameraF camera = Opened(model).Cast<float>();
@@ -421,21 +421,21 @@ TEST(HostCamera, HasUncertaintyAndValidRegionOfItsFile) {
   uncertainty.lattice = {3, 2, {0.1, 0.3, NAN, 0.1, 0.3, NAN}};
   uncertainty.mask = ValidityMask::Over(model->image_size());
   uncertainty.mask.is_valid[uncertainty.mask.CellIndex({320, 240})] = true;
-  uncertainty.max_deviation_px = 0.3;
+  uncertainty.max_stddev_px = 0.3;
   file.uncertainty = uncertainty;
   const auto camera = CameraD::Parse(FormatCameraFile(file, Digits::kAll));
   ASSERT_TRUE(camera);
-  double deviation_px = 7;
-  EXPECT_TRUE(camera->Uncertainty({159.75, 0}, &deviation_px));
-  EXPECT_NEAR(deviation_px, 0.2, 1e-6);
-  EXPECT_FALSE(camera->Uncertainty({639, 479}, &deviation_px));
-  EXPECT_FALSE(camera->Uncertainty({-1, 0}, &deviation_px));
+  double stddev_px = 7;
+  EXPECT_TRUE(camera->Uncertainty({159.75, 0}, &stddev_px));
+  EXPECT_NEAR(stddev_px, 0.2, 1e-6);
+  EXPECT_FALSE(camera->Uncertainty({639, 479}, &stddev_px));
+  EXPECT_FALSE(camera->Uncertainty({-1, 0}, &stddev_px));
   EXPECT_TRUE(camera->IsInValidRegion({320, 240}));
   EXPECT_FALSE(camera->IsInValidRegion({120, 240}));
   EXPECT_TRUE(camera->IsIlluminated({120, 240}));
   EXPECT_FALSE(camera->IsIlluminated({1, 1}));
   EXPECT_EQ(camera->Bounds().max(), Eigen::Vector2d(639, 479));
-  EXPECT_FALSE(Opened(model).Uncertainty({320, 240}, &deviation_px));
+  EXPECT_FALSE(Opened(model).Uncertainty({320, 240}, &stddev_px));
   EXPECT_TRUE(Opened(model).IsInValidRegion({120, 240}));
 }
 

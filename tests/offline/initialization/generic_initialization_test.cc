@@ -11,7 +11,7 @@
 #include "initialization/localization.h"
 #include "initialization/pixelwise_model.h"
 #include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -78,7 +78,7 @@ class InitializeFromThreeViewsOf : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(InitializeFromThreeViewsOf, IsNearTheTrueLens) {
-  const auto camera = MakeSimulatedLens(GetParam(), kSize);
+  const auto camera = MakeSimulatedCamera(GetParam(), kSize);
   for (const uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
     const auto observations = Observe(*camera, 20, seed, kNoisePx);
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Lenses, InitializeFromThreeViewsOf,
                                          "fisheye190"));
 
 TEST(InitializeFromThreeViews, HasItsAxesAsTheImage) {
-  const auto camera = MakeSimulatedLens("fisheye", kSize);
+  const auto camera = MakeSimulatedCamera("fisheye", kSize);
   const auto observations = Observe(*camera, 12, 4, kNoisePx);
   const auto start = InitializeFromThreeViews(observations.dataset,
                                               observations.true_pattern, {});
@@ -114,7 +114,7 @@ TEST(InitializeFromThreeViews, HasItsAxesAsTheImage) {
 }
 
 TEST(InitializeFromThreeViews, IsTheSameWithAnyNumberOfThreads) {
-  const auto camera = MakeSimulatedLens("wide", kSize);
+  const auto camera = MakeSimulatedCamera("wide", kSize);
   const auto observations = Observe(*camera, 10, 5, kNoisePx);
   std::vector<Eigen::VectorXd> parameters;
   for (const int num_threads : {1, 3}) {
@@ -129,7 +129,7 @@ TEST(InitializeFromThreeViews, IsTheSameWithAnyNumberOfThreads) {
 }
 
 TEST(InitializeFromThreeViews, WithstandsWrongFeatures) {
-  const auto camera = MakeSimulatedLens("fisheye", kSize);
+  const auto camera = MakeSimulatedCamera("fisheye", kSize);
   auto observations = Observe(*camera, 20, 6, kNoisePx);
   int index = 0;
   for (ImageFeatures& image : observations.dataset.images)
@@ -142,7 +142,7 @@ TEST(InitializeFromThreeViews, WithstandsWrongFeatures) {
 }
 
 TEST(InitializeFromThreeViews, SaysNothingWhereNothingIsDetermined) {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   auto observations = Observe(*camera, 20, 7, kNoisePx);
   const auto start = [&](const Dataset& dataset) {
     return InitializeFromThreeViews(dataset, observations.true_pattern, {});

@@ -1,7 +1,7 @@
 #include "initialization/radial_initialization.h"
 
 #include "evaluation/model_difference.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 #include "test_boards.h"
@@ -28,13 +28,13 @@ double MedianRayError(const CameraModel& camera, const Dataset& dataset) {
 TEST(RadialInitialization, IsNearlyTheLensOfAnyFieldOfView) {
   const ImageSize size = {640, 480};
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
-    const auto camera = MakeSimulatedLens(lens, size);
+    const auto camera = MakeSimulatedCamera(lens, size);
     EXPECT_LT(MedianRayError(*camera, Observations(*camera, 0.05)), 3) << lens;
   }
 }
 
 TEST(RadialInitialization, IsNotMovedByGrossOutliers) {
-  const auto camera = MakeSimulatedLens("fisheye190", {640, 480});
+  const auto camera = MakeSimulatedCamera("fisheye190", {640, 480});
   Dataset dataset = Observations(*camera, 0.05);
   TestRandom random(7);
   for (ImageFeatures& image : dataset.images)
@@ -44,7 +44,7 @@ TEST(RadialInitialization, IsNotMovedByGrossOutliers) {
 }
 
 TEST(RadialInitialization, NeedsTwoViews) {
-  const auto camera = MakeSimulatedLens("fisheye190", {640, 480});
+  const auto camera = MakeSimulatedCamera("fisheye190", {640, 480});
   Dataset dataset = Observations(*camera, 0);
   dataset.images.resize(1);
   EXPECT_FALSE(InitializeFromRadialLines(dataset, TestBoard()));

@@ -36,7 +36,7 @@ TEST(BlobCamera, ToModelIsTheCamera) {
   EXPECT_LT((model->Parameters() - GenericFile().camera->Parameters())
                 .cwiseAbs()
                 .maxCoeff(),
-            kMaxNarrowErrorRad);
+            kMaxInt16ErrorRad);
 }
 
 TEST(BlobCamera, RefusesDamagedBlobsByName) {

@@ -17,7 +17,7 @@ OpenCvModel Lens(const ImageSize& size, const Area& area, double focal_px,
 PackedCamera PackLens(const OpenCvModel& lens) {
   CameraFile file;
   file.camera = lens.Clone();
-  return PackSupportedParts(file, 2);
+  return PackSupportedSections(file, 2);
 }
 
 // Packs with the table that a user gets who asks for no special view.
@@ -36,12 +36,12 @@ void ExpectRemark(const std::string& words, const PackedCamera& packed) {
       << packed.warnings[0];
 }
 
-TEST(PackSupportedParts, IsThatOfPackWhereAllCanBe) {
-  EXPECT_EQ(PackSupportedParts(GenericFile(), 2).blob, Packed().blob);
+TEST(PackSupportedSections, IsThatOfPackWhereAllCanBe) {
+  EXPECT_EQ(PackSupportedSections(GenericFile(), 2).blob, Packed().blob);
 }
 
 // The area is seen 60 degrees and more off the axis.
-TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
+TEST(PackSupportedSections, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   const OpenCvModel lens =
       Lens({640, 480}, {375, 140, 475, 340}, 60, {200, 240}, 0.05);
   ExpectError(ExitCode::kUsage, {"does not overlap"},
@@ -60,7 +60,7 @@ TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
   EXPECT_GT(std::count(flat.pixels.begin(), flat.pixels.end(), 255), 640 * 48);
 }
 
-TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualTableIsNotExact) {
+TEST(PackSupportedSections, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   const OpenCvModel lens =
       Lens({640, 480}, {142.2337, 140, 342.2337, 340}, 60, {168, 236}, 0.26);
   ExpectError(ExitCode::kQuality, {"remap error"},
@@ -70,7 +70,7 @@ TEST(PackSupportedParts, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   ASSERT_EQ(packed.warnings.size(), 1u);
 }
 
-TEST(PackSupportedParts, LeavesOutTablesOfImagesThatAreTooLarge) {
+TEST(PackSupportedSections, LeavesOutTablesOfImagesThatAreTooLarge) {
   const ImageSize size = {9000, 60};
   const PackedCamera packed =
       PackLens(Lens(size, WholeImage(size), 9000, {4499, 29}, -0.05));
@@ -79,7 +79,7 @@ TEST(PackSupportedParts, LeavesOutTablesOfImagesThatAreTooLarge) {
   EXPECT_TRUE(packed.remaps.empty());
 }
 
-TEST(PackSupportedParts, LeavesOutBlobsOfImagesThatAreTooLarge) {
+TEST(PackSupportedSections, LeavesOutBlobsOfImagesThatAreTooLarge) {
   const ImageSize size = {20000, 15000};
   const PackedCamera packed =
       PackLens(Lens(size, WholeImage(size), 15000, {9999, 7499}, -0.05));

@@ -136,17 +136,17 @@ TEST(BlobCamera, ProjectsWhereAFisheyeIsTrustedThoughItsCornerFolds) {
 TEST(BlobCamera, LeavesOutTheCornerOfAFisheyeThatLooksTooFarBack) {
   CameraFile file = FisheyeWithCorner(10);
   ExpectTrustedRoundTrips(file);
-  EXPECT_EQ(PackCamera(file, PackOptions()).left_out_part, 0);
+  EXPECT_EQ(PackCamera(file, PackOptions()).excluded_fraction, 0);
   file.uncertainty->mask.is_valid[0] = true;
   const PackedCamera valid_region = PackCamera(file, PackOptions());
-  EXPECT_GT(valid_region.left_out_part, 0);
-  EXPECT_LT(valid_region.left_out_part, 0.002);
+  EXPECT_GT(valid_region.excluded_fraction, 0);
+  EXPECT_LT(valid_region.excluded_fraction, 0.002);
   EXPECT_FALSE(
       BlobCamera("corner", valid_region.blob).GetValidityMask()->is_valid[0]);
   file.uncertainty.reset();
   const PackedCamera whole = PackCamera(file, PackOptions());
-  EXPECT_GT(whole.left_out_part, 0);
-  EXPECT_LT(whole.left_out_part, 0.5);
+  EXPECT_GT(whole.excluded_fraction, 0);
+  EXPECT_LT(whole.excluded_fraction, 0.5);
   const ValidityMask valid =
       BlobCamera("corner", whole.blob).GetValidityMask().value();
   EXPECT_FALSE(valid.IsValidAt({0, 0}));

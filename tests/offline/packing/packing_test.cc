@@ -4,7 +4,7 @@
 #include "camera/central_generic.h"
 #include "camera/noncentral_generic.h"
 #include "packed_cameras.h"
-#include "packing/narrow_grid.h"
+#include "packing/int16_grid.h"
 
 namespace raygrid {
 namespace {
@@ -82,8 +82,8 @@ TEST(PackCamera, CamerasWithoutRaysInTheirAreaLeaveThemOut) {
       OpenCvModel::ParameterArray{300, 300, 320, 240, -0.5, 0, 0, 0, 0, 0, 0,
                                   0});
   const PackedCamera packed = PackCamera(file, PackOptions());
-  EXPECT_GT(packed.left_out_part, 0.72);
-  EXPECT_LT(packed.left_out_part, 0.85);
+  EXPECT_GT(packed.excluded_fraction, 0.72);
+  EXPECT_LT(packed.excluded_fraction, 0.85);
   ASSERT_FALSE(packed.warnings.empty());
   EXPECT_NE(packed.warnings[0].find("folds"), std::string::npos);
   const ValidityMask valid =
@@ -104,24 +104,24 @@ TEST(PackCamera, PacksAFisheye) {
 
 TEST(PackCamera, TakesControlPointsOf32BitsIfAskedTo) {
   PackOptions options;
-  options.is_narrow_allowed = false;
+  options.is_int16_allowed = false;
   const PackedCamera narrow = PackCamera(GenericFile(), PackOptions());
   const PackedCamera wide = PackCamera(GenericFile(), options);
   EXPECT_GT(wide.blob.size(), narrow.blob.size() + 500);
   EXPECT_LT(wide.unproject_error_rad, narrow.unproject_error_rad);
 }
 
-TEST(Narrow, RefusesPointsFarFromTheirPlane) {
+TEST(QuantizeToInt16, RefusesPointsFarFromTheirPlane) {
   constexpr int32_t kLargest = std::numeric_limits<int32_t>::max();
   ControlPoints points = {4, 5, {}};
   for (int k = 0; k < 20; ++k)
     points.values.insert(points.values.end(),
                          {k % 2 ? kLargest : -kLargest, k / 4 % 2 ? 5 : 7});
-  EXPECT_FALSE(Narrow(points));
+  EXPECT_FALSE(QuantizeToInt16(points));
   // The plane, drawn out to the first point, lies beyond 32 bits.
   for (int k = 0; k < 20; ++k)
     points.values[2 * k] = k == 0 || k >= 12 ? kLargest : -kLargest;
-  EXPECT_FALSE(Narrow(points));
+  EXPECT_FALSE(QuantizeToInt16(points));
 }
 
 TEST(PackCamera, HoldsSeveralRemapTables) {
@@ -146,7 +146,7 @@ TEST(PackCamera, MeasuresChroma) {
       PackCamera(GenericFile(), WithRemap(0.012)).remaps[0];
   EXPECT_GT(coarse.chroma_error_px, 0);
   EXPECT_LE(fine.chroma_error_px, 3.5 * fine.error_px);
-  if (coarse.part_size > 8) {
+  if (coarse.tile_size > 8) {
     EXPECT_LE(coarse.chroma_error_px, coarse.error_px);
   }
 }
@@ -193,7 +193,7 @@ TEST(PackCamera, RuntimeTellsUncertaintyAndTrustAsTheFileDoes) {
   CameraUncertainty& known = file.uncertainty.emplace();
   known.lattice = {5, 4, {}};
   for (int i = 0; i < 20; ++i)
-    known.lattice.deviation_px.push_back(random.Uniform(0.001, 0.1));
+    known.lattice.stddev_px.push_back(random.Uniform(0.001, 0.1));
   known.mask = ValidityMask::Over({640, 480});
   for (size_t k = 0; k < known.mask.is_valid.size(); ++k)
     known.mask.is_valid[k] = random.Uniform(0, 1) < 0.5;
@@ -230,7 +230,7 @@ TEST(PackCamera, RowTimeComesOutOfTheBlob) {
   const auto read = BlobCamera("blob", PackCamera(file, {}).blob).GetRowTime();
   ASSERT_TRUE(read);
   EXPECT_NEAR(read->seconds, -20.1e-6, 1e-12);
-  EXPECT_NEAR(read->deviation_s, 0.03e-6, 1e-12);
+  EXPECT_NEAR(read->stddev_s, 0.03e-6, 1e-12);
 }
 
 TEST(PackCamera, RecordsHowTheCameraStood) {

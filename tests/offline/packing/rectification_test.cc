@@ -5,7 +5,7 @@
 
 #include "camera/equivalent_central_camera.h"
 #include "packed_cameras.h"
-#include "simulation/line_lens.h"
+#include "simulation/noncentral_simulated_camera.h"
 
 namespace raygrid {
 namespace {
@@ -275,13 +275,13 @@ TEST(Rectify, RefusesPairsThatNoTwoImagesShow) {
   expect_refused(SideBySide(), 1.5, {"alpha 1.5"});
   expect_refused(SideBySide(), -0.1, {"alpha -0.1"});
   TestPair wide = SideBySide();
-  wide.first = wide.second = MakeSimulatedLens("fisheye190", kPairSize);
+  wide.first = wide.second = MakeSimulatedCamera("fisheye190", kPairSize);
   expect_refused(wide, 1, {"alpha 1", "alpha 0 or hfov"});
 }
 
 TEST(Rectify, ShowsAsMuchOfFisheyesAsIsOfUse) {
   TestPair wide = SideBySide();
-  wide.first = wide.second = MakeSimulatedLens("fisheye190", kPairSize);
+  wide.first = wide.second = MakeSimulatedCamera("fisheye190", kPairSize);
   EXPECT_NEAR(wide.Rectified(0).views[0].HorizontalFieldOfViewDeg(), 140, 2);
   const Rectification usual =
       Rectify({"a", *wide.first, wide.first_from_rig},
@@ -293,7 +293,7 @@ TEST(Rectify, ShowsAsMuchOfFisheyesAsIsOfUse) {
 TEST(Rectify, CamerasOfLinesKeepRowsAtTheirDistance) {
   constexpr double kDistanceM = 0.6;
   const auto lens =
-      std::make_shared<MovingPupilLens>(BentLens(kPairSize, 400), 0.02);
+      std::make_shared<MovingPupilCamera>(BentLens(kPairSize, 400), 0.02);
   const auto at_distance =
       std::make_shared<EquivalentCentralCamera>(*lens, kDistanceM);
   TestPair pair = SideBySide();

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "camera/central_radial.h"
-#include "camera/lens_models.h"
+#include "camera/model_registry.h"
 #include "packed_cameras.h"
 #include "ramp_images.h"
 
@@ -60,7 +60,7 @@ Equations OfOpenCv(const std::vector<double>& p, const double k[6],
 struct RandomLens {
   std::shared_ptr<const CameraModel> camera;
   Equations equations;
-  double reach_rad = M_PI;  // that the model never goes beyond
+  double max_supported_angle_rad = M_PI;  // that the model never goes beyond
 };
 
 std::vector<double> Focal(TestRandom* random, double least, double most) {
@@ -72,7 +72,7 @@ std::vector<double> Focal(TestRandom* random, double least, double most) {
 std::shared_ptr<const CameraModel> Make(const std::string& model,
                                         const std::vector<double>& parameters) {
   const ImageSize size = {640, 480};
-  return FindLensModel(model)->make(
+  return FindModelInfo(model)->make(
       size, WholeImage(size),
       Eigen::Map<const Eigen::VectorXd>(parameters.data(), parameters.size()));
 }
@@ -262,8 +262,9 @@ class TrueRegion {
  public:
   explicit TrueRegion(const RandomLens& lens) : equations_(lens.equations) {
     for (int k = 0; k < kAzimuths; ++k)
-      reach_.push_back(ReachAt(2 * M_PI * k / kAzimuths,
-                               std::min(lens.reach_rad, kChartRad)));
+      reach_.push_back(
+          ReachAt(2 * M_PI * k / kAzimuths,
+                  std::min(lens.max_supported_angle_rad, kChartRad)));
   }
 
   // The pixel at which a ray is seen, if the lens is regular up to it.
@@ -317,8 +318,9 @@ class TrueRegion {
   std::vector<double> reach_;
 };
 
-std::vector<VirtualView> ViewsOf(int seed, double reach_rad) {
-  const double all_deg = std::min(2 * reach_rad * 180 / M_PI, 350.0);
+std::vector<VirtualView> ViewsOf(int seed, double max_supported_angle_rad) {
+  const double all_deg =
+      std::min(2 * max_supported_angle_rad * 180 / M_PI, 350.0);
   const auto view = [](ViewProjection projection, double hfov_deg) {
     ViewRequest request;
     request.projection = projection;
@@ -441,7 +443,7 @@ std::optional<Shown> ExpectBlobIsRight(int seed) {
       "%.3f, "
       "rays %.3f, %zu bytes, %.2g px%s\n",
       seed, lens.camera->Name().c_str(), options.max_error_px,
-      truth.LeastReach() * 180 / M_PI, 100 * packed.left_out_part,
+      truth.LeastReach() * 180 / M_PI, 100 * packed.excluded_fraction,
       shown.of_view, shown.of_rays, packed.blob.size(),
       packed.unproject_error_px,
       packed.warnings.empty() ? "" : (" " + packed.warnings[0]).c_str());

@@ -202,8 +202,9 @@ TEST(FitRemapTable, KeepsThreeHundredthsOfAPixelInTwoHundredthsOfAByte) {
 // Views that look around and are turned. A grid has no bumps within 100 degrees
 // of a lens's axis.
 TEST(FitRemapTable, KeepsTheBoundForEveryProjection) {
-  const CentralGeneric camera = FitCentralGeneric(
-      *MakeSimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+  const CentralGeneric camera =
+      FitCentralGeneric(*MakeSimulatedCamera("fisheye190", {640, 480}),
+                        {50, 40, 590, 440}, 27, 21);
   for (const auto& [projection, hfov_deg] :
        {std::pair(ViewProjection::kPinhole, 90.0),
         std::pair(ViewProjection::kCylindrical, 180.0),
@@ -310,8 +311,9 @@ TEST(FitDistortionTable, UndoesTheOtherDirection) {
 
 TEST(FitDistortionTable, KeepsTheBoundForEveryProjection) {
   constexpr double kBound = 0.5;
-  const CentralGeneric camera = FitCentralGeneric(
-      *MakeSimulatedLens("fisheye190", {640, 480}), {50, 40, 590, 440}, 27, 21);
+  const CentralGeneric camera =
+      FitCentralGeneric(*MakeSimulatedCamera("fisheye190", {640, 480}),
+                        {50, 40, 590, 440}, 27, 21);
   for (const auto& [projection, hfov_deg] :
        {std::pair(ViewProjection::kPinhole, 90.0),
         std::pair(ViewProjection::kCylindrical, 180.0),
@@ -377,7 +379,7 @@ TEST(FitRemapTable, ReachesTheEdgeOfTheWidestImages) {
       const RemapTable small =
           FitRemapTable(lens, MakeView(lens, request), 0.05, 2);
       EXPECT_LE(small.max_error_px, 0.05);
-      EXPECT_EQ(small.num_out_of_reach > 0, NumEmptyBlocks(small) > 0);
+      EXPECT_EQ(small.num_out_of_range > 0, NumEmptyBlocks(small) > 0);
       EXPECT_LE(NumEmptyBlocks(small), 2);
     }
   }

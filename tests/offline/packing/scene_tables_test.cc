@@ -4,7 +4,7 @@
 #include "camera/noncentral_generic.h"
 #include "packed_cameras.h"
 #include "ramp_images.h"
-#include "simulation/line_lens.h"
+#include "simulation/noncentral_simulated_camera.h"
 
 namespace raygrid {
 namespace {
@@ -31,7 +31,7 @@ std::vector<Scene> Scenes() {
 }
 
 TEST(SceneTables, ShowTheSceneWithinTheBound) {
-  const MovingPupilLens lens(ExampleLens(), 0.02);
+  const MovingPupilCamera lens(ExampleLens(), 0.02);
   CameraFile file;
   file.camera = std::make_shared<NonCentralGeneric>(
       FitNonCentralGeneric(lens, lens.area(), 24, 18));
@@ -59,11 +59,12 @@ TEST(SceneTables, ShowTheSceneWithinTheBound) {
       }
     }
     std::printf("%s: within %.3f px, of what is far away %.2f px (told %.2f)\n",
-                scene.name, worst_px, far_px, *packed.remaps[0].far_error_px);
+                scene.name, worst_px, far_px,
+                *packed.remaps[0].distant_error_px);
     // Levels add a hundredth of a pixel in x and in y.
     EXPECT_LT(worst_px, 0.05 + 0.015);
     EXPECT_GT(far_px, 1);
-    EXPECT_NEAR(far_px, *packed.remaps[0].far_error_px, 0.1 * far_px);
+    EXPECT_NEAR(far_px, *packed.remaps[0].distant_error_px, 0.1 * far_px);
   }
 }
 

@@ -40,7 +40,7 @@ TEST(SensorModes, FramesOfThreeAreUndistortedThroughOneBlob) {
   PackOptions options = WithRemap();
   for (const ReadOutMode& read : ModesOfExample())
     options.remaps.emplace_back(
-        MakeViewOfMode(*GenericFile().camera, read.mode, {}), read.mode);
+        MakeModeView(*GenericFile().camera, read.mode, {}), read.mode);
   const PackedCamera packed = PackCamera(GenericFile(), options);
   const BlobCamera blob("packed", packed.blob);
   const Image ramps[2] = {RampImage({640, 480}, 0), RampImage({640, 480}, 1)};
@@ -81,15 +81,15 @@ TEST(SensorModes, ViewsShowTheMiddleOfCropsInTheMiddle) {
   const CameraModel& camera = *GenericFile().camera;
   const VirtualView whole = MakeView(camera, {});
   const SensorMode half = {"half", {320, 240}, {0, 0}, {2, 2}};
-  EXPECT_LT((MakeViewOfMode(camera, half, {}).center_px -
-             Eigen::Vector2d(159.5, 119.5))
-                .norm(),
-            1e-9);
+  EXPECT_LT(
+      (MakeModeView(camera, half, {}).center_px - Eigen::Vector2d(159.5, 119.5))
+          .norm(),
+      1e-9);
   const SensorMode low = {"low", {400, 200}, {211, 280}, {1, 1}};
   for (const double hfov_deg : {0.0, 40.0}) {
     ViewRequest request;
     if (hfov_deg > 0) request.hfov_deg = hfov_deg;
-    const VirtualView view = MakeViewOfMode(camera, low, request);
+    const VirtualView view = MakeModeView(camera, low, request);
     const auto of_crop =
         view.Pixel(*camera.Unproject(low.ToCalibrated({199.5, 99.5})));
     const auto of_whole = whole.Pixel(*camera.Unproject({319.5, 239.5}));
@@ -107,7 +107,7 @@ TEST(SensorModes, ViewsShowTheMiddleOfCropsInTheMiddle) {
 TEST(SensorModes, AreToldByTheBlob) {
   PackOptions options;
   SensorMode mode = {"turned", {160, 100}, {12.5, 20}, {2.5, 2.5}, true, true};
-  const VirtualView view = MakeViewOfMode(*GenericFile().camera, mode, {});
+  const VirtualView view = MakeModeView(*GenericFile().camera, mode, {});
   options.remaps = {RemapRequest(view, mode), RemapRequest(view, mode)};
   options.max_error_px = 0.2;
   const PackedCamera packed = PackCamera(GenericFile(), options);

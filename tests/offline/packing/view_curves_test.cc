@@ -51,8 +51,8 @@ TEST(MakeRoomLines, AreStraightInAPinhole) {
 
 TEST(MakeRoomLines, ReachFromEdgeToEdgeOfANarrowView) {
   const VirtualView view = PlainView(ViewProjection::kPinhole, 640 / 0.035);
-  const auto curves =
-      MakeRoomLines(view, Eigen::Matrix3d::Identity(), SquareOfView(view));
+  const auto curves = MakeRoomLines(view, Eigen::Matrix3d::Identity(),
+                                    ComputeViewSquareSize(view));
   ASSERT_GT(curves.size(), 2u);
   for (const PixelCurve& curve : curves)
     EXPECT_GT(std::max(Spread(curve, 0) - 640, Spread(curve, 1) - 480), 0);

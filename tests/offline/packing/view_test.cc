@@ -87,7 +87,7 @@ TEST(VirtualView, OfAlphaZeroHasNoBorderAndIsTheLargest) {
   for (const char* lens : {"pinhole", "wide", "fisheye"}) {
     for (const ImageSize size : {kViewedSize, ImageSize{200, 200}}) {
       const CentralGeneric camera =
-          FitCentralGeneric(*MakeSimulatedLens(lens, kViewedSize),
+          FitCentralGeneric(*MakeSimulatedCamera(lens, kViewedSize),
                             WholeImage(kViewedSize), 19, 15);
       VirtualView view = ViewOfAlpha(camera, size, 0);
       EXPECT_EQ(NumBorderPixels(camera, view), 0) << lens;
@@ -101,7 +101,7 @@ TEST(VirtualView, OfAlphaZeroHasNoBorderAndIsTheLargest) {
 }
 
 TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
-  const auto camera = MakeSimulatedLens("fisheye190", kViewedSize);
+  const auto camera = MakeSimulatedCamera("fisheye190", kViewedSize);
   const VirtualView view = ViewOfAlpha(*camera, kViewedSize, 0);
   EXPECT_NEAR(view.HorizontalFieldOfViewDeg(), 140, 1);
   for (int y = 0; y < kViewedSize.height; ++y)
@@ -113,7 +113,7 @@ TEST(VirtualView, OfAlphaZeroIsNotWiderThanUsefulWhereALensSeesMore) {
 TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
   for (const char* lens : {"pinhole", "wide"}) {
     for (const ImageSize size : {kViewedSize, ImageSize{200, 300}}) {
-      const auto camera = MakeSimulatedLens(lens, kViewedSize);
+      const auto camera = MakeSimulatedCamera(lens, kViewedSize);
       const VirtualView view = ViewOfAlpha(*camera, size, 1);
       Eigen::AlignedBox2d box;
       for (int y = 0; y < kViewedSize.height; ++y)
@@ -129,7 +129,7 @@ TEST(VirtualView, OfAlphaOneShowsEveryPixelAndIsTheSmallest) {
 
 // A fisheye's image circle within its image: corners are dark.
 std::unique_ptr<CameraModel> CameraWithCircle(const char* lens) {
-  auto camera = MakeSimulatedLens(lens, kViewedSize)->Clone();
+  auto camera = MakeSimulatedCamera(lens, kViewedSize)->Clone();
   camera->SetImageCircle(ImageCircle{{165, 115}, {100, 100}});
   return camera;
 }
@@ -175,8 +175,9 @@ TEST(VirtualView, OfAlphaOneShowsTheImageCircleAndNotMuchMore) {
 
 // Blocks of the table are up to 16 pixels wide.
 TEST(VirtualView, IsBorderBeyondTheImageCircle) {
-  const CentralGeneric unlimited = FitCentralGeneric(
-      *MakeSimulatedLens("wide", kViewedSize), WholeImage(kViewedSize), 19, 15);
+  const CentralGeneric unlimited =
+      FitCentralGeneric(*MakeSimulatedCamera("wide", kViewedSize),
+                        WholeImage(kViewedSize), 19, 15);
   const VirtualView wide = ViewOfAlpha(unlimited, kViewedSize, 1);
   CentralGeneric camera = unlimited;
   const ImageCircle circle = {{165, 115}, {100, 100}};
@@ -214,7 +215,7 @@ TEST(VirtualView, IsBorderBeyondTheImageCircle) {
 }
 
 TEST(VirtualView, OfAlphaBetweenIsBetween) {
-  const auto camera = MakeSimulatedLens("wide", kViewedSize);
+  const auto camera = MakeSimulatedCamera("wide", kViewedSize);
   const VirtualView none = ViewOfAlpha(*camera, kViewedSize, 0),
                     half = ViewOfAlpha(*camera, kViewedSize, 0.5),
                     all = ViewOfAlpha(*camera, kViewedSize, 1);
@@ -224,7 +225,7 @@ TEST(VirtualView, OfAlphaBetweenIsBetween) {
 }
 
 TEST(VirtualView, OfAlphaOneIsRefusedForLensesThatNoPinholeShows) {
-  const auto camera = MakeSimulatedLens("fisheye190", kViewedSize);
+  const auto camera = MakeSimulatedCamera("fisheye190", kViewedSize);
   ViewRequest request = RequestOf(kViewedSize);
   request.alpha = 1;
   ExpectRefused(*camera, request, {"alpha", "degrees off its axis", "alpha=0"});
@@ -309,8 +310,9 @@ TEST(VirtualView, IsTurnedToTheRightThenUpThenClockwise) {
 
 TEST(VirtualView, OfAnyProjectionAndAlphaZeroHasNoBorder) {
   for (const char* lens : {"wide", "fisheye", "fisheye190"}) {
-    const CentralGeneric camera = FitCentralGeneric(
-        *MakeSimulatedLens(lens, kViewedSize), WholeImage(kViewedSize), 19, 15);
+    const CentralGeneric camera =
+        FitCentralGeneric(*MakeSimulatedCamera(lens, kViewedSize),
+                          WholeImage(kViewedSize), 19, 15);
     for (const ViewProjection projection : kProjections) {
       ViewRequest request = RequestOf({480, 360});
       request.projection = projection;
@@ -326,7 +328,7 @@ TEST(VirtualView, OfAnyProjectionAndAlphaZeroHasNoBorder) {
 
 TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
   for (const char* lens : {"pinhole", "wide", "fisheye190"}) {
-    const auto camera = MakeSimulatedLens(lens, kViewedSize);
+    const auto camera = MakeSimulatedCamera(lens, kViewedSize);
     for (const ViewProjection projection : kProjections) {
       if (projection == ViewProjection::kPinhole) continue;
       ViewRequest request = RequestOf({200, 150});
@@ -360,7 +362,7 @@ TEST(VirtualView, OfAnyProjectionAndAlphaOneShowsEveryPixel) {
 TEST(VirtualView, OfAlphaZeroAndOneIsSoForEveryOtherLens) {
   for (const char* lens : {"example", "noncentral", "glass"}) {
     const ImageSize size = {640, 480};
-    const auto truth = MakeSimulatedLens(lens, size);
+    const auto truth = MakeSimulatedCamera(lens, size);
     const std::unique_ptr<CameraModel> camera =
         truth->IsCentral()
             ? FitCentralGeneric(*truth, WholeImage(size), 27, 21).Clone()

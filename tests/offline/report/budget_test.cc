@@ -22,7 +22,7 @@ ResidualBudget ExampleBudget() {
                                              0.001, 0.02, false};
   CauseShare& bends =
       budget.causes[static_cast<size_t>(ErrorCause::kDeformation)];
-  bends.in_turn = bends.alone = 0.5;
+  bends.sequential_share = bends.alone = 0.5;
   bends.is_indistinguishable = true;
   budget.causes[0] = {false, "7 views, at least <8> required"};
   budget.column_delay = 0.04;

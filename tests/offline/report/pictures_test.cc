@@ -1,11 +1,10 @@
-#include "report/pictures.h"
-
 #include <cmath>
 #include <set>
 
 #include "report/color_scale.h"
-#include "report/stereo_pictures.h"
-#include "report/uncertainty_picture.h"
+#include "report/plots.h"
+#include "report/stereo_figures.h"
+#include "report/uncertainty_plot.h"
 #include "support.h"
 
 namespace raygrid {
@@ -16,10 +15,10 @@ TEST(Pictures, HaveTheImagesSize) {
       {"a", 0, 0, 0, {100, 200}, {1, 0}}, {"a", 0, 0, 0, {500, 200}, {0, 3}}};
   const ImageSize size = {640, 480};
   const Area area = {10, 10, 600, 400};
-  for (const Image& picture : {DrawCoveragePicture(residuals, size, area),
-                               DrawDirectionPicture(residuals, size, area),
-                               DrawMagnitudePicture(residuals, size, area, 0.3),
-                               DrawDirectionPicture({}, size, area)}) {
+  for (const Image& picture : {DrawCoveragePlot(residuals, size, area),
+                               DrawDirectionPlot(residuals, size, area),
+                               DrawMagnitudePlot(residuals, size, area, 0.3),
+                               DrawDirectionPlot({}, size, area)}) {
     EXPECT_EQ(picture.size, size);
     EXPECT_EQ(picture.pixels.size(), 640u * 480u * picture.channels);
   }
@@ -34,7 +33,7 @@ TEST(Pictures, DirectionIsThatOfTheNearestResidual) {
   const std::vector<FeatureResidual> residuals = {
       {"a", 0, 0, 0, {100, 200}, {1, 0}}, {"a", 0, 0, 0, {500, 200}, {0, 3}}};
   const Image picture =
-      DrawDirectionPicture(residuals, {640, 480}, {0, 0, 639, 479});
+      DrawDirectionPlot(residuals, {640, 480}, {0, 0, 639, 479});
   const Image legend = DrawDirectionLegend(101);
   EXPECT_EQ(GetPixel(picture, 50, 400), GetPixel(legend, 95, 50));
   EXPECT_EQ(GetPixel(picture, 600, 10), GetPixel(legend, 50, 95));
@@ -45,16 +44,16 @@ TEST(Pictures, FeaturesOnTheImagesEdgeAreDrawnToo) {
   const std::vector<FeatureResidual> residuals = {
       {"a", 0, 0, 0, {-0.5, -0.5}, {1, 0}},
       {"a", 0, 0, 0, {639.49, 479.49}, {0, 0}}};
-  const Image picture = DrawMagnitudePicture(residuals, {640, 480},
-                                             {-0.5, -0.5, 639.5, 479.5}, 1);
+  const Image picture =
+      DrawMagnitudePlot(residuals, {640, 480}, {-0.5, -0.5, 639.5, 479.5}, 1);
   EXPECT_NE(GetPixel(picture, 0, 0), GetPixel(picture, 639, 479));
 }
 
-TEST(DrawDisplacementPicture, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
+TEST(DrawDisplacementPlot, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
   constexpr int kColumns = 12, kCellPx = 8;
   std::vector<Eigen::Vector2d> displacements(kColumns * 12, {0.5, 0});
   displacements[0] = {NAN, NAN};
-  const Image picture = DrawDisplacementPicture(displacements, kColumns, 1);
+  const Image picture = DrawDisplacementPlot(displacements, kColumns, 1);
   EXPECT_EQ(picture.size, (ImageSize{kColumns * kCellPx, 12 * kCellPx}));
   EXPECT_EQ(GetPixel(picture, 2, 2), (std::vector<uint8_t>{255, 255, 255}));
   const auto half = GetColor(ColorScale::kEven, 0.5);
@@ -74,17 +73,17 @@ TEST(DrawDisplacementPicture, IsTheSizeInColoursUnderArrowsAndWhiteWithout) {
   EXPECT_LT(level(18, 0), 200);
 }
 
-TEST(DrawUncertaintyPicture, IsHatchedWhereNotTrustedAndGreyOutside) {
+TEST(DrawUncertaintyPlot, IsHatchedWhereNotTrustedAndGreyOutside) {
   CameraUncertainty uncertainty;
   uncertainty.lattice = {2, 2, {0.001, 0.001, 0.001, 0.001}};
-  uncertainty.max_deviation_px = 0.01;
+  uncertainty.max_stddev_px = 0.01;
   uncertainty.mask = ValidityMask::Over({800, 600});
   for (int cell = 0; cell < uncertainty.mask.columns * uncertainty.mask.rows;
        ++cell)
     uncertainty.mask.is_valid[cell] =
         uncertainty.mask.CellCenter(cell).x() < 400;
   const Image image =
-      DrawUncertaintyPicture(uncertainty, {800, 600}, {100, 100, 700, 500});
+      DrawUncertaintyPlot(uncertainty, {800, 600}, {100, 100, 700, 500});
   EXPECT_EQ(image.size.width, 800);
   const auto count_colors = [&image](int first_x, int last_x) {
     std::set<std::vector<uint8_t>> colors;
@@ -106,7 +105,7 @@ RectifiedImages ShiftedTexture() {
   TestRandom random(3);
   const ImageSize size = {200, 100};
   RectifiedImages images;
-  for (Image* image : {&images.first, &images.second, &images.first_shown}) {
+  for (Image* image : {&images.first, &images.second, &images.first_mask}) {
     image->size = size;
     image->pixels.assign(static_cast<size_t>(size.width) * size.height, 255);
   }
@@ -119,8 +118,8 @@ RectifiedImages ShiftedTexture() {
 
 TEST(StereoPictures, DisparitiesAreThoseOfTheImages) {
   RectifiedImages images = ShiftedTexture();
-  for (size_t k = 0; k < 50 * 200; ++k) images.first_shown.pixels[k] = 0;
-  const Image picture = DrawDisparityPicture(images, 64);
+  for (size_t k = 0; k < 50 * 200; ++k) images.first_mask.pixels[k] = 0;
+  const Image picture = DrawDisparityMap(images, 64);
   EXPECT_EQ(picture.size, images.first.size);
   const auto expected = GetColor(ColorScale::kEven, 20.0 / 64);
   int num_right = 0, num_white = 0;
@@ -150,12 +149,12 @@ TEST(StereoPictures, VerticalPairsAreThoseThatLieDown) {
   };
   const RectifiedImages standing = {transposed(images.first),
                                     transposed(images.second),
-                                    transposed(images.first_shown), true};
-  EXPECT_EQ(DrawDisparityPicture(standing, 64).pixels,
-            transposed(DrawDisparityPicture(images, 64)).pixels);
-  const Image rows = DrawRowsPicture(images);
+                                    transposed(images.first_mask), true};
+  EXPECT_EQ(DrawDisparityMap(standing, 64).pixels,
+            transposed(DrawDisparityMap(images, 64)).pixels);
+  const Image rows = DrawRectifiedRows(images);
   EXPECT_EQ(rows.size, (ImageSize{400, 100}));
-  EXPECT_EQ(DrawRowsPicture(standing).pixels, transposed(rows).pixels);
+  EXPECT_EQ(DrawRectifiedRows(standing).pixels, transposed(rows).pixels);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "dataset/files.h"
 #include "report/html.h"
 #include "report/html_report.h"
-#include "report/pictures.h"
+#include "report/plots.h"
 #include "report/residual_file.h"
 #include "report/result_folder.h"
 #include "report/result_json.h"
@@ -151,8 +151,8 @@ std::string FirstPicture(const std::string& html) {
 TEST(HtmlReport, PicturesAreWholePngs) {
   const CalibrationResult result = ExampleResult();
   EXPECT_EQ(FirstPicture(ExampleReport()),
-            EncodePng(DrawCoveragePicture(result.training, {640, 480},
-                                          result.camera.camera->area())));
+            EncodePng(DrawCoveragePlot(result.training, {640, 480},
+                                       result.camera.camera->area())));
 }
 
 TEST(HtmlReport, GivesOtherModelsAndTheBiasOfNoise) {
@@ -464,7 +464,7 @@ RigResult ExampleRig() {
   rig.camera_from_rig = {{}, {RotationFromVector({0, 0.5, 0}), {-0.3, 0.4, 0}}};
   rig.baselines = ComputeBaselines(rig.camera_from_rig);
   rig.baselines[0].num_shared_views = 9;
-  rig.baselines[0].distance_sd_m = 0.00025;
+  rig.baselines[0].distance_stddev_m = 0.00025;
   rig.held_out = {rig.cameras[0].held_out, rig.cameras[1].held_out};
   rig.converged = true;
   rig.assessment = AssessRig(rig);

@@ -81,10 +81,10 @@ TEST(ResultKeys, ResultsOfVersion1AreRead) {
   EXPECT_EQ(camera.jackknife_scale, 1.5);
   EXPECT_FALSE(camera.extrapolated);
   EXPECT_EQ(camera.fleet_distance->units_px, 0.5);
-  EXPECT_DOUBLE_EQ(camera.line_delay->value.deviation_s, 0.5e-6);
+  EXPECT_DOUBLE_EQ(camera.line_delay->value.stddev_s, 0.5e-6);
   EXPECT_TRUE(camera.line_delay->is_compensated);
   EXPECT_EQ(camera.line_delay->num_left_out, 1);
-  EXPECT_EQ(camera.line_spread->max_m, 0.002);
+  EXPECT_EQ(camera.noncentrality->max_m, 0.002);
   EXPECT_EQ(metrics.packing[0]->warnings[0], "no table");
   EXPECT_EQ(metrics.rigid_target_summary.size(), 1u);
 }
@@ -101,8 +101,8 @@ TEST(ResultKeys, BudgetsOfVersion1AreRead) {
   EXPECT_TRUE(budget.facts.tried_noncentral);
   EXPECT_EQ(budget.Of(ErrorCause::kImagePosition).unobservable_reason,
             "too few");
-  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).in_turn, 0.02);
-  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).chance_high, 0.002);
+  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).sequential_share, 0.02);
+  EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).random_limit, 0.002);
 }
 
 TEST(ResultKeys, KeysOfVersion2AreRenamed) {

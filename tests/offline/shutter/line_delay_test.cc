@@ -36,7 +36,7 @@ struct Recording {
 
 Recording Record(const Clip& clip, uint64_t seed) {
   Recording recording;
-  recording.camera = MakeSimulatedLens(clip.lens, clip.size);
+  recording.camera = MakeSimulatedCamera(clip.lens, clip.size);
   SimulationOptions options;
   options.num_images = clip.num_frames;
   options.features_per_image = 60;
@@ -67,7 +67,7 @@ Errors ErrorsOf(const Clip& clip, int num_seeds) {
     EXPECT_EQ(found.unobservable_reason, "") << "seed " << seed;
     const double error_s = found.value.seconds - clip.line_delay_us * 1e-6;
     errors.largest_s = std::max(errors.largest_s, std::abs(error_s));
-    errors.rms_z += std::pow(error_s / found.value.deviation_s, 2) / num_seeds;
+    errors.rms_z += std::pow(error_s / found.value.stddev_s, 2) / num_seeds;
   }
   errors.rms_z = std::sqrt(errors.rms_z);
   return errors;
@@ -116,8 +116,7 @@ TEST(LineDelay, OfAFewPixelsOfMotionIsToldOrNotButNeverWrong) {
       const LineDelayEstimate found =
           EstimateLineDelay(Record(Clip{20, 0.1, speed}, seed).Views());
       if (!found.IsDetermined()) continue;
-      EXPECT_LT(std::abs(found.value.seconds - 20e-6),
-                5 * found.value.deviation_s)
+      EXPECT_LT(std::abs(found.value.seconds - 20e-6), 5 * found.value.stddev_s)
           << speed;
     }
 }
@@ -150,9 +149,8 @@ TEST(LineDelay, DeviationCountsMotionsThatAreQuickForTheFrames) {
     const LineDelayEstimate found =
         EstimateLineDelay(Record(Clip{20, 0.02, 3, 150, 10}, seed).Views());
     ASSERT_TRUE(found.IsDetermined()) << found.unobservable_reason;
-    EXPECT_GT(found.value.deviation_s, 0.2e-6);
-    EXPECT_LT(std::abs(found.value.seconds - 20e-6),
-              3 * found.value.deviation_s);
+    EXPECT_GT(found.value.stddev_s, 0.2e-6);
+    EXPECT_LT(std::abs(found.value.seconds - 20e-6), 3 * found.value.stddev_s);
   }
 }
 
@@ -166,9 +164,8 @@ TEST(LineDelay, DeviationCountsTimesThatScatter) {
     for (auto& [image, time_s] : recording.times) time_s += scatter_s(random);
     const LineDelayEstimate found = EstimateLineDelay(recording.Views());
     ASSERT_TRUE(found.IsDetermined()) << found.unobservable_reason;
-    EXPECT_LT(std::abs(found.value.seconds - 20e-6),
-              3 * found.value.deviation_s)
-        << found.value.seconds << " s, " << found.value.deviation_s;
+    EXPECT_LT(std::abs(found.value.seconds - 20e-6), 3 * found.value.stddev_s)
+        << found.value.seconds << " s, " << found.value.stddev_s;
   }
 }
 
@@ -200,9 +197,9 @@ int CountTold(const Clip& clip, int num_seeds, double dropped_part,
     if (!found.IsDetermined()) continue;
     ++num_reported;
     EXPECT_LT(std::abs(found.value.seconds - clip.line_delay_us * 1e-6),
-              5 * found.value.deviation_s)
+              5 * found.value.stddev_s)
         << "seed " << seed << ": " << found.value.seconds << " +- "
-        << found.value.deviation_s;
+        << found.value.stddev_s;
   }
   return num_reported;
 }

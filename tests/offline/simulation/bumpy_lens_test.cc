@@ -1,6 +1,5 @@
-#include "simulation/bumpy_lens.h"
-
 #include "camera/opencv.h"
+#include "simulation/bumpy_camera.h"
 #include "support.h"
 
 namespace raygrid {
@@ -15,8 +14,8 @@ OpenCvModel LensBehindBumps() {
       {265, 266, 161, 118, -0.28, 0.09, 0, 0, 0, 0, 7e-4, -4e-4});
 }
 
-TEST(BumpyLens, ProjectionInvertsLines) {
-  const BumpyLens lens(LensBehindBumps(), kBumpyArea, {20, 0.2, 2e-4, 1});
+TEST(BumpyCamera, ProjectionInvertsLines) {
+  const BumpyCamera lens(LensBehindBumps(), kBumpyArea, {20, 0.2, 2e-4, 1});
   EXPECT_FALSE(lens.IsCentral());
   TestRandom random(1);
   for (int i = 0; i < 500; ++i) {
@@ -30,9 +29,10 @@ TEST(BumpyLens, ProjectionInvertsLines) {
   }
 }
 
-TEST(BumpyLens, HasBumpsOfItsHeightAllOverTheImage) {
+TEST(BumpyCamera, HasBumpsOfItsHeightAllOverTheImage) {
   for (const double width_px : {20.0, 40.0, 60.0}) {
-    const BumpyLens lens(LensBehindBumps(), kBumpyArea, {width_px, 0.2, 0, 1});
+    const BumpyCamera lens(LensBehindBumps(), kBumpyArea,
+                           {width_px, 0.2, 0, 1});
     // Each square of the lattice has a place where a bump is highest.
     const double side = 2 * width_px;
     for (double y = -1; y + side <= 240; y += side)
@@ -47,9 +47,9 @@ TEST(BumpyLens, HasBumpsOfItsHeightAllOverTheImage) {
   }
 }
 
-TEST(BumpyLens, HasBumpsAsWideAsAskedAtHalfTheirHeight) {
+TEST(BumpyCamera, HasBumpsAsWideAsAskedAtHalfTheirHeight) {
   constexpr double kWidthPx = 200;  // one bump in the image
-  const BumpyLens lens(LensBehindBumps(), kBumpyArea, {kWidthPx, 1, 0, 3});
+  const BumpyCamera lens(LensBehindBumps(), kBumpyArea, {kWidthPx, 1, 0, 3});
   Eigen::Vector2d top(0, 0);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x)
@@ -61,8 +61,8 @@ TEST(BumpyLens, HasBumpsAsWideAsAskedAtHalfTheirHeight) {
               there / 2, 0.05);
 }
 
-TEST(BumpyLens, ShiftsWithoutAJumpWhereBumpsBeginToCount) {
-  const BumpyLens lens(LensBehindBumps(), kBumpyArea, {20, 0.2, 0, 1});
+TEST(BumpyCamera, ShiftsWithoutAJumpWhereBumpsBeginToCount) {
+  const BumpyCamera lens(LensBehindBumps(), kBumpyArea, {20, 0.2, 0, 1});
   for (int y = 0; y < 240; y += 7)
     for (double x = 39; x < 319; x += 40)  // the lattice's lines
       EXPECT_LT((lens.Shift({x + 1e-9, double(y)}) -

@@ -1,6 +1,5 @@
-#include "simulation/line_lens.h"
-
-#include "evaluation/line_spread.h"
+#include "evaluation/noncentrality.h"
+#include "simulation/noncentral_simulated_camera.h"
 #include "support.h"
 
 namespace raygrid {
@@ -8,11 +7,11 @@ namespace {
 
 constexpr ImageSize kLinesSize = {320, 240};
 
-TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
-  const auto pinhole = MakeSimulatedLens("pinhole", kLinesSize);
+TEST(CoverGlassCamera, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
+  const auto pinhole = MakeSimulatedCamera("pinhole", kLinesSize);
   GlassPlate plate;
   plate.tilt_rad = 0.4;
-  const GlassLens lens(*pinhole, plate);
+  const CoverGlassCamera lens(*pinhole, plate);
   const Eigen::Vector3d normal(std::sin(0.4), 0, std::cos(0.4));
   TestRandom random(1);
   for (int i = 0; i < 100; ++i) {
@@ -32,17 +31,17 @@ TEST(GlassLens, DisplacesLinesAsSnellSaysAndDoesNotTurnThem) {
   }
 }
 
-TEST(GlassLens, ThinAirDoesNothing) {
+TEST(CoverGlassCamera, ThinAirDoesNothing) {
   GlassPlate air;
   air.refractive_index = 1;
-  const auto pinhole = MakeSimulatedLens("pinhole", kLinesSize);
-  const GlassLens lens(*pinhole, air);
-  EXPECT_LT(MeasureLineSpread(lens).max_m, 1e-12);
+  const auto pinhole = MakeSimulatedCamera("pinhole", kLinesSize);
+  const CoverGlassCamera lens(*pinhole, air);
+  EXPECT_LT(ComputeNoncentrality(lens).max_m, 1e-12);
 }
 
-TEST(LineLens, ProjectionInvertsLines) {
+TEST(NoncentralSimulatedCamera, ProjectionInvertsLines) {
   for (const char* name : {"glass", "noncentral"}) {
-    const auto lens = MakeSimulatedLens(name, kLinesSize);
+    const auto lens = MakeSimulatedCamera(name, kLinesSize);
     EXPECT_FALSE(lens->IsCentral());
     TestRandom random(2);
     for (int i = 0; i < 200; ++i) {
@@ -55,8 +54,8 @@ TEST(LineLens, ProjectionInvertsLines) {
   }
 }
 
-TEST(LineLens, DerivativeByPointIsThatOfProjection) {
-  const auto lens = MakeSimulatedLens("glass", kLinesSize);
+TEST(NoncentralSimulatedCamera, DerivativeByPointIsThatOfProjection) {
+  const auto lens = MakeSimulatedCamera("glass", kLinesSize);
   TestRandom random(3);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector2d pixel = random.PixelIn(WholeImage(kLinesSize));
@@ -72,22 +71,22 @@ TEST(LineLens, DerivativeByPointIsThatOfProjection) {
   }
 }
 
-TEST(LineSpread, OfACentralCameraIsZero) {
-  const LineSpread spread = MeasureLineSpread(ExampleLens());
+TEST(Noncentrality, OfACentralCameraIsZero) {
+  const Noncentrality spread = ComputeNoncentrality(ExampleLens());
   EXPECT_EQ(spread.max_m, 0);
   EXPECT_EQ(spread.nearest_point, Eigen::Vector3d::Zero());
 }
 
-TEST(LineSpread, FindsThePointWhereAllLinesMeet) {
+TEST(Noncentrality, FindsThePointWhereAllLinesMeet) {
   const Eigen::Vector3d point(0.001, -0.002, 0.005);
-  const LineSpread spread = MeasureLineSpread(
-      NonCentralGeneric(CentralPart(ExampleLines())).WithOrigin(-point));
+  const Noncentrality spread = ComputeNoncentrality(
+      NonCentralGeneric(MakeCentral(ExampleLines())).WithOrigin(-point));
   EXPECT_LT((spread.nearest_point - point).norm(), 1e-9);
   EXPECT_LT(spread.max_m, 1e-9);
 }
 
-TEST(LineSpread, OfTwistedLinesIsTheTwist) {
-  const CentralGeneric directions = CentralPart(ExampleLines());
+TEST(Noncentrality, OfTwistedLinesIsTheTwist) {
+  const CentralGeneric directions = MakeCentral(ExampleLines());
   NonCentralGeneric camera(directions);
   Eigen::VectorXd parameters = camera.Parameters();
   // A twist about the z axis: no point is nearer to all.
@@ -96,7 +95,7 @@ TEST(LineSpread, OfTwistedLinesIsTheTwist) {
     parameters.segment<3>(k + 2) << -kTwist * parameters[k + 1],
         kTwist * parameters[k], 0;
   camera.SetParameters(parameters);
-  const LineSpread spread = MeasureLineSpread(camera);
+  const Noncentrality spread = ComputeNoncentrality(camera);
   double largest = 0;
   for (const double x : {0.0, 639.0})
     for (const double y : {0.0, 479.0}) {

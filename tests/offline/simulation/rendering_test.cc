@@ -1,7 +1,7 @@
 #include <Eigen/LU>
 
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -51,7 +51,8 @@ double InkInRow(const RenderedImage& image, int row, int first, int last) {
 
 // The column where the board's edge x = x_m crosses a row of the image.
 double EdgeInRow(const CameraModel& camera, const Pose& pose,
-                 const BoardBend& bend, double x_m, double row, double y_m) {
+                 const BoardCurvature& bend, double x_m, double row,
+                 double y_m) {
   Eigen::Vector2d pixel;
   for (int iteration = 0; iteration < 20; ++iteration) {
     const auto project = [&](double y) {
@@ -71,7 +72,7 @@ void ExpectExactEdges(const CameraModel& camera, double bend_m,
                       double tolerance_px) {
   Board board = TwoByTwo(0.04);
   const BoardSurface surface(board, bend_m);
-  const BoardBend bend(board, bend_m);
+  const BoardCurvature bend(board, bend_m);
   const PixelRays rays(camera, 2);
   double largest = 0;
   for (const double tilt : {0.0, 0.1, 0.5, -0.7}) {
@@ -96,11 +97,11 @@ void ExpectExactEdges(const CameraModel& camera, double bend_m,
 
 TEST(RenderImage, EdgesLieWhereTheProjectionSays) {
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"})
-    ExpectExactEdges(*MakeSimulatedLens(lens, kSize), 0, 0.0005);
+    ExpectExactEdges(*MakeSimulatedCamera(lens, kSize), 0, 0.0005);
 }
 
 TEST(RenderImage, EdgesOfBentBoardsLieWhereTheProjectionSays) {
-  ExpectExactEdges(*MakeSimulatedLens("pinhole", kSize), 0.002, 0.001);
+  ExpectExactEdges(*MakeSimulatedCamera("pinhole", kSize), 0.002, 0.001);
 }
 
 // The second moment of an edge's derivative, about its place, in a row.
@@ -116,7 +117,7 @@ double EdgeVariance(const RenderedImage& image, int row, double edge) {
 TEST(RenderImage, BlurHasTheWidthAskedFor) {
   const Board board = TwoByTwo(0.04);
   const BoardSurface surface(board);
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const Pose pose = {Eigen::Quaterniond::Identity(), {-0.02, -0.02, 0.13}};
   const double edge = camera->Project(pose * Eigen::Vector3d(0, 0.02, 0))->x();
   for (const double blur : {0.5, 0.7, 1.5}) {
@@ -174,7 +175,7 @@ Eigen::Vector2d CentroidOfInk(const CameraModel& camera,
 TEST(RenderImage, CentroidOfTheInkIsExact) {
   const Board board = TwoByTwo(0.004);
   const BoardSurface surface(board);
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const PixelRays rays(*camera, 1);
   for (int i = 0; i < 5; ++i) {
     const Pose pose = {Eigen::Quaterniond::Identity(),
@@ -194,7 +195,7 @@ TEST(RenderImage, CentroidOfTheInkIsExact) {
 TEST(RenderImage, AnyNumberOfThreadsGivesTheSameBytes) {
   const Board board = StarBoard();
   const BoardSurface surface(board);
-  const auto camera = MakeSimulatedLens("wide", {321, 241});
+  const auto camera = MakeSimulatedCamera("wide", {321, 241});
   const Pose pose = Facing(board, 0.2, 0.4);
   const RenderedImage one = RenderImage(
       PixelRays(*camera, 1), {{&surface, pose}}, ImagingOptions(), 1);
@@ -207,7 +208,7 @@ TEST(RenderImage, VignettingTakesItsPartInTheCorners) {
   ImagingOptions options = PlainOptions();
   options.vignetting = 0.4;
   const RenderedImage image = RenderImage(
-      PixelRays(*MakeSimulatedLens("pinhole", kSize), 1), {}, options, 1);
+      PixelRays(*MakeSimulatedCamera("pinhole", kSize), 1), {}, options, 1);
   EXPECT_NEAR(image.at(0, 0), 0.6 * 200, 1e-3);
   EXPECT_NEAR(image.at(319, 239), 0.6 * 200, 1e-3);
   EXPECT_NEAR(image.at(160, 120), 200, 0.1);
@@ -216,7 +217,7 @@ TEST(RenderImage, VignettingTakesItsPartInTheCorners) {
 TEST(RenderImage, NearerBoardsHideFartherOnes) {
   const Board board = TwoByTwo(0.04);
   const BoardSurface surface(board), small(TwoByTwo(0.01));
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const Pose far = {Eigen::Quaterniond::Identity(), {-0.02, -0.02, 0.2}};
   const Pose near = {Eigen::Quaterniond::Identity(), {-0.005, -0.005, 0.1}};
   const PixelRays rays(*camera, 1);
@@ -250,18 +251,18 @@ TEST(AddNoiseAndQuantize, GammaAndSaturation) {
             (std::vector<uint8_t>{0, 128, 255}));
 }
 
-TEST(MakeSimulatedLens, ProjectionInvertsUnprojection) {
+TEST(MakeSimulatedCamera, ProjectionInvertsUnprojection) {
   for (const char* name : {"pinhole", "wide", "fisheye"})
-    ExpectRoundTrip(*MakeSimulatedLens(name, kSize), 1e-6);
+    ExpectRoundTrip(*MakeSimulatedCamera(name, kSize), 1e-6);
 }
 
-TEST(MakeSimulatedLens, DerivativeByPointIsThatOfProjection) {
+TEST(MakeSimulatedCamera, DerivativeByPointIsThatOfProjection) {
   for (const char* name : {"pinhole", "wide", "fisheye"})
-    ExpectDerivativeByPoint(*MakeSimulatedLens(name, kSize), 1e-5);
+    ExpectDerivativeByPoint(*MakeSimulatedCamera(name, kSize), 1e-5);
 }
 
-TEST(MakeSimulatedLens, FisheyeSeesBehindTheImagePlane) {
-  const auto camera = MakeSimulatedLens("fisheye190", kSize);
+TEST(MakeSimulatedCamera, FisheyeSeesBehindTheImagePlane) {
+  const auto camera = MakeSimulatedCamera("fisheye190", kSize);
   const auto left = camera->Unproject({0, 120});
   ASSERT_TRUE(left);
   EXPECT_LT(left->z(), 0);
@@ -270,15 +271,15 @@ TEST(MakeSimulatedLens, FisheyeSeesBehindTheImagePlane) {
       1e-9);
 }
 
-TEST(MakeSimulatedLens, UnknownNamesAreRefused) {
+TEST(MakeSimulatedCamera, UnknownNamesAreRefused) {
   ExpectError(ExitCode::kInput, {"fisheye190"},
-              [] { MakeSimulatedLens("zoom", kSize); });
+              [] { MakeSimulatedCamera("zoom", kSize); });
   ExpectError(ExitCode::kInput, {"640x480"},
-              [] { MakeSimulatedLens("example", kSize); });
+              [] { MakeSimulatedCamera("example", kSize); });
 }
 
 TEST(RenderObservations, OfANonCentralLensLieOnItsLines) {
-  const auto lens = MakeSimulatedLens("noncentral", kSize);
+  const auto lens = MakeSimulatedCamera("noncentral", kSize);
   SimulationOptions options;
   options.num_images = 3;
   options.features_per_image = 40;
@@ -309,13 +310,13 @@ TEST(RenderObservations, ImagesThatHardlyOccurAreRefused) {
   SimulationOptions options;
   options.features_per_image = 81;  // one more than there are
   ExpectError(ExitCode::kTooFew, {"81 features"}, [&] {
-    SimulateObservations(*MakeSimulatedLens("pinhole", kSize), pattern,
+    SimulateObservations(*MakeSimulatedCamera("pinhole", kSize), pattern,
                          options);
   });
 }
 
 TEST(RandomPoses, BoardsLookOutOfAllTheImageAtTheSizesAskedFor) {
-  const auto camera = MakeSimulatedLens("fisheye190", kSize);
+  const auto camera = MakeSimulatedCamera("fisheye190", kSize);
   const Board board = StarBoard();
   const Eigen::Vector3d center = board.points.back() / 2;
   PoseOptions options;

@@ -129,7 +129,7 @@ TEST(SimulateObservations, SharedNoiseIsAlikeBetweenNeighboursInAnImage) {
 TEST(SimulateObservations, WithoutNoiseTheyAreExactAndInsideTheImage) {
   SimulationOptions options = FewImages();
   options.noise_px = 0;
-  options.board_bend_m = 0.004;
+  options.board_sagitta_m = 0.004;
   const Area image = WholeImage({640, 480});
   int count = 0;
   ForEachFeature(Simulate(options), [&](const Eigen::Vector2d& exact,
@@ -151,7 +151,7 @@ TEST(SimulateObservations, NoisyFeaturesStayInsideTheImage) {
 
 TEST(SimulateObservations, BendLiftsTheBoardsEdges) {
   SimulationOptions options = FewImages();
-  options.board_bend_m = 0.003;
+  options.board_sagitta_m = 0.003;
   const SimulatedObservations simulated = Simulate(options);
   double largest = 0;
   for (const Eigen::Vector3d& p : simulated.true_pattern.boards[0].points)

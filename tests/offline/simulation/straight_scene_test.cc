@@ -33,9 +33,9 @@ TEST(StraightScene, ShowsSquaresThatMeetInTheAxis) {
 
 TEST(StraightScene, HasAboutADozenSquaresAcross) {
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
-    const auto camera = MakeSimulatedLens(lens, {320, 240});
+    const auto camera = MakeSimulatedCamera(lens, {320, 240});
     const double across = ComputeVisibleAngleDeg(*camera, 0) * M_PI / 180 /
-                          SquareOfStraightScene(*camera);
+                          ComputeSceneSquareSize(*camera);
     EXPECT_GT(across, 8) << lens;
     EXPECT_LT(across, 17) << lens;
   }
@@ -47,7 +47,7 @@ TEST(SeenAngle, IsThatBetweenTheAreasEdges) {
   EXPECT_NEAR(ComputeVisibleAngleDeg(PlainCamera(), 0),
               2 * half_rad * 180 / M_PI, 1e-9);
   EXPECT_NEAR(
-      ComputeVisibleAngleDeg(*MakeSimulatedLens("fisheye190", {640, 480}), 0),
+      ComputeVisibleAngleDeg(*MakeSimulatedCamera("fisheye190", {640, 480}), 0),
       190, 3);
 }
 

@@ -1,6 +1,5 @@
-#include "simulation/uneven_lens.h"
-
 #include "camera/model_fitting.h"
+#include "simulation/asymmetric_camera.h"
 #include "support.h"
 
 namespace raygrid {
@@ -12,7 +11,7 @@ constexpr double kMiddleX = 319.5, kMiddleY = 239.5;
 class UnevenLensOf : public testing::TestWithParam<const char*> {
  protected:
   std::unique_ptr<CameraModel> lens_ =
-      MakeSimulatedLens(GetParam(), kUnevenSize);
+      MakeSimulatedCamera(GetParam(), kUnevenSize);
 };
 
 TEST_P(UnevenLensOf, ProjectionInvertsUnprojection) {
@@ -24,7 +23,7 @@ TEST_P(UnevenLensOf, DerivativeByPointIsThatOfProjection) {
 }
 
 TEST_P(UnevenLensOf, SeesTheSameInAnImageOfAnotherSize) {
-  const auto large = MakeSimulatedLens(GetParam(), {1280, 960});
+  const auto large = MakeSimulatedCamera(GetParam(), {1280, 960});
   const Eigen::Vector2d offset(100, -70);
   const Eigen::Vector3d small_ray =
       lens_->Unproject(Eigen::Vector2d(kMiddleX, kMiddleY) + offset).value();
@@ -57,21 +56,21 @@ INSTANTIATE_TEST_SUITE_P(Lenses, UnevenLensOf,
                          testing::Values("anamorphic", "off-axis", "halves",
                                          "decentred", "mirror"));
 
-TEST(AnamorphicLens, HasTwiceTheFocalLengthVertically) {
-  const auto lens = MakeSimulatedLens("anamorphic", kUnevenSize);
+TEST(AnamorphicCamera, HasTwiceTheFocalLengthVertically) {
+  const auto lens = MakeSimulatedCamera("anamorphic", kUnevenSize);
   LinearizedProjection center;
   ASSERT_TRUE(lens->Linearize({0, 0, 1}, nullptr, 0, &center));
   EXPECT_NEAR(center.J_point(1, 1) / center.J_point(0, 0), 2, 1e-6);
 }
 
-TEST(OffAxisLens, LooksAlongItsAxisAThirdOfTheImageFromTheMiddle) {
-  const auto lens = MakeSimulatedLens("off-axis", kUnevenSize);
+TEST(OffAxisCamera, LooksAlongItsAxisAThirdOfTheImageFromTheMiddle) {
+  const auto lens = MakeSimulatedCamera("off-axis", kUnevenSize);
   const Eigen::Vector2d axis = lens->Project({0, 0, 1}).value();
   EXPECT_NEAR(axis.x() - kMiddleX, 640 / 3.0, 1e-9);
 }
 
-TEST(HalvesLens, HasTwiceTheFocalLengthOnTheRight) {
-  const auto lens = MakeSimulatedLens("halves", kUnevenSize);
+TEST(TwoFocalLengthsCamera, HasTwiceTheFocalLengthOnTheRight) {
+  const auto lens = MakeSimulatedCamera("halves", kUnevenSize);
   const auto height_at = [&](double x) {
     const Eigen::Vector3d ray = lens->Unproject({x, kMiddleY + 100}).value();
     return ray.y() / ray.z();
@@ -81,13 +80,13 @@ TEST(HalvesLens, HasTwiceTheFocalLengthOnTheRight) {
 
 // From the mirror's second focus, the points of a hyperboloid that reflect what
 // a line of pixels sees lie in a plane: a camera there has no distortion.
-TEST(MirrorLens, SeesWhatAHyperboloidReflects) {
+TEST(MirrorCamera, SeesWhatAHyperboloidReflects) {
   constexpr double kXi = 0.98;         // 2 e / (1 + e^2)
   constexpr double kParameter = 0.03;  // metres
   const double eccentricity = (1 + std::sqrt(1 - kXi * kXi)) / kXi;
   const double foci_m =
       2 * eccentricity * kParameter / (eccentricity * eccentricity - 1);
-  const auto lens = MakeSimulatedLens("mirror", kUnevenSize);
+  const auto lens = MakeSimulatedCamera("mirror", kUnevenSize);
   const auto reflected = [&](const Eigen::Vector2d& pixel) {
     // The hyperbola in polar coordinates around its first focus.
     const Eigen::Vector3d ray = lens->Unproject(pixel).value();

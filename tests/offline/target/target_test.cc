@@ -13,7 +13,7 @@
 #include "dataset/pattern.h"
 #include "features/pattern_detector.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "support.h"
 #include "target/board_on_screen.h"
 #include "target/board_sheet.h"
@@ -227,7 +227,7 @@ TEST(MarkerBoards, TooFewMarkersAreRefused) {
 
 // Two boards side by side, a camera before them.
 ImageDetection SeenTogether(const std::vector<Board>& boards) {
-  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedCamera("pinhole", {640, 480});
   const BoardSurface left(boards[0]), right(boards[1]);
   const double width_m = left.paper_m().width();
   const auto pose = [&](double x_m) {

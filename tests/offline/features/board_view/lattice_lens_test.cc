@@ -1,11 +1,10 @@
-#include "features/board_view/lattice_lens.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "close_board.h"
-#include "simulation/simulated_lenses.h"
+#include "features/board_view/lattice_camera.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -26,10 +25,10 @@ std::vector<Feature> FeaturesAround(const CameraModel& camera,
 
 void ExpectKnowsTheHole(const std::string& lens, double distance,
                         double tolerance_px) {
-  const auto camera = MakeSimulatedLens(lens, kCloseViewSize);
+  const auto camera = MakeSimulatedCamera(lens, kCloseViewSize);
   const Pose pose = CloseBoard(distance);
   const auto fit =
-      LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
+      LatticeCamera::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
   ASSERT_TRUE(fit) << lens;
   int count = 0;
   for (int row = 4; row <= 8; ++row) {
@@ -45,18 +44,18 @@ void ExpectKnowsTheHole(const std::string& lens, double distance,
   EXPECT_GT(count, 10) << lens;
 }
 
-TEST(LatticeLens, KnowsWhereAHoleIsSeenBehindAnyLens) {
+TEST(LatticeCamera, KnowsWhereAHoleIsSeenBehindAnyLens) {
   ExpectKnowsTheHole("pinhole", 14, 0.1);
   ExpectKnowsTheHole("wide", 8, 3);
   ExpectKnowsTheHole("fisheye", 6, 3);
   ExpectKnowsTheHole("fisheye190", 4, 3);
 }
 
-TEST(LatticeLens, SaysHowTheBoardAppears) {
-  const auto camera = MakeSimulatedLens("pinhole", kCloseViewSize);
+TEST(LatticeCamera, SaysHowTheBoardAppears) {
+  const auto camera = MakeSimulatedCamera("pinhole", kCloseViewSize);
   const Pose pose = CloseBoard(14);
   const auto fit =
-      LatticeLens::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
+      LatticeCamera::Fit(FeaturesAround(*camera, pose), kCloseViewSize);
   ASSERT_TRUE(fit);
   const Eigen::Vector2d place(11, 6);
   const auto mapping = fit->Around(place);
@@ -69,29 +68,29 @@ TEST(LatticeLens, SaysHowTheBoardAppears) {
 }
 
 // A polynomial leads anywhere beyond what it was fitted to.
-TEST(LatticeLens, SaysNothingFarBeyondTheFeatures) {
-  const auto camera = MakeSimulatedLens("wide", kCloseViewSize);
+TEST(LatticeCamera, SaysNothingFarBeyondTheFeatures) {
+  const auto camera = MakeSimulatedCamera("wide", kCloseViewSize);
   std::vector<Feature> middle;
   for (const Feature& feature : FeaturesAround(*camera, CloseBoard(14)))
     if (feature.column >= 4 && feature.column <= 9) middle.push_back(feature);
-  const auto fit = LatticeLens::Fit(middle, kCloseViewSize);
+  const auto fit = LatticeCamera::Fit(middle, kCloseViewSize);
   ASSERT_TRUE(fit);
   EXPECT_TRUE(fit->Project(Eigen::Vector2d(10, 6)));
   EXPECT_FALSE(fit->Project(Eigen::Vector2d(60, 6)));
   EXPECT_FALSE(fit->Around(Eigen::Vector2d(60, 6)));
 }
 
-TEST(LatticeLens, IsNotFittedToFewOrToNoLattice) {
-  const auto camera = MakeSimulatedLens("pinhole", kCloseViewSize);
+TEST(LatticeCamera, IsNotFittedToFewOrToNoLattice) {
+  const auto camera = MakeSimulatedCamera("pinhole", kCloseViewSize);
   std::vector<Feature> features = FeaturesAround(*camera, CloseBoard(14));
   std::mt19937 random(1);
   std::vector<Feature> scattered = features;
   for (Feature& feature : scattered)
     feature.pixel = {random() % 1280, random() % 800};
-  EXPECT_FALSE(LatticeLens::Fit(scattered, kCloseViewSize));
+  EXPECT_FALSE(LatticeCamera::Fit(scattered, kCloseViewSize));
   features.resize(19);
-  EXPECT_FALSE(LatticeLens::Fit(features, kCloseViewSize));
-  EXPECT_FALSE(LatticeLens::Fit({}, kCloseViewSize));
+  EXPECT_FALSE(LatticeCamera::Fit(features, kCloseViewSize));
+  EXPECT_FALSE(LatticeCamera::Fit({}, kCloseViewSize));
 }
 
 }  // namespace

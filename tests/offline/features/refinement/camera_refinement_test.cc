@@ -8,7 +8,7 @@
 #include "features/star/star_detection.h"
 #include "features/star/star_scenes.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -48,7 +48,7 @@ TEST(ComputeCameraMapping, FollowsTheLensInTheWindow) {
   const Pattern pattern = StarPattern();
   const Board& board = pattern.boards[0];
   for (const std::string lens : {"pinhole", "wide", "fisheye"}) {
-    const auto camera = MakeSimulatedLens(lens, kSize);
+    const auto camera = MakeSimulatedCamera(lens, kSize);
     const Pose pose = PoseInACorner(*camera, board, 0.25);
     int count = 0;
     for (const Feature& feature : VisibleFeatures(*camera, board, pose)) {
@@ -67,7 +67,7 @@ TEST(ComputeCameraMapping, FollowsTheLensInTheWindow) {
 
 TEST(ComputeCameraMapping, TellsNothingWhereTheCameraDoesNot) {
   const Pattern pattern = StarPattern();
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   Pose behind;
   behind.translation = {0, 0, -1};
   EXPECT_FALSE(ComputeCameraMapping(*camera, behind, pattern.boards[0],
@@ -93,7 +93,7 @@ TEST(FeatureRefiner, IsMoreAccurateWithWhatTheCameraTells) {
   const Board& board = pattern.boards[0];
   const BoardSurface surface(board);
   for (const std::string lens : {"wide", "fisheye"}) {
-    const auto camera = MakeSimulatedLens(lens, kSize);
+    const auto camera = MakeSimulatedCamera(lens, kSize);
     const Pose pose = PoseInACorner(*camera, board, 0.25);
     ImagingOptions imaging;
     imaging.read_noise = 2;
@@ -125,7 +125,7 @@ TEST(FeatureRefiner, RejectsStarsThatAreTakenForTheirNeighbours) {
   const Pattern pattern = StarPattern();
   const Board& board = pattern.boards[0];
   const BoardSurface surface(board);
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const Pose pose = PoseInACorner(*camera, board, 0.25);
   const GreyImage image = MakeGreyImage(AddNoiseAndQuantize(
       RenderImage(PixelRays(*camera, 2), {{&surface, pose}}, {}, 2), {}));

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "close_board.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -24,7 +24,7 @@ std::vector<RejectedFeature> OutliersOf(FeatureLattice lattice,
 TEST(RejectOutliers, KeepsWhatTheLensExplains) {
   const Board board = StarsOfOneMetre();
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
-    const auto camera = MakeSimulatedLens(lens, kCloseViewSize);
+    const auto camera = MakeSimulatedCamera(lens, kCloseViewSize);
     for (const double distance : {2.0, 3.0, 6.0, 14.0}) {
       const FeatureLattice lattice =
           SeenLattice(*camera, CloseBoard(distance), board);
@@ -38,7 +38,7 @@ TEST(RejectOutliers, KeepsWhatTheLensExplains) {
 TEST(RejectOutliers, RemovesAStarThatIsAnothersWhateverTheLens) {
   const Board board = StarsOfOneMetre();
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
-    const auto camera = MakeSimulatedLens(lens, kCloseViewSize);
+    const auto camera = MakeSimulatedCamera(lens, kCloseViewSize);
     FeatureLattice lattice = SeenLattice(*camera, CloseBoard(4), board);
     const Eigen::Vector2d between = (lattice.at(8, 6) + lattice.at(9, 6)) / 2;
     lattice.Set(8, 6, between);

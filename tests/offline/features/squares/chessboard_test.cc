@@ -1,7 +1,7 @@
 #include "features/pattern_detector.h"
 #include "photographs.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 
 namespace raygrid {
 namespace {
@@ -181,7 +181,7 @@ TEST(Chessboard, LatticeWiderThanTheBoardIsNamed) {
 // Squares shrink by 1.6 from one to the next.
 TEST(Chessboard, GrowsToTheRimOfAFisheye) {
   const ImageSize size = {1280, 800};
-  const auto camera = MakeSimulatedLens("fisheye190", size);
+  const auto camera = MakeSimulatedCamera("fisheye190", size);
   const PixelRays rays(*camera, 2);
   constexpr double kSquareM = 0.03, kDistanceSquares = 2;
   for (const auto& [columns, rows, left_squares] :

@@ -3,7 +3,7 @@
 #include "features/pattern_detector.h"
 #include "photographs.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -71,7 +71,7 @@ TEST(Charuco, EitherLayoutOfMarkersIsRecognised) {
 TEST(Charuco, CornersInRenderedImagesAreExact) {
   const Pattern pattern = CharucoPattern(9, 7);
   const Board& board = pattern.boards[0];
-  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedCamera("pinhole", {640, 480});
   const PixelRays rays(*camera, 2);
   const BoardSurface surface(board, 0);
   const Eigen::Vector3d center(4 * board.square_m, 3 * board.square_m, 0);
@@ -160,7 +160,7 @@ Board TagGridOf(const std::string& keys) {
 
 // Small tags as well as large ones: cells of 3.6 to 12 px.
 TEST(PlainTagGrid, CornersInRenderedImagesAreExact) {
-  const auto camera = MakeSimulatedLens("pinhole", {640, 480});
+  const auto camera = MakeSimulatedCamera("pinhole", {640, 480});
   const PixelRays rays(*camera, 3);
   for (const std::string keys :
        {"", ", tag_family: tag25h9", ", tag_family: DICT_4X4_50",

@@ -55,7 +55,7 @@ class Drawing {
     return IdentifyBoard(image_, lattice_, {}, pointers);
   }
   std::optional<LatticePlacement> LocateInLattice(const Board& board) const {
-    return AssignByLayout(image_, lattice_, board);
+    return AssignWithLayout(image_, lattice_, board);
   }
   // Whether a placement is the true one.
   static bool IsTrue(const LatticePlacement& placement) {
@@ -155,7 +155,7 @@ TEST(IdentifyBoard, NamesNoBoardOfAnotherPattern) {
   }
 }
 
-TEST(AssignByLayout, IsNeverWrongAndOftenSure) {
+TEST(AssignWithLayout, IsNeverWrongAndOftenSure) {
   TestRandom random(4);
   const Board board = BoardWithTag(0);
   int num_sure = 0;
@@ -172,7 +172,7 @@ TEST(AssignByLayout, IsNeverWrongAndOftenSure) {
   EXPECT_GT(num_sure, kNumTrials / 2);
 }
 
-TEST(AssignByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
+TEST(AssignWithLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
   Board board = BoardWithTag(0);  // stars of 16 segments
   board.columns = board.rows = 15;
   Area corner = Whole(board);
@@ -180,7 +180,7 @@ TEST(AssignByLayout, SaysNothingWhereTheBoardLooksTheSameTurned) {
   EXPECT_FALSE(Drawing(board, corner).LocateInLattice(board).has_value());
 }
 
-TEST(AssignByLayout, SaysNothingInTheMidstOfStars) {
+TEST(AssignWithLayout, SaysNothingInTheMidstOfStars) {
   const Board board = BoardWithTag(0);
   const Area midst = {10.6 * kSpacingPx, 0, 15.4 * kSpacingPx, 14 * kSpacingPx};
   EXPECT_FALSE(Drawing(board, midst).LocateInLattice(board).has_value());

@@ -16,7 +16,7 @@ Pose UprightAt(const CameraModel& camera, const Eigen::Vector2d& pixel) {
 }
 
 TEST(StarDetector, FindsTwoBoardsInAnImage) {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const Pattern pattern = TwoBoards();
   const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
   const RenderedImage exact =
@@ -35,13 +35,13 @@ TEST(StarDetector, FindsTwoBoardsInAnImage) {
 
 const Pose& Upright() {
   static const Pose pose =
-      UprightAt(*MakeSimulatedLens("pinhole", kSize), {140, 70});
+      UprightAt(*MakeSimulatedCamera("pinhole", kSize), {140, 70});
   return pose;
 }
 
 // All its stars lie in the image.
 RenderedImage ExactUprightImage(const ImagingOptions& imaging) {
-  static const auto camera = MakeSimulatedLens("pinhole", kSize);
+  static const auto camera = MakeSimulatedCamera("pinhole", kSize);
   static const PixelRays rays(*camera, kThreads);
   static const BoardSurface surface(StarPattern().boards[0]);
   return RenderImage(rays, {{&surface, Upright()}}, imaging, kThreads);
@@ -55,7 +55,7 @@ const GreyImage& UprightImage() {
 // Differences from the truth in the upright image.
 Errors MeasureUpright(const std::string& name, const GreyImage& image) {
   Scene scene;
-  scene.camera = MakeSimulatedLens("pinhole", kSize);
+  scene.camera = MakeSimulatedCamera("pinhole", kSize);
   scene.board = StarPattern().boards[0];
   Errors errors;
   Compare(scene, {Upright(), {}},
@@ -123,7 +123,7 @@ TEST(StarDetector, FindsStarsInColourImages) {
 // A large image of two boards, the second far away.
 GreyImage NearAndFarBoard(const Pattern& pattern) {
   constexpr ImageSize kLargeSize = {1000, 600};
-  const auto camera = MakeSimulatedLens("pinhole", kLargeSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kLargeSize);
   const BoardSurface near(pattern.boards[0]), far(pattern.boards[1]);
   Pose near_pose = UprightAt(*camera, {60, 60});
   near_pose.translation *= 1.3;
@@ -172,7 +172,7 @@ TEST(StarDetector, RemarksOnTagsOfNoBoard) {
 }
 
 TEST(StarDetector, FindsNothingInAnEmptyImage) {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const RenderedImage exact =
       RenderImage(PixelRays(*camera, kThreads), {}, FewSamples(), kThreads);
   const ImageDetection detection =
@@ -200,7 +200,7 @@ TEST(StarDetector, FindsTheSameTwice) {
 // Board 0, and the left end of board 1 with the first two of ten columns of its
 // tag's cells: none of its code.
 GreyImage BoardBesideAnEnd() {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const Pattern pattern = TwoBoards();
   const BoardSurface left(pattern.boards[0]), right(pattern.boards[1]);
   return WithNoise(RenderImage(PixelRays(*camera, kThreads),
@@ -235,7 +235,7 @@ TEST(StarDetector, NamesNoneOfSeveralBoardsThatAreLeft) {
 }
 
 TEST(StarDetector, FindsStarsOfABoardWhoseTagIsCutOff) {
-  const auto camera = MakeSimulatedLens("pinhole", kSize);
+  const auto camera = MakeSimulatedCamera("pinhole", kSize);
   const PixelRays rays(*camera, kThreads);
   // The tag spans 144 to 240 px from the board's first feature: of its ten
   // columns of cells the image shows six.
@@ -291,7 +291,7 @@ Errors MeasureNear(const NearBoard& near) {
                 "squares: " + std::to_string(near.tag_squares));
   const Pattern pattern = PatternOf(board);
   const BoardSurface surface(pattern.boards[0]);
-  const auto camera = MakeSimulatedLens(near.lens, near.size);
+  const auto camera = MakeSimulatedCamera(near.lens, near.size);
   const Pose pose = PoseOf(near, *camera);
   const GreyImage image =
       WithNoise(RenderImage(PixelRays(*camera, kThreads), {{&surface, pose}},
@@ -332,7 +332,7 @@ TEST(StarDetector, FindsStarsWhoseSquaresTheImagesEdgeCuts) {
 // Half of the tag: squares of 60 px, within which there is much that looks like
 // stars.
 TEST(StarDetector, FindsLargeStarsOfABoardWhoseTagIsCutOff) {
-  const auto camera = MakeSimulatedLens("pinhole", {1280, 800});
+  const auto camera = MakeSimulatedCamera("pinhole", {1280, 800});
   const PixelRays rays(*camera, kThreads);
   const Pattern pattern = PatternOf(BoardYaml(0, 16, 15, 16, 0, 6, 5));
   const BoardSurface surface(pattern.boards[0]);

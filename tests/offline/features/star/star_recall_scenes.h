@@ -17,7 +17,7 @@
 #include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
 #include "simulation/random.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 
 namespace raygrid {
@@ -130,7 +130,7 @@ inline std::deque<Camera> MakeCameras(Squares squares) {
     for (const ImageSize &size : sizes_of(lens)) {
       Camera &camera = cameras.emplace_back();
       camera.lens = lens;
-      camera.model = MakeSimulatedLens(lens, size);
+      camera.model = MakeSimulatedCamera(lens, size);
     }
   }
   return cameras;

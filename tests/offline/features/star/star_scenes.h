@@ -14,7 +14,7 @@
 #include "features/pattern_detector.h"
 #include "features/star/star_detection.h"
 #include "simulation/image_rendering.h"
-#include "simulation/simulated_lenses.h"
+#include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
 #include "support.h"
 
@@ -127,7 +127,7 @@ inline Scene MakeScene(const std::string& lens, const Pattern& pattern,
                        double min_square_px, int num_images, uint64_t seed,
                        const ImagingOptions& imaging = ImagingOptions()) {
   Scene scene;
-  scene.camera = MakeSimulatedLens(lens, kSize);
+  scene.camera = MakeSimulatedCamera(lens, kSize);
   scene.board = pattern.boards[0];
   const PixelRays rays(*scene.camera, kThreads);
   const BoardSurface surface(scene.board);

@@ -1,0 +1,29 @@
+#ifndef RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
+#define RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
+
+#include <string>
+#include <vector>
+
+#include "dataset/image_files.h"
+#include "report/color_scale.h"
+
+namespace raygrid {
+
+struct SheetImage {
+  std::string caption;
+  Image image;
+};
+
+/// Draws pictures with captions, three per row, of equal width; the note is
+/// below, with a legend beside it, if there is one.
+Image ComposeImageSheet(const std::vector<SheetImage>& pictures,
+                        const std::vector<std::string>& note,
+                        const Image* legend);
+
+/// Draws a colour bar with labels at its ends.
+Image DrawColorLegend(ColorScale scale, const std::string& low,
+                      const std::string& high);
+
+}  // namespace raygrid
+
+#endif  // RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
