@@ -47,7 +47,7 @@ struct FreeSource {
 };
 using Source = std::unique_ptr<zip_source_t, FreeSource>;
 
-// Stores a file uncompressed like numpy.savez(), with the earliest time stamp
+// Stores a file uncompressed like numpy.savez(), with the earliest timestamp
 // of ZIP so that the result is reproducible.
 void AddToZip(zip_t* archive, const std::string& name,
               const std::string& contents) {

@@ -34,7 +34,7 @@ struct TumRow {
   Pose board_from_camera;
 };
 
-// Whether all image names are numeric time stamps as cameras provide them;
+// Whether all image names are numeric timestamps as cameras provide them;
 // otherwise, the stamps are 0, 1, ...
 bool AreStamps(const std::vector<BoardPose>& poses) {
   return std::all_of(poses.begin(), poses.end(), [](const BoardPose& pose) {
@@ -124,7 +124,7 @@ bool IsTum(const std::string& bytes) {
                   1) < kNormTolerance;
 }
 
-// Formats a time stamp as an image name with plain digits: programs also write
+// Formats a timestamp as an image name with plain digits: programs also write
 // stamps such as 1.5e+09.
 std::string MakeImageName(const std::string& word, double stamp) {
   constexpr double kMaxDigits = 1e15;

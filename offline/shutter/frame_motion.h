@@ -22,7 +22,7 @@ struct FrameMotion {
   /// indicates the interpolation error.
   Vector6d coarse_velocity = Vector6d::Zero();
   /// Deviation of the five poses from a cubic motion. A standard deviation of s
-  /// seconds of time stamps results in a variance of (s velocity)^2.
+  /// seconds of timestamps results in a variance of (s velocity)^2.
   Vector6d unevenness = Vector6d::Zero();
 
   /// Extrapolates a pose by an interval in seconds.

@@ -367,7 +367,7 @@ double LineDelayOptimization::EstimateFastMotionBias() const {
   return all > 0 ? 1.2 * difference / all : 0;
 }
 
-// Returns the variance of the time stamps in s^2: the deviation from smooth
+// Returns the variance of the timestamps in s^2: the deviation from smooth
 // motion in excess of the noise of poses. Includes motion that is too fast for
 // the frame rate.
 double LineDelayOptimization::TimeVariance() const {
@@ -386,7 +386,7 @@ double LineDelayOptimization::TimeVariance() const {
   return all > 0 ? std::max(0.0, uneven / all) : 0;
 }
 
-// Relative bias of the line delay due to time-stamp noise. The noise causes
+// Relative bias of the line delay due to timestamp noise. The noise causes
 // velocity errors, and thus spurious motion like the noise of poses. It also
 // increases velocities by the same fraction, since they are quotients of noisy
 // values.

@@ -19,7 +19,7 @@ struct IntervalError {
   const TimedPose *before = nullptr, *behind = nullptr;
   double seconds = 0;
   double stddev_s = 0;    ///< due to noise, and to motion too fast for sampling
-  double by_scatter = 0;  ///< per unit standard deviation of the time stamps
+  double by_scatter = 0;  ///< per unit standard deviation of the timestamps
 };
 
 std::string ToText(const IntervalError& error) {
@@ -52,7 +52,7 @@ StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
 }
 
 // A discontinuity of the motion relative to the noise of poses: its component
-// along the motion, as caused by wrong time stamps, and across it, as caused
+// along the motion, as caused by wrong timestamps, and across it, as caused
 // only by noise and fast motion.
 struct StepNoises {
   IntervalError error;
@@ -166,7 +166,7 @@ double MeanInterval(const std::vector<TimedTrack>& tracks) {
   return count > 0 ? sum_s / count : 0;
 }
 
-// Standard deviation of the time stamps: robust, and as RMS including outliers.
+// Standard deviation of the timestamps: robust, and as RMS including outliers.
 struct Scatter {
   double usual_s = 0, rms_s = 0;
 };
@@ -193,7 +193,7 @@ Scatter ComputeScatter(const std::vector<IntervalError>& errors,
 }
 
 // Finds pauses between sequences across which the motion is discontinuous,
-// which indicates a recording in bursts with inconsistent time stamps.
+// which indicates a recording in bursts with inconsistent timestamps.
 std::string FindBursts(const std::vector<TimedTrack>& tracks,
                        double noise_variance_px2) {
   constexpr double kMaxPauseS = 1, kMinErrorFraction = 0.6, kMinSigmas = 6;

@@ -10,7 +10,7 @@
 
 namespace raygrid {
 
-/// The time stamp of a frame and the pose of a board in it.
+/// The timestamp of a frame and the pose of a board in it.
 struct TimedPose {
   std::string image;
   double time_s = 0;
@@ -21,7 +21,7 @@ struct TimedPose {
 /// The frames in which a board is visible, ordered by time.
 using TimedTrack = std::vector<TimedPose>;
 
-/// Returns why the time stamps contradict the motion, which is assumed to be
+/// Returns why the timestamps contradict the motion, which is assumed to be
 /// smooth between frames; empty if they are consistent. A common scale of all
 /// times is not detected.
 std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,

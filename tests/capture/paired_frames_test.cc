@@ -9,7 +9,7 @@
 namespace raygrid {
 namespace {
 
-// Frames that are all there, with time stamps in milliseconds and names.
+// Frames that are all there, with timestamps in milliseconds and names.
 class ListedFrames : public LiveFrames {
  public:
   ListedFrames(bool is_live, const std::vector<std::pair<int, std::string>>& of,

@@ -20,7 +20,7 @@ struct CameraStream {
   std::unique_ptr<LiveFrames> frames;
 };
 
-/// Pairs frames of live cameras by their time stamps, photographs by their
+/// Pairs frames of live cameras by their timestamps, photographs by their
 /// names, and frames of videos by their numbers. Frames of a single camera are
 /// passed on.
 ///
@@ -28,7 +28,7 @@ struct CameraStream {
 /// because each still contributes to its own camera.
 class PairedFrames {
  public:
-  /// Frames of live cameras are synchronized if their time stamps differ by no
+  /// Frames of live cameras are synchronized if their timestamps differ by no
   /// more than the tolerance. Throws Error(kUsage) if live cameras, videos and
   /// folders are mixed.
   PairedFrames(std::vector<CameraStream> cameras, double tolerance_s);
