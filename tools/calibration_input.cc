@@ -536,9 +536,12 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
   for (const std::string& text : arguments.intrinsics) {
     const NamedValue known = ParseNamedValue(text);
     inputs.push_back(known.value);
-    outputs.push_back(
-        (std::filesystem::path(arguments.output) / known.name / "camera.yaml")
-            .string());
+    // The camera.yaml of any camera of a rig.
+    const auto folder = std::filesystem::absolute(known.value).parent_path();
+    std::error_code ignored;
+    if (std::filesystem::equivalent(folder.parent_path(), arguments.output,
+                                    ignored))
+      outputs.push_back((folder / "camera.yaml").string());
   }
   for (const char* name :
        {"camera.raygrid", "camera.yaml", "example_after.png",

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "calibration/rigid_targets.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/rig_file.h"
@@ -132,6 +133,14 @@ void PrintHowLocalized(const Pattern& pattern) {
         "poses estimated for {} (use --independent-boards for a pose per "
         "board)\n",
         FormatRigidTargets(pattern));
+}
+
+RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern) {
+  RigModel model = rig.model;
+  const Pose rig_from_first = model.camera_from_rig.front().Inverse();
+  for (Pose& pose : model.camera_from_rig) pose = pose * rig_from_first;
+  model.rigid_targets = MakeRigidTargets(pattern);
+  return model;
 }
 
 }  // namespace raygrid

@@ -24,6 +24,10 @@ struct FixedRig {
 FixedRig ReadFixedRig(const std::string& path,
                       const RequestedOperatingPoint& at);
 
+/// Returns the rig in the first camera's frame, with the targets of the
+/// pattern.
+RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern);
+
 /// Reads features.csv by camera; empty datasets for cameras without features.
 /// Applies UseRuntimeRays() to the features of blobs. Throws InputError if the
 /// file has another camera, or as RequireConsistent().

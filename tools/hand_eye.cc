@@ -76,14 +76,14 @@ TargetPoses LocalizeResult(const std::filesystem::path& folder,
       (folder / (is_rig ? "rig.yaml" : "camera.yaml")).string();
   const std::string features = (folder / "features.csv").string();
   const std::string target = (folder / "pattern.yaml").string();
-  FixedRig rig = ReadFixedRig(camera, common.at);
+  const FixedRig rig = ReadFixedRig(camera, common.at);
   const Pattern pattern = LoadPattern(target);
   const std::vector<Dataset> datasets = ReadRigFeatures(rig, features, pattern);
-  rig.model.rigid_targets = MakeRigidTargets(pattern);
-  TargetPoses targets = {
-      rig.names.front(),
-      LocalizeTargets(rig.model, datasets, pattern, common.threads).poses,
-      {camera, features, target}};
+  TargetPoses targets = {rig.names.front(),
+                         LocalizeTargets(LocalizingRig(rig, pattern), datasets,
+                                         pattern, common.threads)
+                             .poses,
+                         {camera, features, target}};
   RequireLocalized(targets.poses.size());
   return targets;
 }

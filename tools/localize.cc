@@ -138,15 +138,6 @@ std::vector<CameraImages> GatherFeatures(const FixedRig& rig,
   return cameras;
 }
 
-// Returns the rig in the first camera's frame, with the targets of the pattern.
-RigModel LocalizingRig(const FixedRig& rig, const Pattern& pattern) {
-  RigModel model = rig.model;
-  const Pose rig_from_first = model.camera_from_rig.front().Inverse();
-  for (Pose& pose : model.camera_from_rig) pose = pose * rig_from_first;
-  model.rigid_targets = MakeRigidTargets(pattern);
-  return model;
-}
-
 // ---- Output ----------------------------------------------------------------
 
 // Formats the residuals as held-out residuals, since the camera was not
@@ -422,7 +413,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
        {kEstimatedPattern, target_change_m ? FormatPattern(pattern) : ""},
        {kPosesImage,
         EncodePoseSheet(rig, model, cameras, pattern, localization)}});
-  for (size_t c = 0; c < cameras.size(); ++c)
+  for (size_t c = 0; c < cameras.size() && !common.quiet; ++c)
     WarnAboutIntrinsics(rig.is_rig ? rig.names[c] : "",
                         localization.cameras[c].residuals,
                         summary.systematic_px[c]);

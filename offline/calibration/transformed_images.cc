@@ -104,6 +104,16 @@ Dataset ThinOut(const Dataset& all) {
   return thinned;
 }
 
+std::vector<FeatureResidual> SelectImages(
+    const std::vector<FeatureResidual>& residuals, const Dataset& images) {
+  const std::vector<std::string> names = NamesOf(images);
+  const ImageNames selected(names.begin(), names.end());
+  std::vector<FeatureResidual> of_images;
+  for (const FeatureResidual& residual : residuals)
+    if (selected.count(residual.image) > 0) of_images.push_back(residual);
+  return of_images;
+}
+
 // A group of images, and the camera for which it is transformed back.
 struct Hypothesis {
   PixelTransform transform;
@@ -218,6 +228,10 @@ class GroupSearch {
   std::optional<AdjustmentResult> Fit(const Dataset& dataset,
                                       const CameraModel& start) const {
     try {
+      if (IsFixed(start))
+        return InitializeKnownCamera(start, dataset, pattern_,
+                                     AreaChoice::kWholeImage,
+                                     options_.num_threads);
       return InitializeCamera(dataset, pattern_, options_,
                               AreaChoice::kWholeImage, &start);
     } catch (const Error&) {
@@ -301,7 +315,8 @@ std::optional<TransformedImages> DetectTransformedImages(
   const GroupSearch search(images, pattern, joint, options);
   const double cost = search.cost();
   if (!std::isfinite(cost)) return std::nullopt;
-  const std::vector<ImageNames> splits = ListSplitsToTry(images, residuals);
+  const std::vector<ImageNames> splits =
+      ListSplitsToTry(images, SelectImages(residuals, images));
   Hypothesis best;
   for (const PixelTransform& transform : Transforms()) {
     if (transform.kind == Kind::kScaled && !MayBeScaled(cost, images)) continue;

@@ -133,9 +133,14 @@ double RelativePoseCovariance::RotationStdDev() const {
 
 double RelativePoseCovariance::DistanceStdDev(
     const Eigen::Vector3d& translation) const {
+  const Eigen::Matrix3d block = covariance.bottomRightCorner<3, 3>();
   const Eigen::Vector3d along = translation.normalized();
-  return std::sqrt(
-      std::max(0.0, along.dot(covariance.bottomRightCorner<3, 3>() * along)));
+  const double variance =
+      translation.isZero(0)
+          ? Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(block)
+                .eigenvalues()[2]
+          : along.dot(block * along);
+  return std::sqrt(std::max(0.0, variance));
 }
 
 std::vector<RelativePoseCovariance> ParseRelativePoseCovariances(

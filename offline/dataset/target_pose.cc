@@ -10,6 +10,7 @@
 
 #include "dataset/csv.h"
 #include "dataset/error.h"
+#include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 
 namespace raygrid {
@@ -114,7 +115,13 @@ std::map<std::string, std::vector<TargetPose>> ParseTargetPoses(
   while (table.Next()) {
     const std::string camera =
         table.HasColumn("camera") ? table.Text("camera") : "";
+    if (!camera.empty() && !IsRigCameraName(camera))
+      throw InputError(fmt::format("{}: '{}' is not the name of a camera",
+                                   table.Place(), Printable(camera)));
     TargetPose target = ReadTargetPose(table);
+    if (target.num_features < 0 || !(target.rms_px >= 0))
+      throw InputError(fmt::format(
+          "{}: features and rms_px must be non-negative", table.Place()));
     if (!seen.emplace(camera + "\n" + target.pose.image, target.pose.board)
              .second)
       throw InputError(fmt::format("{}: second pose of board {} in {}",

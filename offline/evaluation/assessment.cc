@@ -513,8 +513,8 @@ namespace {
 // Assesses poses and errors, but not the camera.
 Assessment AssessKnownCamera(const CalibrationMetrics& metrics) {
   Findings findings;
-  for (const auto assess :
-       {AssessConvergence, AssessSides, AssessRejectedImages})
+  for (const auto assess : {AssessConvergence, AssessSides,
+                            AssessTransformedImages, AssessRejectedImages})
     assess(metrics, &findings);
   if (metrics.interrupted) return findings.Conclude();
   for (const auto assess :

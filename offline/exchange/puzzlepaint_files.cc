@@ -19,7 +19,7 @@ namespace {
 
 constexpr char kDatasetMagic[] = "calib_data";
 constexpr int kMaxAlongBoard = 1000, kMaxBoardPoints = 100000;
-constexpr int kMaxPoses = 1000000;
+constexpr int kMaxPoseCount = 1000000;
 
 // ---- dataset.bin -----------------------------------------------------------
 
@@ -288,13 +288,14 @@ PuzzlepaintPoses ParsePuzzlepaintPoses(const std::string& path,
                                        const std::string& text) {
   const YAML::Node root = LoadMap(path, text);
   PuzzlepaintPoses poses;
-  poses.count = WholeNumber(root["pose_count"], "pose_count", kMaxPoses);
+  poses.count = WholeNumber(root["pose_count"], "pose_count", kMaxPoseCount);
   RequireList(root["poses"], "poses");
   int k = 0;
   for (const YAML::Node& node : root["poses"]) {
     const std::string name = fmt::format("poses[{}]", k++);
     if (!node.IsMap()) throw InputError(name + ": expected a mapping");
-    const int index = WholeNumber(node["index"], name + ": index", kMaxPoses);
+    const int index =
+        WholeNumber(node["index"], name + ": index", kMaxPoseCount);
     if (index >= poses.count)
       throw InputError(fmt::format("{}: index {} exceeds pose_count {}", name,
                                    index, poses.count));

@@ -27,6 +27,8 @@ double MisfitOf(const RobustStart& start, double lever_m) {
   return start.translation_m + lever_m * start.rotation_rad;
 }
 
+constexpr double kMuchBetter = 0.3;  // ratio of misfits
+
 // The misfit of changed robot poses.
 template <typename Change>
 double MisfitWith(std::vector<HandEyeObservation> observations,
@@ -100,12 +102,23 @@ void RequireSameUnit(const std::vector<HandEyeObservation>& observations,
     robot.push_back(observation.base_from_gripper.translation);
   }
   const double camera_m = PathLength(camera), robot_m = PathLength(robot);
-  if (robot_m > kOtherUnit * camera_m)
+  // A robot that hardly moves its flange, or a target near its axis, has such
+  // paths, too, but would not fit in another unit.
+  const auto fits_with_unit = [&](double factor) {
+    const auto misfit = [&](double scale) {
+      return MisfitWith(observations, mounting, [scale](auto* rows) {
+        for (HandEyeObservation& row : *rows)
+          row.base_from_gripper.translation *= scale;
+      });
+    };
+    return !(misfit(factor) > kMuchBetter * misfit(1));
+  };
+  if (robot_m > kOtherUnit * camera_m && fits_with_unit(1e-3))
     throw InputError(fmt::format(
         "the robot's path is {:.0f} times as long as the camera's ({:.4g} "
         "against {:.4g} m); if it is in millimetres, use --robot-unit mm",
         robot_m / camera_m, robot_m, camera_m));
-  if (camera_m > kOtherUnit * robot_m && robot_m > 0)
+  if (camera_m > kOtherUnit * robot_m && robot_m > 0 && fits_with_unit(1e3))
     throw InputError(fmt::format(
         "the camera's path is {:.0f} times as long as the robot's ({:.4g} "
         "against {:.4g} m); if the robot's is in metres, use --robot-unit m, "
@@ -115,7 +128,6 @@ void RequireSameUnit(const std::vector<HandEyeObservation>& observations,
 
 void RequireFit(const std::vector<HandEyeObservation>& observations,
                 Mounting mounting, const RobustStart& start) {
-  constexpr double kMuchBetter = 0.3;
   constexpr double kMaxRotationRad = 3 * M_PI / 180, kMaxTranslation = 0.05;
   const double lever_m = MedianDistance(observations);
   const double misfit = MisfitOf(start, lever_m);
@@ -138,7 +150,14 @@ void RequireFit(const std::vector<HandEyeObservation>& observations,
                        "--robot-convention, or use {} if the camera is {}",
                        in_hand ? "--eye-to-hand" : "--eye-in-hand",
                        in_hand ? "fixed to the base" : "on the gripper"));
-  consider(MisfitWith(observations, mounting, ReorderQuaternions),
+  // The poses were inverted at reading with the other convention.
+  const auto invert_reordered = [](auto* rows) {
+    InvertRobot(rows);
+    ReorderQuaternions(rows);
+    InvertRobot(rows);
+  };
+  consider(std::min(MisfitWith(observations, mounting, ReorderQuaternions),
+                    MisfitWith(observations, mounting, invert_reordered)),
            "they fit if quaternions are in the order w x y z; reorder them");
   for (const int direction : {1, -1})
     consider(MisfitWith(observations, mounting,

@@ -11,6 +11,12 @@ namespace {
 
 constexpr double kRadians = M_PI / 180;
 
+// Negative on one side of the target's plane, positive on the other one.
+double SideOf(const Pose& camera_from_target) {
+  return (camera_from_target.rotation * Eigen::Vector3d::UnitZ())
+      .dot(camera_from_target.translation);
+}
+
 // The angle between the line of sight to the target and its normal.
 double TiltOf(const Pose& camera_from_target) {
   const Eigen::Vector3d normal =
@@ -78,7 +84,11 @@ std::optional<SuggestedPose> SuggestRobotPose(
                                   Pose{Eigen::Quaterniond(Eigen::AngleAxisd(
                                            angle, Eigen::Vector3d::Unit(axis))),
                                        Eigen::Vector3d::Zero()};
-        if (TiltOf(next.camera_from_target) > max_tilt) continue;
+        if (TiltOf(next.camera_from_target) > max_tilt ||
+            SideOf(next.camera_from_target) *
+                    SideOf(source.camera_from_target) <=
+                0)
+          continue;
         next.base_from_gripper =
             RobotPoseFor(fit.hand_eye, mounting, next.camera_from_target);
         const Matrix12d covariance = CovarianceWith(fit, mounting, next);

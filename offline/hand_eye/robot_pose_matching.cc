@@ -54,9 +54,12 @@ std::map<std::string, Pose> MatchByName(
   std::map<std::string, Pose> matched;
   for (size_t form = 0; form < kForms && matched.empty(); ++form) {
     const std::map<std::string, int> index = IndexLabels(robot, form);
+    std::map<std::string, int> num_images;
+    for (const std::string& image : images) ++num_images[FormsOf(image)[form]];
     for (const std::string& image : images) {
-      const auto found = index.find(FormsOf(image)[form]);
-      if (found != index.end() && found->second >= 0)
+      const std::string name = FormsOf(image)[form];
+      const auto found = index.find(name);
+      if (found != index.end() && found->second >= 0 && num_images[name] == 1)
         matched[image] = robot.poses[found->second].pose;
     }
   }

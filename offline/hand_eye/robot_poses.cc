@@ -255,11 +255,11 @@ std::string FindTable(const std::string& text) {
     const std::string line =
         text.substr(at + is_comment, end - at - is_comment);
     const bool has_commas = line.find(',') != std::string::npos;
-    const auto words = SplitAt(line, has_commas ? "," : kSeparators);
-    const bool is_header =
-        is_comment
-            ? NamesPose(words)
-            : words.size() > 1 && !IsNumber(SplitAt(line, kSeparators).back());
+    const auto fields = SplitAt(line, kSeparators);
+    const auto words = has_commas ? SplitAt(line, ",") : fields;
+    const bool is_header = is_comment
+                               ? NamesPose(words)
+                               : fields.size() > 1 && !IsNumber(fields.back());
     if (is_header) {
       // Empty lines keep the numbers of the lines.
       const std::string lines_before(
@@ -270,7 +270,7 @@ std::string FindTable(const std::string& text) {
       const std::string table = lines_before + line + text.substr(end);
       return has_commas ? table : WithCommas(table);
     }
-    if (!is_comment && !words.empty()) return "";
+    if (!is_comment && !fields.empty()) return "";
     at = end + 1;
   }
   return "";

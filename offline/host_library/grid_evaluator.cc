@@ -73,7 +73,8 @@ class GridEvaluator final : public Evaluator<Scalar> {
 
   std::shared_ptr<const Evaluator<Scalar>> WithModel(
       std::shared_ptr<const CameraModel> model) const override {
-    return std::make_shared<GridEvaluator>(std::move(model), starts_);
+    auto starts = std::make_shared<const StartTable>(MakeCentral(*model));
+    return std::make_shared<GridEvaluator>(std::move(model), std::move(starts));
   }
 
   bool Unproject(const Vec2<Scalar>& pixel, Vec3<Scalar>* bearing,

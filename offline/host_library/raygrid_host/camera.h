@@ -162,8 +162,8 @@ class RAYGRID_HOST_API Camera {
   bool UnprojectLine(const Vector2& pixel, Vector3* origin, Vector3* bearing,
                      Matrix32* origin_J_pixel = nullptr,
                      Matrix32* bearing_J_pixel = nullptr) const;
-  /// Computes the pixel of a point. For a central camera, also of a bearing of
-  /// any length.
+  /// Computes the pixel of a point. For a central camera, also of a bearing
+  /// with a length of 1e-15 to 1e15.
   /// @param point in the camera frame
   /// @param pixel in the calibrated area
   /// @param J_point if not null, d pixel / d point

@@ -18,9 +18,9 @@ using Kind = TransformedImages::Kind;
 
 constexpr int kViews = 12;
 
-Dataset SimulateImages(const CameraModel& camera) {
+Dataset SimulateImages(const CameraModel& camera, int num_images = kViews) {
   SimulationOptions options;
-  options.num_images = kViews;
+  options.num_images = num_images;
   options.features_per_image = 100;
   return SimulateObservations(camera, TestBoard(), options).dataset;
 }
@@ -69,6 +69,15 @@ TEST(TransformedImages, AreNamedIfRotated) {
     // With half of the images, either half may be named.
     if (stride > 2) EXPECT_EQ(found->images, rotated);
   }
+}
+
+TEST(TransformedImages, AreNamedAmongManyImages) {
+  Dataset dataset = SimulateImages(ExampleLens(), 60);
+  ChangeImages(2, Rotate, &dataset);
+  const auto found = DetectIn(dataset);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->kind, Kind::kRotated);
+  EXPECT_EQ(found->images.size(), 30u);
 }
 
 TEST(TransformedImages, AreNamedIfMirrored) {

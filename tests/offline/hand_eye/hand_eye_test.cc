@@ -231,6 +231,28 @@ TEST(HandEye, TheSuggestedPoseHelpsAsPredicted) {
       1, 0.1);
 }
 
+// From a target tilted by 55 degrees, a rotation by 90 degrees leads behind it.
+TEST(HandEye, TheSuggestedPoseShowsTheFrontOfTheTarget) {
+  SimulatedRobotOptions options;
+  options.tilt_rad = 0.1;
+  options.common_tilt_rad = 55 * M_PI / 180;
+  for (int seed = 1; seed <= 8; ++seed) {
+    const SimulatedRobot robot = SimulateRobot(options, seed);
+    const HandEyeResult result =
+        CalibrateHandEye(robot.observations, options.mounting, {});
+    ASSERT_TRUE(result.suggestion);
+    const auto side = [](const Pose& camera_from_target) {
+      return (camera_from_target.rotation * Eigen::Vector3d::UnitZ())
+          .dot(camera_from_target.translation);
+    };
+    EXPECT_GT(side(PredictTargetPose(result.fit.hand_eye, options.mounting,
+                                     result.suggestion->base_from_gripper)) *
+                  side(robot.observations[0].camera_from_target),
+              0)
+        << seed;
+  }
+}
+
 // ---- Reprojection errors ---------------------------------------------------
 
 // Gauss-Newton equations of the joint problem: both transformations and one

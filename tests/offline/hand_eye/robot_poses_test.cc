@@ -87,6 +87,10 @@ TEST(RobotPoses, FaultsAreNamed) {
               "line 3");
   EXPECT_SAYS(ErrorOfText("1 2 3\n"), "3 fields");
   EXPECT_SAYS(ErrorOfText("# nothing\n"), "no poses");
+  // Rows that a spreadsheet leaves empty.
+  EXPECT_SAYS(ErrorOfText(" , \n"), "no poses");
+  EXPECT_SAYS(ErrorOfText(",,,,\r\nimage,x,y,z,qx,qy,qz,qw\na,1,2,3,0,0,0,2\n"),
+              "line 3");
   EXPECT_SAYS(ErrorOfText("image,x,y,z,qx,qy,qz\na,1,2,3,0,0,0\n"),
               "no column for qw");
 }
@@ -119,6 +123,7 @@ TEST(RobotPoses, AreMatchedWithImages) {
   EXPECT_THROW(match("x " + q + "\n", {"a"}), InputError);
   EXPECT_THROW(match("1 " + q + "\n", {"5.png"}), InputError);
   EXPECT_THROW(match("a " + q + "\na " + q, {"a"}), InputError);
+  EXPECT_THROW(match("a.png " + q, {"s1/a.png", "s2/a.png"}), InputError);
 }
 
 TEST(RobotPoses, TimesHaveAnyUnit) {

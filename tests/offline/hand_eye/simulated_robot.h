@@ -19,6 +19,8 @@ struct SimulatedRobotOptions {
   double camera_rad = 3e-4, camera_m = 1e-4;
   /// Tilts of the target and its turn about its normal, either way.
   double tilt_rad = 0.6, turn_rad = 1;
+  /// Tilt of all targets in one direction.
+  double common_tilt_rad = 0;
 };
 
 struct SimulatedRobot {
@@ -55,7 +57,8 @@ inline SimulatedRobot SimulateRobot(const SimulatedRobotOptions& options,
   for (int k = 0; k < options.num_poses; ++k) {
     const double tilt = options.tilt_rad, turn = options.turn_rad;
     Pose target;
-    target.rotation = RotationFromVector({random.Uniform(-tilt, tilt),
+    target.rotation = RotationFromVector({options.common_tilt_rad, 0, 0}) *
+                      RotationFromVector({random.Uniform(-tilt, tilt),
                                           random.Uniform(-tilt, tilt), 0}) *
                       RotationFromVector({0, 0, random.Uniform(-turn, turn)});
     target.translation = {random.Uniform(-0.1, 0.1), random.Uniform(-0.1, 0.1),
