@@ -34,8 +34,8 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--correlated-noise-px", simulation.shared_noise_px,
-                   "standard deviation of spatially correlated feature noise, "
-                   "per coordinate; ignored with --render")
+                   "standard deviation of spatially correlated noise, per "
+                   "coordinate; ignored with --render")
       ->option_text("PX")
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();

@@ -694,7 +694,7 @@ class Rigs(ExchangeTest):
         write(self.path("bad/intrinsics0.yaml"), "calibration_min_x : 0\n")
         never = self.path("never/rig.yaml")
         for name, text, words in (
-                ("points.yaml", "points : [1, 2]\n", "points: expected x, y, z"),
+                ("points.yaml", "points : [1, 2]\n", "points: expected three coordinates"),
                 ("dataset.bin", b"calib_data\0\0", "truncated after 12 bytes"),
                 ("rig_tr_global.yaml", "pose_count: 1\nposes:\n  - index: 0\n    tx: .nan\n",
                  "poses[0]: qw: expected a finite number"),
