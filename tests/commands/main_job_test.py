@@ -410,9 +410,9 @@ class Claims(CommandTest):
         measured = [alarms[f"{count} features an image"] for count in (240, 600)]
         page = os.path.join(os.path.dirname(programs.reference), "../tools/README.md")
         words = " ".join(read(page).decode().split())
-        self.assertIn("{} to {} of 1,000".format(*measured), words)
-        rarer_than = int(re.search(r"less than once in (\d+) times", words).group(1))
-        self.assertLess(max(measured), 1000 / rarer_than)
+        self.assertIn("{} to {} % in simulation".format(*(count / 10 for count in measured)), words)
+        percent = float(re.search(r"false-alarm rate of `check` is below ([\d.]+) %", words).group(1))
+        self.assertLess(max(measured), 10 * percent)
 
 
 if __name__ == "__main__":
