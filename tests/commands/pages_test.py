@@ -49,9 +49,10 @@ class Pages(CommandTest):
         commands = self.complete("raygrid", "")
         self.assertIn("calibrate", commands)
         for command in commands:
-            self.assertIn(f"raygrid_{command}\\fR(1)", main)
+            self.assertIn(f"raygrid_{command}\\fR(1)", main.replace("\\-", "-"))
             page = self.page(f"raygrid_{command}")
             self.assertIn(f"raygrid_{command} \\- ", page)
+            self.assertIn("SEE ALSO\n\\fBraygrid\\fR(1)", page)
             self.assertEqual(page.count('.SH "EXIT CODES"'), 1)
 
     def test_lines_of_the_help_are_no_requests_of_troff(self):
