@@ -958,33 +958,27 @@ def format_crc(blob: reference.Blob, placements: tuple[Placement, ...],
                border: str | None, nearest: bool) -> int:
     """CRC of the planes of the test frame, undistorted."""
     remap = blob.remap
+    source = {plane: [bytearray(row) for row in reference.sample_rows(make_frame(*size), size[0])]
+              for plane, size in plane_sizes(placements, *source_size(blob)).items()}
     output = {plane: [bytearray([KEPT_BYTE]) * size[0] for _ in range(size[1])]
               for plane, size in plane_sizes(placements, remap.width, remap.height).items()}
     for place in placements:
         for channel in range(place.channels):
-            remap_channel(blob, placements, place, channel, output[place.plane], border,
-                          nearest)
+            remap_channel(blob, place, channel, source[place.plane], output[place.plane],
+                          border, nearest)
     planes = (b"".join(rows) for _, rows in sorted(output.items()))
     return zlib.crc32(b"".join(planes))
 
 
-@functools.cache
-def source_samples(place: Placement, row_size: Pair, width: int, height: int,
-                   first: int) -> list[list[int]]:
-    """The samples of one channel of a lattice in the test frame. row_size: of the plane."""
-    rows = reference.sample_rows(make_frame(*row_size), row_size[0])
-    return [get_samples(place.kind, bytes(rows[lattice_row(place, j)]), first, place.step,
-                        width >> place.lattice.lx)
-            for j in range(height >> place.lattice.ly)]
-
-
-def remap_channel(blob: reference.Blob, placements: tuple[Placement, ...], place: Placement,
-                  channel: int, output: list[bytearray], border: str | None,
-                  nearest: bool) -> None:
+def remap_channel(blob: reference.Blob, place: Placement, channel: int,
+                  source: list[bytearray], output: list[bytearray],
+                  border: str | None, nearest: bool) -> None:
     """One channel of a lattice."""
     first = place.first + channel
-    size = source_size(blob)
-    samples = source_samples(place, plane_sizes(placements, *size)[place.plane], *size, first)
+    width, height = source_size(blob)
+    samples = [get_samples(place.kind, source[lattice_row(place, j)], first, place.step,
+                           width >> place.lattice.lx)
+               for j in range(height >> place.lattice.ly)]
     value = BORDER_VALUES[place.border + channel] if border == "value" else border
     bits = 8 if place.kind == "u8" else 16
     for j, row in enumerate(reference.remap_lattice(blob, place.lattice, samples, bits, value,
