@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-/// Detects images that were rotated by 180 degrees, mirrored or scaled: a
+/// Detects images that were rotated by 180 degrees or scaled: a
 /// single camera explains all images much better if the pixel coordinates of
 /// some of them are transformed back. The group and the camera are estimated
 /// alternately. Returns nullopt if no transformation suffices.

@@ -173,16 +173,8 @@ void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
 }
 
 std::string DescribeTransform(const TransformedImages& found) {
-  switch (found.kind) {
-    case TransformedImages::Kind::kRotated:
-      return "rotated by 180 degrees";
-    case TransformedImages::Kind::kMirroredHorizontally:
-      return "mirrored horizontally";
-    case TransformedImages::Kind::kMirroredVertically:
-      return "mirrored vertically";
-    case TransformedImages::Kind::kScaled:
-      break;
-  }
+  if (found.kind == TransformedImages::Kind::kRotated)
+    return "rotated by 180 degrees";
   return fmt::format("scaled by {:.2g} (another resolution)", found.scale);
 }
 

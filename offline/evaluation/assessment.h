@@ -31,8 +31,6 @@ struct MixedCameras {
 struct TransformedImages {
   enum class Kind {
     kRotated,  ///< by 180 degrees
-    kMirroredHorizontally,
-    kMirroredVertically,
     kScaled,
   };
   Kind kind = Kind::kRotated;

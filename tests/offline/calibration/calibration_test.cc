@@ -190,7 +190,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
   const int all_polls = polls;
   // In the cross-validation, and among the other models; what a signal leaves,
   // and what a kill does.
-  for (const double part : {0.3, 0.97}) {
+  for (const double part : {0.2, 0.97}) {
     std::optional<Checkpoint> kept;
     input.keep = [&](const Checkpoint& checkpoint) { kept = checkpoint; };
     input.resume.reset();
