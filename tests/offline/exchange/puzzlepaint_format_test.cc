@@ -189,7 +189,7 @@ TEST(MakePuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
   EXPECT_EQ(ParsePuzzlepaintPoints("f", points).at(5),
             Eigen::Vector3d(1, 2, 3));
   for (const auto& [old, by, word] :
-       {std::tuple("[1.0, ", "[", "x, y, z"),
+       {std::tuple("[1.0, ", "[", "three coordinates"),
         {"index: 0", "index: 1", "point_index 1: out of range, 1 points"},
         {"id: 5", "id: -5", "feature_id"}})
     ExpectError(ExitCode::kInput, {word},
