@@ -54,8 +54,8 @@ void AddObservationOptions(CLI::App* command, SimulateArguments* arguments) {
       ->capture_default_str();
   command
       ->add_option("--per-view-deformation-mm", arguments->board_deformation_mm,
-                   "standard deviation of the deflection by a random "
-                   "deformation of each view; ignored with --render")
+                   "standard deviation of a random per-view deflection; "
+                   "ignored with --render")
       ->option_text("MM")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
