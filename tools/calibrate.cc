@@ -299,7 +299,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
   const IntrinsicsByCamera intrinsics = ReadKnownIntrinsics(arguments, given);
   const Pattern pattern = LoadCheckedPattern(arguments.pattern, common);
   RequireNoInputReplaced(arguments, FindImages(arguments.images).paths);
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
 
   std::string inputs;
   std::vector<std::string> warnings;

@@ -239,7 +239,7 @@ void Run(const CompareArguments& arguments, const CommonOptions& common) {
                            {(folder / "difference.csv").string(),
                             (folder / "difference.json").string(),
                             (folder / "predictions.csv").string()});
-    RequireWritableFolder(arguments.output);
+    RequireCreatableFolder(arguments.output);
   }
   const Comparison comparison = Compare(arguments, common);
   if (!arguments.output.empty()) Write(comparison, arguments.output);

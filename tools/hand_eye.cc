@@ -163,7 +163,7 @@ HandEyeInput GatherHandEyeInput(const HandEyeArguments& arguments,
                                 const CommonOptions& common) {
   TargetPoses targets = ReadTargets(arguments.result, common);
   RequireOutputsAreNoInputs(arguments, targets);
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
   const int other_boards = KeepOneBoard(arguments, &targets);
   const RobotPoses robot =
       ParseRobotPoses(arguments.robot, ReadFile(arguments.robot),

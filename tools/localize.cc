@@ -381,7 +381,7 @@ void Run(const LocalizeArguments& arguments, const CommonOptions& common) {
   if (arguments.independent_boards) pattern.rigid_targets.clear();
   RequireNoImageReplaced(arguments, {});
   RequireNoCalibration(arguments.output);
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
   const std::vector<CameraImages> cameras =
       GatherFeatures(rig, pattern, arguments, common);
   RequireNoImageReplaced(arguments, cameras);

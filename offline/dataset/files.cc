@@ -271,4 +271,15 @@ void RequireWritableFolder(const std::string& folder) {
   if (error != 0) ThrowWriteError(folder, error);
 }
 
+void RequireCreatableFolder(const std::string& folder) {
+  std::vector<fs::path> missing;
+  for (fs::path path = fs::absolute(folder);
+       !path.empty() && !fs::exists(path) && path != path.parent_path();
+       path = path.parent_path())
+    missing.push_back(path);
+  RequireWritableFolder(folder);
+  std::error_code ignored;
+  for (const fs::path& path : missing) fs::remove(path, ignored);
+}
+
 }  // namespace raygrid

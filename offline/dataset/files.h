@@ -48,6 +48,9 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
 /// file, such as camera.yaml.
 void RequireWritableFolder(const std::string& folder);
 
+/// The same, but does not leave a folder behind that did not exist.
+void RequireCreatableFolder(const std::string& folder);
+
 }  // namespace raygrid
 
 #endif  // RAYGRID_DATASET_FILES_H
