@@ -10,9 +10,9 @@
 
 namespace raygrid {
 
-/// Computes the population mean of a fleet as a grid camera: each pixel's
-/// direction is the median over the inliers that observe it, in both chart
-/// coordinates, so that poor extrapolation by single units has no effect. At
+/// Computes the population mean of a fleet as a grid camera: the smooth
+/// differences of the inliers, polynomials, are averaged; for the remainder, the
+/// median is used, so that poor extrapolation by single units has no effect. At
 /// most 200 units are used, evenly spaced. Returns nullopt for a fleet without
 /// charts, or with non-central cameras. folders: of the rows' units.
 std::optional<CameraFile> ComputeMeanCamera(
