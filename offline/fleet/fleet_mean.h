@@ -11,10 +11,11 @@
 namespace raygrid {
 
 /// Computes the population mean of a fleet as a grid camera: the smooth
-/// differences of the inliers, polynomials, are averaged; for the remainder, the
-/// median is used, so that poor extrapolation by single units has no effect. At
-/// most 200 units are used, evenly spaced. Returns nullopt for a fleet without
-/// charts, or with non-central cameras. folders: of the rows' units.
+/// differences of the inliers, polynomials, are averaged; for the remainder,
+/// the median is used, so that poor extrapolation by single units has no
+/// effect. At most 200 units are used, evenly spaced. Returns nullopt for a
+/// fleet without charts, or with non-central cameras. folders: of the rows'
+/// units.
 std::optional<CameraFile> ComputeMeanCamera(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders);
 
