@@ -33,12 +33,13 @@ const char kAprilGrid[] =
     "kind: aprilgrid, columns: 6, rows: 4, square_m: 0.05, spacing_ratio: 0.3";
 
 std::vector<Board> BoardsOfAllKinds() {
-  std::vector<Board> boards = {StarBoard(16),
-          StarBoard(6),
-          ParsedBoard(kCharuco),
-          ParsedBoard(std::string(kCharuco) + ", legacy: true"),
-          ParsedBoard(kAprilGrid),
-          ParsedBoard("kind: chessboard, columns: 4, rows: 3, square_m: 0.02")};
+  std::vector<Board> boards = {
+      StarBoard(16),
+      StarBoard(6),
+      ParsedBoard(kCharuco),
+      ParsedBoard(std::string(kCharuco) + ", legacy: true"),
+      ParsedBoard(kAprilGrid),
+      ParsedBoard("kind: chessboard, columns: 4, rows: 3, square_m: 0.02")};
   for (const auto& kind : TargetKinds())
     if (kind->is_drawable)
       boards.push_back(ParseBoardSpec(kind->specification).boards[0]);
