@@ -71,7 +71,7 @@ def check_needed(library):
         if any(foreign in name for foreign in FOREIGN):
             sys.exit(f"host_library: {library} needs {name}")
     if not needed:
-        sys.exit(f"host_library: readelf tells nothing about {library}")
+        sys.exit(f"host_library: readelf prints nothing about {library}")
 
 
 def check_headers(folder):
@@ -120,9 +120,9 @@ def main():
         check_needed(find(prefix, "libraygrid_host.so"))
         check_headers(os.path.join(prefix, "include", "raygrid_host"))
         consumer = build_consumer(arguments, prefix, project)
-        told = run(consumer, cameras["noncentral-generic"])
-        if not told.startswith("noncentral-generic, 1425 intrinsics\n(319.500, 239.500) -> "):
-            sys.exit(f"host_library: the README's program prints {told!r}")
+        printed = run(consumer, cameras["noncentral-generic"])
+        if not printed.startswith("noncentral-generic, 1425 intrinsics\n(319.500, 239.500) -> "):
+            sys.exit(f"host_library: the README's program prints {printed!r}")
 
 
 if __name__ == "__main__":
