@@ -1,4 +1,4 @@
-#include "hand_eye/robot_poses.h"
+#include "dataset/robot_poses.h"
 
 #include "support.h"
 

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "dataset/error.h"
+#include "dataset/robot_poses.h"
 #include "dataset/text_encoding.h"
-#include "hand_eye/robot_poses.h"
 
 namespace raygrid {
 namespace {
