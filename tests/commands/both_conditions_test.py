@@ -4,7 +4,7 @@ import json
 import random
 import re
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, long_test, main, read, run, write
 
 BOARD = "chessboard:13x9:30mm"
 POSITIONS = (0, 2.5, 5, 7.5, 10)
@@ -98,6 +98,7 @@ class BothConditions(CommandTest):
         result = run("simulate", "--lens", "focusing", "--at", "temperature=30", "-o", self.path("no"))
         self.assert_refused(result, 1, "varies with lens_position only")
 
+    @long_test
     def test_a_blob_goes_over_the_condition_that_is_not_given(self):
         def pack(*options):
             blob = self.path("packed.raygrid")

@@ -6,7 +6,7 @@ import re
 import resource
 import subprocess
 
-from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, commands, main, programs, read, run, specifications, write)
+from command_test import (HANG_S, CommandTest, SIMULATED_PATTERN, commands, long_test, main, programs, read, run, specifications, write)
 
 PAGE = os.path.join(os.path.dirname(__file__), "../../tools/README.md")
 
@@ -156,6 +156,7 @@ class CamerasThatNoBlobHolds(CommandTest):
         self.check_files("is omitted", "16384")
         self.assertNotIn("camera.raygrid", os.listdir(self.out))
 
+    @long_test
     def test_image_as_large_as_images_may_be(self):
         size = "16384x16384"
         features = self.simulate("--size", size, "--lens", "pinhole")

@@ -4,7 +4,7 @@ import json
 import re
 from pathlib import Path
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, long_test, main, read, run, write
 
 SIZE = "640x480"
 
@@ -103,6 +103,7 @@ class RollingShutterTest(CommandTest):
         self.assertNotIn(b"row_time", read(result / "camera.yaml"))
         self.assertEqual(run("report", result).returncode, 0)
 
+    @long_test
     def test_images_of_unknown_motion_are_left_out_and_named(self):
         rows = read(self.moving / "times.csv").decode().splitlines(keepends=True)
         gone = ("sim0060.png", "sim0061.png")

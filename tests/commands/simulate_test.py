@@ -6,7 +6,7 @@ import math
 import os
 import re
 
-from command_test import CommandTest, main, read, run, specifications, write
+from command_test import CommandTest, long_test, main, read, run, specifications, write
 
 OPENCV_CAMERA = """raygrid_camera: 1
 model: opencv
@@ -161,6 +161,7 @@ class Simulate(CommandTest):
         self.assertIn("0.004500000", true_pattern)  # at the corners
         self.assertNotIn("points", read(os.path.join(folder, "pattern.yaml")).decode())
 
+    @long_test
     def test_calibrate_finds_a_board_that_is_hardly_bent(self):
         """Points that scatter independently would leave 0.05 to 0.12 px."""
         for bend_mm, seed in ((0.1, 11), (0.07, 23), (0.15, 27)):

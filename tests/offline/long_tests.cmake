@@ -2,6 +2,9 @@
 
 # Studies of more data than what the others of their suites test.
 set(RAYGRID_STUDIES
+  CalibrateRig.DeviationsCountNoiseThatNeighboursShare
+  StarDetector.FindsStarsOfAnyNumberOfSegments
+  TrueErrors.OfOneLensDoNotGrow/5
   TrueErrors.OfThreeLenses*)
 
 # With sanitizers these take minutes: what they reach, others reach on less data.

@@ -270,7 +270,7 @@ TEST(MakeColmapFormat, TakesDamagedBytesForNothingElse) {
   TestRandom random(4);
   const Format format = MakeColmapFormat();
   const std::string rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
-  for (int k = NumMutants(2000); k-- > 0;) {
+  for (int k = NumMutants(500); k-- > 0;) {
     std::string cameras = ColmapBinary(), beside = rigs,
                 images =
                     EncodeColmapImages(ParseColmapImages("", kColmapImages));
