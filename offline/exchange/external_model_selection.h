@@ -55,8 +55,8 @@ ModelFit ComputeModelFit(const CameraModel& camera,
                          const ExternalModel& external_model,
                          const Eigen::Quaterniond& lens_from_camera);
 
-/// Formats "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200
-/// trusted pixels; turned by 0.00123 rad, quaternion (w, x, y, z) ...".
+/// Formats "RMS 0.0123 px, 99th percentile 0.0456 px, max 0.0789 px at 19200
+/// valid pixels; rotated by 0.0012 rad, ...".
 std::string FormatModelFit(const ModelFit& fit);
 
 }  // namespace raygrid

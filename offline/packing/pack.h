@@ -18,7 +18,8 @@
 
 namespace raygrid {
 
-/// A requested remap table: of a view, for frames as calibrated or of a mode.
+/// A requested remap table: from full-resolution frames, or from frames of a
+/// sensor mode, to a view.
 struct RemapRequest {
   RemapRequest(const VirtualView& wanted_view,
                const std::optional<SensorMode>& frames_mode = std::nullopt)
