@@ -68,8 +68,7 @@ std::optional<double> ParseDuplicatePx(const std::string& text) {
 
 struct Interruption {};
 
-// Prints the skipped images and returns them, named by the last component of
-// their paths, as everywhere.
+// Prints the skipped images, and returns them by file name.
 std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
   std::vector<RejectedImage> list;
   for (const SkippedImage& image : images) {

@@ -80,7 +80,7 @@ ImageMapper MapWithTable(BlobCamera blob, const VirtualView& view,
           }};
 }
 
-// Maps from the view to the camera's distorted image.
+// Returns the mapper that distorts undistorted images of the view.
 ImageMapper Distortion(const CameraModel& camera, const VirtualView& view,
                        int num_threads) {
   const auto map =

@@ -32,7 +32,7 @@ struct RemapKeys {
   bool distorts = false;
 };
 
-/// Keys for tables only, for messages.
+/// Help text: the keys that only remap tables accept.
 extern const char kTableKeysHelp[];
 
 /// Like ParseView(), but also accepts the keys direction, at and plane.

@@ -27,8 +27,9 @@ struct View {
   std::vector<double> conditions;
 };
 
-/// A camera model for one view: an operating-point model evaluated at the
-/// view's conditions; others unchanged. The camera must outlive it.
+/// The camera model of one view: an operating-point model evaluated at the
+/// conditions of the view, or the unchanged camera. The camera must outlive
+/// this object.
 class CameraAtView {
  public:
   CameraAtView(const CameraModel& camera, const View& view);

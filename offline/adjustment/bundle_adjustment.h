@@ -28,11 +28,12 @@ struct AdjustmentOptions {
   /// The result only initializes another adjustment: stop once steps are small
   /// compared with the steps of the next adjustment.
   bool is_initialization = false;
-  /// Called at most once, with estimated precisions, when another step would
-  /// change residuals and precisions by a few per cent at most. Returning true
-  /// ends the optimization with these residuals.
+  /// Called at most once, after precisions were estimated, when a further step
+  /// would change residuals and precisions by at most a few per cent. If it
+  /// returns true, the optimization ends with these residuals.
   std::function<bool(const std::vector<Residual>&)> should_accept;
-  /// Polled between iterations; true stops with the best state so far.
+  /// Called between iterations. If it returns true, the optimization stops with
+  /// the best state so far.
   std::function<bool()> should_stop;
   /// Called after each iteration with its cost; iterations are counted from the
   /// beginning of each stage.

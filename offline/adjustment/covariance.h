@@ -47,8 +47,9 @@ struct UncertaintyOptions {
 /// in bands of eigenmodes, to the parameter changes observed when groups of
 /// frames are left out (GroupJackknife).
 ///
-/// Exact if the response is; otherwise estimated from samples, with a relative
-/// standard error of 1 / sqrt(2 num_samples), 9 %.
+/// The covariance is exact if the response is exact. Otherwise it is estimated
+/// from samples, with a relative standard error of 1 / sqrt(2 num_samples), 9
+/// %.
 /// @param jackknife of the response; nullptr: white noise is assumed
 /// @param joint_px2 receives the joint covariance of x and y of all pixels,
 ///     whose diagonal blocks are total_px2; may be nullptr

@@ -47,13 +47,15 @@ class DenseEquations : public NormalEquations {
     std::vector<Eigen::LLT<PoseMatrix>> blocks;
     Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> dense;
   };
-  // Does not add derivatives by static deformation unless the points are fixed.
+  // Adds the products of a view's Jacobian. Static deformation is included only
+  // if the points are fixed.
   void AddJacobian(const ViewJacobian& jacobian, const DeformationModes& modes);
   // Adds static deformation by the chain rule from the points
   // (StaticDeformation).
   void AddDeformation(const StaticDeformation& moves);
   void AddPrior(const PriorEquations& prior);
-  // Moves W to couplings_: successive blocks together if this saves operations.
+  // Moves W to couplings_. Successive blocks are combined if this saves
+  // operations.
   void CompressCouplings();
   bool Reduce(double lambda, Reduced* reduced) const;
   // Returns the index of the first pose in its group, kept or eliminated.

@@ -14,7 +14,8 @@
 
 namespace raygrid {
 
-/// Directions of a group in which its prior is relaxed.
+/// Directions of a group's parameters along which its prior has a lower
+/// precision, or none.
 struct UnpenalizedDirections {
   Eigen::MatrixXd directions;  ///< one column per direction
   /// Relative precisions h: cost weight * h / 2 x^2; 0: unpenalized.
@@ -23,13 +24,14 @@ struct UnpenalizedDirections {
   Eigen::VectorXd precision_floor;
 };
 
-/// Camera parameters with a common prior precision; K is zero for all others.
-/// In the columns of D they are nearly unpenalized: the precision matrix is K -
-/// R R^T, with R = sqrt(1 - kRelaxedScale^2) K D. D^T K D is diagonal: 1 for
-/// unpenalized directions, less for those with a remaining precision.
+/// Camera parameters with a common prior precision; K is zero for all other
+/// parameters. Along the columns of D the prior is nearly unpenalized: the
+/// precision matrix is K - R R^T, with R = sqrt(1 - kRelaxedScale^2) K D. D^T K
+/// D is diagonal: 1 for unpenalized directions, less for those with a remaining
+/// precision.
 struct PriorGroup {
   static constexpr double kRelaxedScale =
-      1e-3;  ///< remaining scale in these directions
+      1e-3;  ///< prior scale that remains along D
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
   int rank = 0;       ///< rank of K minus unpenalized directions
@@ -42,10 +44,12 @@ struct PriorGroup {
   Eigen::MatrixXd free;
   Eigen::MatrixXd freed;  ///< R
 
-  /// Relaxes directions; requires precision and rank.
+  /// Lowers the precision along these directions. Requires `precision` and
+  /// `rank`.
   void Free(const UnpenalizedDirections& freer);
-  /// Sets the precision. Directions with an absolute precision are relaxed
-  /// more, relative to the group, as its weight grows.
+  /// Sets the weight of the group. Directions with an absolute precision keep
+  /// it, so that their precision relative to the group decreases as the weight
+  /// grows.
   void SetPrecision(double new_weight, double residual_variance);
 
   /// Returns (c - c0)^T (K - R R^T) (c - c0), without lambda.
@@ -62,7 +66,7 @@ struct PriorGroup {
   int full_rank_ = 0;
 };
 
-/// Projects a random vector of covariance K to one of covariance K - R R^T.
+/// Projects a random vector with covariance K to one with covariance K - R R^T.
 Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
                                   const Eigen::MatrixXd& freed,
                                   const Eigen::VectorXd& random);
@@ -72,7 +76,8 @@ Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
 /// the observations.
 struct BaseModel {
   std::shared_ptr<const ParametricModel> model;  ///< nullptr: no base model
-  /// By parameter, in units of the inverse residual variance.
+  /// Prior precision of each parameter, in units of the inverse residual
+  /// variance.
   Eigen::VectorXd precision;
 };
 
@@ -95,9 +100,10 @@ struct CameraPrior {
   Eigen::VectorXd OrientationError(const Eigen::VectorXd& parameters) const;
 };
 
-/// Priors of all cameras, or of none; of the target points about nominal,
-/// points_precision / 2 sum |p - p0|^2; and of the deformation about zero,
-/// deformation_precisions / 2 f^2 for each coefficient.
+/// Gaussian priors and their costs: of all cameras, or of none; of the target
+/// points about their nominal positions, points_precision / 2 sum |p - p0|^2;
+/// and of the deformation coefficients about zero, deformation_precisions / 2
+/// f^2 each.
 struct GaussianPrior {
   std::vector<CameraPrior> cameras;
   std::vector<Eigen::Vector3d> points_mean;

@@ -22,8 +22,8 @@ class GroupJackknife {
                  const GaussianPrior& prior, const AdjustmentOptions& options,
                  const AdjustmentState& state, double noise_px);
 
-  /// Squared changes of linear functions of the parameters: rows are functions,
-  /// columns are groups.
+  /// Squared changes of linear functions of the parameters, observed and
+  /// predicted: one row per function, one column per group.
   struct SquaredChanges {
     Eigen::MatrixXd observed, predicted;
   };

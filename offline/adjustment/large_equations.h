@@ -32,9 +32,9 @@ class LargeEquations : public NormalEquations {
  public:
   class Memory;
 
-  /// Iterates to a relative error of about `tolerance`. Reuses the
-  /// preconditioner in *memory, which earlier equations of this layout
-  /// computed, while convergence is fast, and the diagonal of H for damping.
+  /// Solves with a relative error of about `tolerance`. Reuses from *memory the
+  /// preconditioner that earlier equations of this layout computed, as long as
+  /// convergence is fast, and the diagonal of H for damping.
   LargeEquations(const ParameterLayout& layout,
                  std::vector<ViewJacobian> jacobians,
                  const PriorEquations& prior, const AdjustmentState& state,

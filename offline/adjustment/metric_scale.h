@@ -23,9 +23,9 @@ struct AlignedBoard {
 /// (Umeyama, 1991) and updates the poses, so that no reprojection changes. With
 /// a single camera, each rigid target has a separate scale; a rig has one
 /// common scale, the mean over boards (weighted by their squared extent), which
-/// is also applied to the cameras. With non-central cameras, whose line points
-/// would have to be scaled too, only rigid motions are used: the prior of the
-/// points has fixed the scale.
+/// is also applied to the cameras. With non-central cameras, only rigid motions
+/// are used: the points of their observation lines would have to be scaled,
+/// too, and the prior of the target points determines the scale.
 void AlignToNominal(const std::vector<AlignedBoard>& boards,
                     AdjustmentState* state);
 

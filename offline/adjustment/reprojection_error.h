@@ -8,9 +8,9 @@
 
 namespace raygrid {
 
-/// How far (px) outside the calibrated area residuals remain defined during
-/// optimization: the area is the extent of the features, whose projections
-/// scatter about its edge.
+/// Margin around the calibrated area (px) within which residuals are defined
+/// during optimization. The area is the bounding rectangle of the features, so
+/// the projections of the outermost ones may lie outside.
 constexpr double kAdjustmentMarginPx = 3;
 
 /// A residual r = projection - observation (px), invalid if the point does not

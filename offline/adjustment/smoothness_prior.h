@@ -14,9 +14,10 @@ namespace raygrid {
 /// control points that few observations determine towards their neighbours and
 /// the base model. The orientation term also fixes the gauge, the camera's
 /// orientation: the mean rotation of the directions of observed_px relative to
-/// base, or of pixels all over the area if observed_px is empty. Over the whole
-/// area, the camera could rotate while extrapolated corners rotate the other
-/// way: a flat valley of the cost with slow convergence.
+/// base, or of pixels all over the area if observed_px is empty. With a mean
+/// over the whole area, a rotation of the camera could be compensated by the
+/// opposite rotation of extrapolated corners; the cost would hardly change, and
+/// convergence would be slow.
 ///
 /// The parameters of the base model are unpenalized, except for the precision
 /// from its own fit: the field represents only deviations that the model
@@ -43,9 +44,10 @@ CameraPrior MakeOperatingPointPrior(const CentralGeneric& base, int num_terms);
 /// the pixels by which displacement across a line moves an image at distance_m.
 ///
 /// A common shift of all points is compensated by the poses and thus not
-/// observable: it is chosen by this prior. Neither is drift along the lines,
-/// o(x) -> o(x) + f(x) d(x): the prior penalizes it strongly, so that each
-/// point stays in the plane across base's direction.
+/// observable: it is chosen by this prior. Motion of the points along their
+/// lines, o(x) -> o(x) + f(x) d(x), is not observable either. The prior
+/// penalizes it strongly, so that each point stays in the plane perpendicular
+/// to base's direction.
 CameraPrior MakeNonCentralPrior(const CentralGeneric& base,
                                 const std::vector<Eigen::Vector2d>& observed_px,
                                 double distance_m, const BaseModel& lens = {});

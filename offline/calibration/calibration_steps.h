@@ -14,13 +14,15 @@
 
 namespace raygrid {
 
-/// The steps of a calibration, in this order, each for all cameras.
+/// The steps of a calibration. They run in the order of declaration, each for
+/// all cameras.
 class Calibration {
  public:
   Calibration(const std::vector<CalibrationInput>& inputs,
               const Pattern& pattern, const CalibrationOptions& options);
 
-  /// Initializes a parametric model for each camera from its own images.
+  /// Initializes a parametric model for each camera from the images of this
+  /// camera.
   void Start();
 
   /// Refines the features with that model and initializes again from them.
@@ -82,10 +84,12 @@ class Calibration {
   std::vector<Split> Splits() const;
   std::vector<const CameraModel*> InitialCameras() const;
   std::vector<double> KnotSpacingsPx() const;
-  // In a rig, boards deform if they do so for most cameras.
+  // Returns whether per-view deformation is estimated; in a rig, if most
+  // cameras require it.
   bool DoBoardsDeform() const;
   bool AreLineDelaysRequested() const;
-  // Boards of rigid targets do not deform: they have no separate pose.
+  // Returns whether boards are rigid. The boards of rigid targets are, because
+  // deformation needs a separate pose for each board.
   bool AreBoardsRigid() const { return !bodies_.empty() || !DoBoardsDeform(); }
   AdjustmentResult AdjustTogether(
       const std::vector<int>& cameras,

@@ -20,7 +20,8 @@ bool AreParametric(const CameraModels& lenses);
 /// needed to learn the prior.
 AdjustmentOptions MakeInitializationOptions(AdjustmentOptions options);
 
-/// Includes the infinite residuals of features without a projection.
+/// Returns the median norm of the residuals. The residual of a feature without
+/// a projection is infinite.
 double ComputeMedianErrorPx(const std::vector<Residual>& residuals);
 
 /// Initial values of an adjustment: cameras, knot spacings and base models.

@@ -10,18 +10,18 @@ namespace raygrid {
 constexpr int kMinImages = 3;
 
 /// Initializes and optimizes a parametric camera from the observations alone;
-/// area is the calibrated area. If `known`, a camera of almost the same
-/// observations, is given, it is the initial value. Throws Error: kTooFew,
-/// kInitialization.
+/// area is the calibrated area. The optional camera `known`, estimated from
+/// almost the same observations, is used as the initial value. Throws Error:
+/// kTooFew, kInitialization.
 AdjustmentResult InitializeCamera(const Dataset& dataset,
                                   const Pattern& pattern,
                                   const AdjustmentOptions& options,
                                   AreaChoice area = AreaChoice::kWholeImage,
                                   const CameraModel* known = nullptr);
 
-/// Estimates the target poses of a camera with known intrinsics, which the
-/// returned state holds as FixedCamera, in place of InitializeCamera(). Throws
-/// Error(kTooFew) if there are none.
+/// Replaces InitializeCamera() for a camera with known intrinsics: estimates
+/// only the target poses. The returned state contains the camera as
+/// FixedCamera. Throws Error(kTooFew) if there are none.
 AdjustmentResult InitializeKnownCamera(const CameraModel& camera,
                                        const Dataset& dataset,
                                        const Pattern& pattern, AreaChoice area,

@@ -51,18 +51,19 @@ struct Folds {
 
   int count() const { return static_cast<int>(folds.size()); }
 };
-/// `known` has an initial camera per camera, from all training images.
+/// Makes the folds. known: initial cameras estimated from all training images,
+/// one per camera.
 Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known);
-/// Returns a fold per view if there are too few views for MakeFolds(); none for
-/// fewer than four.
+/// Returns one fold per view, for datasets with too few views for MakeFolds();
+/// no folds for fewer than four views.
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
                            const std::vector<const CameraModel*>& known);
 
 struct ValidationOptions {
   std::string model;
   AreaChoice area = AreaChoice::kWholeImage;
-  /// See CalibrationOptions.
+  /// As in CalibrationOptions.
   std::shared_ptr<const CameraModel> like = {};
   std::shared_ptr<const PopulationCovariance> prior_population = {};
   bool fix_target_geometry = false;
@@ -75,7 +76,7 @@ struct ValidationOptions {
   int num_threads = 0;
   std::function<void(double)> progress;
   std::function<bool()> should_stop;
-  /// Called when *done has grown, by one thread at a time.
+  /// Called after trials were appended to *done, by one thread at a time.
   std::function<void()> on_done;
 };
 

@@ -6,10 +6,12 @@
 namespace raygrid {
 
 /// Returns whether a camera calibrated with board deformation predicts held-out
-/// images better than one with rigid boards: better if the held-out boards may
-/// deform, and also in the sum with the gain for rigid held-out boards, which
-/// must not be a significant loss. Errors are dominated by the boards'
-/// deformation, so they vary by chance. For a single camera.
+/// images better than one with rigid boards. Held-out images are evaluated with
+/// rigid boards, and with boards that may deform. The latter errors must
+/// decrease, the former must not increase significantly, and the sum of both
+/// z-scores (ComputeLossGain()) must show an improvement. The errors vary by
+/// chance, because the deformation of the boards dominates them. For a single
+/// camera.
 bool IsDeformationBetter(const HeldOutResiduals& bent,
                          const HeldOutResiduals& rigid);
 

@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// Selects elements with a constant stride, max_count at most.
+/// Selects at most max_count elements with a constant stride.
 template <typename T>
 std::vector<T> SelectEvenly(const std::vector<T>& all, size_t max_count) {
   const size_t step =

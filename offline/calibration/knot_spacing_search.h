@@ -10,17 +10,17 @@
 
 namespace raygrid {
 
-/// Computes the decrease of the mean Huber loss from `others` to `residuals` in
-/// standard deviations, estimated from its variation between images. Features
-/// missing in one of the lists have an error of huber_px there. 0 for fewer
-/// than two images.
+/// Returns the z-score of the decrease of the mean Huber loss from `others` to
+/// `residuals`: the decrease divided by its standard deviation, which is
+/// estimated from the variation between images. Features missing in one of the
+/// lists have an error of huber_px there. 0 for fewer than two images.
 double ComputeLossGain(const std::vector<FeatureResidual>& others,
                        const std::vector<FeatureResidual>& residuals,
                        double huber_px = 1);
 
-/// Minimum ComputeLossGain() of a coarser grid over a finer one. Superfluous
-/// control points cost little, as the prior constrains them; missing ones
-/// cannot be compensated.
+/// Minimum z-score (ComputeLossGain()) of a coarser grid over a finer one.
+/// Superfluous control points cost little, as the prior constrains them;
+/// missing ones cannot be compensated.
 constexpr double kMinCoarserGain = 1;
 
 /// Search over the resolutions of a grid, from coarse to fine.

@@ -20,9 +20,9 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              AdjustmentResult* adjusted,
                              const AdjustmentResult* other_spacing = nullptr);
 
-/// Enables board deformation after outliers were removed, which it would fit
-/// otherwise. With a parametric model, the deformation would absorb the model's
-/// systematic errors.
+/// Enables board deformation. Requires that outliers were removed, since the
+/// deformation would fit them. With a parametric model, the deformation would
+/// absorb the model's systematic errors.
 void EstimateDeformation(const Pattern& pattern,
                          const AdjustmentOptions& options,
                          AdjustmentResult* adjusted);
@@ -34,10 +34,10 @@ void OptimizeModel(const Pattern& pattern, const std::string& model,
                    const AdjustmentOptions& options,
                    AdjustmentResult* adjusted);
 
-/// Determines what no feature constrains: the area of parametric cameras,
-/// control points without observations (limited to what a blob can represent),
-/// and the origin of non-central cameras (the point nearest to all observation
-/// lines).
+/// Sets the quantities that no feature constrains: the area of parametric
+/// cameras, control points without observations (limited to what a blob can
+/// represent), and the origin of non-central cameras (the point nearest to all
+/// observation lines).
 void FinalizeCameras(AdjustmentResult* adjusted);
 
 /// Aligns boards with estimated points to their nominal geometry.

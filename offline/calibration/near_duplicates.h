@@ -14,8 +14,8 @@ namespace raygrid {
 /// longer side of the image, but at least one pixel.
 double DefaultDuplicatePx(const ImageSize& size);
 
-/// Returns the limit of feature motion between images that are nearly
-/// duplicates: 0.5 % of the longer side, but at least two pixels.
+/// Returns a larger limit, for images that differ too little to add
+/// information: 0.5 % of the longer side, but at least two pixels.
 double NearDuplicatePx(const ImageSize& size);
 
 /// Groups images, or frames of a rig, that show the same view: an image is a

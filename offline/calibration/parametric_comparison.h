@@ -34,8 +34,6 @@ std::optional<ModelMetrics> CompareAlternativeGrid(
 /// of a central one) removes, as the root of the difference of squares.
 /// Predicted uncertainties do not include it, since it is common to all images.
 /// Returns nullopt if no model is better by two standard errors.
-/// Predicted uncertainties do not include it, since it is common to all images.
-/// Returns nullopt if no model is better by two standard errors.
 std::optional<double> EstimateModelErrorPx(const CalibrationResult& result);
 
 }  // namespace raygrid

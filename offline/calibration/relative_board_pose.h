@@ -11,8 +11,8 @@
 
 namespace raygrid {
 
-/// Relative pose of two boards in one frame: the second board in the frame of
-/// the first.
+/// Relative pose of two boards in one frame: the pose of the second board in
+/// the frame of the first one.
 struct RelativeBoardPose {
   static constexpr int kDimensions = 6;
   using Vector = Eigen::Matrix<double, 6, 1>;
@@ -70,7 +70,8 @@ class PoseEquations {
   PoseEquations(const AdjustmentResult& adjusted, const Pattern& pattern,
                 int num_threads);
 
-  /// Returns how many relative poses of two boards are affordable.
+  /// Returns the maximum number of relative poses per pair of boards, which
+  /// limits the run time.
   size_t MaxNumRelations() const { return response_.IsExact() ? 60 : 16; }
 
   /// Computes the covariances of relative poses. Correlated noise is not

@@ -19,8 +19,8 @@ bool IsWorseThanFolds(const CameraInProgress& camera,
                       const AdjustmentResult& adjusted, bool are_boards_rigid,
                       double knot_spacing_px);
 
-/// Runs adjust, which uses camera->lens, from the initial camera of each fold.
-/// Keeps the best result and its initial camera.
+/// Runs adjust() with camera->lens set to the initial camera of each fold in
+/// turn. Keeps the best result and its initial camera.
 void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
                       const std::function<AdjustmentResult()>& adjust,
                       CameraInProgress* camera, AdjustmentResult* adjusted);

@@ -15,7 +15,7 @@ namespace raygrid {
 std::vector<std::vector<int>> CountSharedViews(
     const CalibrationProblem& problem);
 
-/// Groups cameras that are connected by such frames.
+/// Returns the groups of cameras that frames with shared targets connect.
 std::vector<std::vector<int>> ConnectedGroups(
     const CalibrationProblem& problem);
 
@@ -43,12 +43,12 @@ RigRotations ResolveRotationsAcrossCameras(
 
 /// Combines cameras that were adjusted alone, each on its own images of the
 /// same pattern, to a rig, and boards to rigid targets. The rig's frame is the
-/// first camera's. Of two cameras, the relative pose is used that explains most
-/// of their shared views; a tree of the pairs with the most shared views
-/// connects all of them. Optimizes everything with fixed points; views that are
-/// inconsistent with other cameras, or other boards of their target, are added
-/// to rejected, by camera. A single camera without rigid targets is unchanged.
-/// Throws Error(kInitialization).
+/// first camera's. For each pair of cameras, uses the relative pose that
+/// explains most of their shared views. The pairs with the most shared views
+/// form a tree that connects all cameras. Optimizes everything with fixed
+/// points; views that are inconsistent with other cameras, or other boards of
+/// their target, are added to rejected, by camera. A single camera without
+/// rigid targets is unchanged. Throws Error(kInitialization).
 AdjustmentResult InitializeRig(
     const std::vector<std::string>& names,
     const std::vector<AdjustmentResult>& cameras,

@@ -22,7 +22,8 @@ std::optional<CompensatedFeatures> ComputeCompensatedFeatures(
     const Pattern& pattern, const CalibrationOptions& options,
     const CameraInProgress& camera);
 
-/// Estimates the line delay with the calibrated camera and the pattern found.
+/// Estimates the line delay with the calibrated camera and the estimated
+/// pattern.
 LineDelayEstimate EstimateFinalLineDelay(const CameraInProgress& camera,
                                          const CameraModel& calibrated,
                                          const Pattern& found, int num_threads);

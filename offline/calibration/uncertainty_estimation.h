@@ -26,10 +26,11 @@ struct EstimatedUncertainty {
 /// Estimates the uncertainty of an adjusted camera (adjustment/covariance.h).
 /// The valid region has features nearby and a standard deviation, including
 /// directions left free by the prior, below the limit (default:
-/// DefaultValidLimitPx()). Stated standard deviations include noise only where
-/// the data determines the camera, all contributions elsewhere, and twice as
-/// much in the extrapolated region. Returns nullopt if the normal equations are
-/// singular or the adjustment ended before it estimated the noise.
+/// DefaultValidLimitPx()). The returned standard deviations include only noise
+/// where the data determine the camera, and all contributions elsewhere. They
+/// are doubled in the extrapolated region. Returns nullopt if the normal
+/// equations are singular or the adjustment ended before it estimated the
+/// noise.
 std::optional<EstimatedUncertainty> EstimateUncertainty(
     const AdjustmentResult& adjusted, int camera,
     const std::optional<ImageCircle>& image_circle,

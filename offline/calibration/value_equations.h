@@ -11,8 +11,8 @@
 
 namespace raygrid {
 
-/// A Gauss-Newton step and its standard deviation, which is infinite if the
-/// value is not determined.
+/// A Gauss-Newton step of a value and its standard deviation, which is infinite
+/// if the features do not determine the value.
 struct ValueStep {
   double step = 0, deviation = 0;
 

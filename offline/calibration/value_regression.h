@@ -18,7 +18,8 @@ struct FittedValue {
   double stated = 0, fitted = 0, deviation = 0;
 };
 
-/// Fits values of one range; images that do not determine them are omitted.
+/// Fits the value of one operating-point variable to the features of each
+/// image; omits images that do not determine it.
 std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
                                    size_t range, int num_threads);
 
@@ -28,8 +29,9 @@ std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
 struct ValueRegression {
   /// Residuals in units of their standard deviations times `scatter`.
   std::vector<double> scores;
-  /// Scatter around the curve and around a constant, in units of the standard
-  /// deviations; and scatter around the curve in units of the values.
+  /// Robust standard deviation of the fitted values around the curve and around
+  /// a constant, in units of their predicted standard deviations; and around
+  /// the curve in units of the values.
   double scatter = 0, scatter_without = 0, left = 0;
   /// Fraction of random permutations of the stated values that explain the
   /// fitted values as well.

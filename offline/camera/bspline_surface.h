@@ -44,7 +44,8 @@ class BSplineSurface {
             area_.y0 + (index / columns_ - 1) * cell_height()};
   }
 
-  /// Returns a lattice of per_cell^2 pixels in each cell, up to the edges.
+  /// Samples each cell of the area at per_cell x per_cell pixels, including the
+  /// edges of the area.
   std::vector<Eigen::Vector2d> SamplePixels(int per_cell) const;
 
   /// Extrapolates the polynomial of the border cell outside the area.
@@ -52,7 +53,8 @@ class BSplineSurface {
 
   Eigen::Vector2d Evaluate(const Eigen::Vector2d& pixel) const;
 
-  /// Returns the value and, in *derivative, its Jacobian by the pixel.
+  /// Returns the value. *derivative receives its Jacobian with respect to the
+  /// pixel.
   Eigen::Vector2d Evaluate(const Eigen::Vector2d& pixel,
                            Eigen::Matrix2d* derivative) const;
 

@@ -59,8 +59,8 @@ class CameraModel {
   virtual const BSplineSurface* DirectionGrid() const { return nullptr; }
   /// Returns this model if it is parametric, otherwise null.
   virtual const ParametricModel* Parametric() const { return nullptr; }
-  /// Returns the operating-point model of which this camera is a sample, or
-  /// null.
+  /// Returns the model over focus or temperature that this camera evaluates at
+  /// an operating point; null for other cameras.
   virtual const OperatingPointModel* Stack() const { return nullptr; }
 
   /// Returns the generic model with the same area and number of control points

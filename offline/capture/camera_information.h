@@ -55,7 +55,7 @@ class CameraInformation {
   /// would be detected.
   double PredictViewGain(const Board& board,
                          const Pose& camera_from_board) const;
-  /// Computes the same fraction for observed features.
+  /// Computes the same fraction for the observed features of an image.
   double ComputeGain(const std::vector<Eigen::Vector3d>& points,
                      const std::vector<Eigen::Vector2d>& pixels,
                      const Pose& camera_from_points) const;

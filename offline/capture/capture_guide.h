@@ -16,11 +16,13 @@
 namespace raygrid {
 
 struct GuideOptions {
-  /// Required 95 % quantile of the uncertainty; 0: until gains are too small.
+  /// Required 95 % quantile of the predicted uncertainty. 0: capture continues
+  /// until no view has enough gain.
   double target_px = 0;
   double min_gain = 0.02;  ///< minimum gain of a view
-  /// An image is kept if its gain is at least this fraction of the next view's
-  /// gain: near that view, and not a repetition of a recent one.
+  /// An image is kept if its gain is at least this fraction of the gain of the
+  /// recommended view. Images near that view are thus kept, and repetitions of
+  /// earlier views are not.
   double min_gain_ratio = 0.5;
   /// Views (camera_from_board) that the operator could not take.
   std::vector<Pose> avoided = {};
@@ -29,7 +31,8 @@ struct GuideOptions {
   bool leaves_connecting = false;
 };
 
-/// Returns one board's features in an image, with board-frame points.
+/// Pairs the features of one board in an image with their points in the board
+/// frame.
 std::vector<PointPixelMatch> MakeMatches(const Board& board,
                                          const ImageFeatures& image);
 

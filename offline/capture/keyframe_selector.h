@@ -36,11 +36,12 @@ struct DetectedFrame {
 };
 
 struct KeyframeSelectorOptions {
-  /// Maximum RMS motion of the features since the last frame (or in 1/30 s if
-  /// longer ago), or during the exposure, of a still frame.
+  /// Maximum RMS motion of the features (px) for a frame to count as still:
+  /// since the last frame (or in 1/30 s, if that is longer ago), and during the
+  /// exposure.
   double still_px = 0.3;
-  /// Keep consecutive frames of a moving camera, whether or not they are still,
-  /// sharp or new.
+  /// Keeps all frames of a moving camera: frames need not be still, sharp or
+  /// informative.
   bool every_frame = false;
 };
 

@@ -11,8 +11,8 @@
 
 namespace raygrid {
 
-/// The camera estimated from the images so far: a coarse grid, which its prior
-/// keeps close to a parametric model while there are few images. Boards have
+/// The camera estimated from the images so far: a coarse grid. While there are
+/// few images, its prior keeps it close to a parametric model. Boards have
 /// their nominal geometry.
 class LiveCamera {
  public:

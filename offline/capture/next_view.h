@@ -34,7 +34,8 @@ std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
                                          const Board& board,
                                          const std::vector<Pose>& avoided = {});
 
-/// Returns the index-th default view before the first calibration.
+/// Returns the index-th of the default views that are recommended before the
+/// first calibration.
 BoardView FirstView(int index, const ImageSize& size);
 constexpr int kNumFirstViews = 4;
 

@@ -55,8 +55,9 @@ class RigGuide {
   }
 
   /// Returns the view with the largest reduction of the variances of cameras
-  /// and links together. Views of uncalibrated cameras come first. nullopt
-  /// while cameras are to be connected, and if no view has enough gain.
+  /// and links together. Views of uncalibrated cameras come first. Returns
+  /// nullopt while two cameras need to be connected, and if no view has enough
+  /// gain.
   const std::optional<RigView>& next() const { return next_; }
   /// Returns whether all cameras and their relative poses have the required
   /// uncertainty.

@@ -14,8 +14,8 @@
 
 namespace raygrid {
 
-/// Another model, and the held-out errors of both, with rigid boards: errors
-/// with per-view deformation are not comparable.
+/// Another model, and the held-out errors of both models with rigid boards
+/// (errors with per-view deformation are not comparable).
 struct BetterModel {
   std::string model;
   double median_px = 0;
@@ -94,7 +94,8 @@ struct CalibrationMetrics {
   std::optional<BetterModel> better_model;
   BudgetSummary tried;     ///< models and options already tried
   BudgetAssessment limit;  ///< limiting cause of the residuals, if any
-  /// Why timestamps contradict the motion; empty if they are consistent.
+  /// Explains why timestamps contradict the motion; empty if they are
+  /// consistent.
   std::string timestamp_error;
   std::optional<double> pixel_aspect;  ///< pixel width / height, image centre
 };

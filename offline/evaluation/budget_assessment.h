@@ -18,8 +18,9 @@ struct BudgetAssessment {
   }
 };
 
-/// Finds the limiting cause. A cause of a tenth of the squared residuals
-/// precedes noise, which averages out over features; correlated errors do not.
+/// Finds the limiting cause. A cause of at least a tenth of the squared
+/// residuals is reported before noise, because noise averages out over features
+/// and correlated errors do not.
 BudgetAssessment AssessBudget(const ResidualBudget& budget);
 
 /// Recommends measures against correlated errors without an identified cause;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAlarmSigmas = 3.09;  // false-alarm probability 1/1000
 constexpr double kFoundSigmas = 2.33;  // detection power 99 %
-constexpr double kClipSigmas = 5;      // limit for single features
+constexpr double kClipSigmas = 5;      // clips residuals of features
 constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
 constexpr int kLocalColumns = 6, kLocalRows = 4;
 constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;

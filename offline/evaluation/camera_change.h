@@ -34,7 +34,7 @@ struct Movement {
   std::string name;  ///< "scale", "shift", "tilt", "local"
   std::vector<std::string> parameters;
   std::vector<double> values, deviations;  ///< values and standard deviations
-  double sigmas = 0;                       ///< significance, without others
+  double sigmas = 0;  ///< significance of this change alone
   /// Magnitude that is detected with a probability of 99 %; not for "local".
   double detection_limit = 0;
 };

@@ -31,8 +31,8 @@ class CauseGroup {
   Eigen::VectorXd Explain(const Eigen::VectorXd& errors,
                           ResidualBudget* budget) const;
 
-  /// Marks the causes, or the control, that explain the units equally well as
-  /// the largest cause.
+  /// Marks the causes, or the control, that explain the units as well as the
+  /// largest cause does.
   void FindEquivalentCauses(const Eigen::VectorXd& errors,
                             const CrossFit& control,
                             ResidualBudget* budget) const;

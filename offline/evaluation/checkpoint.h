@@ -12,7 +12,8 @@ namespace raygrid {
 /// The held-out residuals of each camera.
 struct HeldOutResiduals {
   std::vector<std::vector<FeatureResidual>> alone;  ///< localized by one camera
-  /// For rigs: each board localized once by all cameras that see it.
+  /// For rigs: residuals if each board is localized once per frame, by all
+  /// cameras that observe it.
   std::vector<std::vector<FeatureResidual>> together;
   /// With per-view deformation: residuals of half of the features, predicted
   /// from the others; in a rig, by all cameras.

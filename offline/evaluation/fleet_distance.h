@@ -19,7 +19,8 @@ struct FleetDistance {
 
   /// Returns whether the camera is an outlier of the fleet.
   bool IsOutlier() const;
-  /// Formats "4.1 px from the fleet's middle ..., units of the fleet 0.3 px".
+  /// Formats "4.1 px RMS from the population mean at the features, compared
+  /// with 0.3 px for the units of the fleet".
   std::string Text() const;
   /// Formats Text() for an outlier, with a recommendation.
   std::string Warning() const;

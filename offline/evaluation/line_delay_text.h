@@ -7,7 +7,7 @@
 
 namespace raygrid {
 
-/// Describes the estimated line delay, for images of num_rows rows.
+/// Describes the estimated line delay. num_rows: image height.
 std::string FormatLineDelay(const LineDelayEstimate& line_delay, int num_rows);
 
 }  // namespace raygrid

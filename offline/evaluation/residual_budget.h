@@ -26,7 +26,8 @@ struct BudgetFeature {
   Eigen::Matrix<double, 2, 6> J_pose;
 };
 
-/// What a calibration already includes, so that it is not recommended.
+/// Models and options that a calibration already uses or has tried, so that
+/// they are not recommended.
 struct BudgetSummary {
   std::string model;
   double knot_spacing_px = 0;  ///< knot spacing of a grid
@@ -92,10 +93,10 @@ struct ResidualBudget {
   /// Standard deviation of the white noise in x and y.
   Eigen::Vector2d noise_px = Eigen::Vector2d::Zero();
   double noise = 0;  ///< fraction of the squared residuals
-  double large = 0;  ///< excess of individual errors beyond five sigma
+  double large = 0;  ///< fraction in excess of errors of five sigma
   std::array<CauseShare, kNumErrorCauses> causes;
-  /// Share explained by motion during a column-wise readout alone. No camera
-  /// has it, so a per-view cause must explain more.
+  /// Fraction explained by camera motion with a column-wise readout. Cameras
+  /// read out rows, so this is a control: an actual cause must explain more.
   double column_delay = 0;
   bool is_column_delay_indistinguishable = false;
   double rest = 0;  ///< unexplained; may be negative

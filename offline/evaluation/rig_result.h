@@ -63,8 +63,8 @@ std::vector<Baseline> ComputeBaselines(
 ErrorMetrics ComputeTrainingMetrics(const RigResult& result);
 std::optional<ErrorMetrics> ComputeHeldOutMetrics(const RigResult& result);
 
-/// Returns the worst status of the cameras, with the reasons of the rig; the
-/// status of a single camera is unchanged.
+/// Returns the worst status among the cameras, with the reasons that concern
+/// the rig. The status of a single camera is unchanged.
 Assessment AssessRig(const RigResult& result);
 
 }  // namespace raygrid

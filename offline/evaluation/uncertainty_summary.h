@@ -36,8 +36,8 @@ UncertaintySummary SummarizeUncertainty(const CameraModel& camera,
 /// Returns the fraction of valid pixels, as in UncertaintySummary.
 double ComputeValidShare(const CameraModel& camera, const ValidityMask& valid);
 
-/// Formats "83 % of the image is valid: supported by features, and predicted to
-/// better than 0.25 px".
+/// Formats "83 % of the image is valid: supported by features, with a predicted
+/// uncertainty below 0.25 px.".
 std::string DescribeUncertainty(const UncertaintySummary& summary,
                                 const CameraUncertainty& uncertainty,
                                 const CameraModel& camera);

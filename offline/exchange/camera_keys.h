@@ -56,8 +56,8 @@ class CameraKeys {
   /// keys with this prefix.
   void Skip(const std::vector<std::string>& keys) const;
 
-  /// Marks keys that Finish() only lists: their names are parameters of camera
-  /// models in other formats, but not in this one.
+  /// Marks keys that Finish() lists without an error although their names are
+  /// parameters of camera models in other formats.
   void NameOnly(const std::vector<std::string>& keys) const;
 
   /// Finishes reading a camera with this model. Throws InputError for an unread

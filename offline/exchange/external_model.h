@@ -31,7 +31,7 @@ struct ExternalModel {
   PixelOrigin origin = PixelOrigin::kFirstPixelCenter;
   /// Maximum angle between ray and optical axis that the program supports.
   double max_supported_angle_rad = M_PI;
-  /// Used in exports only if requested by name.
+  /// Export to this model only if the user names it.
   bool is_explicit_only = false;
   /// For grids: fits the program's grid camera to a camera. Null for other
   /// models, and for puzzlepaint's grids.

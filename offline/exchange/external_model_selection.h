@@ -36,12 +36,12 @@ struct SelectedModel {
 
 /// Selects the external model with the fewest parameters that represents the
 /// camera exactly. If there is none, fits all models and selects the one with
-/// the fewest parameters, unless another one reduces the error by at least 2 %
-/// and a relevant amount; the first one if equal. Pixels outside the valid
-/// region have a negligible weight; without a mask, all pixels are valid.
-/// Non-central cameras require non-central models and vice versa: otherwise
-/// throws Error(kUsage). Throws Error(kQuality) if no model can represent any
-/// valid pixel.
+/// the fewest parameters, unless a model with more parameters reduces the error
+/// by at least 2 % and by a relevant amount. Of models with equal errors, the
+/// first one is selected. Pixels outside the valid region have a negligible
+/// weight; without a mask, all pixels are valid. Non-central cameras require
+/// non-central models and vice versa: otherwise throws Error(kUsage). Throws
+/// Error(kQuality) if no model can represent any valid pixel.
 SelectedModel SelectExternalModel(
     const std::vector<const ExternalModel*>& external_models,
     const CameraModel& camera, const ValidityMask* valid_region,
@@ -55,8 +55,8 @@ ModelFit ComputeModelFit(const CameraModel& camera,
                          const ExternalModel& external_model,
                          const Eigen::Quaterniond& lens_from_camera);
 
-/// Formats "RMS 0.0123 px, 99 % below 0.0456 px, largest 0.0789 px at 19200
-/// trusted pixels; turned by 0.00123 rad, quaternion (w, x, y, z) ...".
+/// Formats "RMS 0.0123 px, 99th percentile 0.0456 px, max 0.0789 px at 19200
+/// valid pixels; rotated by 0.0012 rad, ...".
 std::string FormatModelFit(const ModelFit& fit);
 
 }  // namespace raygrid

@@ -119,15 +119,15 @@ struct Format {
   std::function<ExchangeContents(const ReadRequest& request)> read;
   /// Formats the text of a file; null if the format is read-only.
   std::function<std::string(const WriteRequest& request)> write;
-  /// Paths of companion files that are read with the main file, and the
-  /// companion files to write; null if there are none.
+  /// Return the paths of companion files that are read with the main file, and
+  /// the companion files to write; null if the format has none.
   std::vector<std::string> (*beside)(const std::string& path) = nullptr;
   std::vector<CompanionFile> (*write_beside)(const WriteRequest& request) =
       nullptr;
-  /// For formats in which a rig is a folder of numbered camera files: the path
-  /// of a camera's file, and all files, camera files first, in the order of the
-  /// cameras' names. The request's path is the folder's. Null if files are
-  /// named after the cameras.
+  /// For formats in which a rig is a folder of numbered camera files: return
+  /// the path of a camera's file, and all files to write (camera files first,
+  /// in the order of the cameras' names). The path of the request is the path
+  /// of the folder. Null for formats whose files are named after the cameras.
   std::string (*file_in_folder)(const std::string& folder,
                                 int camera) = nullptr;
   std::vector<CompanionFile> (*write_folder)(const WriteRequest& request) =

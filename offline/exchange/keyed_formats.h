@@ -7,8 +7,9 @@
 
 namespace raygrid {
 
-/// Formats of keys and numbers, each described by a table row: key names,
-/// layout, parameter order, size, and pose convention. They are read-only.
+/// Makes the formats that consist of keys and numbers. Each is described by one
+/// row of a table: key names, layout, parameter order, image size, and pose
+/// convention. They are read-only.
 std::vector<Format> MakeKeyedFormats();
 
 }  // namespace raygrid

@@ -25,8 +25,8 @@ struct KeyedModel {
   /// are "width" and "height", "skew" of the camera matrix, "f_mm" and
   /// "sensor_width_mm", and "0", which must be 0.
   const char* values;
-  /// Not used by exports, because its principal point is fixed, or because
-  /// programs have another model for it.
+  /// Not used for exports, because its principal point is fixed or because the
+  /// program has a better model for the camera.
   bool is_read_only = false;
 };
 
@@ -52,7 +52,8 @@ enum class LengthUnit {
 struct KeyedPose {
   const char* keys;
   PoseKind kind;
-  /// Token of the camera with this pose, relative to the first; "": any.
+  /// The '@' token of the camera to which this pose belongs (a pose relative to
+  /// the first camera); "": a pose of every camera.
   const char* word = "";
 };
 
@@ -76,11 +77,11 @@ struct KeyedFormat {
   /// key, or "KEY/KEY", of a list or mapping of cameras. "KEY|*": at the key if
   /// it exists.
   const char* place;
-  std::vector<const char*> words;  ///< tokens for '@': one per camera in a
+  std::vector<const char*> words;  ///< '@' tokens: one per camera in a
                                    ///< mapping
   std::vector<KeyedModel> models;
-  /// Key of a list, or keys of width and height; "": no size. "SUFFIX=WxH
-  /// SUFFIX=WxH": sizes by the suffix of the camera's token.
+  /// Key of the image size as a list, or keys of width and height; "": no size.
+  /// "SUFFIX=WxH SUFFIX=WxH": sizes by the suffix of the camera's token.
   const char* size;
   std::vector<KeyedPose> poses;
   const char* camera_name;  ///< key of the name

@@ -17,7 +17,7 @@ constexpr char kTuningModules[] = "modules";
 constexpr char kTuningDewarp[] = "Dewarp";
 constexpr char kTuningMatrix[] = "cm";
 constexpr char kTuningCoefficients[] = "coefficients";
-constexpr char kTuningSize[] = "image_size";  // in raygrid's mapping
+constexpr char kTuningSize[] = "image_size";  // key added by raygrid
 
 const std::vector<ExternalModel>& GetLibcameraModels() {
   static const std::vector<ExternalModel> external_models = {

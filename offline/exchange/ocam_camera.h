@@ -12,7 +12,6 @@ namespace raygrid {
 /// The numbers of OCamCalib's model (D. Scaramuzza, A. Martinelli, R. Siegwart,
 /// "A Flexible Technique for Accurate Omnidirectional Camera Calibration and
 /// Structure from Motion", ICVS 2006). A pixel's row and column, from the
-/// Structure from Motion", ICVS 2006). A pixel's row and column, from the
 /// centre, are [c d; e 1] times a point of the undistorted image; the ray of a
 /// point at radius r has the z coordinate -f(r).
 struct OcamNumbers {

@@ -14,8 +14,8 @@ namespace opencv_file {
 
 constexpr char kPointsKey[] = "image_points";
 
-/// Reads a camera's features, or sets the reason why there are none: an
-/// undefined board is not an error of the camera.
+/// Reads the features of a camera, or sets the reason why there are none. An
+/// undefined board is not an error, since the camera is valid without it.
 void ReadBoardFeatures(const YAML::Node& root, const ReadRequest& request,
                        InputCamera* camera);
 

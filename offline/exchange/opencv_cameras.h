@@ -8,8 +8,8 @@
 namespace raygrid {
 namespace opencv_file {
 
-/// Reads the camera, the pair, the relative pose or the corners of a file, or
-/// cameras in mappings under their names. Throws InputError.
+/// Reads a file that contains a camera, a pair, a relative pose, corners, or
+/// mappings of cameras by name. Throws InputError.
 ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request);
 
 /// Adds cameras in nested mappings, under their names, or lists.

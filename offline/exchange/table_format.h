@@ -121,18 +121,20 @@ struct TableFormat {
   bool (*recognizes)(const std::string& bytes) = nullptr;
   RayTable (*read_rays)(const std::string& path,
                         const std::string& bytes) = nullptr;
-  /// Files lack the size of the image that positions refer to: source_size, or
-  /// by default the size of the table.
+  /// Reads a view. Files do not contain the size of the image that the
+  /// positions refer to: it is source_size, or by default the size of the
+  /// table.
   ViewTable (*read_view)(const std::string& path, const std::string& bytes,
                          const std::optional<ImageSize>& source_size) = nullptr;
   std::vector<BoardPose> (*read_poses)(const std::string& path,
                                        const std::string& bytes) = nullptr;
-  /// A single camera has no name.
+  /// Reads features. The name of a single camera is empty.
   FeatureTable (*read_features)(const std::string& path,
                                 const std::string& bytes) = nullptr;
 
   bool AcceptsOption(const std::string& option) const;
-  /// Returns whether it is made of a view, and accepts the options of views.
+  /// Returns whether files contain a view, so that the options of views are
+  /// accepted.
   bool IsOfView() const { return write_view || mesh_unit; }
   bool IsImported() const {
     return read_rays || read_view || read_poses || read_features;

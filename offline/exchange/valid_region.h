@@ -21,7 +21,7 @@ ValidRegion ComputeValidRegion(const ValidityMask& mask, const ImageSize& size);
 /// region.
 ValidityMask MakeValidityMask(const ValidRegion& region, const ImageSize& size);
 
-/// Number of valid cells outside a region, and of invalid cells inside.
+/// Number of valid cells outside a region, and of invalid cells inside it.
 struct RegionLoss {
   int num_left_out = 0, num_held = 0;
 };

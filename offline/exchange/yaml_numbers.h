@@ -19,7 +19,8 @@ YAML::Node LoadForeignMap(const std::string& path, const std::string& text);
 /// Returns a finite number. Throws InputError with the name.
 double FiniteNumber(const YAML::Node& node, const std::string& name);
 
-/// Returns a list of finite numbers; of `count` numbers unless negative.
+/// Returns a list of finite numbers. Requires `count` numbers, unless count is
+/// negative.
 std::vector<double> FiniteNumbers(const YAML::Node& node,
                                   const std::string& name, int count = -1);
 

@@ -44,8 +44,8 @@ StereoCloud MatchStereo(const StereoRig& cameras, const Matching& matching,
 using Surface =
     std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>;
 
-/// Makes a surface from a cloud of the same images; undefined where the cloud
-/// is not smooth.
+/// Returns a function that interpolates the point cloud of these images;
+/// nullopt where the cloud is not smooth.
 Surface MakeSurface(const StereoCloud& cloud, const StereoRig& cameras,
                     const Matching& matching);
 

@@ -21,8 +21,8 @@ std::optional<std::string> SuggestOtherBoard(const FolderDetection& found,
                                              const std::string& pattern_name,
                                              int num_threads);
 
-/// Returns the end of an error message for images without boards: the expected
-/// boards, and what to check.
+/// Returns the second half of an error message for images without boards: the
+/// expected boards, and what the user should check.
 std::string DescribeExpectedBoards(const Pattern& pattern,
                                    const std::string& pattern_name);
 

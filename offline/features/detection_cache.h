@@ -15,11 +15,11 @@ struct DetectedImage {
   ImageDetection detection;
 };
 
-/// Caches detections, in a small text file per image. If a file cannot be read
-/// or written, the image is detected again.
+/// Caches detections in one small text file per image. If a file cannot be read
+/// or written, the features of the image are detected again.
 class DetectionCache {
  public:
-  /// The folder is created with the first file.
+  /// The folder is created when the first file is written.
   explicit DetectionCache(std::string folder) : folder_(std::move(folder)) {}
 
   /// Returns the user's cache folder: raygrid in $XDG_CACHE_HOME or ~/.cache;

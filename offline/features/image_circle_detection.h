@@ -31,7 +31,7 @@ struct BrightestCells {
 /// Detects the image circle by the dark area around it. Returns nullopt unless
 /// the images are bright at the centre, dark outside a circle, and the circle
 /// has a sharp edge in at least three quarters of its circumference. Images
-/// with too little light in the circle do not show it.
+/// with too little light do not show the circle.
 std::optional<ImageCircle> FindImageCircle(const BrightestCells& brightest);
 
 /// Detects the image circle in at most 40 of the images, evenly spaced. Throws

@@ -42,7 +42,8 @@ std::vector<std::string> SummarizeWarnings(const FolderDetection& folder);
 /// Detects the pattern in all images; progress is called with the fraction
 /// done. Images without a board have no features. cache may be NULL. Images
 /// must have the most frequent size. Throws InputError if no image is readable,
-/// no size is frequent, or names are not unique; and as PatternDetector.
+/// if two image sizes are equally frequent, if names are not unique, and like
+/// PatternDetector.
 FolderDetection DetectFeatures(const std::vector<std::string>& image_paths,
                                const Pattern& pattern,
                                const DetectionOptions& options,

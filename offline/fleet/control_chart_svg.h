@@ -8,7 +8,8 @@
 
 namespace raygrid {
 
-/// The context of a chart's values.
+/// Annotations of a control chart: serial numbers, jumps of the mean, and lens
+/// batches.
 struct ChartSurroundings {
   std::vector<std::string> serials;  ///< serials of the units
   std::vector<int> jumps;            ///< units at which the mean jumps

@@ -21,7 +21,7 @@ struct FleetAnalysis {
 };
 
 /// Compares the units of a table with each other, without repeats of golden
-/// units. folders: of the rows' units.
+/// units. folders: result folder of each row's unit.
 FleetAnalysis AnalyseFleet(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const MetricLimits& limits);

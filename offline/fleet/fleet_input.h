@@ -17,8 +17,9 @@ struct ComparedUnits {
 
 /// Selects the units among the given rows whose camera has the image size of
 /// the first; rigs and units without a result are omitted. Units are compared
-/// by 9 x 7 directions, evenly spaced over the first unit's image, as far as
-/// they are visible to all units. folders: of the rows' units.
+/// by the pixels of 9 x 7 directions, evenly spaced over the first unit's
+/// image; directions that a unit does not observe are omitted. folders: result
+/// folder of each row's unit.
 ComparedUnits CompareUnits(const std::vector<UnitRow>& rows,
                            const std::vector<std::string>& folders,
                            const std::vector<size_t>& chosen);

@@ -14,8 +14,8 @@ namespace raygrid {
 /// differences of the inliers, polynomials, are averaged; for the remainder,
 /// the median is used, so that poor extrapolation by single units has no
 /// effect. At most 200 units are used, evenly spaced. Returns nullopt for a
-/// fleet without charts, or with non-central cameras. folders: of the rows'
-/// units.
+/// fleet without charts, or with non-central cameras. folders: result folder of
+/// each row's unit.
 std::optional<CameraFile> ComputeMeanCamera(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders);
 

@@ -15,7 +15,8 @@ struct FleetMetric {
   std::vector<double> values;
   bool is_positive = false;  ///< whether its logarithm is normal
 
-  /// Returns the values or their logarithms; NaN if not positive.
+  /// Returns the values, or their logarithms if these are normally distributed;
+  /// NaN for logarithms of values that are not positive.
   std::vector<double> Scattering() const;
 };
 
@@ -26,8 +27,8 @@ struct FleetInput {
   std::vector<FleetMetric> metrics;
 };
 
-/// The values of all units, and limits for a fleet without outliers, with the
-/// false-alarm probability of FindOutliers().
+/// The values of all units, and control limits that a fleet without outliers
+/// exceeds with the false-alarm probability of FindOutliers().
 struct ControlChart {
   std::string name;
   std::vector<double> values;
@@ -61,9 +62,9 @@ constexpr double kFleetFalseAlarmProbability = 0.05;
 /// "shape" the squared distance in pixels from the space of these directions,
 /// in which inliers do not vary. Each metric has a chart of its own.
 ///
-/// A fleet without outliers raises an alarm with probability
-/// kFleetFalseAlarmProbability over all charts and units, and one with a
-/// constant mean a jump or a drift with another kFleetFalseAlarmProbability.
+/// For a fleet without outliers, the probability of any alarm over all charts
+/// and units is kFleetFalseAlarmProbability. For a fleet with a constant mean,
+/// the probability of any reported jump or drift is the same.
 ///
 /// With fewer than kMinFleetUnits units, there are no charts.
 FleetStatistics FindOutliers(const FleetInput& input);

@@ -25,8 +25,8 @@ struct UnitRow {
   std::string lens_batch, repeats, person, station;
 };
 
-/// Reads the row of a unit from its result files. A metric that exceeds its
-/// limits or is unknown makes it "fail". Throws InputError.
+/// Reads the row of a unit from its result files. The status is "fail" if a
+/// metric exceeds its limits or is unknown. Throws InputError.
 ///
 /// Focal length and principal point are evaluated at the camera's z axis:
 /// pixels per radian, and the pixel that observes it. The maximum standard

@@ -1,4 +1,4 @@
-/// Text about metrics and changes, for page and terminal.
+/// Texts about metrics and changes, for fleet.html and the terminal.
 #ifndef RAYGRID_FLEET_FLEET_TEXT_H
 #define RAYGRID_FLEET_FLEET_TEXT_H
 
@@ -15,8 +15,8 @@ std::string GetMetricTitle(const std::string& name);
 /// dimensionless.
 std::string GetMetricUnit(const std::string& name);
 
-/// Returns a clause for each chart in which a compared unit is an outlier: "the
-/// focal length (focal_px) is 812.4, usual are 798.1 to 803.2 px".
+/// Returns a clause for each chart in which a compared unit is an outlier, with
+/// the value and the control limits.
 std::vector<std::string> DescribeOutliers(const FleetStatistics& statistics,
                                           int unit);
 
@@ -27,7 +27,8 @@ std::vector<std::string> DescribeChanges(const FleetAnalysis& fleet);
 /// Returns a sentence for each metric that differs between batches.
 std::vector<std::string> DescribeBatches(const BatchComparison& batches);
 
-/// Returns a sentence on each gauge metric, then on what is not observable.
+/// Returns a sentence on each gauge metric, followed by sentences on quantities
+/// that are not observable.
 std::vector<std::string> DescribeGauge(const GaugeStudy& gauge);
 
 /// Returns a sentence on the units' calibration times; empty if unknown.

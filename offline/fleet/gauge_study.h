@@ -41,15 +41,17 @@ struct GaugeStudy {
   int num_repeats = 0, num_goldens = 0;
   int degrees_of_freedom = 0;  ///< degrees of freedom of the repeatability
   std::vector<GaugeMetric> metrics;
-  /// Why there are no results, or which factor is not observable; else empty.
+  /// Explains why there are no results, or which factor is not observable;
+  /// otherwise empty.
   std::vector<std::string> unobservable_reason;
 };
 
 /// Gauge repeatability and reproducibility by analysis of variance. A value is
 /// the sum of the effects of golden unit, operator and station, and noise.
-/// Repeats need not be balanced: variance components equate the reductions of
-/// the sum of squares with their expectations (Henderson 1953, method 3).
-/// Interactions of operator and unit count as noise.
+/// Repeats need not be balanced: the variance components are estimated by
+/// equating the reductions of the sum of squares with their expectations
+/// (Henderson 1953, method 3). Interactions of operator and unit count as
+/// noise.
 ///
 /// input: the repeats. Metrics that are missing for some repeats or constant
 /// are ignored, and so is the temperature, which is not a measurement. fleet:

@@ -13,13 +13,14 @@ double Median(std::vector<double> values);
 /// jumps and outliers; 0 for fewer than two known values. NaN: unknown.
 double EstimateNeighbourStdDev(const std::vector<double>& values);
 
-/// Clamps values to three standard deviations from the median of neighbours, so
-/// that a single outlier is not a jump. NaN (unknown) becomes the median.
+/// Clamps values to three standard deviations from the median of their
+/// neighbours, so that a single outlier is not mistaken for a jump. Replaces
+/// NaN (unknown) by the median.
 std::vector<double> ClipOutliers(const std::vector<double>& values,
                                  double deviation);
 
-/// Returns the median of each value's segment; segments start at cuts, which
-/// ascend.
+/// Returns, for each value, the median of its segment. cuts: ascending start
+/// indices of the segments.
 std::vector<double> ComputeSegmentMedians(const std::vector<double>& values,
                                           const std::vector<int>& cuts);
 

@@ -47,7 +47,7 @@ class Evaluator {
                          Columns<Scalar> pixels) const = 0;
 };
 
-/// For all models.
+/// Creates the evaluator for a camera model of any type.
 template <typename Scalar>
 std::shared_ptr<const Evaluator<Scalar>> MakeEvaluator(
     std::shared_ptr<const CameraModel> model);

@@ -15,9 +15,9 @@ struct PlanarView {
   std::vector<Eigen::Vector2d> pixels;
 };
 
-/// Samples views with enough features, without gross outliers, each thinned
-/// evenly to a number that is fast to process, and at most max_views of them,
-/// evenly spaced.
+/// Samples at most max_views evenly spaced views with enough features. Gross
+/// outliers are removed, and the remaining features of each view are subsampled
+/// evenly, to limit the run time.
 std::vector<PlanarView> SamplePlanarViews(const Dataset& dataset,
                                           const Pattern& pattern,
                                           size_t max_views);

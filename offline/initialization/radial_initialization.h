@@ -17,7 +17,8 @@ namespace raygrid {
 /// the camera. A board's point q = (X, Y, 1) is at (a q, b q, z) in the camera,
 /// with rows a = (r11, r12, t1), b = (r21, r22, t2) and z = r31 X + r32 Y + t3.
 ///
-/// 1. Both are parallel in the image plane, which does not involve G: d_x (b q)
+/// 1. d and (a q, b q) are parallel in the image plane, which does not involve
+/// G: d_x (b q)
 /// - d_y (a q) = 0, linear in (a, b), determined for each view up to scale (a
 /// radial homography; Tsai, 1987; Thirthala and Pollefeys, 2012). The sign puts
 /// points on the same side of c as their pixels. c minimizes the residuals of

@@ -26,9 +26,9 @@ struct TripletOptions {
 
 /// Samples overlapping triplets, solves them, and returns the count best ones,
 /// best first. The paper chooses the triplet with most matches, whose boards
-/// may be nearly parallel. Instead, all are solved linearly, the most promising
-/// ones are refined, and ranked by the uncertainty of the centre, to which
-/// overlap, tilt and residuals contribute.
+/// may be nearly parallel. Instead, all triplets are solved linearly. The most
+/// promising ones are refined and ranked by the uncertainty of the camera
+/// centre, which depends on overlap, tilt and residuals.
 std::vector<SolvedTriplet> SelectTriplets(const std::vector<DenseView>& views,
                                           const PixelLattice& lattice,
                                           int count,

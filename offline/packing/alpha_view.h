@@ -44,8 +44,8 @@ VirtualView MakeCentralView(const VirtualView& plane, const ImageSize& size,
 
 /// Finds the largest view without border that cameras share, with the rotation
 /// of the first camera: its focal length is the shortest for which all of its
-/// pixels have sources in the areas of all cameras. nullopt if the centres are
-/// outside the areas, and no other common point is found.
+/// pixels have sources in the areas of all cameras. nullopt if the image
+/// centres are outside the areas and no other common point is found.
 std::optional<VirtualView> FindLargestViewWithoutBorder(
     const std::vector<CameraAndPlane>& cameras, const ImageSize& size);
 

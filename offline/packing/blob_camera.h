@@ -23,7 +23,8 @@ namespace raygrid {
 /// A blob in memory, opened by the runtime.
 class BlobCamera {
  public:
-  /// Throws Error(kBlob) if the runtime rejects the blob; name is for errors.
+  /// Throws Error(kBlob) if the runtime rejects the blob. name: file name in
+  /// error messages.
   BlobCamera(const std::string& name, const std::string& bytes);
 
   // The runtime's camera points into words_, which moving does not relocate.
@@ -37,7 +38,8 @@ class BlobCamera {
   ImageSize image_size() const;
   bool has_remap() const { return blob_.remap != 0; }
   uint32_t NumRemaps() const;
-  /// Lists the tables for frames as calibrated.
+  /// Lists the remap tables for full-resolution frames, as used for
+  /// calibration.
   std::vector<uint32_t> ListCalibratedTables() const;
 
   /// Returns the range of the operating-point model, as in camera.yaml; nullopt
@@ -70,17 +72,18 @@ class BlobCamera {
   /// Returns the line delay; nullopt if the blob does not contain it.
   std::optional<LineDelay> GetRowTime() const;
 
-  /// Returns the view of a remap table, frame size of its source, and its
-  /// direction. Throw Error(kBlob) if there is no table with this index.
+  /// Returns the virtual view of a remap table. Throws Error(kBlob) if there is
+  /// no table with this index; so do the next two functions.
   VirtualView GetRemapView(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
-  /// Whether a table is an inverse remap, from the view to the camera's image.
+  /// Returns whether a table is an inverse remap, from the view's image to the
+  /// camera's distorted image.
   bool IsInverseRemap(uint32_t remap_index) const;
 
   /// Returns the sensor modes of the blob, which tables can refer to.
   std::vector<SensorMode> Modes() const;
-  /// Returns the mode of a table; nullopt if it is for frames as calibrated.
-  /// Throws like GetRemapView().
+  /// Returns the sensor mode of a table; nullopt if it is for frames as
+  /// calibrated. Throws like GetRemapView().
   std::optional<SensorMode> GetRemapMode(uint32_t remap_index) const;
   /// Returns the first table for frames of the mode with this name; nullopt if
   /// there is none.

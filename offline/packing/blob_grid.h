@@ -17,8 +17,9 @@ namespace raygrid {
 /// The grid that approximates a central camera in a blob, and its valid cells.
 struct BlobGrid {
   CentralGeneric grid;
-  /// The valid cells, without cells that are not completely regular or in which
-  /// the grid's error exceeds the bound; nullopt if these are all cells.
+  /// The valid cells: excludes cells that are not completely regular, and cells
+  /// in which the grid's error exceeds the bound. nullopt if no cell is
+  /// excluded.
   std::optional<ValidityMask> valid;
   /// Whether the fit error is within the bound in the whole regular region.
   bool follows_all = true;
@@ -35,11 +36,12 @@ struct BlobGrid {
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const ValidityMask* valid_region, double max_error_px);
 
-/// Whether the format represents a camera without a fit: a grid whose area is
-/// in whole 1/65536 px, with all control points within the range of the chart.
+/// Returns whether the format represents a camera exactly, without a fit: a
+/// grid whose area is in whole 1/65536 px, with all control points within the
+/// range of the chart.
 bool IsBlobGrid(const CameraModel& camera);
 
-/// A grid in the format's integers: area and scale, control points in q29.
+/// A grid in the integers of the format: area and scale, control points in q29.
 struct GridSection {
   rg_grid_section section = {};
   ControlPoints control_points;

@@ -12,14 +12,15 @@ constexpr double kMaxPackingErrorPx = 0.002;
 /// Maximum unprojection error that 16-bit control points may add.
 constexpr double kMaxInt16ErrorRad = 1e-6;
 
-/// Throws Error(kQuality): a blob cannot represent the camera; what: why.
+/// Throws Error(kQuality): a blob cannot represent the camera. what: the
+/// reason.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
   throw Error(ExitCode::kQuality,
               "this camera cannot be stored in a blob: " + what);
 }
 
-/// Throws Error(kUsage) for a camera name or serial number that a blob cannot
-/// store; what: which one.
+/// Throws Error(kUsage) for a text that a blob cannot store. what: the name of
+/// the option or argument, for the message.
 void RequireBlobText(const char* what, const std::string& text);
 
 }  // namespace raygrid

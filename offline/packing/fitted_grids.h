@@ -49,7 +49,8 @@ struct GridsToPack {
 /// fixed-point runtime stays below a limit.
 class BlobGrids {
  public:
-  /// Sets the sections of the first grid in contents. Throws Error(kQuality).
+  /// Fits and quantizes the grids, and stores the section of the first grid in
+  /// *contents. Throws Error(kQuality).
   BlobGrids(const GridTask& task, double max_error_px,
             rg_blob_contents* contents);
   BlobGrids(const BlobGrids&) = delete;

@@ -27,16 +27,16 @@ using InverseGridEvaluator = std::function<std::optional<ProjectionError>(
 struct EvaluatedInverseGrid {
   InverseGrid grid;
   ProjectionError error;
-  bool is_close = false;  ///< one Newton step suffices everywhere
+  bool is_close = false;  ///< one Newton step suffices for every pixel
 };
 
-/// Fits the inverse of a surface over the image, a pixel for each chart
-/// position: the least-squares spline of samples of the whole area except where
-/// it folds, with the fewest cells for which the runtime projects to all valid
-/// pixels, and up to 24 cells if projection then needs one step or finds more
-/// of the other pixels. If valid pixels are not found, only samples near them
-/// are used, or the grid that misses the fewest. valid_region: NULL if all
-/// pixels are valid. nullopt if no grid finds any valid pixel.
+/// Fits the inverse of a surface, which maps chart positions to pixels: the
+/// least-squares spline of samples of the whole area except where it folds.
+/// Uses the fewest cells for which the runtime finds all valid pixels; more
+/// cells, up to 24, if projection then needs only one Newton step, or finds
+/// more of the other pixels. If some valid pixels are not found, uses only
+/// samples near them, or the grid that misses the fewest. valid_region: NULL if
+/// all pixels are valid. nullopt if no grid finds any valid pixel.
 std::optional<EvaluatedInverseGrid> FitInverseGrid(
     const BSplineSurface& surface, const ValidityMask* valid_region,
     const InverseGridEvaluator& measure);

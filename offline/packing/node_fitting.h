@@ -9,7 +9,7 @@
 
 namespace raygrid {
 
-/// Moments of each cell over the pixels with a source, sufficient for a
+/// Moments of each cell over its pixels with a source. They suffice for a
 /// least-squares fit, because positions are bilinear within a cell.
 class CellSums {
  public:

@@ -18,7 +18,8 @@
 
 namespace raygrid {
 
-/// A requested remap table: of a view, for frames as calibrated or of a mode.
+/// A requested remap table: from full-resolution frames, or from frames of a
+/// sensor mode, to a view.
 struct RemapRequest {
   RemapRequest(const VirtualView& wanted_view,
                const std::optional<SensorMode>& frames_mode = std::nullopt)
@@ -42,11 +43,11 @@ struct OperatingPointSamples {
   std::vector<CentralGeneric> cameras;
 };
 
-/// Chooses evenly spaced samples for a camera over a range of a condition: the
-/// fewest for which interpolation between neighbours is within the bound, in
-/// pixels over the area, at three intermediate values. All cameras have grids
-/// of equal size over one area. Throws Error(kQuality) if 64 samples do not
-/// suffice.
+/// Chooses evenly spaced samples of a camera over a range of a condition. Uses
+/// the fewest samples for which the interpolation error between neighbours, at
+/// three intermediate values and over the area, is at most max_error_px. All
+/// cameras have grids of equal size over one area. Throws Error(kQuality) if 64
+/// samples do not suffice.
 OperatingPointSamples SelectSamples(
     rg_operating_parameter condition, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,
@@ -57,17 +58,18 @@ OperatingPointSamples MakeModelSamples(const OperatingPointModel& stack);
 
 struct PackOptions {
   std::vector<RemapRequest> remaps;  ///< one table per request
-  /// Also adds the default view of the camera; a warning if it has none.
+  /// Also adds a table for the default view of the camera, or a warning if the
+  /// camera has none.
   bool has_default_remap = false;
   double max_error_px = 0.05;  ///< maximum geometric error of tables
   /// If even the smallest blocks exceed the limit, allows errors of up to a
   /// pixel, and reports them in a warning.
   bool is_table_bound_soft = false;
-  /// Maximum unprojection error of a fitted grid: kMaxPackingErrorPx where it
-  /// is attainable everywhere, otherwise this.
+  /// Maximum unprojection error of a fitted grid if kMaxPackingErrorPx cannot
+  /// be reached everywhere.
   double max_ray_error_px = kMaxPackingErrorPx;
-  /// Pixels shown by tables: blocks without any of them are border. nullopt:
-  /// all pixels.
+  /// Pixels that tables show; blocks without any of these pixels become border.
+  /// nullopt: all pixels.
   std::optional<ValidityMask> shown;
   /// Operating-point model in addition to the camera, which is its reference.
   /// nullopt: from the camera's file, if it has one.
@@ -100,8 +102,8 @@ struct PackedCamera {
   double unproject_error_rad = 0;
   std::optional<ProjectionError> projection;  ///< nullopt: no inverse grid
   std::vector<PackedRemap> remaps;
-  /// Fraction of the calibrated and valid part of the image that is invalid in
-  /// the blob, because the camera is not regular there, or no grid fits it.
+  /// Fraction of the valid, calibrated part of the image that is invalid in the
+  /// blob, because the camera model is not regular there or no grid fits it.
   double excluded_fraction = 0;
   std::vector<std::string> warnings;  ///< such as missing sections
 };

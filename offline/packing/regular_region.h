@@ -40,26 +40,28 @@ class RegularRegion {
   const std::vector<Node>& nodes() const { return nodes_; }
   Eigen::Vector2d GetPixel(int node) const;
 
-  /// IsWhole(): the entire area is regular. Part(): the regular fraction.
+  /// IsWhole() returns whether the entire area is regular, Part() the fraction
+  /// that is.
   bool IsWhole() const { return regular_fraction_ == 1; }
   double Part() const { return regular_fraction_; }
-  /// Bounding rectangle, at the resolution of the lattice.
+  /// Returns the bounding rectangle of the region, at the resolution of the
+  /// lattice.
   const Area& area() const { return area_; }
   bool IsEmpty() const { return regular_fraction_ == 0; }
-  /// Contains(): all corners of the pixel's cell are regular. Touches(): at
-  /// least one is.
+  /// Contains() returns whether all corners of the pixel's cell are regular,
+  /// Touches() whether at least one is.
   bool Contains(const Eigen::Vector2d& pixel) const;
   bool Touches(const Eigen::Vector2d& pixel) const;
   /// Whether the ray of a pixel in a touched cell is regular; camera: the
   /// camera of the region.
   bool IsRegularRay(const CameraModel& camera, const Eigen::Vector2d& pixel,
                     const Eigen::Vector3d& ray) const;
-  /// Like Contains(), but all corners must also be good.
+  /// Like Contains(), but additionally requires is_good at all corners.
   bool ContainsAmong(const std::vector<bool>& is_good,
                      const Eigen::Vector2d& pixel) const;
 
   /// Calls visit(area) for each cell of the lattice with a corner that is not
-  /// regular, or not good.
+  /// regular or not good.
   template <typename Visit>
   void ForEachIrregularCell(const std::vector<bool>& is_good,
                             const Visit& visit) const {

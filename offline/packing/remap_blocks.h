@@ -19,8 +19,8 @@ struct BlockLayout {
 
 /// The blocks of a table, and which of them have a source. The fitted nodes are
 /// the vertices, followed by the bends of the edges to the left of each vertex,
-/// and of the edges above it. A bend is the displacement of an edge's midpoint
-/// from the straight line.
+/// and of the edges above it. The bend of an edge is its sagitta: the
+/// displacement of its midpoint from the straight line.
 struct Blocks {
   BlockLayout layout;
   int columns = 0, rows = 0;
@@ -44,7 +44,8 @@ struct Blocks {
 
 Blocks SplitIntoBlocks(const SourceMap& map, const BlockLayout& layout);
 
-/// Returns which nodes belong to used blocks; the others are arbitrary.
+/// Returns which nodes belong to used blocks; the positions of the other nodes
+/// are arbitrary.
 std::vector<bool> FindRequiredNodes(const Blocks& blocks);
 
 }  // namespace raygrid

@@ -23,8 +23,8 @@ std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
                                            const RemapTable& table,
                                            double limit_px, int num_threads);
 
-/// Returns the blocks, with tiles of equal size, in which this error exceeds a
-/// limit, according to the map; row by row.
+/// Returns, row by row, the blocks in which this error exceeds a limit, as
+/// computed from the map. Blocks have tiles of equal size.
 std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        const OutputImage& output,
                                        const SourceMap& map,
@@ -33,7 +33,7 @@ std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        int num_threads);
 
 /// Computes the maximum error of U and V in NV12 and YUYV, in chroma pixels,
-/// according to the map.
+/// from the map.
 double ComputeMaxChromaError(const SourceMap& map, const RemapTable& table,
                              int num_threads);
 

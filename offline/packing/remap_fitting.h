@@ -29,8 +29,8 @@ struct RemapTable {
   int num_rough = 0;
 };
 
-/// Whether up to 2 % of the blocks of 8 px that exceed the limit cause an
-/// error, or become border.
+/// Treatment of blocks of 8 px that exceed the error limit, if they are at most
+/// 2 % of all blocks: an error, or border.
 enum class RoughBlocks { kRefuse, kLeaveOut };
 
 /// Whether a pixel of a camera's image is shown; empty: all pixels are shown.
@@ -41,9 +41,10 @@ using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// minimize the maximum error over all pixels, are quantized, and then measured
 /// in the runtime's arithmetic. Deterministic for any number of threads.
 /// Sources outside the calibrated area become border. Throws Error(kQuality) if
-/// blocks of 8 exceed the limit, Error(kUsage) if the images are too large for
-/// the format or the virtual camera sees nothing. Blocks without any shown
-/// source become border, too. go_on is called regularly, and may throw.
+/// blocks of 8 px exceed the limit, and Error(kUsage) if the images are too
+/// large for the format or the view does not overlap the calibrated area.
+/// Blocks without any shown source become border, too. go_on is called
+/// regularly and may throw, to cancel the fit.
 ///
 /// For several cameras, at different operating points of one camera: one table
 /// each, which differ only in residuals, bends and errors. A block is border if

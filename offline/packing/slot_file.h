@@ -51,8 +51,8 @@ struct SlotWrite {
 /// without any, other than the newest whole one.
 struct SlotUpdate {
   uint32_t index, sequence;
-  /// In order. Each must be on disk before the next one starts, so that the
-  /// newest blob survives a power loss at any time.
+  /// The writes, in order. Each must be on disk before the next one starts, so
+  /// that the newest blob survives a power loss at any time.
   std::vector<SlotWrite> writes;
 };
 

@@ -24,12 +24,15 @@ struct OutputImage {
   bool is_free_where_unseen = false;
 };
 
-/// Returns the image of a view, which must outlive the result (so must camera).
+/// Returns the undistorted image of a view as output. The view must outlive the
+/// result.
 OutputImage MakeViewOutput(const VirtualView& view);
-/// Returns the camera's own image, for tables with sources in a view's image.
+/// Returns the camera's distorted image as output, for inverse remap tables,
+/// whose sources are in the undistorted view. The camera must outlive the
+/// result.
 OutputImage MakeCameraOutput(const CameraModel& camera);
 
-/// The sources of the pixels of an output image.
+/// Source positions of the pixels of an output image.
 struct SourceMap {
   /// Cells are squares of output pixels.
   static constexpr int kCellLog2 = 3, kCellSize = 1 << kCellLog2;
@@ -49,12 +52,13 @@ struct SourceMap {
   /// Rectangle of usable sources: within the calibrated area and the pixel
   /// centres. Other sources are defined only near it.
   Area rectangle;
-  /// Maximum deviation of interpolated sources from the model.
+  /// Maximum error of interpolated sources (px).
   double max_stddev_px = 0;
   /// Both coordinates of the sources, in units, row by row of whole cells.
   std::unique_ptr<int32_t[]> sources[2];
   std::vector<Cell> cells;
-  /// Cells with sources that become border nevertheless.
+  /// Cells that become border although they have sources, because none of their
+  /// pixels is to be shown.
   std::vector<bool> is_hidden;
   /// Cells at the edge of the camera's valid pixels within the rectangle: they
   /// have a pixel without a source next to one whose source is not at the

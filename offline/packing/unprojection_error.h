@@ -14,8 +14,8 @@ struct UnprojectionError {
   double px = 0, rad = 0;
 };
 
-/// The reference for measuring a blob: the camera in its valid region, if it
-/// has one, and elsewhere the fitted grid.
+/// The reference for measuring the errors of a blob: the camera within its
+/// valid region, and the fitted grid elsewhere.
 struct PackingTruth {
   const CameraModel& camera;
   const CameraModel& elsewhere;

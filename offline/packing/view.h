@@ -55,8 +55,8 @@ std::string ViewCameraFile(const VirtualView& view, const std::string& name);
 /// Returns the view as a camera in the axes of the original camera.
 std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view);
 
-/// Returns the unrotated view that is equivalent to such a camera; nullopt if
-/// it has distortion or another model.
+/// Returns the unrotated view that is equivalent to a camera; nullopt for
+/// cameras with distortion or another model.
 std::optional<VirtualView> MakeCameraView(const CameraModel& camera);
 
 }  // namespace raygrid

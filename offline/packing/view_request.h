@@ -54,10 +54,10 @@ VirtualView MakeViewWithoutCamera(const ImageSize& size,
 VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
                          const ViewRequest& request);
 
-/// Makes a pinhole view of the camera's image size, just wide enough for the
-/// part of the calibrated area within 70 degrees of the axis. Throws
-/// Error(kQuality) if that is empty, or so far from the axis that a blob cannot
-/// store the view.
+/// Makes a pinhole view of the camera's image size that just covers the part of
+/// the calibrated area within 70 degrees of the axis. Throws Error(kQuality) if
+/// this part is empty, or so far from the axis that a blob cannot store the
+/// view.
 VirtualView MakeAreaView(const CameraModel& camera);
 
 }  // namespace raygrid

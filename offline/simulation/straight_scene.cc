@@ -22,7 +22,7 @@ constexpr std::array<std::array<float, 3>, 6> kWalls = {{{232, 228, 226},
                                                          {168, 192, 220}}};
 constexpr float kDarkFactor = 0.52f;
 
-// A square of a wall.
+// A checkerboard square on one of the walls of the room.
 struct SceneSquare {
   int wall;
   int column, row;

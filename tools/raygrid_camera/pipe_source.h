@@ -29,7 +29,7 @@ class PipeSource : public FrameSource {
  public:
   /// Reads the header of the stream. Throws CameraError if none arrives.
   ///
-  /// is_signalled  whether the program should end
+  /// @param is_signalled returns true after SIGINT or SIGTERM
   PipeSource(int fd, const PipeOptions& options,
              std::function<bool()> is_signalled);
   ~PipeSource() override { Stop(); }

@@ -93,8 +93,9 @@ struct MeshUnit {
   /// error message includes.
   std::optional<double> max_error_px;
   std::string reason;
-  /// Interpolation between vertices, along both axes. If the engine's
-  /// documentation leaves it open: all candidates; the maximum error counts.
+  /// Modes of interpolation between vertices, along both axes. If the engine's
+  /// documentation does not specify the mode, this lists all candidates, and
+  /// the largest error is reported.
   std::vector<MeshSpan> spans = {MeshSpan::kLine};
 };
 
@@ -138,8 +139,8 @@ void RequireMeshSize(const std::string& unit, const std::string& what,
                      const ImageSize& size, const MeshSides& width,
                      const MeshSides& height);
 
-/// Conversion to and from the pixel coordinates of engines, in which the centre
-/// of the first pixel is (0, 0).
+/// Converts raygrid's pixel coordinates to and from those of engines, in which
+/// the centre of the first pixel is (0, 0).
 inline Eigen::Vector2d ToMeshUnit(const Eigen::Vector2d& pixel) {
   return ToProgram(PixelOrigin::kFirstPixelCenter, {}, pixel);
 }

@@ -8,8 +8,8 @@
 
 namespace raygrid {
 
-/// Returns which vertices valid pixels are interpolated from. sources: one per
-/// output pixel, row-major; NaN if invalid.
+/// Returns the vertices from which valid pixels are interpolated. sources: one
+/// per output pixel, row-major; NaN if invalid.
 std::vector<bool> FindRequiredVertices(
     const MeshLattice& lattice, const ImageSize& size,
     const std::vector<Eigen::Vector2d>& sources);

@@ -69,7 +69,8 @@ enum class TagSearch { kQuick, kThorough };
 /// Detects all tags of family tag36h11 with at most one bit error.
 std::vector<DetectedTag> DetectTags(const GreyImage& image,
                                     TagSearch search = TagSearch::kQuick);
-/// Whether images of this size are too small for kQuick to skip rows.
+/// Returns whether kQuick searches all rows of images of this size, because
+/// they are small.
 bool IsQuickSearchThorough(const ImageSize& size);
 
 /// Describes tags that DetectTags() does not detect, e.g. "mirrored tag 3" or

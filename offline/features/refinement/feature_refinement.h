@@ -26,9 +26,9 @@ class FeatureRefiner {
   ImageDetection Refine(const GreyImage& image,
                         const std::vector<Feature>& approximate) const;
 
-  /// Refines features again with given mappings. Features are unchanged if they
-  /// have no mapping or refinement fails; all are if the method in the options
-  /// is not based on symmetry.
+  /// Refines features again with given mappings. Features without a mapping,
+  /// and features whose refinement fails, are unchanged. If the method in the
+  /// options is not based on symmetry, all features are unchanged.
   using MappingCallback =
       std::function<std::optional<LocalMapping>(const Feature&)>;
   std::vector<Feature> RefineWith(const GreyImage& image,

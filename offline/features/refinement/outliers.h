@@ -8,8 +8,8 @@ namespace raygrid {
 
 constexpr const char* kNotInLine = "inconsistent with its neighbours";
 
-/// Maximum distance of a feature from its prediction: the sum of pixels and a
-/// fraction of a square's width.
+/// Maximum distance of a feature from its prediction: px + squares * width of a
+/// square.
 struct Tolerance {
   double px, squares;
 };

@@ -92,7 +92,7 @@ struct CornerSystem {
 // Standard deviations of the priors.
 constexpr double kEdgeRotationStdDevRad = 0.05;  // radians
 constexpr double kBlurPx = 0.9, kLogSigmaStdDev = 0.7;
-constexpr double kWhiteSlope = 0.1;  // fraction of the contrast
+constexpr double kWhiteSlope = 0.1;  // contrasts per half window
 
 // Recorded intensity for light from 0 to 1, and its derivatives.
 struct ToneResponse {

@@ -9,8 +9,8 @@
 namespace raygrid {
 
 /// Numbers of inner corners along the sides of a chessboard, in its orientation
-/// in the image. EstimateChessboardSize() returns those of the first lattice
-/// without gaps.
+/// in the image. EstimateChessboardSize() returns the numbers of the first
+/// lattice without gaps.
 struct ChessboardSize {
   int columns = 0, rows = 0;
 };

@@ -19,7 +19,7 @@ class CornerGrowth {
   bool Find(const GreyImage& image, int column, int row,
             const LocalMapping& prediction, double search_squares,
             const PatchCriterion& criterion, FeatureLattice* lattice) const;
-  /// Searches for all other features, outwards from those already detected.
+  /// Searches for all other features, starting next to those already detected.
   void Grow(const GreyImage& image, const PatchCriterion& criterion,
             FeatureLattice* lattice) const;
   /// Extends the lattice where squares shrink faster than polynomials predict,

@@ -14,7 +14,6 @@ namespace raygrid {
 /// visible pattern: edges and (parts of) tags. Returns nullopt unless the image
 /// matches the board in this placement, and contradicts every other placement
 /// for which the board would look different.
-/// one where the board would look different.
 std::optional<LatticePlacement> AssignWithLayout(const GreyImage& image,
                                                  const FeatureLattice& lattice,
                                                  const Board& board);

@@ -22,14 +22,14 @@ class LooseLatticeFinder {
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 
-  /// Grows the lattice around the most certain of some candidates, first
-  /// without, then with uncertain stars; empty if there is none. For stars of
-  /// four segments, also the lattices between them. Columns and rows start
-  /// anywhere, in the directions of a board rotated by any number of quarter
-  /// turns. Removes candidates on the lattice and those that were tried. The
-  /// first stars are searched in an image of 1 / scale of the size, in which
-  /// large stars resemble ordinary ones; candidates and lattices are in pixels
-  /// of the image.
+  /// Grows a lattice around the most certain of some candidates, first without,
+  /// then with uncertain stars. Returns an empty list if there is none. For
+  /// stars of four segments, also the lattices between them. Columns and rows
+  /// start anywhere, in the directions of a board rotated by any number of
+  /// quarter turns. Removes candidates on the lattice and those that were
+  /// tried. The first stars are searched in an image of 1 / scale of the size,
+  /// in which large stars resemble ordinary ones; candidates and lattices are
+  /// in pixels of the image.
   std::vector<FeatureLattice> Find(
       const GreyImage& image, const GreyImage& smaller, double scale,
       std::vector<StarCandidate>* candidates) const;
