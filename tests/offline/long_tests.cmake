@@ -9,46 +9,11 @@ set(RAYGRID_STUDIES
 
 # With sanitizers these take minutes: what they reach, others reach on less data.
 set(RAYGRID_SLOW_WITH_SANITIZERS
-  BlobCamera.LeavesOutTheCorner*
-  BoardAppearance.LayersPaint*
-  BoardGuess.FindsOtherDictionaries*
-  BoardGuess.FindsTagsWithoutCornerSquares*
-  CameraFrame.DoesNotDepend*
-  Chessboard.EveryCorner*
-  Chessboard.GrowsToTheRim*
-  FeatureRefiner.IsMoreAccurate*
-  FitDistortionTable.Undoes*
-  FitRemapTable.KeepsTheBound*
-  IdentifyBoard.NamesNoBoardOfAnother*
-  IdentifyBoard.TakesNoOther*
-  ImageCircle.IsFoundWhereverItLies*
-  ImageCircle.IsNotFoundWhere*
   LensChoice.Compares*
   LensChoice.Counts*
   LensChoice.Measures*
   LensChoice.TakesTheFewest*
-  GetModelRegistry.FitACamera*
-  LowContrast.NoiseTakes*
-  MarkerBoards.AreToldApart*
-  OutputFolder.Kills*
-  PackCamera.CamerasWithoutRays*
-  PackCamera.RoughCameras*
-  AssignWithLayout.IsNeverWrong*
-  PlainTagGrid.CornersInRendered*
-  PrintedInk.OfAprilGrids*
-  PrintedInk.OfCharuco*
-  PrintedInk.OfSix*
-  RegularRegion.*
-  SelectSamples.*
-  StarDetector.FindsNearlyAll*
-  StarDetector.FindsStarsIn*
-  StarDetector.FindsStarsOfABoardWhoseTagIsCutOff*
-  StarDetector.FindsStarsOfAny*
-  StarDetector.FindsTheSame*
-  StarDetector.Is*
-  StarDetector.NamesBoardsOfBent*
-  StarDetector.Refines*
-  VirtualView.OfA*)
+  OutputFolder.Kills*)
 
 set(RAYGRID_LEFT_OUT_TESTS)
 if(NOT RAYGRID_LONG_TESTS)
