@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kStdDevPerMedian = 1.4826;  // for a normal distribution
 
-// Fits a line to a power of t over the given values; returns mean and slope.
+// Fits a line to a power of t over the given values; returns intercept and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
-  Eigen::MatrixX2d line(t.size(), 2);
-  line << Eigen::VectorXd::Ones(t.size()), t.matrix();
-  return line.colPivHouseholderQr().solve(t.pow(power).matrix());
+  const Eigen::ArrayXd values = t.pow(power), centered = t - t.mean();
+  const double slope = (centered * values).sum() / centered.square().sum();
+  return {values.mean() - slope * t.mean(), slope};
 }
 
 void AddTerm(double factor, const BSplineSurface& term, BSplineSurface* sum) {

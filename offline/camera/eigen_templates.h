@@ -51,10 +51,14 @@ RAYGRID_TEMPLATE Matrix4d umeyama(const MatrixBase<Matrix3Xd>&,
 
 namespace internal {
 
-// SelfAdjointEigenSolver of 2 x 2, 9 x 9 and dynamic size.
+// SelfAdjointEigenSolver of 2 x 2, 6 x 6, 9 x 9 and dynamic size.
 RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix2d&, Vector2d&,
                                                  Matrix<double, 1, 1>&,
                                                  Matrix<double, 1, 1>&, bool);
+RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix<double, 6, 6>&,
+                                                 Matrix<double, 6, 1>&,
+                                                 Matrix<double, 5, 1>&,
+                                                 Matrix<double, 5, 1>&, bool);
 RAYGRID_TEMPLATE void tridiagonalization_inplace(Matrix<double, 9, 9>&,
                                                  Matrix<double, 9, 1>&,
                                                  Matrix<double, 8, 1>&,
@@ -63,6 +67,9 @@ RAYGRID_TEMPLATE void tridiagonalization_inplace(MatrixXd&, VectorXd&,
                                                  VectorXd&, VectorXd&, bool);
 RAYGRID_TEMPLATE ComputationInfo computeFromTridiagonal_impl(
     Vector2d&, Matrix<double, 1, 1>&, const Index, bool, Matrix2d&);
+RAYGRID_TEMPLATE ComputationInfo
+computeFromTridiagonal_impl(Matrix<double, 6, 1>&, Matrix<double, 5, 1>&,
+                            const Index, bool, Matrix<double, 6, 6>&);
 RAYGRID_TEMPLATE ComputationInfo
 computeFromTridiagonal_impl(Matrix<double, 9, 1>&, Matrix<double, 8, 1>&,
                             const Index, bool, Matrix<double, 9, 9>&);

@@ -246,7 +246,7 @@ Vector12d InformationEigenvalues(const HandEyeFit& fit, double unit_m) {
   Vector12d scale = Vector12d::Ones();
   scale.segment<3>(3).setConstant(1 / unit_m);
   scale.segment<3>(9).setConstant(1 / unit_m);
-  const Eigen::SelfAdjointEigenSolver<Matrix12d> solver(
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       scale.asDiagonal() * fit.covariance * scale.asDiagonal());
   return solver.eigenvalues().reverse().cwiseInverse();
 }
