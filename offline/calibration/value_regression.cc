@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kStdDevPerMedian = 1.4826;  // for a normal distribution
 
-// Fits a line to a power of t over the given values; returns intercept and slope.
+// Fits a line to a power of t; returns intercept and slope.
 Eigen::Vector2d FitLineToPower(const Eigen::ArrayXd& t, int power) {
   const Eigen::ArrayXd values = t.pow(power), centered = t - t.mean();
   const double slope = (centered * values).sum() / centered.square().sum();
