@@ -85,7 +85,7 @@ class KnownIntrinsics(CommandTest):
 
         def calibrate(features, out):
             return run("calibrate", "--features", features, *SIZE, "--pattern", pattern, *self.known("cam0", "cam1"),
-                       "--hold-out", "sim0000.png", "-o", self.path(out))
+                       "--hold-out", "sim0000.png", "--skip-comparison", "-o", self.path(out))
 
         self.assert_done(run("simulate", "--camera", self.truth, "--cameras", 2, "--baseline-m", 0.2, "--camera-turn-deg", 180,
                              "--fixed-boards", "--boards-around", "--images", 20, "--pattern", pattern, "-o", self.path("moving")))
@@ -97,7 +97,7 @@ class KnownIntrinsics(CommandTest):
         pair = result["baselines"][0]
         self.assertLess(abs(pair["distance_m"] - 0.2), 4 * pair["distance_sd_m"])
         self.assertLess(abs(pair["angle_rad"] - math.pi), 4 * pair["rotation_sd_rad"])
-        self.assertLess(pair["rotation_sd_rad"], 1e-3)
+        self.assertLess(pair["rotation_sd_rad"], 3e-3)
         self.assertEqual([body["boards"] for body in result["rigid_targets"]], [[0, 1]])
         # Each camera sees its board in the same place in all frames.
         header, *lines = read(features).decode().splitlines()
