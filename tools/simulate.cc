@@ -248,10 +248,15 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
   options.features_per_image =
       arguments.features_per_image.value_or(options.features_per_image);
   const SimulatedRig cameras =
-      MakeCameraRow(camera, arguments.cameras, arguments.baseline_m);
+      arguments.camera_turn_deg == 0
+          ? MakeCameraRow(camera, arguments.cameras, arguments.baseline_m)
+          : MakeCameraRing(camera, arguments.cameras, arguments.baseline_m,
+                           arguments.camera_turn_deg * M_PI / 180);
   const Pattern pattern = MakePattern(arguments);
   SimulatedRigObservations seen =
-      arguments.fixed_boards
+      arguments.boards_around
+          ? SimulateRig(cameras, pattern, RigMotion(), options)
+      : arguments.fixed_boards
           ? SimulateRig(cameras, pattern, arguments.fixed, options)
           : SimulateRig(cameras, pattern, options);
   if (arguments.cameras == 1) {
@@ -272,10 +277,7 @@ SimulatedObservations ObserveRig(const SimulateArguments& arguments,
     const Dataset& dataset = seen.datasets[c];
     features.push_back({name, dataset});
     poses.push_back({name, seen.poses[c]});
-    rig.push_back(
-        {name,
-         "true_camera.yaml",
-         {Eigen::Quaterniond::Identity(), {-arguments.baseline_m * c, 0, 0}}});
+    rig.push_back({name, "true_camera.yaml", cameras.camera_from_rig[c]});
     all.dataset.image_size = dataset.image_size;
     all.dataset.images.insert(all.dataset.images.end(), dataset.images.begin(),
                               dataset.images.end());
@@ -405,6 +407,11 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
   if (arguments.fixed_boards && MakePattern(arguments).boards.size() < 2)
     throw Error(ExitCode::kUsage,
                 "--fixed-boards requires a pattern with at least two boards");
+  if (arguments.boards_around &&
+      (arguments.fixed.never_shared || arguments.move_board_mm > 0))
+    throw Error(ExitCode::kUsage,
+                "--boards-around cannot be combined with --no-common-boards or "
+                "--move-board-mm");
   arguments.fixed.turn_rad = arguments.board_rotation_deg * M_PI / 180;
   arguments.fixed.move_m = arguments.move_board_mm / 1000;
   RequireInputsStay(arguments);

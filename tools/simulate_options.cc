@@ -122,6 +122,11 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
       ->needs(fixed)
       ->capture_default_str();
   command
+      ->add_flag("--boards-around", arguments->boards_around,
+                 "place one fixed board in front of each camera, and move the "
+                 "rig")
+      ->needs(fixed);
+  command
       ->add_flag("--no-common-boards", arguments->fixed.never_shared,
                  "show each fixed board in at most one camera per frame")
       ->needs(fixed);
@@ -164,7 +169,7 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
       ->excludes(circle);
   command
       ->add_option("--cameras", arguments->cameras,
-                   "number of identical cameras of a rig, in a row")
+                   "number of identical cameras of a rig")
       ->option_text("N")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -173,6 +178,13 @@ void AddCameraOptions(CLI::App* command, SimulateArguments* arguments) {
                    "distance between neighbouring cameras")
       ->option_text("M")
       ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--camera-turn-deg", arguments->camera_turn_deg,
+                   "angle between neighbouring cameras, on a circle; 0: in a "
+                   "row")
+      ->option_text("DEG")
+      ->check(CLI::Range(-180.0, 180.0))
       ->capture_default_str();
   AddPatternOption(command, &arguments->pattern,
                    " (default: chessboard:30x24:20mm)");

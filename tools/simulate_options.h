@@ -24,9 +24,10 @@ struct SimulateArguments {
   std::optional<int> features_per_image;
   int bits = 8;
   int cameras = 1;
-  double baseline_m = 0.1;
+  double baseline_m = 0.1, camera_turn_deg = 0;
   bool fixed_boards = false;
   FixedBoards fixed;
+  bool boards_around = false;
   double board_rotation_deg = 15, move_board_mm = 0;
   bool moving = false;
   HandMotion motion;

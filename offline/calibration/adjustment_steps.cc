@@ -12,6 +12,7 @@
 #include "calibration/restart.h"
 #include "calibration/rig_evaluation.h"
 #include "calibration/rig_initialization.h"
+#include "calibration/rig_motion.h"
 #include "calibration/rig_uncertainty.h"
 #include "calibration/rigid_target_search.h"
 #include "calibration/stopwatch.h"
@@ -82,8 +83,10 @@ AdjustmentResult Calibration::AdjustTogether(
 void Calibration::OptimizeWithRigidTargets(
     std::vector<std::vector<RejectedImage>>* rejected) {
   std::vector<AdjustmentResult> camera_results;
+  std::vector<std::string> names;
   std::vector<int> all;
   for (const CameraInProgress& camera : cameras_) {
+    names.push_back(camera.input->name);
     all.push_back(static_cast<int>(all.size()));
     camera_results.push_back(camera.lens);
   }
@@ -105,6 +108,9 @@ void Calibration::OptimizeWithRigidTargets(
     return;
   }
   try {
+    if (groups.size() > 1 && can_detect)
+      ConnectByMotion(names, groups, apart, pattern_, result_.board_pairs,
+                      &bodies_);
     adjusted_ = AdjustTogether(all, rejected);
   } catch (const Error& error) {
     const auto descriptions = DescribeRigidTargets({}, result_.board_pairs);

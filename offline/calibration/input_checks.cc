@@ -9,6 +9,7 @@
 
 #include "calibration/model_selection.h"
 #include "calibration/rig_initialization.h"
+#include "calibration/rig_motion.h"
 #include "calibration/rigid_target_search.h"
 #include "camera/model_registry.h"
 #include "dataset/error.h"
@@ -49,7 +50,7 @@ void RequireImagesExist(const std::vector<CalibrationInput>& cameras,
 }
 
 // Requires a rig that is connected by boards that two cameras observe in one
-// frame, or by boards that may form a rigid target.
+// frame, or by boards that may form a rigid target, also by their motion.
 void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
                              const Pattern& pattern, bool independent_boards) {
   std::vector<std::string> names;
@@ -64,9 +65,11 @@ void RequireConnectedCameras(const std::vector<CalibrationInput>& cameras,
   std::vector<RejectedImage> rejected;
   CalibrationProblem problem = BuildProblem(datasets, pattern, &rejected);
   std::vector<Pose> unknown_poses;
-  if (!independent_boards)
+  if (!independent_boards) {
     JoinBoards(ProposeRigidTargets(datasets, pattern), &problem,
                &unknown_poses);
+    if (CanConnectByMotion(problem, ConnectedGroups(problem))) return;
+  }
   RequireConnected(names, problem);
 }
 

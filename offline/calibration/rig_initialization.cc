@@ -494,8 +494,10 @@ void RequireConnected(const std::vector<std::string>& names,
       ExitCode::kInitialization,
       fmt::format(
           "the cameras are not connected: no frame shows a board with at least "
-          "{} features in two of the groups {}; capture such frames, and give "
-          "synchronized images the same name (or use --sync-by number)",
+          "{} features in two of the groups {}; capture such frames, or move "
+          "the rig so that each observes a board in common frames, with boards "
+          "that are fixed to each other; give synchronized images the same "
+          "name (or use --sync-by number)",
           kMinViewFeatures, fmt::join(groups, ", ")));
 }
 

@@ -148,32 +148,6 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
   return findings;
 }
 
-// Makes each board an independent target.
-RigidTargets NoRigidTargets(size_t num_boards) {
-  RigidTargets rigid_targets;
-  for (size_t b = 0; b < num_boards; ++b)
-    rigid_targets.frames.push_back(static_cast<int>(b));
-  rigid_targets.frame_from_board.resize(num_boards);
-  return rigid_targets;
-}
-
-// Merges the rigid targets of two boards.
-void Unite(const PairFinding& finding, RigidTargets* rigid_targets) {
-  const int kept = rigid_targets->frames[finding.first];
-  const int joined = rigid_targets->frames[finding.second];
-  if (kept == joined) return;
-  const Pose reference_from_joined =
-      rigid_targets->frame_from_board[finding.first] *
-      finding.first_from_second *
-      rigid_targets->frame_from_board[finding.second].Inverse();
-  for (size_t b = 0; b < rigid_targets->frames.size(); ++b) {
-    if (rigid_targets->frames[b] != joined) continue;
-    rigid_targets->frames[b] = kept;
-    rigid_targets->frame_from_board[b] =
-        reference_from_joined * rigid_targets->frame_from_board[b];
-  }
-}
-
 // Whether merging would combine two boards with varying relative poses.
 bool HasVaryingPoses(const PairFinding& finding,
                      const RigidTargets& rigid_targets,
@@ -250,15 +224,12 @@ bool CanDetectRigidTargets(const std::vector<AdjustmentResult>& cameras) {
 
 RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
                                  const Pattern& pattern) {
-  RigidTargets rigid_targets = NoRigidTargets(pattern.boards.size());
+  RigidTargets rigid_targets = SeparateTargets(pattern.boards.size());
   std::vector<RejectedImage> rejected;
   const auto counts = CountTogether(BuildProblem(cameras, pattern, &rejected));
-  for (const auto& [pair, count] : counts) {
-    PairFinding finding;
-    finding.first = pair.first;
-    finding.second = pair.second;
-    if (count >= kMinFrames) Unite(finding, &rigid_targets);
-  }
+  for (const auto& [pair, count] : counts)
+    if (count >= kMinFrames)
+      UniteTargets(pair.first, pair.second, Pose(), &rigid_targets);
   return rigid_targets;
 }
 
@@ -267,7 +238,7 @@ std::vector<BoardPair> CompareBoardPoses(
     int num_threads, RigidTargets* rigid_targets) {
   const std::vector<PairFinding> findings =
       Findings(adjusted, pattern, num_threads);
-  *rigid_targets = NoRigidTargets(pattern.boards.size());
+  *rigid_targets = SeparateTargets(pattern.boards.size());
   std::vector<const PairFinding*> best;
   for (const PairFinding& finding : findings)
     if (finding.board_pair.fixed) best.push_back(&finding);
@@ -276,7 +247,8 @@ std::vector<BoardPair> CompareBoardPoses(
   });
   for (const PairFinding* finding : best)
     if (!HasVaryingPoses(*finding, *rigid_targets, findings))
-      Unite(*finding, rigid_targets);
+      UniteTargets(finding->first, finding->second, finding->first_from_second,
+                   rigid_targets);
   ExcludeInconsistentBoards(findings, rigid_targets);
   if (rigid_targets->Groups().empty()) *rigid_targets = {};
   std::vector<BoardPair> pairs;

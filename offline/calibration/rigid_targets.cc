@@ -65,6 +65,30 @@ RigidTargets MakeRigidTargets(const Pattern& pattern) {
   return rigid_targets;
 }
 
+RigidTargets SeparateTargets(size_t num_boards) {
+  RigidTargets rigid_targets;
+  for (size_t b = 0; b < num_boards; ++b)
+    rigid_targets.frames.push_back(static_cast<int>(b));
+  rigid_targets.frame_from_board.resize(num_boards);
+  return rigid_targets;
+}
+
+void UniteTargets(int first, int second, const Pose& first_from_second,
+                  RigidTargets* rigid_targets) {
+  const int kept = rigid_targets->frames[first];
+  const int joined = rigid_targets->frames[second];
+  if (kept == joined) return;
+  const Pose kept_from_joined =
+      rigid_targets->frame_from_board[first] * first_from_second *
+      rigid_targets->frame_from_board[second].Inverse();
+  for (size_t b = 0; b < rigid_targets->frames.size(); ++b) {
+    if (rigid_targets->frames[b] != joined) continue;
+    rigid_targets->frames[b] = kept;
+    rigid_targets->frame_from_board[b] =
+        kept_from_joined * rigid_targets->frame_from_board[b];
+  }
+}
+
 void JoinBoards(const RigidTargets& rigid_targets, CalibrationProblem* problem,
                 std::vector<Pose>* target_from_board) {
   target_from_board->clear();

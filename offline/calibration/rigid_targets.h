@@ -28,6 +28,13 @@ struct RigidTargets {
 /// Returns the rigid targets that a pattern defines.
 RigidTargets MakeRigidTargets(const Pattern& pattern);
 
+/// Returns independent boards, each with the frame of its own.
+RigidTargets SeparateTargets(size_t num_boards);
+
+/// Merges the rigid targets of two boards.
+void UniteTargets(int first, int second, const Pose& first_from_second,
+                  RigidTargets* rigid_targets);
+
 /// Makes the boards of a rigid target share one pose per frame.
 /// *target_from_board receives AdjustmentState::target_from_board. For each
 /// target, a board that is observed defines the frame.

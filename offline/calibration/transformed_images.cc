@@ -10,6 +10,7 @@
 #include "calibration/divergence.h"
 #include "calibration/even_selection.h"
 #include "calibration/image_splits.h"
+#include "camera/fixed_camera.h"
 #include "dataset/error.h"
 
 namespace raygrid {

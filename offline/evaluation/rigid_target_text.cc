@@ -51,13 +51,24 @@ std::vector<std::string> DescribeRigidTargets(
   for (const RigidTarget& body : rigid_targets) {
     const std::set<int> ids(body.boards.begin(), body.boards.end());
     PairDeviation deviation;
-    for (const BoardPair& pair : pairs)
-      if (pair.fixed && ids.count(pair.first) > 0 && ids.count(pair.second) > 0)
-        deviation.Add(pair);
-    sentences.push_back(
-        fmt::format("boards {} are a rigid multi-board target, estimated as "
-                    "one body; relative poses repeat to {}",
-                    FormatList(body.boards), deviation.Text()));
+    std::set<int> compared;
+    size_t num_pairs = 0;
+    for (const BoardPair& pair : pairs) {
+      if (!pair.fixed || !ids.count(pair.first) || !ids.count(pair.second))
+        continue;
+      deviation.Add(pair);
+      compared.insert({pair.first, pair.second});
+      ++num_pairs;
+    }
+    std::string& sentence = sentences.emplace_back(fmt::format(
+        "boards {} are a rigid multi-board target, estimated as one body",
+        FormatList(body.boards)));
+    if (num_pairs > 0)
+      sentence += "; relative poses repeat to " + deviation.Text();
+    // The pairs do not connect all boards.
+    if (compared.size() < ids.size() || num_pairs + 1 < ids.size())
+      sentence +=
+          "; boards that no camera observes together are assumed to be fixed";
   }
   std::set<int> moving;
   PairDeviation deviation;

@@ -12,16 +12,6 @@ namespace {
 
 constexpr double kToDegrees = 180 / M_PI;
 
-std::string FormatAxis(const Eigen::Vector3d& axis) {
-  // The sign of an axis is arbitrary: its largest component is positive.
-  int largest = 0;
-  axis.cwiseAbs().maxCoeff(&largest);
-  const Eigen::Vector3d shown =
-      axis[largest] < 0 ? Eigen::Vector3d(-axis) : axis;
-  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", shown.x() + 0.0,
-                     shown.y() + 0.0, shown.z() + 0.0);
-}
-
 // The differences in the better half of the poses, as a length.
 double MisfitOf(const RobustStart& start, double lever_m) {
   return start.translation_m + lever_m * start.rotation_rad;
@@ -71,6 +61,17 @@ double PathLength(const std::vector<Eigen::Vector3d>& points) {
 }
 
 }  // namespace
+
+std::string FormatAxis(const Eigen::Vector3d& axis) {
+  // The sign of an axis is arbitrary: its largest component is positive.
+  int largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  const double sign = axis[largest] < 0 ? -1 : 1;
+  const auto shown = [&](int k) {  // without negative zeros
+    return std::round(100 * sign * axis[k]) / 100 + 0.0;
+  };
+  return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", shown(0), shown(1), shown(2));
+}
 
 void RequireRotations(const RotationSpread& rotations, Mounting mounting) {
   const HandEyeNames names = NamesOf(mounting);

@@ -1,11 +1,15 @@
 #ifndef RAYGRID_HAND_EYE_HAND_EYE_DIAGNOSIS_H
 #define RAYGRID_HAND_EYE_HAND_EYE_DIAGNOSIS_H
 
+#include <string>
 #include <vector>
 
 #include "hand_eye/linear_hand_eye.h"
 
 namespace raygrid {
+
+/// Formats an axis, whose sign is arbitrary: "[0.00, 1.00, 0.00]".
+std::string FormatAxis(const Eigen::Vector3d& axis);
 
 /// Throws Error(kInitialization) if the mount does not rotate, or about one
 /// axis only, with what remains undetermined and which motion is missing.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "dataset/error.h"
 #include "simulation/board_curvature.h"
 #include "simulation/board_deformation.h"
 #include "simulation/random.h"
@@ -89,6 +90,49 @@ std::vector<Pose> TargetPoses(const SimulatedRig& rig, const Pattern& pattern,
                         .front());
   }
   return poses;
+}
+
+// Distance at which a board fills half of the image.
+double HalfFilledDistance(const CameraModel& camera, const Board& board) {
+  constexpr double kSlope = 0.01;
+  const auto center = camera.Project({0, 0, 1});
+  const auto right = camera.Project({kSlope, 0, 1});
+  const auto below = camera.Project({0, kSlope, 1});
+  if (!center || !right || !below)
+    throw Error(ExitCode::kUsage,
+                "the camera does not see what is in front of it; boards cannot "
+                "be placed around it");
+  const Eigen::Vector3d extent_m = board.NominalPoints().back();
+  const ImageSize size = camera.image_size();
+  return 2 / kSlope *
+         std::max(extent_m.x() * (*right - *center).norm() / size.width,
+                  extent_m.y() * (*below - *center).norm() / size.height);
+}
+
+// Returns rig_from_board of the boards around a rig that has not moved.
+std::vector<Pose> BoardsAround(const SimulatedRig& rig,
+                               const Pattern& pattern) {
+  std::vector<Pose> rig_from_board;
+  for (size_t b = 0; b < pattern.boards.size(); ++b) {
+    const size_t c = b % rig.cameras.size(), row = b / rig.cameras.size();
+    const Board& board = pattern.boards[b];
+    const Eigen::Vector3d corner_m = board.NominalPoints().back();
+    const double height_m = corner_m.y() + 2 * board.square_m;
+    rig_from_board.push_back(
+        rig.camera_from_rig[c].Inverse() *
+        Pose{Eigen::Quaterniond::Identity(),
+             {-corner_m.x() / 2,
+              -corner_m.y() / 2 - static_cast<double>(row) * height_m,
+              HalfFilledDistance(*rig.cameras[c], board)}});
+  }
+  return rig_from_board;
+}
+
+Eigen::Vector3d RandomVector(const Eigen::Vector3d& largest, Random* random) {
+  Eigen::Vector3d vector;
+  for (int k = 0; k < 3; ++k)
+    vector[k] = random->Uniform(-largest[k], largest[k]);
+  return vector;
 }
 
 bool IsFrontVisible(const Board& board, const Pose& camera_from_board) {
@@ -221,6 +265,24 @@ SimulatedRig MakeCameraRow(const std::shared_ptr<const CameraModel>& camera,
   return rig;
 }
 
+SimulatedRig MakeCameraRing(const std::shared_ptr<const CameraModel>& camera,
+                            int count, double baseline_m, double turn_rad) {
+  const auto turn = [](double angle_rad) {
+    return Eigen::Quaterniond(
+        Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY()));
+  };
+  // A chord of the circle, which is at half of the angle.
+  const Pose previous_from_next = {
+      turn(turn_rad), turn(turn_rad / 2) * Eigen::Vector3d(baseline_m, 0, 0)};
+  SimulatedRig rig = {{camera}, {Pose()}};
+  while (static_cast<int>(rig.cameras.size()) < count) {
+    rig.cameras.push_back(camera);
+    rig.camera_from_rig.push_back(previous_from_next.Inverse() *
+                                  rig.camera_from_rig.back());
+  }
+  return rig;
+}
+
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const SimulationOptions& options) {
@@ -250,6 +312,26 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
   SimulatedRigObservations seen = ObserveBoards(rig, pattern, poses, options);
   if (fixed.never_shared) HideShared(&seen);
   return seen;
+}
+
+SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
+                                     const Pattern& pattern,
+                                     const RigMotion& motion,
+                                     const SimulationOptions& options) {
+  const std::vector<Pose> rig_from_board = BoardsAround(rig, pattern);
+  const double distance_m =
+      HalfFilledDistance(*rig.cameras.front(), pattern.boards.front());
+  Random random(options.seed * 1000003);
+  std::vector<std::vector<Pose>> poses(rig_from_board.size());
+  for (int i = 0; i < options.num_images; ++i) {
+    const Eigen::Quaterniond rotation =
+        RotationFromVector(RandomVector(motion.rotation_rad, &random));
+    const Pose moved = {rotation,
+                        distance_m * RandomVector(motion.translation, &random)};
+    for (size_t b = 0; b < rig_from_board.size(); ++b)
+      poses[b].push_back(moved * rig_from_board[b]);
+  }
+  return ObserveBoards(rig, pattern, poses, options);
 }
 
 }  // namespace raygrid

@@ -20,6 +20,11 @@ struct SimulatedRig {
 SimulatedRig MakeCameraRow(const std::shared_ptr<const CameraModel>& camera,
                            int count, double baseline_m);
 
+/// Makes identical cameras on a circle, each turned by the same angle about its
+/// vertical axis relative to the previous one; the first defines the rig frame.
+SimulatedRig MakeCameraRing(const std::shared_ptr<const CameraModel>& camera,
+                            int count, double baseline_m, double turn_rad);
+
 /// A rigid multi-board target: boards side by side in the order of the pattern,
 /// each at an angle to the previous one, like a folding screen.
 struct FixedBoards {
@@ -30,6 +35,16 @@ struct FixedBoards {
   /// A board that one camera observes in a frame is hidden from the following
   /// cameras, as if by walls between them.
   bool never_shared = false;
+};
+
+/// A rig that moves amid boards that are fixed to each other, each upright in
+/// front of a camera: board b in front of camera b modulo their number, further
+/// ones above. They fill about half of the image.
+struct RigMotion {
+  /// Maxima of the components of the rotation vector and of the translation,
+  /// the latter in units of the distance of the first board.
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Constant(20 * M_PI / 180);
+  Eigen::Vector3d translation = Eigen::Vector3d::Constant(0.15);
 };
 
 struct SimulatedRigObservations {
@@ -52,6 +67,12 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
 SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
                                      const Pattern& pattern,
                                      const FixedBoards& fixed,
+                                     const SimulationOptions& options);
+
+/// Like SimulateRig(), for a rig that moves amid fixed boards.
+SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
+                                     const Pattern& pattern,
+                                     const RigMotion& motion,
                                      const SimulationOptions& options);
 
 }  // namespace raygrid

@@ -116,6 +116,21 @@ class HandEye(CommandTest):
             for axis in "xyz":
                 self.assertAlmostEqual(a["translation"][axis], b["translation"][axis], places=7)
 
+    def test_the_rig_frame_may_differ_from_the_first_camera_s(self):
+        self.folder_of_rig("rig", ((0.6, 0, 0.8, 0), (0.2, -0.1, 0.3)))
+        self.assert_truth(self.hand_eye("--json", result="rig"))
+
+    def folder_of_rig(self, folder, camera_from_rig):
+        """A result of calibrate for a rig of one camera."""
+        (w, x, y, z), t = camera_from_rig
+        write(self.path(folder + "/rig.yaml"),
+              'raygrid_rig: 1\ncameras:\n  "front":\n    file: "camera.yaml"\n    camera_from_rig:\n'
+              f"      rotation: {{w: {w}, x: {x}, y: {y}, z: {z}}}\n      translation: {{x: {t[0]}, y: {t[1]}, z: {t[2]}}}\n")
+        shutil.copy(self.path("sim/true_camera.yaml"), self.path(folder + "/camera.yaml"))
+        shutil.copy(self.pattern, self.path(folder + "/pattern.yaml"))
+        header, *lines = read(self.features).decode().splitlines()
+        write(self.path(folder + "/features.csv"), "\n".join(["camera," + header] + ["front," + line for line in lines]) + "\n")
+
     def test_other_conventions(self):
         inverted = {name: inverse(pose) for name, pose in self.robot.items()}
         path = write(self.path("inverted.txt"), tum(inverted, 1e-3))

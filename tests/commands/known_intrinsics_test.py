@@ -78,6 +78,36 @@ class KnownIntrinsics(CommandTest):
         for name, value in kept[0].items():
             self.assertAlmostEqual(value, kept[1][name], delta=1e-9 * max(1, abs(value)))
 
+    def test_cameras_back_to_back(self):
+        """Each sees a board of its own, while the rig moves; a rig that only turns on the spot is refused."""
+        pattern = write(self.path("boards.yaml"), "raygrid_pattern: 1\nboards:\n" + "".join(
+            f"  - {{id: {i}, kind: chessboard, columns: 8, rows: 6, square_m: 0.03}}\n" for i in range(2)))
+
+        def calibrate(features, out):
+            return run("calibrate", "--features", features, *SIZE, "--pattern", pattern, *self.known("cam0", "cam1"),
+                       "--hold-out", "sim0000.png", "--skip-comparison", "-o", self.path(out))
+
+        self.assert_done(run("simulate", "--camera", self.truth, "--cameras", 2, "--baseline-m", 0.2, "--camera-turn-deg", 180,
+                             "--fixed-boards", "--boards-around", "--images", 20, "--pattern", pattern, "-o", self.path("moving")))
+        features = self.path("moving/features.csv")
+        result = calibrate(features, "moving_out")
+        self.assert_done(result)
+        self.assertIn("boards that no camera observes together are assumed to be fixed", result.stdout)
+        result = json.loads(read(self.path("moving_out/result.json")))
+        pair = result["baselines"][0]
+        self.assertLess(abs(pair["distance_m"] - 0.2), 4 * pair["distance_sd_m"])
+        self.assertLess(abs(pair["angle_rad"] - math.pi), 4 * pair["rotation_sd_rad"])
+        self.assertLess(pair["rotation_sd_rad"], 3e-3)
+        self.assertEqual([body["boards"] for body in result["rigid_targets"]], [[0, 1]])
+        # Each camera sees its board in the same place in all frames.
+        header, *lines = read(features).decode().splitlines()
+        seen = {camera: [line.split(",", 2)[2] for line in lines if line.startswith(camera + ",sim0001.png")]
+                for camera in ("cam0", "cam1")}
+        still = "\n".join([header] + [f"{camera},sim{k:04d}.png,{rest[:-1]}{k % 10}" for k in range(9) for camera in seen
+                                      for rest in seen[camera]])
+        self.assert_refused(calibrate(write(self.path("still.csv"), still), "refused"), 4, "{cam0}, {cam1}", "does not rotate")
+        self.assert_nothing_in(self.path("refused"))
+
     def test_what_is_refused(self):
         both = self.known("cam0", "cam1")
         self.assert_done(run("pack", self.truth, "-o", self.path("blob.raygrid")))

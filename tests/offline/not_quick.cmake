@@ -5,5 +5,5 @@ set(NOT_QUICK
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest AssessBudget
   LargeEquations Lenses/InitializeFromThreeViewsOf Lenses/UnevenLensOf LowContrast MarkerBoards
   NextView OutputFolder PackCamera PackSupportedSections AssignWithLayout PlainTagGrid PrintedFeatures
-  EstimateProjectionUncertainty RegularRegion RenderImage ResidualBudget LineDelay EstimatePopulationCovariance StackPacking
+  EstimateProjectionUncertainty RegularRegion RenderImage ResidualBudget RigMotion LineDelay EstimatePopulationCovariance StackPacking
   StarDetector InitializeFromThreeViews MixedCameras TransformedImages VirtualView)
