@@ -303,9 +303,7 @@ class MainJob(CalibratedTest):
         self.assertEqual(json.loads(result.stdout)["model"], "central-generic")
 
     def test_inspect_leaves_out_what_a_blob_does_not_know(self):
-        header = read(os.path.join(ROOT, "tests/golden/golden_blobs.h")).decode()
-        numbers = re.search(r"kExampleBlob\[\d+\][^{]*\{([^}]*)\}", header)[1]
-        example = bytes(int(number, 16) for number in re.findall(r"0x[0-9a-f]{2}", numbers))
+        example = read(os.path.join(ROOT, "formats/vectors/example.raygrid"))
         unknown = 0xFFFFFFFF
         blob = dataclasses.replace(
             reference.parse(example), quality=reference.Quality(*[unknown] * 10),
