@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include "exchange/opencv_model_list.h"
 #include "exchange/radial_model.h"
@@ -63,8 +64,9 @@ bool HasWord(const std::string& text, std::string word) {
 template <class Enum>
 Enum FindEnumerator(const char* list, const std::string& word) {
   const std::vector<std::string> words = SplitText(list);
-  return static_cast<Enum>(std::distance(
-      words.begin(), std::find(words.begin(), words.end(), word)));
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) throw std::invalid_argument(word);
+  return static_cast<Enum>(found - words.begin());
 }
 
 // Makes a model from the words of LENS.
