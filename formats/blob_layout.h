@@ -8,7 +8,10 @@
  * follows its x field, at a distance of 4, 2 or 1 bytes, the size of the field;
  * loops over both axes add this distance to the offset of x. Fields of inverse
  * grids have the same offsets as those of central grids: code for both uses the
- * names of central grids. */
+ * names of central grids.
+ *
+ * RG_*_MEMBERS(X, s) is X(s, type, offset, member) for each number of a
+ * structure of rg_blob.h. */
 #ifndef RAYGRID_BLOB_LAYOUT_H
 #define RAYGRID_BLOB_LAYOUT_H
 
@@ -76,6 +79,9 @@ enum rg_camera_field {
 };
 #define RG_CAMERA_SIZE 72u
 
+#define RG_CAMERA_MEMBERS(X, s) \
+  X(s,u16,RG_CAMERA_WIDTH,width) X(s,u16,RG_CAMERA_HEIGHT,height)
+
 #define RG_TEXT_SIZE 32u
 
 enum rg_grid_field {
@@ -93,6 +99,11 @@ enum rg_grid_field {
   RG_GRID_RESERVED = 36 /* u32 */
 };
 #define RG_GRID_FIELDS_SIZE 40u
+
+#define RG_GRID_MEMBERS(X, s) \
+  X(s,i32,RG_GRID_X0,x0_q16) X(s,i32,RG_GRID_Y0,y0_q16) X(s,i32,RG_GRID_X1,x1_q16) X(s,i32,RG_GRID_Y1,y1_q16) \
+  X(s,u16,RG_GRID_COLUMNS,columns) X(s,u16,RG_GRID_ROWS,rows) X(s,u32,RG_GRID_SCALE_X,scale_x_q32) \
+  X(s,u32,RG_GRID_SCALE_Y,scale_y_q32)
 
 #define RG_CONTROL_POINT_SIZE 8u
 
@@ -131,6 +142,18 @@ enum rg_remap_field {
 };
 #define RG_REMAP_FIELDS_SIZE 80u
 
+#define RG_REMAP_MEMBERS(X, s) \
+  X(s,u16,RG_REMAP_WIDTH,width) X(s,u16,RG_REMAP_HEIGHT,height) X(s,u16,RG_REMAP_COLUMNS,columns) \
+  X(s,u16,RG_REMAP_ROWS,rows) X(s,u8,RG_REMAP_BLOCK_LOG2,block_log2) \
+  X(s,u8,RG_REMAP_RESIDUAL_SHIFT,residual_shift) X(s,u8,RG_REMAP_PART_LOG2,part_log2) \
+  X(s,u8,RG_REMAP_BEND_SHIFT,bend_shift) X(s,i32,RG_REMAP_MIN_X,min_x_q12) X(s,i32,RG_REMAP_MIN_Y,min_y_q12) \
+  X(s,i32,RG_REMAP_MAX_X,max_x_q12) X(s,i32,RG_REMAP_MAX_Y,max_y_q12) X(s,i32,RG_REMAP_ORIGIN,origin_x_q12) \
+  X(s,i32,RG_REMAP_ORIGIN+4,origin_y_q12) X(s,i32,RG_REMAP_COLUMN_STEP,column_step_x_q12) \
+  X(s,i32,RG_REMAP_COLUMN_STEP+4,column_step_y_q12) X(s,i32,RG_REMAP_ROW_STEP,row_step_x_q12) \
+  X(s,i32,RG_REMAP_ROW_STEP+4,row_step_y_q12) X(s,u32,RG_REMAP_FX,fx_q16) X(s,u32,RG_REMAP_FY,fy_q16) \
+  X(s,i32,RG_REMAP_CX,cx_q16) X(s,i32,RG_REMAP_CY,cy_q16) X(s,u32,RG_REMAP_BOUND_UPX,bound_upx) \
+  X(s,u32,RG_REMAP_MAX_ERROR_UPX,max_error_upx)
+
 enum rg_view_field {
   RG_VIEW_PROJECTION = 80, /* u8 */
   RG_VIEW_MODE = 81, /* u8 */
@@ -141,6 +164,10 @@ enum rg_view_field {
   RG_VIEW_SOURCE_HEIGHT = 122 /* u16 */
 };
 #define RG_VIEW_FIELDS_SIZE 124u
+
+#define RG_VIEW_MEMBERS(X, s) \
+  X(s,u8,RG_VIEW_PROJECTION,projection) X(s,u8,RG_VIEW_MODE,mode) X(s,u8,RG_VIEW_DIRECTION,direction) \
+  X(s,u16,RG_VIEW_SOURCE_WIDTH,source_width) X(s,u16,RG_VIEW_SOURCE_HEIGHT,source_height)
 
 #define RG_VERTEX_SIZE 4u
 
@@ -168,6 +195,11 @@ enum rg_mode_field {
 };
 #define RG_MODE_SIZE 64u
 
+#define RG_MODE_MEMBERS(X, s) \
+  X(s,u16,RG_MODE_WIDTH,width) X(s,u16,RG_MODE_HEIGHT,height) X(s,i32,RG_MODE_OFFSET_X,offset_x_q16) \
+  X(s,i32,RG_MODE_OFFSET_Y,offset_y_q16) X(s,u32,RG_MODE_SCALE_X,scale_x_q16) \
+  X(s,u32,RG_MODE_SCALE_Y,scale_y_q16) X(s,u8,RG_MODE_FLIP_X,flip_x) X(s,u8,RG_MODE_FLIP_Y,flip_y)
+
 enum rg_quality_field {
   RG_QUALITY_TRAINING_MEDIAN_UPX = 0, /* u32 */
   RG_QUALITY_TRAINING_RMS_UPX = 4, /* u32 */
@@ -181,6 +213,14 @@ enum rg_quality_field {
   RG_QUALITY_PACKING_ERROR_PRAD = 36 /* u32 */
 };
 #define RG_QUALITY_SIZE 40u
+
+#define RG_QUALITY_MEMBERS(X, s) \
+  X(s,u32,RG_QUALITY_TRAINING_MEDIAN_UPX,training_median_upx) \
+  X(s,u32,RG_QUALITY_TRAINING_RMS_UPX,training_rms_upx) X(s,u32,RG_QUALITY_TRAINING_MAX_UPX,training_max_upx) \
+  X(s,u32,RG_QUALITY_TRAINING_COUNT,training_count) X(s,u32,RG_QUALITY_HELD_OUT_MEDIAN_UPX,held_out_median_upx) \
+  X(s,u32,RG_QUALITY_HELD_OUT_RMS_UPX,held_out_rms_upx) X(s,u32,RG_QUALITY_HELD_OUT_MAX_UPX,held_out_max_upx) \
+  X(s,u32,RG_QUALITY_HELD_OUT_COUNT,held_out_count) X(s,u32,RG_QUALITY_PACKING_ERROR_NPX,packing_error_npx) \
+  X(s,u32,RG_QUALITY_PACKING_ERROR_PRAD,packing_error_prad)
 
 enum rg_line_points_field {
   RG_LINE_POINTS_FRACTION_BITS = 0, /* u16 */
@@ -205,6 +245,9 @@ enum rg_mask_field {
 };
 #define RG_MASK_FIELDS_SIZE 12u
 
+#define RG_MASK_MEMBERS(X, s) \
+  X(s,u16,RG_MASK_COLUMNS,columns) X(s,u16,RG_MASK_ROWS,rows) X(s,u8,RG_MASK_CELL_LOG2,cell_log2)
+
 enum rg_uncertainty_field {
   RG_UNCERTAINTY_COLUMNS = 0, /* u16 */
   RG_UNCERTAINTY_ROWS = 2, /* u16 */
@@ -213,6 +256,10 @@ enum rg_uncertainty_field {
   RG_UNCERTAINTY_DATA_OFFSET = 12 /* u32 */
 };
 #define RG_UNCERTAINTY_FIELDS_SIZE 16u
+
+#define RG_UNCERTAINTY_MEMBERS(X, s) \
+  X(s,u16,RG_UNCERTAINTY_COLUMNS,columns) X(s,u16,RG_UNCERTAINTY_ROWS,rows) \
+  X(s,u32,RG_UNCERTAINTY_SCALE_X,scale_x_q32) X(s,u32,RG_UNCERTAINTY_SCALE_Y,scale_y_q32)
 
 enum rg_inverse_field {
   RG_INVERSE_A0 = 0, /* i32, q27 */
@@ -229,6 +276,12 @@ enum rg_inverse_field {
   RG_INVERSE_COS_LIMIT = 36 /* i32, q30 */
 };
 #define RG_INVERSE_FIELDS_SIZE 40u
+
+#define RG_INVERSE_MEMBERS(X, s) \
+  X(s,i32,RG_INVERSE_A0,a0_q27) X(s,i32,RG_INVERSE_B0,b0_q27) X(s,i32,RG_INVERSE_A1,a1_q27) \
+  X(s,i32,RG_INVERSE_B1,b1_q27) X(s,u16,RG_INVERSE_COLUMNS,columns) X(s,u16,RG_INVERSE_ROWS,rows) \
+  X(s,u32,RG_INVERSE_SCALE_A,scale_a_q21) X(s,u32,RG_INVERSE_SCALE_B,scale_b_q21) \
+  X(s,i32,RG_INVERSE_COS_LIMIT,cos_limit_q30)
 
 enum rg_capture_field {
   RG_CAPTURE_LENS_POSITION = 0, /* i32, q16 dioptres */
@@ -247,11 +300,21 @@ enum rg_capture_field {
 };
 #define RG_CAPTURE_SIZE 44u
 
+#define RG_CAPTURE_MEMBERS(X, s) \
+  X(s,i32,RG_CAPTURE_LENS_POSITION,lens_position_q16) X(s,u32,RG_CAPTURE_LENS_TOLERANCE,lens_tolerance_q16) \
+  X(s,i32,RG_CAPTURE_CROP_X,crop_x) X(s,i32,RG_CAPTURE_CROP_Y,crop_y) X(s,u32,RG_CAPTURE_CROP_WIDTH,crop_width) \
+  X(s,u32,RG_CAPTURE_CROP_HEIGHT,crop_height) X(s,u32,RG_CAPTURE_ZOOM,zoom_q16) X(s,u8,RG_CAPTURE_KNOWN,known) \
+  X(s,u8,RG_CAPTURE_ORIENTATION,orientation) X(s,i32,RG_CAPTURE_TEMPERATURE,temperature_q16) \
+  X(s,u32,RG_CAPTURE_EXPOSURE,exposure_us) X(s,u32,RG_CAPTURE_ANALOGUE_GAIN,analogue_gain_q16)
+
 enum rg_stack_field {
   RG_STACK_CONDITION = 0, /* u16 */
   RG_STACK_KNOTS = 2 /* u16 */
 };
 #define RG_STACK_FIELDS_SIZE 4u
+
+#define RG_STACK_MEMBERS(X, s) \
+  X(s,u16,RG_STACK_CONDITION,condition)
 
 enum rg_stack_sample_field {
   RG_STACK_SAMPLE_VALUE = 0 /* i32 */
@@ -263,6 +326,9 @@ enum rg_row_time_field {
   RG_ROW_TIME_DEVIATION = 4 /* u32, q10 nanoseconds */
 };
 #define RG_ROW_TIME_SIZE 8u
+
+#define RG_ROW_TIME_MEMBERS(X, s) \
+  X(s,i32,RG_ROW_TIME_ROW_TIME,row_time_ns_q10) X(s,u32,RG_ROW_TIME_DEVIATION,stddev_ns_q10)
 
 enum rg_slot_field {
   RG_SLOT_MAGIC = 0, /* u8[8] */

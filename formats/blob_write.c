@@ -4,6 +4,10 @@
 #include "crc32.h"
 #include "rg_blob.h"
 
+#define rg_store_u8(p, value) (*(p) = (value))
+#define STORE_MEMBER(s, kind, offset, member) \
+  rg_store_##kind(section + (offset), (s)->member);
+
 static uint32_t grid_size(const rg_blob_contents* contents) {
   const uint32_t count =
       (uint32_t)contents->grid->columns * contents->grid->rows;
@@ -104,8 +108,7 @@ uint32_t rg_grid_scale_q32(uint32_t cells, uint32_t span) {
 }
 
 static void write_camera(const rg_camera_section* camera, uint8_t* section) {
-  rg_store_u16(section + RG_CAMERA_WIDTH, camera->width);
-  rg_store_u16(section + RG_CAMERA_HEIGHT, camera->height);
+  RG_CAMERA_MEMBERS(STORE_MEMBER, camera)
   rg_store_u32(section + RG_CAMERA_RESERVED, 0);
   memcpy(section + RG_CAMERA_NAME, camera->name, RG_TEXT_SIZE);
   memcpy(section + RG_CAMERA_SERIAL, camera->serial, RG_TEXT_SIZE);
@@ -136,14 +139,7 @@ static void write_number_format(uint32_t fraction_bits, uint8_t* section) {
 /* narrow: 16-bit control points instead of points_q29, or NULL. */
 static void write_grid(const rg_grid_section* grid, const int32_t* points_q29,
                        const rg_narrow_grid* narrow, uint8_t* section) {
-  rg_store_i32(section + RG_GRID_X0, grid->x0_q16);
-  rg_store_i32(section + RG_GRID_Y0, grid->y0_q16);
-  rg_store_i32(section + RG_GRID_X1, grid->x1_q16);
-  rg_store_i32(section + RG_GRID_Y1, grid->y1_q16);
-  rg_store_u16(section + RG_GRID_COLUMNS, grid->columns);
-  rg_store_u16(section + RG_GRID_ROWS, grid->rows);
-  rg_store_u32(section + RG_GRID_SCALE_X, grid->scale_x_q32);
-  rg_store_u32(section + RG_GRID_SCALE_Y, grid->scale_y_q32);
+  RG_GRID_MEMBERS(STORE_MEMBER, grid)
   write_number_format(narrow ? narrow->fraction_bits : RG_CONTROL_POINT_BITS,
                       section);
   rg_store_u32(section + RG_GRID_RESERVED, 0);
@@ -166,42 +162,15 @@ static void write_bits(const uint8_t* bits, uint32_t num_bits, uint8_t* bytes) {
 
 static void write_view(const rg_remap_section* remap, uint8_t* section) {
   section[RG_REMAP_BEND_SHIFT] = (uint8_t)(remap->bend_shift | RG_HAS_VIEW);
-  section[RG_VIEW_PROJECTION] = remap->projection;
-  section[RG_VIEW_MODE] = remap->mode;
-  section[RG_VIEW_DIRECTION] = remap->direction;
+  RG_VIEW_MEMBERS(STORE_MEMBER, remap)
   section[RG_VIEW_RESERVED] = 0;
-  rg_store_u16(section + RG_VIEW_SOURCE_WIDTH, remap->source_width);
-  rg_store_u16(section + RG_VIEW_SOURCE_HEIGHT, remap->source_height);
   for (uint32_t k = 0; k < 9; ++k)
     rg_store_i32(section + RG_VIEW_ROTATION + 4 * k, remap->rotation_q30[k]);
 }
 
 void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
                     uint8_t* section) {
-  rg_store_u16(section + RG_REMAP_WIDTH, remap->width);
-  rg_store_u16(section + RG_REMAP_HEIGHT, remap->height);
-  rg_store_u16(section + RG_REMAP_COLUMNS, remap->columns);
-  rg_store_u16(section + RG_REMAP_ROWS, remap->rows);
-  section[RG_REMAP_BLOCK_LOG2] = remap->block_log2;
-  section[RG_REMAP_RESIDUAL_SHIFT] = remap->residual_shift;
-  section[RG_REMAP_PART_LOG2] = remap->part_log2;
-  section[RG_REMAP_BEND_SHIFT] = remap->bend_shift;
-  rg_store_i32(section + RG_REMAP_MIN_X, remap->min_x_q12);
-  rg_store_i32(section + RG_REMAP_MIN_Y, remap->min_y_q12);
-  rg_store_i32(section + RG_REMAP_MAX_X, remap->max_x_q12);
-  rg_store_i32(section + RG_REMAP_MAX_Y, remap->max_y_q12);
-  rg_store_i32(section + RG_REMAP_ORIGIN, remap->origin_x_q12);
-  rg_store_i32(section + RG_REMAP_ORIGIN + 4, remap->origin_y_q12);
-  rg_store_i32(section + RG_REMAP_COLUMN_STEP, remap->column_step_x_q12);
-  rg_store_i32(section + RG_REMAP_COLUMN_STEP + 4, remap->column_step_y_q12);
-  rg_store_i32(section + RG_REMAP_ROW_STEP, remap->row_step_x_q12);
-  rg_store_i32(section + RG_REMAP_ROW_STEP + 4, remap->row_step_y_q12);
-  rg_store_u32(section + RG_REMAP_FX, remap->fx_q16);
-  rg_store_u32(section + RG_REMAP_FY, remap->fy_q16);
-  rg_store_i32(section + RG_REMAP_CX, remap->cx_q16);
-  rg_store_i32(section + RG_REMAP_CY, remap->cy_q16);
-  rg_store_u32(section + RG_REMAP_BOUND_UPX, remap->bound_upx);
-  rg_store_u32(section + RG_REMAP_MAX_ERROR_UPX, remap->max_error_upx);
+  RG_REMAP_MEMBERS(STORE_MEMBER, remap)
   rg_store_u32(section + RG_REMAP_DATA_OFFSET, remap_fields_size(remap));
   if (remap->has_view) write_view(remap, section);
   uint8_t* data = section + remap_fields_size(remap);
@@ -216,28 +185,13 @@ void rg_write_remap(const rg_remap_section* remap, const int16_t* residuals,
 }
 
 static void write_quality(const rg_quality_section* quality, uint8_t* section) {
-  const uint32_t figures[RG_QUALITY_SIZE / 4] = {
-      quality->training_median_upx, quality->training_rms_upx,
-      quality->training_max_upx,    quality->training_count,
-      quality->held_out_median_upx, quality->held_out_rms_upx,
-      quality->held_out_max_upx,    quality->held_out_count,
-      quality->packing_error_npx,   quality->packing_error_prad};
-  for (uint32_t i = 0; i < RG_QUALITY_SIZE / 4; ++i)
-    rg_store_u32(section + RG_QUALITY_TRAINING_MEDIAN_UPX + 4 * i, figures[i]);
+  RG_QUALITY_MEMBERS(STORE_MEMBER, quality)
 }
 
 static void write_inverse(const rg_inverse_section* inverse,
                           const rg_narrow_grid* points, uint8_t* section) {
-  rg_store_i32(section + RG_INVERSE_A0, inverse->a0_q27);
-  rg_store_i32(section + RG_INVERSE_B0, inverse->b0_q27);
-  rg_store_i32(section + RG_INVERSE_A1, inverse->a1_q27);
-  rg_store_i32(section + RG_INVERSE_B1, inverse->b1_q27);
-  rg_store_u16(section + RG_INVERSE_COLUMNS, inverse->columns);
-  rg_store_u16(section + RG_INVERSE_ROWS, inverse->rows);
-  rg_store_u32(section + RG_INVERSE_SCALE_A, inverse->scale_a_q21);
-  rg_store_u32(section + RG_INVERSE_SCALE_B, inverse->scale_b_q21);
+  RG_INVERSE_MEMBERS(STORE_MEMBER, inverse)
   write_number_format(points->fraction_bits, section);
-  rg_store_i32(section + RG_INVERSE_COS_LIMIT, inverse->cos_limit_q30);
   write_narrow(points, 2 * (uint32_t)inverse->columns * inverse->rows,
                section + RG_GRID_FIELDS_SIZE);
 }
@@ -254,9 +208,7 @@ static void write_line_points(const rg_grid_section* grid,
 }
 
 static void write_mask(const rg_mask_section* mask, uint8_t* section) {
-  rg_store_u16(section + RG_MASK_COLUMNS, mask->columns);
-  rg_store_u16(section + RG_MASK_ROWS, mask->rows);
-  section[RG_MASK_CELL_LOG2] = mask->cell_log2;
+  RG_MASK_MEMBERS(STORE_MEMBER, mask)
   section[RG_MASK_RESERVED] = 0;
   rg_store_u16(section + RG_MASK_RESERVED + 1, 0);
   rg_store_u32(section + RG_MASK_DATA_OFFSET, RG_MASK_FIELDS_SIZE);
@@ -266,10 +218,7 @@ static void write_mask(const rg_mask_section* mask, uint8_t* section) {
 
 static void write_uncertainty(const rg_uncertainty_section* uncertainty,
                               const uint16_t* values_q12, uint8_t* section) {
-  rg_store_u16(section + RG_UNCERTAINTY_COLUMNS, uncertainty->columns);
-  rg_store_u16(section + RG_UNCERTAINTY_ROWS, uncertainty->rows);
-  rg_store_u32(section + RG_UNCERTAINTY_SCALE_X, uncertainty->scale_x_q32);
-  rg_store_u32(section + RG_UNCERTAINTY_SCALE_Y, uncertainty->scale_y_q32);
+  RG_UNCERTAINTY_MEMBERS(STORE_MEMBER, uncertainty)
   rg_store_u32(section + RG_UNCERTAINTY_DATA_OFFSET,
                RG_UNCERTAINTY_FIELDS_SIZE);
   const uint32_t count = (uint32_t)uncertainty->columns * uncertainty->rows;
@@ -280,33 +229,14 @@ static void write_uncertainty(const rg_uncertainty_section* uncertainty,
 }
 
 static void write_mode(const rg_mode_section* mode, uint8_t* section) {
-  rg_store_u16(section + RG_MODE_WIDTH, mode->width);
-  rg_store_u16(section + RG_MODE_HEIGHT, mode->height);
-  rg_store_i32(section + RG_MODE_OFFSET_X, mode->offset_x_q16);
-  rg_store_i32(section + RG_MODE_OFFSET_Y, mode->offset_y_q16);
-  rg_store_u32(section + RG_MODE_SCALE_X, mode->scale_x_q16);
-  rg_store_u32(section + RG_MODE_SCALE_Y, mode->scale_y_q16);
-  section[RG_MODE_FLIP_X] = mode->flip_x;
-  section[RG_MODE_FLIP_Y] = mode->flip_y;
+  RG_MODE_MEMBERS(STORE_MEMBER, mode)
   memset(section + RG_MODE_RESERVED, 0, RG_MODE_NAME - RG_MODE_RESERVED);
   memcpy(section + RG_MODE_NAME, mode->name, RG_TEXT_SIZE);
 }
 
 static void write_capture(const rg_capture_section* capture, uint8_t* section) {
-  rg_store_i32(section + RG_CAPTURE_LENS_POSITION, capture->lens_position_q16);
-  rg_store_u32(section + RG_CAPTURE_LENS_TOLERANCE,
-               capture->lens_tolerance_q16);
-  rg_store_i32(section + RG_CAPTURE_CROP_X, capture->crop_x);
-  rg_store_i32(section + RG_CAPTURE_CROP_Y, capture->crop_y);
-  rg_store_u32(section + RG_CAPTURE_CROP_WIDTH, capture->crop_width);
-  rg_store_u32(section + RG_CAPTURE_CROP_HEIGHT, capture->crop_height);
-  rg_store_u32(section + RG_CAPTURE_ZOOM, capture->zoom_q16);
-  section[RG_CAPTURE_KNOWN] = capture->known;
-  section[RG_CAPTURE_ORIENTATION] = capture->orientation;
+  RG_CAPTURE_MEMBERS(STORE_MEMBER, capture)
   rg_store_u16(section + RG_CAPTURE_RESERVED, 0);
-  rg_store_i32(section + RG_CAPTURE_TEMPERATURE, capture->temperature_q16);
-  rg_store_u32(section + RG_CAPTURE_EXPOSURE, capture->exposure_us);
-  rg_store_u32(section + RG_CAPTURE_ANALOGUE_GAIN, capture->analogue_gain_q16);
 }
 
 /* Writes a sample: its grids and tables in the order of write_parts(), then its
@@ -340,8 +270,7 @@ static void write_stack(const rg_blob_contents* contents, uint8_t* section) {
 
 static void write_row_time(const rg_row_time_section* row_time,
                            uint8_t* section) {
-  rg_store_i32(section + RG_ROW_TIME_ROW_TIME, row_time->row_time_ns_q10);
-  rg_store_u32(section + RG_ROW_TIME_DEVIATION, row_time->stddev_ns_q10);
+  RG_ROW_TIME_MEMBERS(STORE_MEMBER, row_time)
 }
 
 typedef struct section_writer {

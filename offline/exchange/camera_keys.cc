@@ -10,10 +10,15 @@
 
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
+#include "exchange/keyed_table.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
 namespace {
+
+bool IsIn(const std::vector<std::string>& list, const std::string& word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
 
 // Reduces keys to lower-case letters and digits, because programs differ in
 // other characters.
@@ -26,61 +31,23 @@ std::string Plain(const std::string& text) {
 
 // Whether a key selects the camera model in some format.
 bool IsSelector(const std::string& plain) {
-  static const std::set<std::string> selectors = {
-      "cameramodel",     "cameratype",
-      "lensmodel",       "lenstype",
-      "distortionmodel", "distortiontype",
-      "distmodel",       "modeltype",
-      "projection",      "projectiontype",
-      "projectionmodel", "isfisheye",
-      "fisheye",         "fisheyemodel",
-      "usefisheye",      "useopencvfisheye",
-      "omnidirectional", "isomnidirectional",
-      "model",           "cammodel",
-      "imgdisttype",     "undistortiontype"};
-  return selectors.count(plain) > 0;
+  static const std::vector<std::string> selectors = SplitText(
+      "cameramodel cameratype lensmodel lenstype distortionmodel "
+      "distortiontype distmodel modeltype projection projectiontype "
+      "projectionmodel isfisheye fisheye fisheyemodel usefisheye "
+      "useopencvfisheye omnidirectional isomnidirectional model cammodel "
+      "imgdisttype undistortiontype");
+  return IsIn(selectors, plain);
 }
 
 // Whether a key is a camera model parameter in some format.
 bool IsParameter(const std::string& plain) {
-  static const std::set<std::string> parameters = {"xi",
-                                                   "alpha",
-                                                   "beta",
-                                                   "skew",
-                                                   "omega",
-                                                   "mirrorparameters",
-                                                   "alphac",
-                                                   "alphacleft",
-                                                   "alphacright",
-                                                   "affine",
-                                                   "poly",
-                                                   "polynomial",
-                                                   "invpoly",
-                                                   "b1",
-                                                   "b2",
-                                                   "k1",
-                                                   "k2",
-                                                   "k3",
-                                                   "k4",
-                                                   "k5",
-                                                   "k6",
-                                                   "p1",
-                                                   "p2",
-                                                   "p3",
-                                                   "p4",
-                                                   "s1",
-                                                   "s2",
-                                                   "s3",
-                                                   "s4",
-                                                   "sx1",
-                                                   "sy1",
-                                                   "taux",
-                                                   "tauy",
-                                                   "corrections",
-                                                   "digitallens",
-                                                   "undistortionparams",
-                                                   "undistortionoffset"};
-  return parameters.count(plain) > 0;
+  static const std::vector<std::string> parameters = SplitText(
+      "xi alpha beta skew omega mirrorparameters alphac alphacleft "
+      "alphacright affine poly polynomial invpoly b1 b2 k1 k2 k3 k4 k5 k6 p1 "
+      "p2 p3 p4 s1 s2 s3 s4 sx1 sy1 taux tauy corrections digitallens "
+      "undistortionparams undistortionoffset");
+  return IsIn(parameters, plain);
 }
 
 // Whether a value is null, 0, or a list or matrix of zeros.
@@ -156,48 +123,27 @@ bool IsValueOfModel(const ExternalModel& external_model,
 // Compares whole words, because vendor names such as OmniVision and oCam
 // contain names of models.
 std::optional<ModelFamily> ParseModelFamily(const std::string& word) {
-  static const std::map<ModelFamily, std::set<std::string>> families = {
+  static const std::map<ModelFamily, std::vector<std::string>> families = {
       {ModelFamily::kPinhole,
-       {"pinhole", "plumbbob", "rational", "rationalpolynomial", "perspective",
-        "radtan", "radialtangential", "brownconrady", "rectilinear", "opencv",
-        "opencvstandard", "standard", "radial", "simpleradial", "simplepinhole",
-        "fullopencv", "pinholeradtan"}},
+       SplitText(
+           "pinhole plumbbob rational rationalpolynomial perspective radtan "
+           "radialtangential brownconrady rectilinear opencv opencvstandard "
+           "standard radial simpleradial simplepinhole fullopencv "
+           "pinholeradtan")},
       {ModelFamily::kFisheye,
-       {"fisheye", "opencvfisheye", "fisheyeopencv", "equidistant", "equi",
-        "equidistantfisheye", "kannalabrandt", "kannalabrandt4",
-        "kannalabrandt8", "kb", "kb4", "kb8", "pinholeequi",
-        "pinholeequidistant"}},
+       SplitText(
+           "fisheye opencvfisheye fisheyeopencv equidistant equi "
+           "equidistantfisheye kannalabrandt kannalabrandt4 kannalabrandt8 "
+           "kb kb4 kb8 pinholeequi pinholeequidistant")},
       {ModelFamily::kOmni,
-       {"omni", "omnidir", "omnidirectional", "omniradtan", "mei",
-        "catadioptric"}},
+       SplitText("omni omnidir omnidirectional omniradtan mei catadioptric")},
       {ModelFamily::kOther,
-       {"inversebrownconrady",
-        "modifiedbrownconrady",
-        "scaramuzza",
-        "ocam",
-        "ocamcalib",
-        "eucm",
-        "doublesphere",
-        "ds",
-        "ucm",
-        "fov",
-        "atan",
-        "equirectangular",
-        "spherical",
-        "stereographic",
-        "equisolid",
-        "equisolidangle",
-        "orthographic",
-        "ftheta",
-        "division",
-        "radialdivision",
-        "cahvor",
-        "cahvore",
-        "thinprismfisheye",
-        "fisheye62",
-        "fisheye624",
-        "radtanthinprismfisheye",
-        "cylindrical"}}};
+       SplitText(
+           "inversebrownconrady modifiedbrownconrady scaramuzza ocam "
+           "ocamcalib eucm doublesphere ds ucm fov atan equirectangular "
+           "spherical stereographic equisolid equisolidangle orthographic "
+           "ftheta division radialdivision cahvor cahvore thinprismfisheye "
+           "fisheye62 fisheye624 radtanthinprismfisheye cylindrical")}};
   std::string plain = Plain(word);
   for (const char* before : {"distortion", "cv"})
     if (plain.rfind(before, 0) == 0) plain.erase(0, std::strlen(before));
@@ -207,7 +153,7 @@ std::optional<ModelFamily> ParseModelFamily(const std::string& word) {
         at + std::strlen(behind) == plain.size())
       plain.resize(at);
   for (const auto& [family, words] : families)
-    if (words.count(plain) > 0) return family;
+    if (IsIn(words, plain)) return family;
   return std::nullopt;
 }
 

@@ -324,7 +324,7 @@ InputCamera ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
   if (model.external_model.IsGrid())
     ReadRadialModel(values, request, warnings, &camera);
   for (const KeyedPose& pose : format.poses) {
-    if (pose.word[0] != 0 && word != pose.word) continue;
+    if (!pose.word.empty() && word != pose.word) continue;
     if (!camera.camera_from_rig)
       camera.camera_from_rig = ReadKeyedPose(pose, keys, word);
   }
@@ -334,7 +334,7 @@ InputCamera ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
       throw InputError(
           fmt::format("{}: {:g}; anamorphic stretch is not supported", key,
                       FiniteNumber(keys[key], key)));
-  if (format.camera_name[0] != 0 && keys.Has(format.camera_name)) {
+  if (!format.camera_name.empty() && keys.Has(format.camera_name)) {
     camera.name = keys.Word(format.camera_name);
     keys.Skip({format.camera_name});
   }
@@ -354,11 +354,11 @@ void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
     InputCamera& camera = contents->cameras.back();
     if (camera.name.empty()) camera.name = name;
   }
-  for (const char* word : format.words) {
+  for (const std::string& word : format.words) {
     if (!keys.Has(SplitAtMark(value, '?', word).key)) continue;
     contents->cameras.push_back(
         ReadKeyedCamera(format, keys, word, request, &contents->warnings));
-    std::string own = word + (word[0] == '_');
+    std::string own = word.substr(word[0] == '_' ? 1 : 0);
     if (!own.empty() && own.back() == '/') own.pop_back();
     contents->cameras.back().name = fmt::format(
         "{}{}", std::isdigit(static_cast<unsigned char>(word[0])) ? "cam" : "",
@@ -448,21 +448,23 @@ std::vector<Format> MakeKeyedFormats() {
     Format format;
     format.name = row.name;
     format.holds = row.holds;
-    const bool is_written = row.ending[0] != 0;
+    const bool is_written = !row.ending.empty();
     for (const KeyedModel& model : row.models)
       if (!is_written || !model.is_read_only)
         format.external_models.push_back(model.external_model);
-    format.recognizes = row.recognizes;
+    format.recognizes = [&row](const std::string& text) {
+      return row.Recognizes(text);
+    };
     format.read = [&row](const ReadRequest& request) {
       return ReadKeyed(row, request);
     };
     if (is_written) {
       format.ending = row.ending;
-      format.requires_image_size = row.size[0] == 0;
+      format.requires_image_size = row.size.empty();
       format.supports_rigs = row.SupportsRigs();
       format.discards_rig_poses =
           !row.HasProjections() &&
-          (row.poses.empty() || row.poses.front().word[0] != 0);
+          (row.poses.empty() || !row.poses.front().word.empty());
       format.write = [&row](const WriteRequest& request) {
         return WriteKeyed(row, request);
       };

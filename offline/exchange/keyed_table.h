@@ -1,4 +1,4 @@
-/// The table of formats that consist of keys and numbers.
+/// The table of formats that consist of keys and numbers (keyed_formats.inc).
 #ifndef RAYGRID_EXCHANGE_KEYED_TABLE_H
 #define RAYGRID_EXCHANGE_KEYED_TABLE_H
 
@@ -17,14 +17,14 @@ struct KeyedModel {
   ExternalModel external_model;
   /// "KEY=VALUE|VALUE": values that identify this model, at the first existing
   /// key of "KEY|KEY"; the first value is written. "KEY": the key exists.
-  const char* says;
+  std::string says;
   /// "KEY=PARAMETER,PARAMETER": a number or list, at the first existing key of
   /// "KEY|KEY". "KEY=K" is the camera matrix, "KEY=P" a 3 x 4 projection matrix
   /// with the pose of a rectified camera, "KEY~=" a list that may be shorter,
   /// or longer with trailing zeros. In addition to the model's parameters there
   /// are "width" and "height", "skew" of the camera matrix, "f_mm" and
   /// "sensor_width_mm", and "0", which must be 0.
-  const char* values;
+  std::string values;
   /// Not used for exports, because its principal point is fixed or because the
   /// program has a better model for the camera.
   bool is_read_only = false;
@@ -50,11 +50,11 @@ enum class LengthUnit {
 };
 
 struct KeyedPose {
-  const char* keys;
+  std::string keys;
   PoseKind kind;
   /// The '@' token of the camera to which this pose belongs (a pose relative to
   /// the first camera); "": a pose of every camera.
-  const char* word = "";
+  std::string word;
 };
 
 /// Syntax of keys and values.
@@ -70,44 +70,46 @@ enum class KeyedSyntax {
 };
 
 struct KeyedFormat {
-  const char *name, *holds;
-  KeyedSyntax syntax;
-  bool (*recognizes)(const std::string& text);
+  std::string name, holds;
+  KeyedSyntax syntax = KeyedSyntax::kYaml;
+  /// Words of recognized texts: all of one alternative.
+  std::vector<std::vector<std::string>> alternatives;
   /// Location of cameras: "" is the root, "*" all mappings in it, otherwise the
   /// key, or "KEY/KEY", of a list or mapping of cameras. "KEY|*": at the key if
   /// it exists.
-  const char* place;
-  std::vector<const char*> words;  ///< '@' tokens: one per camera in a
+  std::string place;
+  std::vector<std::string> words;  ///< '@' tokens: one per camera in a
                                    ///< mapping
   std::vector<KeyedModel> models;
   /// Key of the image size as a list, or keys of width and height; "": no size.
   /// "SUFFIX=WxH SUFFIX=WxH": sizes by the suffix of the camera's token.
-  const char* size;
+  std::string size;
   std::vector<KeyedPose> poses;
-  const char* camera_name;  ///< key of the name
-  const char* ones;         ///< keys (unsupported scales) that must be 1
-  LengthUnit unit;
+  std::string camera_name;  ///< key of the name
+  std::string ones;         ///< keys (unsupported scales) that must be 1
+  LengthUnit unit = LengthUnit::kPixel;
   std::vector<std::string> others;  ///< keys irrelevant to the model
 
   /// Extension of written files; "": the format is read-only.
-  const char* ending = "";
+  std::string ending;
   /// Additional keys and values of an export.
-  std::vector<std::pair<const char*, const char*>> written = {};
-  const char* fit_key = "";  ///< key of a text with the fit error
+  std::vector<std::pair<std::string, std::string>> written;
+  std::string fit_key;  ///< key of a text with the fit error
   /// JSON keys with possibly millions of values, such as images and points,
   /// which are dropped before the file is parsed.
-  std::vector<std::string> bulk = {};
+  std::vector<std::string> bulk;
 
+  bool Recognizes(const std::string& text) const;
   /// Returns whether files have all cameras of a rig, with poses.
   bool SupportsRigs() const {
     return HasProjections() ||
-           (!poses.empty() && (place[0] != 0 || !words.empty()) &&
-            poses.front().word[0] == 0);
+           (!poses.empty() && (!place.empty() || !words.empty()) &&
+            poses.front().word.empty());
   }
   /// Returns whether cameras are projection matrices, which include the poses
   /// of cameras without relative rotation.
   bool HasProjections() const {
-    return std::string(models.front().values).find("=P") != std::string::npos;
+    return models.front().values.find("=P") != std::string::npos;
   }
 };
 

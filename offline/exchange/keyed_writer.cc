@@ -158,7 +158,7 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
 
 void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
              const std::string& word, Json* map) {
-  if (format.poses.empty() || format.poses.front().word[0] != 0) return;
+  if (format.poses.empty() || !format.poses.front().word.empty()) return;
   const KeyedPose& row = format.poses.front();
   const Pose pose = given.value_or(Pose{});
   const std::vector<std::string> keys = SplitText(row.keys);
@@ -191,12 +191,12 @@ void AddCamera(const KeyedFormat& format, const OutputCamera& camera,
                const std::string& word, Json* map) {
   const KeyedModel& model = GetKeyedModel(format, *camera.lens.external_model);
   for (const auto& [key, text] : format.written) SetAt(key, text, map);
-  if (format.fit_key[0] != 0 && camera.fit)
+  if (!format.fit_key.empty() && camera.fit)
     SetAt(format.fit_key,
           fmt::format("nearest {}: {}", model.external_model.name,
                       FormatModelFit(*camera.fit)),
           map);
-  if (format.camera_name[0] != 0 && !camera.name.empty())
+  if (!format.camera_name.empty() && !camera.name.empty())
     SetAt(format.camera_name, Printable(camera.name), map);
   AddSize(format, camera.lens.size, word, map);
   AddModel(model, map);
@@ -226,7 +226,7 @@ Json FileTree(const KeyedFormat& format, const WriteRequest& request) {
     if (named.name.empty()) named.name = fmt::format("cam_{}", k);
     Json map = Json::object();
     AddCamera(format, named, "", &map);
-    const std::string name = format.camera_name[0] != 0
+    const std::string name = !format.camera_name.empty()
                                  ? fmt::format("cam_{}", k)
                                  : Printable(named.name);
     if (place == "*")
@@ -324,7 +324,7 @@ std::string FormatNumbers(const Json& numbers) {
 std::string FitComments(const KeyedFormat& format,
                         const WriteRequest& request) {
   std::string text;
-  if (format.fit_key[0] != 0) return text;
+  if (!format.fit_key.empty()) return text;
   for (const OutputCamera& camera : request.cameras)
     if (camera.fit)
       text += fmt::format("# {}{}nearest {}: {}\n", Printable(camera.name),

@@ -9,6 +9,7 @@
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "exchange/camera_keys.h"
+#include "exchange/keyed_table.h"
 #include "exchange/raygrid_json.h"
 #include "exchange/yaml_numbers.h"
 
@@ -57,35 +58,17 @@ Pose Rotated(const Pose& world_from_camera) {
 // ---- Reading ---------------------------------------------------------------
 
 // Keys of instant-ngp's and nerfstudio's scenes that are not intrinsics.
-const std::vector<std::string> kSceneKeys = {kFrames,
-                                             "aabb_scale",
-                                             "camera_angle_x",
-                                             "camera_angle_y",
-                                             "scale",
-                                             "offset",
-                                             "up",
-                                             "applied_transform",
-                                             "applied_scale",
-                                             "ply_file_path",
-                                             "train_filenames",
-                                             "val_filenames",
-                                             "test_filenames",
-                                             "n_extra_learnable_dims",
-                                             "enable_depth_loading",
-                                             "integer_depth_scale",
-                                             "orientation_override",
-                                             "auto_scale_poses_override",
-                                             "from_na",
-                                             "render_aabb",
-                                             "file_path",
-                                             kFramePosition,
-                                             "sharpness",
-                                             "mask_path",
-                                             "depth_file_path",
-                                             "depth_path",
-                                             "colmap_im_id",
-                                             kRaygridKey,
-                                             "fisheye_crop_radius"};
+const std::vector<std::string> kSceneKeys = [] {
+  std::vector<std::string> keys = SplitText(
+      "aabb_scale camera_angle_x camera_angle_y scale offset up "
+      "applied_transform applied_scale ply_file_path train_filenames "
+      "val_filenames test_filenames n_extra_learnable_dims "
+      "enable_depth_loading integer_depth_scale orientation_override "
+      "auto_scale_poses_override from_na render_aabb file_path sharpness "
+      "mask_path depth_file_path depth_path colmap_im_id fisheye_crop_radius");
+  keys.insert(keys.end(), {kFrames, kFramePosition, kRaygridKey});
+  return keys;
+}();
 
 // Returns the mapping with the intrinsics: the file, or its first frame if all
 // frames have the same ones.

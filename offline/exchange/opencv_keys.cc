@@ -8,149 +8,61 @@
 
 #include "dataset/error.h"
 #include "exchange/file_storage.h"
+#include "exchange/keyed_table.h"
 #include "exchange/opencv_model_list.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {
 namespace opencv_file {
 
-const KeyList kMatrixKeys = {"camera_matrix",
-                             "cameraMatrix",
-                             "Camera_Matrix",
-                             "CameraMatrix",
-                             "camera matrix",
-                             "cam_matrix",
-                             "camMatrix",
-                             "cam_K",
-                             "CameraMat",
-                             "camera_intrinsics",
-                             "camera_intrinsic",
-                             "intrinsic_matrix",
-                             "intrinsicMatrix",
-                             "IntrinsicMatrix",
-                             "intrinsics_matrix",
-                             "intrinsic",
-                             "intrinsics",
-                             "K",
-                             "mtx",
-                             "matrix",
-                             "M"};
-const KeyList kDistortionKeys = {"distortion_coefficients",
-                                 "Distortion_Coefficients",
-                                 "distortion_coefficient",
-                                 "distortionCoefficients",
-                                 "distortion coefficients",
-                                 "distortion_coeffs",
-                                 "distortion_coeff",
-                                 "distCoeffs",
-                                 "DistCoeffs",
-                                 "distCoeff",
-                                 "dist_coeffs",
-                                 "dist_coeff",
-                                 "dist_coefs",
-                                 "dist_coef",
-                                 "distCoef",
-                                 "DistCoeff",
-                                 "cam_dist",
-                                 "camera_dist_coeffs",
-                                 "distortions",
-                                 "distortion",
-                                 "distortion_vector",
-                                 "camera_distortion",
-                                 "coeffs",
-                                 "dist",
-                                 "D"};
-static const KeyList kSizeKeys = {
-    "cameraResolution", "ImageSize",  "image_size", "imageSize",  "img_shape",
-    "img_size",         "resolution", "size",       "image_shape"};
+const KeyList kMatrixKeys = SplitText(
+    "camera_matrix|cameraMatrix|Camera_Matrix|CameraMatrix|camera matrix|"
+    "cam_matrix|camMatrix|cam_K|CameraMat|camera_intrinsics|camera_intrinsic|"
+    "intrinsic_matrix|intrinsicMatrix|IntrinsicMatrix|intrinsics_matrix|"
+    "intrinsic|intrinsics|K|mtx|matrix|M",
+    '|');
+const KeyList kDistortionKeys = SplitText(
+    "distortion_coefficients|Distortion_Coefficients|distortion_coefficient|"
+    "distortionCoefficients|distortion coefficients|distortion_coeffs|"
+    "distortion_coeff|distCoeffs|DistCoeffs|distCoeff|dist_coeffs|dist_coeff|"
+    "dist_coefs|dist_coef|distCoef|DistCoeff|cam_dist|camera_dist_coeffs|"
+    "distortions|distortion|distortion_vector|camera_distortion|coeffs|dist|D",
+    '|');
+static const KeyList kSizeKeys = SplitText(
+    "cameraResolution|ImageSize|image_size|imageSize|img_shape|img_size|"
+    "resolution|size|image_shape",
+    '|');
 // The number of rows is first, as in the shape of numpy images.
 static const KeyList kShapeKeys = {"shape"};
-static const KeyList kWidthKeys = {
-    "image_width",      "Camera.width",     "img_dist_w", "image_Width",
-    "imageWidth",       "img_width",        "width",      "w",
-    "resolution/width", "image_size/width", "cols"};
-static const KeyList kHeightKeys = {
-    "image_height",      "Camera.height",     "img_dist_h", "image_Height",
-    "imageHeight",       "img_height",        "height",     "h",
-    "resolution/height", "image_size/height", "rows"};
+static const KeyList kWidthKeys = SplitText(
+    "image_width|Camera.width|img_dist_w|image_Width|imageWidth|img_width|"
+    "width|w|resolution/width|image_size/width|cols",
+    '|');
+static const KeyList kHeightKeys = SplitText(
+    "image_height|Camera.height|img_dist_h|image_Height|imageHeight|"
+    "img_height|height|h|resolution/height|image_size/height|rows",
+    '|');
 const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
-const KeyList kModelKeys = {
-    "distortion_model", "distortionModel", "dist_model", "DistModel",
-    "camera_model",     "cameraModel",     "lens_model", "model_type",
-    "camera_type",      "model",           "projection", "projection_model",
-    "distortion_type",  "lens_type",       "type"};
+const KeyList kModelKeys = SplitText(
+    "distortion_model|distortionModel|dist_model|DistModel|camera_model|"
+    "cameraModel|lens_model|model_type|camera_type|model|projection|"
+    "projection_model|distortion_type|lens_type|type",
+    '|');
 const KeyList kFisheyeKeys = {"fisheye_model", "is_fisheye", "isFisheye",
                               "use_fisheye", "fisheye"};
 // Keys in calibrations of OpenCV and its users that are not intrinsics.
-const KeyList kOtherKeys = {"nr_of_frames",
-                            "nframes",
-                            "nFrames",
-                            "n_frames",
-                            "num_images",
-                            "framesCount",
-                            "calibration*",
-                            "board*",
-                            "square*",
-                            "flag*",
-                            "fix_aspect_ratio",
-                            "FixAspectRatio",
-                            "nrOfFrames",
-                            "aspectRatio",
-                            "avg_reprojection_error",
-                            "Avg_*",
-                            "avg_*",
-                            "per_view*",
-                            "Per_View*",
-                            "perView*",
-                            "std*",
-                            "Std*",
-                            "ret",
-                            "rms*",
-                            "RMS*",
-                            "error*",
-                            "reproj*",
-                            "ReprojectionError",
-                            "mean_*",
-                            "rvec*",
-                            "tvec*",
-                            "extrinsic_parameters",
-                            "Extrinsic_Parameters",
-                            "grid_points",
-                            "image_points",
-                            "Image_points",
-                            "image_names",
-                            "Image_names",
-                            "board_ids",
-                            "raygrid_fit",
-                            "cameraMatrix_std*",
-                            "dist_coeffs_std*",
-                            "distCoeffs_std*",
-                            "dispCoeffs_std*",
-                            "new_camera_matrix",
-                            "newcameramtx",
-                            "optimal*",
-                            "roi*",
-                            "date",
-                            "time*",
-                            "serial",
-                            "pattern*",
-                            "fps",
-                            "R1",
-                            "R2",
-                            "P1",
-                            "P2",
-                            "Q",
-                            "E",
-                            "F",
-                            "valid*",
-                            "version",
-                            "Version",
-                            "R",
-                            "T",
-                            "Rot",
-                            "Trns",
-                            "rotation_vector*",
-                            "translation_vector*"};
+const KeyList kOtherKeys = SplitText(
+    "nr_of_frames|nframes|nFrames|n_frames|num_images|framesCount|"
+    "calibration*|board*|square*|flag*|fix_aspect_ratio|FixAspectRatio|"
+    "nrOfFrames|aspectRatio|avg_reprojection_error|Avg_*|avg_*|per_view*|"
+    "Per_View*|perView*|std*|Std*|ret|rms*|RMS*|error*|reproj*|"
+    "ReprojectionError|mean_*|rvec*|tvec*|extrinsic_parameters|"
+    "Extrinsic_Parameters|grid_points|image_points|Image_points|image_names|"
+    "Image_names|board_ids|raygrid_fit|cameraMatrix_std*|dist_coeffs_std*|"
+    "distCoeffs_std*|dispCoeffs_std*|new_camera_matrix|newcameramtx|optimal*|"
+    "roi*|date|time*|serial|pattern*|fps|R1|R2|P1|P2|Q|E|F|valid*|version|"
+    "Version|R|T|Rot|Trns|rotation_vector*|translation_vector*",
+    '|');
 
 // alpha may be the parameter of getOptimalNewCameraMatrix() or of a camera
 // model.

@@ -322,36 +322,17 @@ INLINE int fits(const rg_span* span, layout l) {
          rg_fits_windows(span, l.pixels, l.window / l.channels);
 }
 
-void rg_blend_1_neon(const rg_span* span) {
-  const layout l = {1, 8, 16};
-  if (fits(span, l))
-    blend_span(span, l);
-  else
-    rg_blend_1(span);
-}
-
-void rg_blend_2_neon(const rg_span* span) {
-  const layout l = {2, 8, 32};
-  if (fits(span, l))
-    blend_span(span, l);
-  else
-    rg_blend_2(span);
-}
-
-void rg_blend_3_neon(const rg_span* span) {
-  const layout l = {3, 8, 32};
-  if (fits(span, l))
-    blend_span(span, l);
-  else
-    rg_blend_3(span);
-}
-
-void rg_blend_4_neon(const rg_span* span) {
-  const layout l = {4, 2, 16};
-  if (fits(span, l))
-    blend_span(span, l);
-  else
-    rg_blend_4(span);
-}
+#define BLEND(channels, pixels, window)                  \
+  void rg_blend_##channels##_neon(const rg_span* span) { \
+    const layout l = {channels, pixels, window};         \
+    if (fits(span, l))                                   \
+      blend_span(span, l);                               \
+    else                                                 \
+      rg_blend_##channels(span);                         \
+  }
+BLEND(1, 8, 16)
+BLEND(2, 8, 32)
+BLEND(3, 8, 32)
+BLEND(4, 2, 16)
 
 #endif

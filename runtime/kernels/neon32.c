@@ -125,24 +125,14 @@ INLINE void blend(const rg_span* span, layout l, rg_blend* portable) {
   }
 }
 
-void rg_blend_1_neon(const rg_span* span) {
-  const layout l = {1, 8};
-  blend(span, l, rg_blend_1);
-}
-
-void rg_blend_2_neon(const rg_span* span) {
-  const layout l = {2, 4};
-  blend(span, l, rg_blend_2);
-}
-
-void rg_blend_3_neon(const rg_span* span) {
-  const layout l = {3, 2};
-  blend(span, l, rg_blend_3);
-}
-
-void rg_blend_4_neon(const rg_span* span) {
-  const layout l = {4, 2};
-  blend(span, l, rg_blend_4);
-}
+#define BLEND(channels, pixels)                          \
+  void rg_blend_##channels##_neon(const rg_span* span) { \
+    const layout l = {channels, pixels};                 \
+    blend(span, l, rg_blend_##channels);                 \
+  }
+BLEND(1, 8)
+BLEND(2, 4)
+BLEND(3, 2)
+BLEND(4, 2)
 
 #endif

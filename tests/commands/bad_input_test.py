@@ -2,7 +2,6 @@
 """Bad input gets its exit code and one line, and leaves nothing half-written."""
 import os
 import random
-import shutil
 import subprocess
 
 from command_test import CommandTest, PATTERN, main, programs, read, run, write
@@ -32,12 +31,10 @@ class BadInput(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.pattern = write(cls.path("pattern.yaml"), PATTERN)
-        result = run("simulate", "--images", 12, "--features-per-image", 80, "-o",
-                     cls.path("sim"))
-        assert result.returncode == 0, result.stderr
-        result = run("pack", cls.path("sim/true_camera.yaml"), "-o", cls.path("good.raygrid"),
-                     "--remap", "640x480")
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 12, "--features-per-image", 80, "-o",
+                    cls.path("sim"))
+        cls.succeed("pack", cls.path("sim/true_camera.yaml"), "-o", cls.path("good.raygrid"),
+                    "--remap", "640x480")
 
     def calibrate(self, *arguments, pattern=None):
         self.out = self.path("out-" + self.id())
@@ -59,8 +56,8 @@ class BadInput(CommandTest):
 
     def test_truncated_image(self):
         board = self.path("board")
-        self.assert_done(run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
-                             20, "--dpi", 50, "-o", board))
+        self.succeed("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm",
+                     20, "--dpi", 50, "-o", board)
         png = read(os.path.join(board, "pattern.png"))
         write(self.path("short/a.png"), png[:len(png) // 2])
         self.assert_refused(self.calibrate(self.path("short")), 2, "a.png", "corrupt")
@@ -207,11 +204,10 @@ class BadInput(CommandTest):
 
     def test_files_that_were_cut(self):
         """Wherever it is: never another camera, or another board."""
-        result = run("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
+        self.succeed("calibrate", "--features", self.path("sim/features.csv"), "--image-size",
                      "640x480", "--pattern", self.path("sim/pattern.yaml"), "--model", "opencv",
                      "--skip-comparison", "--fix-target-geometry", "--hold-out", "sim0001.png", "-o",
                      self.path("whole"))
-        self.assert_done(result)
         for name in ("whole/camera.yaml", "whole/pattern.yaml", "sim/true_camera.yaml"):
             good = read(self.path(name))
             random.seed(3)
@@ -241,8 +237,8 @@ class BadInput(CommandTest):
                  "    rows: 6\n    square_m: 0.025")
         self.assert_refused(run("inspect", write(self.path("last.yaml"), block[:-1])), 2,
                             "last.yaml", "truncated within a line")
-        self.assert_done(run("inspect", write(self.path("last.yaml"), block + "\n")))
-        self.assert_done(run("inspect", write(self.path("last.yaml"), PATTERN.rstrip("\n"))))
+        self.succeed("inspect", write(self.path("last.yaml"), block + "\n"))
+        self.succeed("inspect", write(self.path("last.yaml"), PATTERN.rstrip("\n")))
 
     def test_a_line_of_millions_of_fields(self):
         path = write(self.path("commas.csv"), b"," * 20000000 + b"\n")

@@ -33,9 +33,8 @@ class Batch(CommandTest):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
         for seed, serial in enumerate(GOOD):
-            result = run("simulate", "--images", 10, "--features-per-image", 60, "--pattern", board, "--seed", seed,
-                         "--lens", "wide", "--size", "160x120", "-o", cls.path(serial))
-            assert result.returncode == 0, result.stderr
+            cls.succeed("simulate", "--images", 10, "--features-per-image", 60, "--pattern", board, "--seed", seed,
+                        "--lens", "wide", "--size", "160x120", "-o", cls.path(serial))
         lines = read(cls.path("A1/features.csv")).decode().splitlines(keepends=True)
         few = [line for line in lines if line.startswith(("image,", "sim0000"))]
         write(cls.path("few/features.csv"), "".join(few))
@@ -109,8 +108,8 @@ class Batch(CommandTest):
         features, values, board = [], ["image,value"], self.path("board.yaml")
         for position in (0, 5, 10):
             folder = self.path("at%d" % position)
-            self.assert_done(run("simulate", "--lens", "focusing", "--at", position, "--pattern", board, "--images", 5,
-                                 "--size", "160x120", "--features-per-image", 40, "--noise-px", 0.03, "--seed", position + 1, "-o", folder))
+            self.succeed("simulate", "--lens", "focusing", "--at", position, "--pattern", board, "--images", 5,
+                         "--size", "160x120", "--features-per-image", 40, "--noise-px", 0.03, "--seed", position + 1, "-o", folder)
             lines = read(folder + "/features.csv").decode().splitlines()
             features = features or lines[:1]
             features += ["%d_%s" % (position, line) for line in lines[1:]]
@@ -190,8 +189,7 @@ units:
 
     def test_unusual_units_jumps_batches_and_the_gauge_are_told(self):
         plan = self.make_fleet()
-        result = run("batch", plan, "-o", self.out, "--gather")
-        self.assert_done(result)
+        result = self.succeed("batch", plan, "-o", self.out, "--gather")
         unusual = [line for line in result.stdout.splitlines() if "outlier in" in line]
         self.assertEqual(len(unusual), 1, result.stdout)
         self.assertRegex(unusual[0], "^U08: outlier in .*shape")
@@ -230,7 +228,7 @@ units:
 
     def test_the_page_shows_the_fleet(self):
         plan = self.make_fleet()
-        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        self.succeed("batch", plan, "-o", self.out, "--gather")
         page = read(self.out + "/fleet.html").decode()
         for heading in ("31 units", "Outliers", "Changes over time", "Control charts", "Lens batches",
                         "Gauge repeatability", "All units"):
@@ -250,12 +248,12 @@ units:
         self.assertLess(float(limits[1]), float(limits[2]))
         self.assertGreater(float(limits[3]), float(limits[1]))
         xml.dom.minidom.parseString(f"<svg>{charts['focal_px']}</svg>")
-        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        self.succeed("batch", plan, "-o", self.out, "--gather")
         self.assertEqual(read(self.out + "/fleet.html").decode(), page)
 
     def test_the_fleets_middle_camera_serves_units_with_few_images(self):
         plan = self.make_fleet()
-        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
+        self.succeed("batch", plan, "-o", self.out, "--gather")
         middle = self.out + "/fleet_camera.yaml"
         facts = json.loads(run("compare", middle, self.out + "/U03/camera.yaml", "--json").stdout)
         self.assertLess(facts["median_px"], 2)  # of lenses that are some pixels apart
@@ -288,15 +286,14 @@ units:
 
     def test_a_stranger_to_the_fleet_is_told(self):
         plan = self.make_fleet()
-        self.assert_done(run("batch", plan, "-o", self.out, "--gather"))
-        self.assert_done(run("simulate", "--images", 5, "--features-per-image", 60, "--pattern", self.path("board.yaml"),
-                             "--lens", "pinhole", "--size", "160x120", "-o", self.path("stranger")))
+        self.succeed("batch", plan, "-o", self.out, "--gather")
+        self.succeed("simulate", "--images", 5, "--features-per-image", 60, "--pattern", self.path("board.yaml"),
+                     "--lens", "pinhole", "--size", "160x120", "-o", self.path("stranger"))
         # Former names of keys stay valid.
         text = PLAN.replace("model: opencv", "cell_px: 40\nlike: " + self.out + "/fleet_camera.yaml") % ""
         strange = write(self.path("strange.yaml"), text + "  - {serial: S1, features: stranger/features.csv}\n")
         self.out = self.path("strange")
-        result = run("batch", strange, "-o", self.out)
-        self.assert_done(result)
+        result = self.succeed("batch", strange, "-o", self.out)
         told = "S1: warn, .*: this camera is an outlier of its fleet .* px RMS from the population mean .* calibrate it without"
         self.assertRegex(result.stdout, told)
         facts = json.loads(read(self.out + "/S1/result.json"))
@@ -358,7 +355,7 @@ units:
             self.assertEqual(self.kill_after_first(plan, number), -number)
             self.assertFalse(os.path.exists(self.out + "/A3/unit.json"))
             first = os.stat(self.out + "/A1/camera.yaml")
-            self.assert_done(run("batch", plan, "-o", self.out))
+            self.succeed("batch", plan, "-o", self.out)
             self.assert_same_files(self.files(), expected)
             # Finished units were not done again.
             self.assertEqual(os.stat(self.out + "/A1/camera.yaml").st_mtime_ns, first.st_mtime_ns)
@@ -435,8 +432,8 @@ units:
         self.assert_done(self.batch(plan))
 
     def test_a_rig_is_a_unit(self):
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
-                             "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("rig")))
+        self.succeed("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
+                     "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("rig"))
         os.makedirs(self.path("rig/l"))
         folders = "  - {serial: R2, cameras: {left: rig/l, right: rig/r}}\n"
         result = self.batch(self.plan(("rig",), more=[folders]))
@@ -458,8 +455,8 @@ units:
 
     def test_every_file_of_a_result_that_was_cut_is_made_again(self):
         """Empty, halved, without its last byte, or full of zeros as after a power cut."""
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
-                             "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("pair")))
+        self.succeed("simulate", "--images", 8, "--features-per-image", 60, "--cameras", 2, "--lens", "wide",
+                     "--size", "160x120", "--pattern", self.path("board.yaml"), "-o", self.path("pair"))
         plan = self.plan(("A1", "pair"))
         self.assert_done(self.batch(plan))
         names = [name for name in self.files() if name.startswith(("A1/", "pair/")) and "unit.json" not in name]

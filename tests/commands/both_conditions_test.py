@@ -36,10 +36,9 @@ class BothConditions(CommandTest):
     @classmethod
     def simulate(cls, position, temperature, seed):
         folder = cls.path("at%g_%g_%d" % (position, temperature, seed))
-        result = run("simulate", "--lens", "focusing-warming", "--at",
-                     "lens_position=%g,temperature=%g" % (position, temperature), "--pattern", BOARD,
-                     "--seed", seed + 1, "--images", 1, "--noise-px", 0.03, "-o", folder)
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--lens", "focusing-warming", "--at",
+                    "lens_position=%g,temperature=%g" % (position, temperature), "--pattern", BOARD,
+                    "--seed", seed + 1, "--images", 1, "--noise-px", 0.03, "-o", folder)
         return folder
 
     @classmethod
@@ -50,8 +49,7 @@ class BothConditions(CommandTest):
 
     def error_px(self, position, temperature, camera, *options):
         truth = self.simulate(position, temperature, 100)
-        result = run("compare", truth + "/true_camera.yaml", camera, *options, "--json")
-        self.assert_done(result)
+        result = self.succeed("compare", truth + "/true_camera.yaml", camera, *options, "--json")
         return json.loads(result.stdout)["median_px"], result.stderr
 
     def test_the_camera_is_told_at_pairs_that_no_image_has(self):

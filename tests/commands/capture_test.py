@@ -38,8 +38,7 @@ class CaptureTest(CommandTest):
         return run("pack", camera or self.camera, *options, "-o", self.path("c.raygrid"))
 
     def facts(self, name="c.raygrid"):
-        result = run("inspect", self.path(name), "--json")
-        self.assert_done(result)
+        result = self.succeed("inspect", self.path(name), "--json")
         return json.loads(result.stdout)
 
     def test_camera_file_goes_into_the_blob(self):
@@ -84,8 +83,8 @@ class CaptureTest(CommandTest):
 
     def test_fit_keeps_it(self):
         for camera in ("known.yaml", "known.raygrid"):
-            self.assert_done(run("fit", self.path(camera), "--model", "opencv", "-o",
-                                 self.path("fitted.yaml")))
+            self.succeed("fit", self.path(camera), "--model", "opencv", "-o",
+                         self.path("fitted.yaml"))
             self.assertEqual(self.facts("fitted.yaml")["capture"], FACTS)
             self.assert_done(self.pack(camera=self.path("fitted.yaml")))
             self.assertEqual(self.facts()["capture"], FACTS)

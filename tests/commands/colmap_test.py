@@ -8,10 +8,9 @@ import subprocess
 import sys
 import unittest
 
-from command_test import main, read, run, write
+from command_test import HERE, main, read, run, write
 from exchange_test import ExchangeTest, turned
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 VENV = os.path.join(HERE, "..", "..", "build", "pycolmap")
 COLMAP = shutil.which("colmap")
 NO_COLMAP = "no colmap; 'tools/install_packages tests' installs it"
@@ -108,25 +107,25 @@ class Colmap(ExchangeTest):
                             out=f"from_{model}_{kind}/cameras.{kind}")
                 converted = self.path(f"to_{model}_{kind}")
                 os.makedirs(converted)
-                self.assert_done(run("model_converter", "--input_path", folder, "--output_path",
-                                     converted, "--output_type", other, program=COLMAP))
+                self.succeed("model_converter", "--input_path", folder, "--output_path",
+                             converted, "--output_type", other, program=COLMAP)
                 cameras = []
                 for source in (f"{folder}/cameras.{kind}", f"{converted}/cameras.{other.lower()}"):
-                    self.assert_done(run("import", source, "-o", self.path("c.yaml")))
+                    self.succeed("import", source, "-o", self.path("c.yaml"))
                     text = read(self.path("c.yaml"))
                     cameras.append(re.sub(rb"(?m)^name:.*\n", b"", text))
                 self.assertEqual(*cameras)
 
     def test_import_after_export_is_the_camera(self):
         write(self.path("m/cameras.txt"), "7 SIMPLE_RADIAL 160 120 150.25 80.5 60 -0.125\n")
-        self.assert_done(run("import", self.path("m/cameras.txt"), "-o", self.path("first.yaml")))
+        self.succeed("import", self.path("m/cameras.txt"), "-o", self.path("first.yaml"))
         for more, model in (((), "OPENCV"), (("--model", "SIMPLE_RADIAL"), "SIMPLE_RADIAL")):
             for ending in ("txt", "bin"):
                 told = self.export(self.path("first.yaml"), "--to", "colmap", *more,
                                    out="cameras." + ending)["cameras"][0]
                 self.assertEqual((told["model"], told["exact"]), (model, True))
-                self.assert_done(run("import", self.path("cameras." + ending), "-o",
-                                     self.path("second.yaml")))
+                self.succeed("import", self.path("cameras." + ending), "-o",
+                             self.path("second.yaml"))
                 self.assertEqual(read(self.path("first.yaml")), read(self.path("second.yaml")))
         self.assertIn(b"cx: 80\n", read(self.path("first.yaml")))
 
@@ -135,7 +134,7 @@ class Colmap(ExchangeTest):
         rig = "1 2 CAMERA 3 CAMERA 5 1 0.8 0 0 0.6 1 2 3\n"
         write(self.path("r/cameras.txt"), cameras)
         write(self.path("r/rigs.txt"), rig)
-        self.assert_done(run("import", self.path("r/cameras.txt"), "-o", self.path("r1/rig.yaml")))
+        self.succeed("import", self.path("r/cameras.txt"), "-o", self.path("r1/rig.yaml"))
         first = read(self.path("r1/rig.yaml"))
         self.assertEqual(first.count(b"z: 0.600000000000"), 1)
         for ending in ("txt", "bin"):
@@ -143,8 +142,8 @@ class Colmap(ExchangeTest):
                                out=f"r_{ending}/cameras.{ending}")
             self.assertEqual([os.path.basename(file) for file in told["files"]],
                              ["cameras." + ending, "rigs." + ending])
-            self.assert_done(run("import", told["files"][0], "-o",
-                                 self.path(f"r2_{ending}/rig.yaml")))
+            self.succeed("import", told["files"][0], "-o",
+                         self.path(f"r2_{ending}/rig.yaml"))
             again = read(self.path(f"r2_{ending}/rig.yaml"))
             if ending == "bin":  # which has no names
                 again = again.replace(b"camera2", b"camera5").replace(b"camera1", b"camera3")
@@ -161,7 +160,7 @@ class Colmap(ExchangeTest):
                          f"0.000000000,{k / 7:.9f},-0.250000000,{1 + k / 3:.9f}")
         poses = write(self.path("known.csv"), "\n".join(lines) + "\n")
         write(self.path("c/cameras.txt"), "7 OPENCV 160 120 150 151 80 60 0.1 0 0 0\n")
-        self.assert_done(run("import", self.path("c/cameras.txt"), "-o", self.path("c.yaml")))
+        self.succeed("import", self.path("c/cameras.txt"), "-o", self.path("c.yaml"))
         told = self.export(self.path("c.yaml"), "--to", "colmap", "--poses", poses,
                            out=f"{out}/cameras.{ending}")
         self.assertEqual([os.path.basename(file) for file in told["files"]],
@@ -169,7 +168,7 @@ class Colmap(ExchangeTest):
         return self.path(out), poses
 
     def imported(self, folder):
-        self.assert_done(run("import", folder, "-o", self.path("poses.csv")))
+        self.succeed("import", folder, "-o", self.path("poses.csv"))
         return read(self.path("poses.csv"))
 
     @unittest.skipUnless(COLMAP, NO_COLMAP)
@@ -180,8 +179,8 @@ class Colmap(ExchangeTest):
             self.assertEqual(self.imported(folder), read(poses))
             converted = self.path("converted_" + ending)
             os.makedirs(converted)
-            self.assert_done(run("model_converter", "--input_path", folder, "--output_path",
-                                 converted, "--output_type", other, program=COLMAP))
+            self.succeed("model_converter", "--input_path", folder, "--output_path",
+                         converted, "--output_type", other, program=COLMAP)
             self.assertEqual(self.imported(converted), read(poses))
         images = read(self.path("converted_bin/images.txt")).decode()
         moved = re.sub(r"(?m)^(1( \S+){4}) (\S+)", r"\1 0.5", images)
@@ -226,7 +225,7 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
         write(self.path("f/cameras.txt"), "".join(
             f"{k} OPENCV 160 120 150 151 80 60 0.1 0 0 0\n" for k in (3, 5)))
         write(self.path("f/rigs.txt"), "1 2 CAMERA 3 CAMERA 5 1 0.8 0 0 0.6 1 2 3\n")
-        self.assert_done(run("import", self.path("f"), "-o", self.path("f1/rig.yaml")))
+        self.succeed("import", self.path("f"), "-o", self.path("f1/rig.yaml"))
         poses = write(self.path("f1/poses.csv"), "camera,image,board,qw,qx,qy,qz,tx,ty,tz\n"
                       "camera3,a.png,0,1.000000000,0.000000000,0.000000000,0.000000000,"
                       "0.000000000,0.000000000,1.000000000\n"
@@ -249,7 +248,7 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
         again = ("export", self.path("c.yaml"), "--to", "colmap", "--poses", poses, "-o",
                  folder + "/cameras.txt")
         write(poses, read(poses).replace(b"-0.250000000", b"0.500000000"))
-        self.assert_done(run(*again))
+        self.succeed(*again)
         self.assertEqual(self.imported(folder), read(poses))
         write(folder + "/points3D.txt", "1 0 0 0 0 0 0 0\n")
         self.assert_refused(run(*again), 7, "points3D.txt", "another folder")
@@ -259,10 +258,10 @@ for image in pycolmap.Reconstruction(sys.argv[1]).images.values():
 
     def test_what_cannot_be(self):
         text = "1 OPENCV 160 120 150 151 80 60 0.1 0 0 0\n"
-        self.assert_done(run("import", write(self.path("x/cameras.txt"), text), "-o",
-                             self.path("x.yaml")))
+        self.succeed("import", write(self.path("x/cameras.txt"), text), "-o",
+                     self.path("x.yaml"))
         binary = self.path("x/cameras.bin")
-        self.assert_done(run("export", self.path("x.yaml"), "--to", "colmap", "-o", binary))
+        self.succeed("export", self.path("x.yaml"), "--to", "colmap", "-o", binary)
         for name, contents, words in (
                 ("a.txt", text.replace("OPENCV", "FOV"), ("FOV", "not supported")),
                 ("b.txt", text.replace("0.1", "nan"), ("line 1", "'nan'")),

@@ -13,7 +13,7 @@ import time
 import unittest
 import zlib
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support"))
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "support"))
 import json_schemas
 
 programs = argparse.Namespace()
@@ -33,6 +33,17 @@ boards:
 # CPU time.
 HANG_S = 600
 
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def python_with(*modules):
+    """A Python that has the modules: this one, or Debian's; or None."""
+    pythons = (sys.executable, "/usr/bin/python3")
+    return next((python for python in pythons if subprocess.run(
+        [python, "-c", f"import {', '.join(modules)}"], capture_output=True, check=False).returncode == 0), None)
+
+
+NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
 cache = tempfile.TemporaryDirectory()
 
 
@@ -174,10 +185,16 @@ class CommandTest(unittest.TestCase):
     def simulated_camera(cls, lens, size="160x120"):
         """The file of a lens that is known exactly."""
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 1, "--lens", lens, "--size", size, "--pattern", board,
-                     "-o", cls.path(f"sim_{lens}"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 1, "--lens", lens, "--size", size, "--pattern", board,
+                    "-o", cls.path(f"sim_{lens}"))
         return cls.path(f"sim_{lens}/true_camera.yaml")
+
+    @classmethod
+    def succeed(cls, *arguments, **options):
+        """Runs raygrid, which has to succeed, and returns the result."""
+        result = run(*arguments, **options)
+        assert result.returncode == 0, result.stderr
+        return result
 
     def assert_done(self, result):
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -208,5 +225,4 @@ class CalibratedTest(CommandTest):
                 ("calibrate", "--features", cls.path("sim/features.csv"), "--image-size",
                  "640x480", "--pattern", cls.path("sim/pattern.yaml"), "--knot-spacing-px", 80, "-o",
                  cls.path("out"), "--name", "front", *cls.options)):
-            result = run(*arguments)
-            assert result.returncode == 0, result.stderr
+            cls.succeed(*arguments)

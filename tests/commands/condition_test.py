@@ -40,9 +40,8 @@ class Condition(CommandTest):
 
     @classmethod
     def simulate(cls, position, *options):
-        result = run("simulate", "--lens", "focusing", "--at", position, "--pattern", BOARD,
-                     "--seed", int(position) + 1, *options, "-o", cls.path("at%g" % position))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--lens", "focusing", "--at", position, "--pattern", BOARD,
+                    "--seed", int(position) + 1, *options, "-o", cls.path("at%g" % position))
 
     @classmethod
     def calibrate(cls, *options, features=None, out="refused"):
@@ -51,9 +50,8 @@ class Condition(CommandTest):
                    "--hold-out", "0_sim0000.png", *options, "-o", cls.path(out))
 
     def error_px(self, position, *options):
-        result = run("compare", self.path("at%g/true_camera.yaml" % position), self.camera,
-                     *options, "--json")
-        self.assert_done(result)
+        result = self.succeed("compare", self.path("at%g/true_camera.yaml" % position), self.camera,
+                              *options, "--json")
         return json.loads(result.stdout)["median_px"], result.stderr
 
     def test_the_camera_is_told_where_no_image_was(self):
@@ -70,13 +68,11 @@ class Condition(CommandTest):
         points = write(self.path("points.csv"), "x,y,z\n0.3,0.2,1\n")
         pixels = []
         for at in (0, 10):
-            result = run("project", self.camera, "--at", at, "--points", points)
-            self.assert_done(result)
+            result = self.succeed("project", self.camera, "--at", at, "--points", points)
             pixels.append(float(result.stdout.splitlines()[1].split(",")[3]))
         # 320 px plus 0.3 times the focal length, which grows by 4 %.
         self.assertGreater(pixels[1], pixels[0] + 4)
-        result = run("pack", self.camera, "--at", 2.5, "-o", self.path("near.raygrid"))
-        self.assert_done(result)
+        self.succeed("pack", self.camera, "--at", 2.5, "-o", self.path("near.raygrid"))
 
     def test_output_and_report_tell_what_changes(self):
         self.assertRegex(self.said, r"0 to 10 dioptres: image scale changes by [34]\.\d+ %")
@@ -92,22 +88,19 @@ class Condition(CommandTest):
 
     def test_a_blob_has_the_whole_range(self):
         blob = self.path("all.raygrid")
-        result = run("pack", self.camera, "--remap", "640x480", "-o", blob)
-        self.assert_done(result)
+        result = self.succeed("pack", self.camera, "--remap", "640x480", "-o", blob)
         self.assertEqual(result.stderr, "")
         knots = json.loads(run("inspect", blob, "--json").stdout)["operating_points"]["samples"]
         self.assertEqual((knots[0], knots[-1]), (0, 10))
         for position in (3, 7.5):
             self.simulate(position, "--images", 1)
-            result = run("compare", self.path("at%g/true_camera.yaml" % position), blob, "--at",
-                         position, "--json")
-            self.assert_done(result)
+            result = self.succeed("compare", self.path("at%g/true_camera.yaml" % position), blob, "--at",
+                                  position, "--json")
             self.assertLess(json.loads(result.stdout)["median_px"], 0.05)
         points = write(self.path("far.csv"), "x,y,z\n0.3,0.2,1\n")
         pixels = []
         for camera in (blob, self.camera):
-            result = run("project", camera, "--at", 7.3, "--points", points)
-            self.assert_done(result)
+            result = self.succeed("project", camera, "--at", 7.3, "--points", points)
             pixels.append(float(result.stdout.splitlines()[1].split(",")[3]))
         self.assertLess(abs(pixels[0] - pixels[1]), 0.02)
 
@@ -164,10 +157,9 @@ class Condition(CommandTest):
         folders = []
         for position in (0, 10):
             folder = self.path("photographs/%g" % position)
-            result = run("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
+            self.succeed("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
                          4, "--size", "320x240", "--pattern", "chessboard:8x6:40mm", "--seed",
                          position, "-o", folder)
-            assert result.returncode == 0, result.stderr
             folders += ["--images-at", "%g=%s" % (position, folder)]
         options = ("--pattern", "chessboard:8x6:40mm", "--knot-spacing-px", 80, "--skip-comparison",
                    "--hold-out", "0/sim0000.png", "-o", self.path("folders"))
@@ -211,10 +203,9 @@ class Condition(CommandTest):
         """Rendered photographs at 0 and 10 dioptres; values: two numbers of each."""
         for position, numbers in values.items():
             made = self.path("made%g" % position)
-            result = run("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
+            self.succeed("simulate", "--lens", "focusing", "--at", position, "--render", "--images",
                          4, "--size", "320x240", "--pattern", "chessboard:8x6:40mm", "--seed",
                          position, "-o", made)
-            assert result.returncode == 0, result.stderr
             for k in range(4):
                 photo = read(os.path.join(made, "sim%04d.png" % k))
                 exif = exif_of(tag, type_, *numbers)

@@ -3,18 +3,14 @@
 import csv
 import json
 import math
-import os
 import re
 import struct
 import subprocess
-import sys
 import unittest
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, NO_OPENCV, main, python_with, read, run, write
 
-OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
-    [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
-NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
+OPENCV = python_with("cv2")
 
 COLUMNS, ROWS, SQUARE_M = 9, 6, 0.03
 
@@ -23,10 +19,9 @@ class CornersTest(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--images", 5, "--lens", "wide", "--features-per-image", 40,
-                     "--pattern", f"chessboard:{COLUMNS}x{ROWS}:{SQUARE_M * 1000:g}mm", "-o",
-                     cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 5, "--lens", "wide", "--features-per-image", 40,
+                    "--pattern", f"chessboard:{COLUMNS}x{ROWS}:{SQUARE_M * 1000:g}mm", "-o",
+                    cls.path("sim"))
         cls.features = cls.path("sim/features.csv")
         cls.images = {}
         for line in read(cls.features).decode().splitlines()[1:]:
@@ -83,8 +78,7 @@ class PhotonVision(CornersTest):
 
     def imported(self, calibration, out):
         file = write(self.path("photon.json"), json.dumps(calibration))
-        result = run("import", file, "-o", self.path(out))
-        self.assert_done(result)
+        result = self.succeed("import", file, "-o", self.path(out))
         return result
 
     def test_corners_and_poses_are_those_that_were_seen(self):
@@ -140,12 +134,11 @@ class PhotonVision(CornersTest):
         self.imported(self.calibration(), "camera.yaml")
         points = [((x - 50) / 60, (y - 50) / 80, 1) for x in range(100) for y in range(101)]
         text = "x,y,z\n" + "".join(",".join(map(repr, point)) + "\n" for point in points)
-        result = run("project", self.path("camera.yaml"), "--points",
-                     write(self.path("points.csv"), text), "--json")
-        self.assert_done(result)
+        result = self.succeed("project", self.path("camera.yaml"), "--points",
+                              write(self.path("points.csv"), text), "--json")
         ours = [(row["u"], row["v"]) for row in json.loads(result.stdout)]
-        self.assert_done(run("export", self.path("camera.yaml"), "--to", "photonvision", "-o",
-                             self.path("again.json")))
+        self.succeed("export", self.path("camera.yaml"), "--to", "photonvision", "-o",
+                     self.path("again.json"))
         again = json.loads(read(self.path("again.json")))
         for key in ("resolution", "cameraIntrinsics", "distCoeffs", "lensmodel"):
             self.assertEqual(again[key], self.calibration()[key])
@@ -234,14 +227,13 @@ for path, array in ((sys.argv[1], points), (sys.argv[2], points[:, :, None])):
         expected = {(f"view000{image}", 0, k % 3, k // 3): pixel for image in range(2)
                     for k, pixel in enumerate(pixels[image])}
         for file in files:
-            result = run("import", file, "-o", self.path("features.csv"))
-            self.assert_done(result)
+            result = self.succeed("import", file, "-o", self.path("features.csv"))
             self.assertIn("24 features in 2 images", result.stdout)
             self.assertEqual(self.rows("features.csv"), expected)
         text = read(files[0]).decode()
         without = write(self.path("w.yml"), re.sub("board_.*\n", "", text))
         self.refused(without, "w.yml: image_points", "--board-size")
-        self.assert_done(run("import", without, "--board-size", "3x4", "-o", self.path("f.csv")))
+        self.succeed("import", without, "--board-size", "3x4", "-o", self.path("f.csv"))
         self.assertEqual(self.rows("f.csv"), expected)
         self.refused(files[0], "--board-size", "3 x 4", more=("--board-size", "4x3"))
         self.refused(files[0], "c.yaml", "features.csv", code=1, out="never/c.yaml")
@@ -266,15 +258,14 @@ colSpacingMeters: 0.06      #size of one chessboard square [m]
 """
 
     def imported(self, text):
-        result = run("import", write(self.path("target.yaml"), text), "-o",
-                     self.path("pattern.yaml"))
-        self.assert_done(result)
+        result = self.succeed("import", write(self.path("target.yaml"), text), "-o",
+                              self.path("pattern.yaml"))
         return result.stdout, read(self.path("pattern.yaml")).decode()
 
     def test_an_aprilgrid_is_the_board_that_is_printed(self):
         """Which raygrid prints as Kalibr draws it. Another ratio is seen."""
-        self.assert_done(run("pattern", "aprilgrid", "--tag-columns", 6, "--tag-rows", 5, "--tag-mm",
-                             21, "--spacing-ratio", 0.25, "-o", self.path("printed")))
+        self.succeed("pattern", "aprilgrid", "--tag-columns", 6, "--tag-rows", 5, "--tag-mm",
+                     21, "--spacing-ratio", 0.25, "-o", self.path("printed"))
         printed = re.search("  - {id.*", read(self.path("printed/pattern.yaml")).decode())[0]
         told, pattern = self.imported(self.APRILGRID)
         self.assertIn("aprilgrid with 12 x 10 features", told)
@@ -340,12 +331,12 @@ apriltags:
 
     def test_a_pattern_is_the_board_that_is_printed(self):
         """Another tag is seen."""
-        self.assert_done(run("pattern", "star", "--columns", 16, "--rows", 23, "--square-mm", 11,
-                             "--tag-id", 3, "--tag-squares", 4, "-o", self.path("printed")))
+        self.succeed("pattern", "star", "--columns", 16, "--rows", 23, "--square-mm", 11,
+                     "--tag-id", 3, "--tag-squares", 4, "-o", self.path("printed"))
         printed = re.search("  - {id.*", read(self.path("printed/pattern.yaml")).decode())[0]
         for text, is_same in ((self.FILE, True), (self.FILE.replace("tag_x: 6", "tag_x: 7"), False)):
-            self.assert_done(run("import", write(self.path("p.yaml"), text), "-o",
-                                 self.path("pattern.yaml")))
+            self.succeed("import", write(self.path("p.yaml"), text), "-o",
+                         self.path("pattern.yaml"))
             own = re.search("  - {id.*", read(self.path("pattern.yaml")).decode())[0]
             self.assertEqual(own == printed, is_same, own)
 
@@ -437,8 +428,7 @@ boards:
         return write(self.path(name), self.packed(*dataset))
 
     def imported(self, file, out):
-        result = run("import", file, "-o", self.path(out))
-        self.assert_done(result)
+        result = self.succeed("import", file, "-o", self.path(out))
         return result.stdout
 
     def rows_of_rig(self, name):
@@ -469,9 +459,8 @@ boards:
         self.imported(dataset, "pattern.yaml")
         sizes = ("--image-size", "320x240", "--image-size", "intrinsics1=640x480")
         for pattern in (write(self.path("star.yaml"), self.STAR), self.path("pattern.yaml")):
-            result = run("export", self.path("rig_features.csv"), "--to", "puzzlepaint-dataset",
-                         "--pattern", pattern, *sizes, "-o", self.path("again.bin"))
-            self.assert_done(result)
+            result = self.succeed("export", self.path("rig_features.csv"), "--to", "puzzlepaint-dataset",
+                                  "--pattern", pattern, *sizes, "-o", self.path("again.bin"))
             self.assertIn("53 features in 3 imagesets; cameras in this order: intrinsics0, "
                           "intrinsics1", result.stdout)
             if pattern.endswith("star.yaml"):
@@ -482,8 +471,8 @@ boards:
     def test_what_was_simulated_goes_out_and_in(self):
         """The boards of the file calibrate as well as that which was simulated."""
         board = f"chessboard:{COLUMNS}x{ROWS}:{SQUARE_M * 1000:g}mm"
-        self.assert_done(run("export", self.features, "--to", "puzzlepaint-dataset", "--pattern",
-                             board, "--image-size", "640x480", "-o", self.path("one.bin")))
+        self.succeed("export", self.features, "--to", "puzzlepaint-dataset", "--pattern",
+                     board, "--image-size", "640x480", "-o", self.path("one.bin"))
         sizes, imagesets, ((cell, places),) = self.unpacked(read(self.path("one.bin")))
         self.assertEqual((sizes, [name for name, _ in imagesets]),
                          ([(640, 480)], list(self.images)))

@@ -6,11 +6,9 @@ import os
 import re
 import subprocess
 import sys
-import unittest
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, HERE, main, read, write
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 VENV = os.path.join(HERE, "..", "..", "build", "depthai")
 SIZE = (160, 120)
 
@@ -70,8 +68,7 @@ class DepthAi(CommandTest):
         write(cls.path("rig.yaml"), RIG)
 
     def export(self, source, out):
-        result = run("export", self.path(source), "--to", "depthai", "-o", self.path(out))
-        self.assert_done(result)
+        result = self.succeed("export", self.path(source), "--to", "depthai", "-o", self.path(out))
         self.assertIn("exact", result.stdout)
         return self.path(out)
 
@@ -85,8 +82,7 @@ class DepthAi(CommandTest):
 
     def seen(self, source, points):
         text = "x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points)
-        result = run("project", self.path(source), "--points", write(self.path("p.csv"), text))
-        self.assert_done(result)
+        result = self.succeed("project", self.path(source), "--points", write(self.path("p.csv"), text))
         rows = [line.split(",") for line in result.stdout.split()[1:]]
         return [(float(row[3]), float(row[4])) if row[5] == "1" else None for row in rows]
 
@@ -137,7 +133,7 @@ class DepthAi(CommandTest):
     def test_a_rig_comes_back(self):
         """Exactly, with names and poses."""
         rig = self.export("rig.yaml", "rig.json")
-        self.assert_done(run("import", rig, "-o", self.path("back/rig.yaml")))
+        self.succeed("import", rig, "-o", self.path("back/rig.yaml"))
         numbers = lambda path: [float(word) for word in re.findall(
             r"[xyzw]: ([-\d.]+)", read(path).decode())]
         for a, b in zip(numbers(self.path("rig.yaml")), numbers(self.path("back/rig.yaml"))):

@@ -20,9 +20,8 @@ class Detect(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = cls.path("board")
-        result = run("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm", 20,
-                     "--dpi", 72, "-o", board)
-        assert result.returncode == 0, result.stderr
+        cls.succeed("pattern", "chessboard", "--columns", 9, "--rows", 6, "--square-mm", 20,
+                    "--dpi", 72, "-o", board)
         cls.pattern = os.path.join(board, "pattern.yaml")
         cls.sheet = read(os.path.join(board, "pattern.png"))
         for name in ("a.png", "b.png"):
@@ -95,8 +94,8 @@ class Detect(CommandTest):
         folder = self.path("stars")
         for tag in (0, 5):
             board = self.path(f"star{tag}")
-            self.assert_done(run("pattern", "star", "--columns", 10, "--rows", 8, "--square-mm", 12,
-                                 "--dpi", 110, "--tag-id", tag, "-o", board))
+            self.succeed("pattern", "star", "--columns", 10, "--rows", 8, "--square-mm", 12,
+                         "--dpi", 110, "--tag-id", tag, "-o", board)
             write(os.path.join(folder, f"tag{tag}.png"), read(os.path.join(board, "pattern.png")))
         self.pattern = self.path("star0/pattern.yaml")
         result = self.detect(folder, "--no-cache", "--json")

@@ -13,8 +13,7 @@ PAGE = os.path.join(os.path.dirname(__file__), "../../tools/README.md")
 
 class Help(CommandTest):
     def help_of(self, command):
-        result = run(*command, "--help")
-        self.assert_done(result)
+        result = self.succeed(*command, "--help")
         return result.stdout
 
     def test_exit_codes_are_in_the_main_help_alone(self):
@@ -79,8 +78,8 @@ class Verdicts(CommandTest):
 
     def calibrate(self, *simulation):
         folder = self.path(self.id())
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 60, "--pattern",
-                             self.board, *simulation, "-o", folder))
+        self.succeed("simulate", "--images", 8, "--features-per-image", 60, "--pattern",
+                     self.board, *simulation, "-o", folder)
         self.out = folder + "-out"
         return run("calibrate", "--features", folder + "/features.csv", "--image-size", "640x480",
                    "--pattern", folder + "/pattern.yaml", "--knot-spacing-px", 160, "--skip-comparison",
@@ -134,13 +133,13 @@ class CamerasThatNoBlobHolds(CommandTest):
     def simulate(self, *arguments):
         folder = self.path(self.id() + "-seen")
         images = () if "--images" in arguments else ("--images", 8)
-        self.assert_done(run("simulate", *images, "--features-per-image", 60, "--pattern",
-                             self.board, *arguments, "-o", folder))
+        self.succeed("simulate", *images, "--features-per-image", 60, "--pattern",
+                     self.board, *arguments, "-o", folder)
         return folder + "/features.csv"
 
     def check_files(self, *words):
         """A camera and a report; what the blob lacks stands in both files."""
-        self.assert_done(run("inspect", self.out + "/camera.yaml"))
+        self.succeed("inspect", self.out + "/camera.yaml")
         remark = json.loads(read(self.out + "/result.json"))["packing"]["warnings"][-1]
         report = read(self.out + "/report.html").decode()
         for word in words:
@@ -164,7 +163,7 @@ class CamerasThatNoBlobHolds(CommandTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("no undistortion table", result.stderr)
         self.check_files("no undistortion table", "8192")
-        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+        self.succeed("inspect", self.out + "/camera.raygrid")
 
     def test_camera_that_looks_back(self):
         """240 degrees from the left edge to the right one, 300 from corner to corner."""
@@ -178,13 +177,12 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         features = self.simulate("--camera", lens, "--images", 40)
         result = self.calibrate(features, "640x480", "--model", "thin-prism-fisheye")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+        self.succeed("inspect", self.out + "/camera.raygrid")
         result = self.calibrate(features, "640x480", "--knot-spacing-px", 160)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assert_done(run("inspect", self.out + "/camera.raygrid"))
+        self.succeed("inspect", self.out + "/camera.raygrid")
         for camera in (lens, self.out + "/camera.yaml"):
-            result = run("pack", camera, "-o", self.path("240.raygrid"), "--json")
-            self.assert_done(result)
+            result = self.succeed("pack", camera, "-o", self.path("240.raygrid"), "--json")
             self.assertLess(json.loads(result.stdout)["uncovered_fraction"], 0.3)
 
     def test_one_view_many_times(self):
@@ -196,7 +194,7 @@ parameters: {fx: 152.8, fy: 152.8, cx: 319.5, cy: 239.5, k1: 0, k2: 0, k3: 0, k4
         result = self.calibrate(features, "640x480", "--knot-spacing-px", 160, "--quiet", "--hold-out",
                                 "view5.png")
         self.assert_refused(result, 6, "verdict: fail")
-        self.assert_done(run("inspect", self.out + "/camera.yaml"))
+        self.succeed("inspect", self.out + "/camera.yaml")
         self.assertTrue(os.path.exists(self.out + "/report.html"))
 
     def test_name_longer_than_a_blob_can_hold_is_refused_before_work(self):
@@ -213,15 +211,15 @@ class Ends(CommandTest):
             resource.setrlimit(resource.RLIMIT_STACK, (1 << 30, 1 << 30))
             resource.setrlimit(resource.RLIMIT_AS, (3 << 29, 3 << 29))
 
-        self.assert_done(run("simulate", "--images", 4, "--features-per-image", 60, "-o",
-                             self.path("sim")))
+        self.succeed("simulate", "--images", 4, "--features-per-image", 60, "-o",
+                     self.path("sim"))
         blob = self.path("front.raygrid")
         with subprocess.Popen([programs.raygrid, "pack", self.path("sim/true_camera.yaml"), "-o",
                                blob, "--threads", "8"], stderr=subprocess.PIPE,
                               stdout=subprocess.PIPE, preexec_fn=limit) as process:
             error = process.communicate(timeout=HANG_S)[1]
         self.assertEqual(process.returncode, 0, error)
-        self.assert_done(run("inspect", blob))
+        self.succeed("inspect", blob)
 
     def test_nothing_to_print_on(self):
         for arguments, codes in ((["inspect", self.path("missing.yaml")], {2}),
@@ -230,13 +228,13 @@ class Ends(CommandTest):
             with subprocess.Popen([programs.raygrid, *arguments], stdin=subprocess.DEVNULL,
                                   preexec_fn=lambda: (os.close(1), os.close(2))) as process:
                 self.assertIn(process.wait(timeout=HANG_S), codes, arguments)
-        self.assert_done(run("inspect", self.path("board/pattern.yaml")))
+        self.succeed("inspect", self.path("board/pattern.yaml"))
 
     def test_points_of_any_length_are_projected(self):
-        self.assert_done(run("simulate", "--images", 4, "--features-per-image", 60, "-o",
-                             self.path("seen")))
+        self.succeed("simulate", "--images", 4, "--features-per-image", 60, "-o",
+                     self.path("seen"))
         camera, blob = self.path("seen/true_camera.yaml"), self.path("seen.raygrid")
-        self.assert_done(run("pack", camera, "-o", blob))
+        self.succeed("pack", camera, "-o", blob)
         scales = ("", "e154", "e300", "e-160", "e-300")
         points = write(self.path("xyz.csv"), "x,y,z\n" + "".join(
             f"1{e},-2{e},9{e}\n" for e in scales) + "-1e300,2e300,-9e300\n")

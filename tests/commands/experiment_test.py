@@ -18,9 +18,8 @@ class Experiment(CommandTest):
     def run_experiment(self, name, threads, *options):
         """The rows of an experiment's CSV, and the contents of all its files."""
         folder = self.path(f"{name}-{threads}")
-        result = run("experiment", name, "-o", folder, "--images", 1, "--threads", threads,
-                     *options)
-        self.assert_done(result)
+        result = self.succeed("experiment", name, "-o", folder, "--images", 1, "--threads", threads,
+                              *options)
         self.assertEqual(result.stderr, "")
         for words in ("640 x 480 px", "blur", "noise", "window", "seed"):
             self.assertIn(words, result.stdout)
@@ -83,7 +82,7 @@ class Experiment(CommandTest):
     def small(self, name, *options, images=8):
         """Rows of an experiment on simulated features, its pictures named."""
         folder = self.path(name + "-small")
-        self.assert_done(run("experiment", name, "-o", folder, "--images", images, *options))
+        self.succeed("experiment", name, "-o", folder, "--images", images, *options)
         text = read(os.path.join(folder, name + ".csv")).decode()
         rows = list(csv.DictReader(line for line in text.splitlines() if line[0] != "#"))
         self.assertIn(b"</svg>", read(os.path.join(folder, name + ".svg")))
@@ -117,7 +116,7 @@ class Experiment(CommandTest):
     def fine(self, name, *options):
         """The rows of model-validation --fine-distortion, small, and its pictures."""
         folder = self.path(name)
-        self.assert_done(run("experiment", "model-validation", "--fine-distortion", "-o", folder, *options))
+        self.succeed("experiment", "model-validation", "--fine-distortion", "-o", folder, *options)
         text = read(os.path.join(folder, "model-validation.csv")).decode()
         rows = list(csv.DictReader(line for line in text.splitlines() if line[0] != "#"))
         return rows, sorted(file for file in os.listdir(folder) if file.endswith(".png"))
@@ -195,7 +194,7 @@ class Experiment(CommandTest):
     def own_camera(self):
         """A result's folder with the true camera of a lens that no parametric model follows."""
         folder = self.path("lens")
-        self.assert_done(run("simulate", "--images", 1, "-o", folder))
+        self.succeed("simulate", "--images", 1, "-o", folder)
         os.replace(os.path.join(folder, "true_camera.yaml"), os.path.join(folder, "camera.yaml"))
         return folder
 
@@ -227,8 +226,8 @@ class Experiment(CommandTest):
 
         # Of two, the last is the truth: the other one's errors are the same either way.
         fit = self.path("opencv.yaml")
-        self.assert_done(run("fit", os.path.join(camera, "camera.yaml"), "--model", "opencv", "-o",
-                             fit))
+        self.succeed("fit", os.path.join(camera, "camera.yaml"), "--model", "opencv", "-o",
+                     fit)
         rows, _ = self.small("localization", "--camera", camera, "--camera", fit)
         self.assertEqual([row["camera"] for row in rows], [camera, fit + " (reference)"])
         self.assertGreater(float(rows[0]["mean_of_64_mm"]), 10 * float(rows[1]["mean_of_64_mm"]))
@@ -236,8 +235,8 @@ class Experiment(CommandTest):
         def refused(code, words, *options):
             self.assert_refused(run("experiment", "localization", "-o", self.path("refused"),
                                     *options), code, words)
-        self.assert_done(run("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
-                             "-o", self.path("smaller")))
+        self.succeed("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
+                     "-o", self.path("smaller"))
         refused(2, "image size differs", "--camera", camera, "--camera",
                 self.path("smaller/true_camera.yaml"))
         refused(1, "7 cameras", *7 * ("--camera", fit))
@@ -252,15 +251,14 @@ class Experiment(CommandTest):
         self.assertAlmostEqual(float(rows[0]["noise_px"]), 0.05, delta=0.0025)
 
     def test_residual_budget_of_a_calibration(self):
-        self.assert_done(run("simulate", "--images", 12, "--pattern", "chessboard:14x10:30mm",
-                             "--noise-px", 0.02, "--per-view-deformation-mm", 0.5, "-o", self.path("bent")))
+        self.succeed("simulate", "--images", 12, "--pattern", "chessboard:14x10:30mm",
+                     "--noise-px", 0.02, "--per-view-deformation-mm", 0.5, "-o", self.path("bent"))
         pattern = self.path("bent/pattern.yaml")
         features = self.path("bent/features.csv")
         size = ("--image-size", "640x480")
-        done = run("calibrate", "--features", features, "--pattern", pattern, *size,
-                   "--knot-spacing-px", 160, "--rigid-target", "--skip-comparison",
-                   "-o", self.path("result"))
-        self.assert_done(done)
+        done = self.succeed("calibrate", "--features", features, "--pattern", pattern, *size,
+                            "--knot-spacing-px", 160, "--rigid-target", "--skip-comparison",
+                            "-o", self.path("result"))
         result = json.loads(read(self.path("result/result.json")))
         budget = result["residual_budget"]
         self.assertEqual(budget["limited_by"], "per-view deformation")
@@ -291,7 +289,7 @@ class Experiment(CommandTest):
             result = run("experiment", "residual-budget", "-o", self.path("none"), *options)
             self.assert_refused(result, code, words)
         fails(2, "result.json: missing", "--result", self.path("nothing"))
-        self.assert_done(run("simulate", "--images", 2, "-o", self.path("few")))
+        self.succeed("simulate", "--images", 2, "-o", self.path("few"))
         few = ("--features", self.path("few/features.csv"), "--image-size", "640x480",
                "--pattern", self.path("few/pattern.yaml"))
         fails(1, "one --camera", *few)
@@ -343,9 +341,9 @@ class Experiment(CommandTest):
         return folder
 
     def test_own_walk(self):
-        self.assert_done(run("simulate", "--images", 1, "-o", self.path("lens")))
+        self.succeed("simulate", "--images", 1, "-o", self.path("lens"))
         truth = self.path("lens/true_camera.yaml")
-        self.assert_done(run("fit", truth, "--model", "opencv", "-o", self.path("opencv.yaml")))
+        self.succeed("fit", truth, "--model", "opencv", "-o", self.path("opencv.yaml"))
         folder = self.colmap_model(self.path("colmap"), truth)
         cameras = ("--camera", self.path("opencv.yaml"), "--camera", truth)
         rows, _ = self.small("trajectory-drift", "--colmap-model", folder, *cameras)
@@ -390,12 +388,12 @@ class Experiment(CommandTest):
         return write(path, b"P5\n320 240\n255\n" + bytes(grey))
 
     def test_own_stereo_pair(self):
-        self.assert_done(run("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
-                             "-o",
-                             self.path("narrow")))
+        self.succeed("simulate", "--images", 1, "--size", "320x240", "--lens", "fisheye",
+                     "-o",
+                     self.path("narrow"))
         truth = self.path("narrow/true_camera.yaml")
         fitted = self.path("narrow/fitted.yaml")
-        self.assert_done(run("fit", truth, "--model", "opencv", "-o", fitted))
+        self.succeed("fit", truth, "--model", "opencv", "-o", fitted)
         rig = """raygrid_rig: 1
 cameras:
   "left":
@@ -444,12 +442,12 @@ cameras:
                                 "--camera", self.path("rig/true_camera.yaml")), 1, "--camera")
 
     def test_own_images_of_a_curved_lens(self):
-        self.assert_done(run("pattern", "star", "--columns", 14, "--rows", 10, "--square-mm", 20,
-                             "--page", "A3", "-o", self.path("stars")))
-        self.assert_done(run("simulate", "--render", "--images", 4, "--lens", "fisheye",
-                             "--pattern", self.path("stars/pattern.yaml"), "--min-square-px", 24,
-                             "--max-square-px", 34, "--read-noise", 2, "-o",
-                             self.path("fisheye")))
+        self.succeed("pattern", "star", "--columns", 14, "--rows", 10, "--square-mm", 20,
+                     "--page", "A3", "-o", self.path("stars"))
+        self.succeed("simulate", "--render", "--images", 4, "--lens", "fisheye",
+                     "--pattern", self.path("stars/pattern.yaml"), "--min-square-px", 24,
+                     "--max-square-px", 34, "--read-noise", 2, "-o",
+                     self.path("fisheye"))
         data = ("--features", self.path("fisheye/features.csv"), "--pattern",
                 self.path("fisheye/true_pattern.yaml"), "--image-size", "640x480", "--image",
                 self.path("fisheye"))
@@ -465,9 +463,9 @@ cameras:
                             1, "--camera")
 
     def test_own_features(self):
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 100, "--pattern",
-                             write(self.path("board.yaml"), SIMULATED_PATTERN), "-o",
-                             self.path("own")))
+        self.succeed("simulate", "--images", 8, "--features-per-image", 100, "--pattern",
+                     write(self.path("board.yaml"), SIMULATED_PATTERN), "-o",
+                     self.path("own"))
         data = ("--features", self.path("own/features.csv"), "--pattern",
                 self.path("own/pattern.yaml"), "--image-size", "640x480")
         rows, _ = self.small("localization", *data)
@@ -486,10 +484,10 @@ cameras:
     @long_test
     def test_repeatability(self):
         def simulate(folder, images):
-            self.assert_done(run("simulate", "--images", images, "--features-per-image", 100,
-                                 "--lens", "wide", "--size", "320x240",
-                                 "--pattern", write(self.path("board.yaml"), SIMULATED_PATTERN),
-                                 "--correlated-noise-px", 0.05, "-o", self.path(folder)))
+            self.succeed("simulate", "--images", images, "--features-per-image", 100,
+                         "--lens", "wide", "--size", "320x240",
+                         "--pattern", write(self.path("board.yaml"), SIMULATED_PATTERN),
+                         "--correlated-noise-px", 0.05, "-o", self.path(folder))
             return ("--features", self.path(folder + "/features.csv"), "--pattern",
                     self.path(folder + "/pattern.yaml"), "--image-size", "320x240")
         rows, _ = self.small("repeatability", *simulate("many", 16))
@@ -519,16 +517,14 @@ cameras:
             self.assertNotEqual(rows, others)
 
     def test_list(self):
-        result = run("experiment", "--list")
-        self.assert_done(result)
+        result = self.succeed("experiment", "--list")
         for name in ("pattern-segments", "feature-refinement", "model-validation",
                      "model-comparison", "curvature-bias", "noncentrality", "localization",
                      "stereo-depth", "trajectory-drift"):
             self.assertIn(name, result.stdout)
 
     def test_help_has_an_example(self):
-        result = run("experiment", "--help")
-        self.assert_done(result)
+        result = self.succeed("experiment", "--help")
         self.assertIn("raygrid experiment pattern-segments -o", result.stdout)
 
     def test_inputs_stay(self):

@@ -48,9 +48,9 @@ class ImageSize(CommandTest):
 
     def test_the_others_are_gone_on_with(self):
         pattern = write(self.path("board.yaml"), SIMULATED_PATTERN)
-        self.assert_done(run("simulate", "--render", "--images", 3, "--lens", "wide", "--size",
-                             "320x240", "--samples-per-pixel", 1, "--pattern", pattern, "-o",
-                             self.path("sim")))
+        self.succeed("simulate", "--render", "--images", 3, "--lens", "wide", "--size",
+                     "320x240", "--samples-per-pixel", 1, "--pattern", pattern, "-o",
+                     self.path("sim"))
         write(self.path("sim/tiny.png"), png([0], size=(1, 1)))
         result = self.detect(self.path("sim"), pattern=pattern)
         self.assert_done(result)

@@ -46,8 +46,7 @@ class Images(CommandTest):
                            cls.path("sim")),
                           ("pack", cls.path("sim/true_camera.yaml"), "--remap", "160x120", "-o",
                            cls.path("c.raygrid"))):
-            result = run(*arguments)
-            assert result.returncode == 0, result.stderr
+            cls.succeed(*arguments)
         cls.grey = png(scene())
 
     def undistort(self, *images, to="flat", **options):
@@ -111,12 +110,12 @@ class Images(CommandTest):
         self.assert_done(self.undistort(image, to="raw/flat", frames=self.path("raw/frames")))
         frame = self.path("raw/frames/a.raw")
         self.assertEqual(read(frame), struct.pack(f"<{len(levels)}H", *levels))
-        self.assert_done(run(self.path("c.raygrid"), frame, self.path("raw/b.raw"),
-                             program=programs.undistort))
+        self.succeed(self.path("c.raygrid"), frame, self.path("raw/b.raw"),
+                     program=programs.undistort)
         expected = read_png(self.path("raw/flat/a.png"))[2]
         self.assertEqual(read(self.path("raw/b.raw")), struct.pack(f"<{len(levels)}H", *expected))
-        self.assert_done(run(self.path("c.raygrid"), frame, self.path("raw/b.pgm"),
-                             program=programs.undistort))
+        self.succeed(self.path("c.raygrid"), frame, self.path("raw/b.pgm"),
+                     program=programs.undistort)
         self.assertEqual(read(self.path("raw/b.pgm")), b"P5\n160 120\n65535\n" +
                          struct.pack(f">{len(levels)}H", *expected))
 
@@ -283,8 +282,7 @@ class Boards(CommandTest):
         features = []
         for images in (self.path("sim"), folder):
             path = self.path("turned.csv")
-            result = run("detect", images, "--pattern", self.pattern, "-o", path, "--no-cache")
-            self.assert_done(result)
+            result = self.succeed("detect", images, "--pattern", self.pattern, "-o", path, "--no-cache")
             features.append(read(path))
         self.assertEqual(features[0], features[1])
         calibrated = self.calibrate(folder)
@@ -300,8 +298,7 @@ class Boards(CommandTest):
         folder = self.folder_with()
         os.mkfifo(os.path.join(folder, "a.png"))
         os.symlink("/dev/zero", os.path.join(folder, "b.png"))
-        result = run("detect", folder, "--pattern", self.pattern, "-o", self.path("f.csv"))
-        self.assert_done(result)
+        result = self.succeed("detect", folder, "--pattern", self.pattern, "-o", self.path("f.csv"))
         for name in ("a.png", "b.png"):
             self.assertIn(f"{name}: skipped: not a regular file", result.stderr)
         result = run("detect", folder, "--pattern", os.path.join(folder, "b.png"), "-o",
@@ -344,9 +341,8 @@ class Boards(CommandTest):
                     result = run(*arguments, text, "-o", self.path("never"))
                     self.assert_refused(result, 1, word)
                     self.assertFalse(os.path.exists(self.path("never/features.csv")))
-        result = run("simulate", "--images", 1, "--lens", "pinhole", "--size", "17000x12000",
+        self.succeed("simulate", "--images", 1, "--lens", "pinhole", "--size", "17000x12000",
                      "--features-per-image", 20, "--allow-huge-images", "-o", self.path("huge"))
-        self.assert_done(result)
         result = run("simulate", "--camera", self.path("huge/true_camera.yaml"), "--render",
                      "--images", 1, "-o", self.path("never"))
         self.assert_refused(result, 2, "17000 x 12000", "--allow-huge-images")

@@ -20,9 +20,8 @@ class Interruption(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 9, "--features-per-image", 40, "--pattern",
-                     cls.board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 9, "--features-per-image", 40, "--pattern",
+                    cls.board, "-o", cls.path("sim"))
 
     def arguments(self, output, *more):
         return ["calibrate", "--features", self.path("sim/features.csv"), "--image-size",
@@ -50,7 +49,7 @@ class Interruption(CommandTest):
     def finished(self, arguments):
         """Runs a calibration to its end, and returns its CPU time."""
         before = cpu_seconds_of_children()
-        self.assert_done(run(*arguments))
+        self.succeed(*arguments)
         return cpu_seconds_of_children() - before
 
     def interrupted(self, arguments, number, seconds, attempts=8):
@@ -116,8 +115,7 @@ class Interruption(CommandTest):
         result = json.loads(read(self.path(output + "/result.json")))
         self.assertEqual(result["status"], "interrupted")
         self.assertEqual(result["verdict"], "fail")
-        done = run("inspect", self.path(output + "/camera.yaml"))
-        self.assert_done(done)
+        self.succeed("inspect", self.path(output + "/camera.yaml"))
 
     def test_state_so_far_is_written_and_gone_on_from(self):
         coarse = ("--knot-spacing-px", 160)
@@ -138,7 +136,7 @@ class Interruption(CommandTest):
                 other = run(*self.arguments(output, "--resume", *coarse, "--duplicate-px", 9))
                 self.assertEqual(other.returncode, 2)
 
-                self.assert_done(run(*self.arguments(output, "--resume", *coarse)))
+                self.succeed(*self.arguments(output, "--resume", *coarse))
                 self.assert_same_bytes(output, "whole")
 
     def test_a_finished_result_is_kept(self):
@@ -160,13 +158,13 @@ class Interruption(CommandTest):
         after = self.files_in("kept")
         self.assertTrue(after.pop("resume.json"))
         self.assertTrue(after == before)
-        self.assert_done(run(*arguments, "--resume"))
-        self.assert_done(run(*self.arguments("at-once", "--seed", 1, *quick)))
+        self.succeed(*arguments, "--resume")
+        self.succeed(*self.arguments("at-once", "--seed", 1, *quick))
         self.assert_same_bytes("kept", "at-once")
 
     def test_a_calibration_that_is_killed_again_and_again_is_gone_on_from(self):
         arguments = self.arguments("killed", "--skip-comparison")
-        self.assert_done(run(*self.arguments("unkilled", "--skip-comparison")))
+        self.succeed(*self.arguments("unkilled", "--skip-comparison"))
         size = self.killed(arguments, "killed", 0)
         size = self.killed(arguments + ["--resume"], "killed", size)
         resume = self.path("killed/resume.json")
@@ -182,12 +180,12 @@ class Interruption(CommandTest):
               + good[digit + 1:])
         self.assert_refused(run(*arguments, "--resume"), 2, "was modified")
         write(resume, good)
-        self.assert_done(run(*arguments, "--resume"))
+        self.succeed(*arguments, "--resume")
         self.assert_same_bytes("killed", "unkilled")
 
     def test_a_rig_is_gone_on_from(self):
-        self.assert_done(run("simulate", "--images", 8, "--features-per-image", 40, "--cameras",
-                             2, "--pattern", self.board, "-o", self.path("rig")))
+        self.succeed("simulate", "--images", 8, "--features-per-image", 40, "--cameras",
+                     2, "--pattern", self.board, "-o", self.path("rig"))
 
         def arguments(output, *more):
             return ["calibrate", "--features", self.path("rig/features.csv"), "--image-size",
@@ -201,13 +199,13 @@ class Interruption(CommandTest):
         self.assertIn("resume.json", os.listdir(self.path("rig-part")))
         self.assertEqual(json.loads(read(self.path("rig-part/result.json")))["status"],
                          "interrupted")
-        self.assert_done(run(*arguments("rig-part", "--resume")))
+        self.succeed(*arguments("rig-part", "--resume"))
         self.assert_same_bytes("rig-part", "rig-whole")
 
     def test_packing_hears_it_too(self):
         """A signal is heard within a second: of work, since tests run side by side."""
-        self.assert_done(run("simulate", "--images", 8, "--lens", "wide", "--size", "4000x3000",
-                             "--features-per-image", 100, "-o", self.path("large")))
+        self.succeed("simulate", "--images", 8, "--lens", "wide", "--size", "4000x3000",
+                     "--features-per-image", 100, "-o", self.path("large"))
         command = [programs.raygrid, "calibrate", "--features", self.path("large/features.csv"),
                    "--image-size", "4000x3000", "--pattern", self.path("large/pattern.yaml"),
                    "--knot-spacing-px", "500", "--skip-comparison", "--threads", "1", "-o",
@@ -236,9 +234,9 @@ class Interruption(CommandTest):
     def test_a_script_that_tries_again_may_always_say_resume(self):
         """Where there is nothing yet, and where all is done."""
         coarse = ("--resume", "--knot-spacing-px", 160)
-        self.assert_done(run(*self.arguments("empty", *coarse)))
+        self.succeed(*self.arguments("empty", *coarse))
         camera = read(self.path("empty/camera.yaml"))
-        self.assert_done(run(*self.arguments("empty", *coarse)))
+        self.succeed(*self.arguments("empty", *coarse))
         self.assertEqual(read(self.path("empty/camera.yaml")), camera)
 
 

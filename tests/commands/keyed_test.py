@@ -3,16 +3,13 @@
 import math
 import os
 import subprocess
-import sys
 import unittest
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, HERE, main, python_with, read, run, write
 from exchange_test import CONVERT, OPENCV_FILE
 
-PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "keyed_peer.py")
-PYTHON = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
-    [python, "-c", "import cv2, tomllib, yaml"], capture_output=True,
-    check=False).returncode == 0), None)
+PEER = os.path.join(HERE, "keyed_peer.py")
+PYTHON = python_with("cv2", "tomllib", "yaml")
 
 FISHEYE_FILE = (OPENCV_FILE.replace("image_width", "fisheye_model: 1\nimage_width")
                 .replace("cols: 5", "cols: 4")
@@ -35,8 +32,7 @@ class KeyedFormats(CommandTest):
         super().setUpClass()
         for name, text in (("pinhole", OPENCV_FILE), ("fisheye", FISHEYE_FILE)):
             source = write(cls.path(f"{name}.source.yaml"), text)
-            result = run("import", source, "-o", cls.path(f"{name}.yaml"))
-            assert result.returncode == 0, result.stderr
+            cls.succeed("import", source, "-o", cls.path(f"{name}.yaml"))
         write(cls.path("points.csv"), "x,y,z\n" + "".join(
             f"{x!r},{y!r},{z!r}\n" for x, y, z in POINTS))
         # The second camera turns by 0.2 rad about y and stands 0.1 m beside the first.
@@ -50,13 +46,11 @@ class KeyedFormats(CommandTest):
 
     def export(self, source, name, *options):
         out = self.path(f"{os.path.basename(source)}.{name}.{ENDINGS.get(name, 'xml')}")
-        result = run("export", source, "--to", name, "-o", out, *options)
-        self.assert_done(result)
+        result = self.succeed("export", source, "--to", name, "-o", out, *options)
         return out, result.stdout
 
     def projected(self, camera, points="points.csv"):
-        result = run("project", camera, "--points", self.path(points))
-        self.assert_done(result)
+        result = self.succeed("project", camera, "--points", self.path(points))
         return [tuple(map(float, line.split(",")[3:5])) if line.endswith(",1") else None
                 for line in result.stdout.split()[1:]]
 
@@ -96,7 +90,7 @@ class KeyedFormats(CommandTest):
                 with self.subTest(name, lens=lens):
                     file, _ = self.export(self.path(lens + ".yaml"), name)
                     back = self.path("back.yaml")
-                    self.assert_done(run("import", file, "-o", back))
+                    self.succeed("import", file, "-o", back)
                     self.assert_same([pixel or (0, 0) for pixel in self.projected(back)], expected,
                                      1e-9)
 
@@ -111,7 +105,7 @@ class KeyedFormats(CommandTest):
         for name in WITH_POSES:
             with self.subTest(name):
                 out = self.path("rig_" + name + ("" if name == "euroc" else "." + ENDINGS[name]))
-                self.assert_done(run("export", self.path("rig.yaml"), "--to", name, "-o", out))
+                self.succeed("export", self.path("rig.yaml"), "--to", name, "-o", out)
                 file = os.path.join(out, "cam1.yaml") if name == "euroc" else out
                 self.assert_same(self.peer(name, file, "cam1"), expected)
 
@@ -120,7 +114,7 @@ class KeyedFormats(CommandTest):
                 "distortions = [0, 0, 0, 0, 0]\nrotation = [0, 0, {}]\ntranslation = [0, 0, 0]\n")
         file = write(self.path("names.toml"), "".join(
             f'[cam_{k}]\nname = "Camera 00{k}"\n{lens.format(k)}' for k in (0, 1)))
-        self.assert_done(run("import", file, "-o", self.path("names/rig.yaml")))
+        self.succeed("import", file, "-o", self.path("names/rig.yaml"))
         for name in ("Camera-000/camera.yaml", "Camera-001/camera.yaml", "rig.yaml"):
             self.assertTrue(os.path.exists(os.path.join(self.path("names"), name)), name)
 
@@ -132,7 +126,7 @@ class KeyedFormats(CommandTest):
         file, said = self.export(self.path("fisheye.yaml"), "ocamcalib")
         self.assertRegex(said, r"RMS \S+ px")
         self.assertIn("#fitted polynomial: RMS ", read(file).decode())
-        self.assert_done(run("import", file, "-o", self.path("back.yaml")))
+        self.succeed("import", file, "-o", self.path("back.yaml"))
         file, said = self.export(self.path("fisheye.yaml"), "dso")
         self.assertIn("EquiDistant, exact", said)
         refused = run("export", self.path("fisheye.yaml"), "--to", "kitti", "-o",
@@ -143,12 +137,12 @@ class KeyedFormats(CommandTest):
                                                "'tools/install_packages tests' installs it")
     def test_the_parser_of_ros_reads_the_ini(self):
         file = self.path("camera.ini")
-        self.assert_done(run("export", self.path("pinhole.yaml"), "--to", "ros-ini", "-o", file))
+        self.succeed("export", self.path("pinhole.yaml"), "--to", "ros-ini", "-o", file)
         theirs = self.path("theirs.yaml")
         result = subprocess.run([CONVERT, file, theirs], capture_output=True, check=False)
         self.assertEqual(result.returncode, 0, result.stderr)
         for source, out in ((theirs, "a.yaml"), (file, "b.yaml")):
-            self.assert_done(run("import", source, "-o", self.path(out)))
+            self.succeed("import", source, "-o", self.path(out))
         self.assertEqual(self.projected(self.path("a.yaml")), self.projected(self.path("b.yaml")))
 
 

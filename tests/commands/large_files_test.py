@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 
-from command_test import CommandTest, PATTERN, main, programs, run, write
+from command_test import CommandTest, PATTERN, main, programs, write
 
 HEADER = "image,board,column,row,x,y\n"
 MEGABYTE = 1 << 20
@@ -32,8 +32,7 @@ class LargeFiles(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.pattern = write(cls.path("pattern.yaml"), PATTERN)
-        result = run("simulate", "--images", 2, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 2, "-o", cls.path("sim"))
         cls.camera = cls.path("sim/true_camera.yaml")
 
     def run_bounded(self, size_mb, *arguments):

@@ -68,8 +68,7 @@ class Lensfun(CommandTest):
         points = write(self.path("rays.csv"), "x,y,z\n" + "".join(
             ",".join(repr((at - mid) / (used_focal * pixels_per_mm))
                      for at, mid in zip(pixel, middle)) + ",1\n" for pixel in pixels))
-        result = run("project", camera, "--points", points)
-        self.assert_done(result)
+        result = self.succeed("project", camera, "--points", points)
         rows = [line.split(",") for line in result.stdout.split()[1:]]
         count = 0
         for (u, v), row in zip(lensfun_pixels(file, model, crop, focal, pixels), rows):
@@ -95,8 +94,8 @@ class Lensfun(CommandTest):
                             if real else "")
                         source = write(self.path("typed.xml"), text)
                         camera = self.path("lens.yaml")
-                        self.assert_done(run("import", source, "--image-size", "640x480", "-o",
-                                             camera))
+                        self.succeed("import", source, "--image-size", "640x480", "-o",
+                                     camera)
                         exact = kind in ("", "fisheye") and model != "ptlens"
                         self.assert_seen_alike(source, "testlens", camera, 1.5, 20,
                                                real / scale if real else 20, (0.05, -0.03),
@@ -106,9 +105,8 @@ class Lensfun(CommandTest):
         pinhole = write(self.path("f.yaml"), "fx: 400\nfy: 400\ncx: 321.5\ncy: 238\nk1: -0.1\n"
                         "k2: 0.02\np1: 0\np2: 0\nwidth: 640\nheight: 480\n")
         camera, file = self.path("pinhole.yaml"), self.path("pinhole.xml")
-        self.assert_done(run("import", pinhole, "-o", camera))
-        result = run("export", camera, "--to", "lensfun", "-o", file)
-        self.assert_done(result)
+        self.succeed("import", pinhole, "-o", camera)
+        result = self.succeed("export", camera, "--to", "lensfun", "-o", file)
         self.assertIn("exact", result.stdout)
         focal = 400 * FULL_FRAME_MM / math.hypot(*SIDES_PX)
         center = ((321.5 - 319.5) * 2 / 479, (238 - 239.5) * 2 / 479)
@@ -116,7 +114,7 @@ class Lensfun(CommandTest):
         model = text.split("<model>")[1].split("<")[0]
         self.assert_seen_alike(file, model, camera, 1, focal, focal, center, 2e-4)
         back = self.path("back.yaml")
-        self.assert_done(run("import", file, "--image-size", "640x480", "-o", back))
+        self.succeed("import", file, "--image-size", "640x480", "-o", back)
         self.assert_seen_alike(file, model, back, 1, focal, focal, center, 2e-4)
         self.assert_refused(run("import", file, "-o", back), 2, "--image-size")
 

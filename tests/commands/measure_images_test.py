@@ -28,10 +28,9 @@ class Images(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.images = cls.path("photos")
-        result = run("simulate", "--images", 16, "--render", "--lens", "pinhole", "--pattern", PATTERN,
-                     "--samples-per-pixel", 2, "--min-square-px", 14, "--max-square-px", 18, "--max-tilt-deg", 30,
-                     "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 16, "--render", "--lens", "pinhole", "--pattern", PATTERN,
+                    "--samples-per-pixel", 2, "--min-square-px", 14, "--max-square-px", 18, "--max-tilt-deg", 30,
+                    "-o", cls.path("sim"))
         os.makedirs(cls.images)
         for folder, _, names in os.walk(cls.path("sim")):
             for name in names:

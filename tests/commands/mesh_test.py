@@ -5,7 +5,6 @@ import json
 import math
 import operator
 import struct
-import unittest
 import zipfile
 
 from command_test import CommandTest, main, read, run, write
@@ -232,9 +231,8 @@ class Meshes(CommandTest):
     def export(self, unit, *more, camera=None, out=None, size=None):
         out = out or self.path(unit.__name__ + unit.ending)
         width, height = size or unit.size
-        result = run("export", camera or self.camera, "--to", unit.name, "--size",
-                     f"{width}x{height}", *unit.more, *more, "--json", "-o", out)
-        self.assert_done(result)
+        result = self.succeed("export", camera or self.camera, "--to", unit.name, "--size",
+                              f"{width}x{height}", *unit.more, *more, "--json", "-o", out)
         return json.loads(result.stdout), out
 
     def sources(self, view, pixels, camera=None):
@@ -242,8 +240,7 @@ class Meshes(CommandTest):
         (fx, _, cx), (_, fy, cy), _ = view["K"]
         points = write(self.path("p.csv"), "x,y,z\n" + "".join(
             f"{(x - cx) / fx!r},{(y - cy) / fy!r},1\n" for x, y in pixels))
-        result = run("project", camera or self.camera, "--points", points)
-        self.assert_done(result)
+        result = self.succeed("project", camera or self.camera, "--points", points)
         rows = [line.split(",") for line in result.stdout.split()[1:]]
         return [(float(u), float(v)) if valid == "1" else None for *_, u, v, valid in rows]
 
@@ -289,8 +286,8 @@ class Meshes(CommandTest):
     def test_what_moves_pixels_along_rows_alone(self):
         """LDCH makes a picture of another width; of the lens's distortion it leaves the rows."""
         camera = self.path("flat.yaml")
-        self.assert_done(run("export", self.camera, "--rectified", "--focal", 150, "--to", "opencv",
-                             "-o", camera))
+        self.succeed("export", self.camera, "--rectified", "--focal", 150, "--to", "opencv",
+                     "-o", camera)
         height_deg = 2 * math.degrees(math.atan(SIZE[1] / 2 / 150))
         self.check_units([Ldch], "--hfov", 75, "--vfov", height_deg, camera=camera)
         told, path = self.export(Ldch, *WITHOUT_BORDER, "--max-fit-error-px", 100)
@@ -304,8 +301,8 @@ class Meshes(CommandTest):
     def test_an_identity_is_the_pixels_themselves(self):
         """Of a pinhole: 0, 16, 32 and so on, and the last one behind the view."""
         camera = self.path("plain.yaml")
-        self.assert_done(run("export", self.camera, "--rectified", "--focal", 150, "--to", "opencv",
-                             "-o", camera))
+        self.succeed("export", self.camera, "--rectified", "--focal", 150, "--to", "opencv",
+                     "-o", camera)
         told, path = self.export(Dw100, "--focal", 150, camera=camera, out=self.path("i.bin"),
                                  size=SIZE)
         words = struct.unpack("<336I", read(path))

@@ -53,10 +53,10 @@ class Modes(CommandTest):
                                    output="same/c.raygrid"))
         blob = self.path("same/c.raygrid")
         for mode, image in (("mid", "crop"), ("turned", "turned")):
-            self.assert_done(run("undistort", blob, self.path(f"in/{image}.png"), "--mode", mode,
-                                 "--frames", self.path("raw"), "-o", self.path(f"of_{mode}")))
-        self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
-                             self.path("of_whole")))
+            self.succeed("undistort", blob, self.path(f"in/{image}.png"), "--mode", mode,
+                         "--frames", self.path("raw"), "-o", self.path(f"of_{mode}"))
+        self.succeed("undistort", blob, self.path("in/whole.png"), "-o",
+                     self.path("of_whole"))
         whole, mid, turned = (self.levels(f"of_{name}/{image}.png") for name, image in (
             ("whole", "whole"), ("mid", "crop"), ("turned", "turned")))
         seen = [k for k, level in enumerate(mid) if level]
@@ -64,9 +64,9 @@ class Modes(CommandTest):
         self.assertLess(max(abs(whole[k] - mid[k]) for k in seen), 2)
         self.assertLess(max(abs(turned[k] - mid[k]) for k in seen if turned[k]), 2)
         # The camera itself gives the same.
-        self.assert_done(run("undistort", self.camera, self.path("in/crop.png"), "--size",
-                             "100x80", "--focal", 60, "--mode", "any:crop=40,30,80,60",
-                             "--max-error-px", 0.25, "-o", self.path("of_camera")))
+        self.succeed("undistort", self.camera, self.path("in/crop.png"), "--size",
+                     "100x80", "--focal", 60, "--mode", "any:crop=40,30,80,60",
+                     "--max-error-px", 0.25, "-o", self.path("of_camera"))
         self.assertEqual(self.levels("of_camera/crop.png"), mid)
 
     def levels(self, name):
@@ -75,23 +75,23 @@ class Modes(CommandTest):
     def test_a_table_of_the_other_direction_leads_back(self):
         """What one table undistorts, the other makes an image of the camera again."""
         view = "200x150,focal=60"
-        self.assert_done(run("pack", self.camera, "--remap", view, "--remap",
-                             view + ",direction=distort", "--max-error-px", 1, "-o",
-                             self.path("both/c.raygrid")))
+        self.succeed("pack", self.camera, "--remap", view, "--remap",
+                     view + ",direction=distort", "--max-error-px", 1, "-o",
+                     self.path("both/c.raygrid"))
         blob = self.path("both/c.raygrid")
         told = json.loads(run("inspect", blob, "--json").stdout)["remap_tables"]
         self.assertEqual([table.get("direction") for table in told], [None, "distort"])
         self.assertEqual([table["size"] for table in told], [[200, 150]] * 2)
-        self.assert_done(run("undistort", blob, self.path("in/whole.png"), "-o",
-                             self.path("there")))
+        self.succeed("undistort", blob, self.path("in/whole.png"), "-o",
+                     self.path("there"))
         back = ("undistort", blob, self.path("there/whole.png"), "-o", self.path("back"))
         self.assert_refused(run(*back, "--remap-index", 1), 1, "inverse remap", "--inverse")
         self.assert_refused(run("undistort", blob, self.path("in/whole.png"), "--remap-index", 1,
                                 "--inverse", "-o", self.path("back")), 8, "200 x 150",
                             "undistorted images of this size")
-        self.assert_done(run(*back, "--remap-index", 1, "--inverse"))
+        self.succeed(*back, "--remap-index", 1, "--inverse")
         # The table of the other direction says the view, and each pixel is found exactly.
-        self.assert_done(run(*back[:-1], self.path("exact"), "--inverse"))
+        self.succeed(*back[:-1], self.path("exact"), "--inverse")
         table, exact = (self.levels(f"{name}/whole.png") for name in ("back", "exact"))
         middle = [k for k in range(160 * 120) if 40 < k % 160 < 120 and 30 < k // 160 < 90]
         self.assertLess(max(abs(table[k] - exact[k]) for k in middle), 3)
@@ -103,9 +103,8 @@ class Modes(CommandTest):
 
     def test_tables_of_lines_may_be_for_a_scene(self):
         for scene in ("at=0.4", "plane=0,0,1,0.4"):
-            result = run("pack", self.lines, "--remap", "160x120,hfov=60," + scene, "--json",
-                         "--max-error-px", 0.25, "-o", self.path("scene/c.raygrid"))
-            self.assert_done(result)
+            result = self.succeed("pack", self.lines, "--remap", "160x120,hfov=60," + scene, "--json",
+                                  "--max-error-px", 0.25, "-o", self.path("scene/c.raygrid"))
             table = json.loads(result.stdout)["remaps"][0]
             self.assertGreater(table["far_error_px"], 0.05)
             self.assertLess(table["error_px"], 0.25)

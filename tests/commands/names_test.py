@@ -21,9 +21,8 @@ class Names(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", len(NAMES), "--features-per-image", 40, "--lens",
-                     "wide", "--size", "160x120", "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", len(NAMES), "--features-per-image", 40, "--lens",
+                    "wide", "--size", "160x120", "--pattern", board, "-o", cls.path("sim"))
         cls.plain = read(cls.path("sim/features.csv")).decode()
         cls.camera = cls.path("sim/true_camera.yaml")
 
@@ -49,11 +48,10 @@ class Names(CommandTest):
         for name in ("<img src=x", "</script>."):
             self.assertNotIn(name, html)
         self.assertIn("&lt;img src=x", html)
-        self.assert_done(run("report", self.path("out")))
+        self.succeed("report", self.path("out"))
         self.assertEqual(read(self.path("out/report.html")).decode(), html)
-        evaluated = run("evaluate", self.path("out/camera.yaml"), "--features",
-                        self.path("out/features.csv"), "--pattern", self.path("out/pattern.yaml"))
-        self.assert_done(evaluated)
+        evaluated = self.succeed("evaluate", self.path("out/camera.yaml"), "--features",
+                                 self.path("out/features.csv"), "--pattern", self.path("out/pattern.yaml"))
         self.assertNotIn("\x1b", evaluated.stdout)
 
     def test_images_of_any_name_are_held_out(self):
@@ -150,7 +148,7 @@ class Names(CommandTest):
     @unittest.skipUnless(os.path.exists("/dev/full"), "no /dev/full, which fails as a full disk does")
     def test_results_that_cannot_be_printed_are_an_error(self):
         blob = self.path("camera.raygrid")
-        self.assert_done(run("pack", self.camera, "-o", blob))
+        self.succeed("pack", self.camera, "-o", blob)
         points = write(self.path("xyz.csv"), "x,y,z\n0,0,1\n")
         pixels = write(self.path("px.csv"), "x,y\n80,60\n")
         image = write(self.path("white/a.pgm"), b"P5\n160 120\n255\n" + b"\xff" * 19200)

@@ -18,8 +18,7 @@ class Outputs(CommandTest):
                            cls.path("sim")),
                           ("pack", cls.path("sim/true_camera.yaml"), "--remap", "160x120", "-o",
                            cls.path("c.raygrid"))):
-            result = run(*arguments)
-            assert result.returncode == 0, result.stderr
+            cls.succeed(*arguments)
 
     def undistort(self, *arguments, **options):
         return run(*arguments, program=programs.undistort, **options)

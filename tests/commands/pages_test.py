@@ -3,7 +3,6 @@ import os
 import re
 import subprocess
 import sys
-import unittest
 
 import command_test
 from command_test import CommandTest, read, run, write
@@ -16,9 +15,8 @@ class Pages(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        made = run("-B", SCRIPT, "--version", "1.2.3", "-o", cls.path("pages"),
-                   command_test.programs.raygrid, program=sys.executable)
-        assert made.returncode == 0, made.stderr
+        cls.succeed("-B", SCRIPT, "--version", "1.2.3", "-o", cls.path("pages"),
+                    command_test.programs.raygrid, program=sys.executable)
 
     def page(self, name):
         return read(self.path(f"pages/man1/{name}.1")).decode()

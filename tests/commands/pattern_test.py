@@ -11,8 +11,7 @@ class PatternCommand(CommandTest):
     def pattern(self, kind, *arguments):
         """A target with a small PNG, in a folder of its own."""
         folder = self.path(self.id() + "-" + kind)
-        result = run("pattern", kind, *arguments, "-o", folder)
-        self.assert_done(result)
+        result = self.succeed("pattern", kind, *arguments, "-o", folder)
         self.assertEqual(result.stderr, "")
         return folder
 
@@ -76,9 +75,8 @@ class PatternCommand(CommandTest):
 
     def test_a_chessboard_that_looks_alike_after_a_turn_is_named(self):
         for columns, rows, words in ((7, 5, "under half a turn"), (6, 6, "under a quarter turn"), (9, 6, "")):
-            result = run("pattern", "chessboard", "--columns", columns, "--rows", rows, "--square-mm", 20,
-                         "--dpi", 50, "-o", self.path(f"turned-{columns}x{rows}"))
-            self.assertEqual(result.returncode, 0, result.stderr)
+            result = self.succeed("pattern", "chessboard", "--columns", columns, "--rows", rows, "--square-mm", 20,
+                                  "--dpi", 50, "-o", self.path(f"turned-{columns}x{rows}"))
             self.assertIn(words, result.stderr)
             self.assertEqual(f"--rows {rows + 1}" in result.stderr, words != "")
 
@@ -129,12 +127,10 @@ class PatternCommand(CommandTest):
 
     def test_json_says_what_was_made(self):
         size = ("--columns", 9, "--rows", 6, "--square-mm", 25, "--dpi", 50, "--json", "-o")
-        result = run("pattern", "chessboard", *size, self.path("json"))
-        self.assert_done(result)
+        result = self.succeed("pattern", "chessboard", *size, self.path("json"))
         self.assertEqual(json.loads(result.stdout), {"schema_version": 2, "ruler_mm": 150, "boards": [
             {"id": 0, "kind": "chessboard", "columns": 9, "rows": 6, "square_m": 0.025}]})
-        result = run("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
-        self.assert_done(result)
+        result = self.succeed("pattern", "chessboard", "--screen", "800x600", *size, self.path("json"))
         made = json.loads(result.stdout)
         self.assertEqual((made["square_px"], made["squares_to_measure"]), (49, 8))  # at 50 dpi
 
@@ -205,7 +201,7 @@ class PatternCommand(CommandTest):
                  "--tag-squares 2 --boards 2")):
             folder = self.pattern(kind, *arguments.split(), "--dpi", 30)
             seen = self.path(self.id())
-            self.assert_done(run("simulate", "--pattern", spec, "--images", 1, "-o", seen))
+            self.succeed("simulate", "--pattern", spec, "--images", 1, "-o", seen)
             self.assertEqual(boards(self.yaml(seen)), boards(self.yaml(folder)), spec)
         result = run("inspect", "charuco:8x5:28mm:marker=21mm")
         self.assert_done(result)
@@ -237,8 +233,7 @@ class PatternCommand(CommandTest):
 
     def test_every_kind_has_help_with_an_example(self):
         for kind in commands("pattern"):
-            result = run("pattern", kind, "--help")
-            self.assert_done(result)
+            result = self.succeed("pattern", kind, "--help")
             for words in ("raygrid pattern " + kind, "--measured-x-mm", "--screen"):
                 self.assertIn(words, result.stdout)
 

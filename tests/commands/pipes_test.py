@@ -13,9 +13,8 @@ class Pipes(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--images", 2, "--lens", "wide", "--size", "160x120", "-o",
-                     cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 2, "--lens", "wide", "--size", "160x120", "-o",
+                    cls.path("sim"))
         cls.camera = cls.path("sim/true_camera.yaml")
         cls.pixels = write(cls.path("px.csv"), "x,y\n80,60\n")
         cls.pipe = cls.path("pipe")
@@ -39,8 +38,7 @@ class Pipes(CommandTest):
         self.assert_refused(result, 7, "pipe", "cannot be written")
 
     def test_what_a_shell_substitutes_is_read(self):
-        expected = run("unproject", self.camera, "--pixels", self.pixels)
-        self.assert_done(expected)
+        expected = self.succeed("unproject", self.camera, "--pixels", self.pixels)
         for line in ('"$0" unproject <(cat "$1") --pixels <(cat "$2")',
                      '"$0" unproject "$1" --pixels <(sleep 7; cat "$2")',
                      'cat "$2" | "$0" unproject "$1" --pixels /dev/stdin'):
@@ -64,12 +62,12 @@ class Pipes(CommandTest):
 
         writer = threading.Thread(target=write_later)
         writer.start()
-        self.assert_done(run("unproject", self.camera, "--pixels", self.pipe))
+        self.succeed("unproject", self.camera, "--pixels", self.pipe)
         writer.join()
         got = []
         reader = threading.Thread(target=lambda: (time.sleep(1), got.append(read(self.pipe))))
         reader.start()
-        self.assert_done(run("unproject", self.camera, "--pixels", self.pixels, "-o", self.pipe))
+        self.succeed("unproject", self.camera, "--pixels", self.pixels, "-o", self.pipe)
         reader.join()
         self.assertTrue(got[0].startswith(b"x,y,dx,dy,dz\n"), got)
 

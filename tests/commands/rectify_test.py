@@ -28,9 +28,8 @@ class Rectify(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--cameras", 3, "--baseline-m", 0.1, "--lens", "wide", "--size",
-                     "160x120", "--images", 4, "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--cameras", 3, "--baseline-m", 0.1, "--lens", "wide", "--size",
+                    "160x120", "--images", 4, "--pattern", board, "-o", cls.path("sim"))
         cls.rig = cls.path("sim/true_rig.yaml")
         cls.camera = re.search(r'file: "(.*)"', read(cls.rig).decode()).group(1)
 
@@ -107,10 +106,9 @@ class Rectify(CommandTest):
         self.assert_done(self.rectify(out="use"))
         image = write(self.path("white.png"), png([255] * (160 * 120), size=(160, 120)))
         for name in ("cam0", "cam1"):
-            self.assert_done(run("inspect", self.path(f"use/{name}.camera.yaml")))
-            result = run("undistort", self.path(f"use/{name}.raygrid"), image, "-o",
+            self.succeed("inspect", self.path(f"use/{name}.camera.yaml"))
+            self.succeed("undistort", self.path(f"use/{name}.raygrid"), image, "-o",
                          self.path(f"use/{name}"))
-            self.assert_done(result)
 
     def test_says_what_it_made(self):
         result = self.rectify("--alpha", 1, out="words")
@@ -183,20 +181,20 @@ class Rectify(CommandTest):
 class RectifyLines(CommandTest):
     def test_cameras_of_lines_want_a_distance(self):
         board = write(self.path("board.yaml"), SIMULATED_PATTERN)
-        self.assert_done(run("simulate", "--lens", "glass", "--cameras", 2, "--baseline-m", 0.1,
-                             "--size", "160x120", "--images", 12, "--pattern", board, "-o",
-                             self.path("sim")))
-        self.assert_done(run("calibrate", "--features", self.path("sim/features.csv"),
-                             "--image-size", "160x120", "--pattern", board, "--model",
-                             "noncentral-generic", "--knot-spacing-px", 60, "--skip-comparison",
-                             "--hold-out", "sim0000.png", "-o", self.path("rig")))
+        self.succeed("simulate", "--lens", "glass", "--cameras", 2, "--baseline-m", 0.1,
+                     "--size", "160x120", "--images", 12, "--pattern", board, "-o",
+                     self.path("sim"))
+        self.succeed("calibrate", "--features", self.path("sim/features.csv"),
+                     "--image-size", "160x120", "--pattern", board, "--model",
+                     "noncentral-generic", "--knot-spacing-px", 60, "--skip-comparison",
+                     "--hold-out", "sim0000.png", "-o", self.path("rig"))
         rectify = ("rectify", self.path("rig/rig.yaml"), "--left", "cam0", "--right", "cam1", "-o",
                    self.path("out"))
         self.assert_refused(run(*rectify), 1, "--distance METRES", "camera.yaml")
         self.assert_nothing_in(self.path("out"))
         for distance in (0, -1, "inf", "nan", "1e999", "far"):
             self.assert_refused(run(*rectify, "--distance", distance), 1, f"--distance: {distance} is not a")
-        self.assert_done(run(*rectify, "--distance", 0.6))
+        self.succeed(*rectify, "--distance", 0.6)
         self.assertIn("distance: 0.6", read(self.path("out/rectified.yaml")).decode())
 
 

@@ -111,7 +111,7 @@ def large_folder(source, folder):
 class Report(CalibratedTest):
     def test_made_again_it_has_the_same_bytes(self):
         before = read(self.path("out/report.html"))
-        self.assert_done(run("report", self.path("out")))
+        self.succeed("report", self.path("out"))
         self.assertEqual(read(self.path("out/report.html")), before)
 
     def test_other_models_are_in_it(self):
@@ -149,8 +149,8 @@ class Report(CalibratedTest):
         self.assertEqual(told.get("reader"), "done", told)
         self.assertIn("small.png has 320", told["refusal"])
         blob = self.path("out/camera.raygrid")
-        self.assert_done(run("undistort", blob, self.path("PHOTOGRAPH.png"), "-o",
-                             self.path("undistorted")))
+        self.succeed("undistort", blob, self.path("PHOTOGRAPH.png"), "-o",
+                     self.path("undistorted"))
         _, _, samples = read_png(self.path("undistorted/PHOTOGRAPH.png"))
         rgba = bytearray(b"\xff") * (len(samples) // 3 * 4)
         for channel in range(3):
@@ -169,7 +169,7 @@ class Report(CalibratedTest):
         folder = self.path("large")
         large_folder(self.path("out"), folder)
         before = cpu_seconds_of_children()
-        self.assert_done(run("report", folder))
+        self.succeed("report", folder)
         seconds = cpu_seconds_of_children() - before
         size = os.path.getsize(os.path.join(folder, "report.html"))
         print(f"\n{NUM_IMAGES} images: {size / 1e6:.1f} MB, made in {seconds:.1f} CPU seconds", flush=True)
@@ -230,9 +230,8 @@ class Check(CalibratedTest):
         header, *lines = read(self.path("once.csv")).decode().splitlines()
         for copies in (2, 3):
             text = [header] + [f"copy{k}_{line}" for k in range(copies) for line in lines]
-            result = run("check", self.path("out/camera.yaml"), "--features",
-                         write(self.path(f"copies{copies}.csv"), "\n".join(text) + "\n"), "--json")
-            self.assert_done(result)
+            result = self.succeed("check", self.path("out/camera.yaml"), "--features",
+                                  write(self.path(f"copies{copies}.csv"), "\n".join(text) + "\n"), "--json")
             found = json.loads(result.stdout)
             self.assertEqual(found["images"], once["images"])
             self.assertEqual(found["changes"], once["changes"])

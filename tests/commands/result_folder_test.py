@@ -15,9 +15,8 @@ class ResultFolder(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
-        result = run("simulate", "--images", 6, "--features-per-image", 40, "--lens", "wide",
-                     "--size", "320x240", "--pattern", board, "-o", cls.path("sim"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--images", 6, "--features-per-image", 40, "--lens", "wide",
+                    "--size", "320x240", "--pattern", board, "-o", cls.path("sim"))
 
     def calibrate(self, output, features="sim/features.csv", size="320x240"):
         """Which files are written is the question: the cheapest camera will do."""
@@ -42,7 +41,7 @@ class ResultFolder(CommandTest):
         self.assertEqual(set(os.listdir(output)), FILES | {"notes.txt", "right"})
         self.assertEqual(os.listdir(os.path.join(output, "right")), ["notes.txt"])
         self.assertEqual(read(os.path.join(output, "notes.txt")), b"mine")
-        self.assert_done(run("report", output))
+        self.succeed("report", output)
 
     def test_no_blob_of_another_camera_stays_where_there_is_none_of_this_one(self):
         self.assert_done(self.calibrate("unpacked"))

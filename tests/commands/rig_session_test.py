@@ -4,7 +4,6 @@ import glob
 import json
 import os
 import shutil
-import unittest
 
 from command_test import CommandTest, main, read, run, write
 from png_files import png, read_png
@@ -21,10 +20,9 @@ class RigSession(CommandTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        result = run("simulate", "--render", "--images", NUM_INSTANTS, "--lens", "wide", "--size",
-                     f"{WIDTH}x{HEIGHT}", "--min-square-px", 13, "--max-square-px", 22, "--pattern", BOARD,
-                     "-o", cls.path("simulated"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--render", "--images", NUM_INSTANTS, "--lens", "wide", "--size",
+                    f"{WIDTH}x{HEIGHT}", "--min-square-px", 13, "--max-square-px", 22, "--pattern", BOARD,
+                    "-o", cls.path("simulated"))
         cls.videos = {}
         for name, first in (("left", 0), ("right", WIDTH - OWN)):
             os.makedirs(cls.path(name))

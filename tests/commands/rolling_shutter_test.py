@@ -18,9 +18,8 @@ class RollingShutterTest(CommandTest):
     @classmethod
     def record(cls, name, *options):
         folder = Path(cls.path(name))
-        done = run("simulate", "--moving", "--lens", "pinhole", "--features-per-image", "100",
-                   "--noise-px", "0.05", *options, "-o", folder)
-        assert done.returncode == 0, done.stderr
+        cls.succeed("simulate", "--moving", "--lens", "pinhole", "--features-per-image", "100",
+                    "--noise-px", "0.05", *options, "-o", folder)
         return folder
 
     def calibrate(self, folder, *options):

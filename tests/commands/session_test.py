@@ -33,9 +33,8 @@ class Session(CommandTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.photographs = cls.path("photographs")
-        result = run("simulate", "--render", "--images", NUM_PHOTOGRAPHS, "--lens", "wide", "--size",
-                     "320x240", "--pattern", BOARD, "-o", cls.path("simulated"))
-        assert result.returncode == 0, result.stderr
+        cls.succeed("simulate", "--render", "--images", NUM_PHOTOGRAPHS, "--lens", "wide", "--size",
+                    "320x240", "--pattern", BOARD, "-o", cls.path("simulated"))
         os.makedirs(cls.photographs)
         for path in glob.glob(cls.path("simulated/*.png")):
             shutil.copy(path, cls.photographs)
@@ -83,8 +82,7 @@ class Session(CommandTest):
         return os.path.isdir(frames) and len(os.listdir(frames)) >= number
 
     def test_a_folder_becomes_a_camera_without_options(self):
-        result = run("capture", "--source", self.photographs, "--pattern", BOARD, "-o", self.session)
-        self.assert_done(result)
+        self.succeed("capture", "--source", self.photographs, "--pattern", BOARD, "-o", self.session)
         names = self.assert_whole()
         self.assertGreaterEqual(len(names), 6)
         self.assertLess(len(names), NUM_PHOTOGRAPHS)
@@ -96,7 +94,7 @@ class Session(CommandTest):
         # A frame that session.json does not name is none.
         other = next(name for name in self.names if name not in names)
         shutil.copy(os.path.join(self.photographs, other), os.path.join(self.session, "frames"))
-        self.assert_done(run("calibrate", self.session))
+        self.succeed("calibrate", self.session)
         self.assertEqual(read(camera), first)
         result = run("compare", camera, self.path("simulated/true_camera.yaml"), "--json")
         self.assertLess(json.loads(result.stdout)["median_px"], 0.05)
@@ -112,17 +110,15 @@ class Session(CommandTest):
              "sensor_temperature_c": 30.5, "exposure_us": 8000} for frame in told["frames"]]}
         del old["schema_version"]
         write(os.path.join(self.session, "session.json"), json.dumps(old).encode())
-        self.assert_done(run("calibrate", self.session, "--skip-comparison"))
+        self.succeed("calibrate", self.session, "--skip-comparison")
         camera = os.path.join(self.session, "calibration/camera.yaml")
         self.assertIn(b"sensor_temperature_c: 30.5\n  exposure_us: 8000\n", read(camera))
-        check = run("check", camera, self.session)
-        self.assert_done(check)
+        check = self.succeed("check", camera, self.session)
         self.assertNotIn("capture settings differ", check.stdout)
         for frame in told["frames"]:
             frame.update(lens_position_dpt=2.5, sensor_temperature_c=52, exposure_us=99)
         write(os.path.join(self.session, "session.json"), json.dumps(told).encode())
-        check = run("check", camera, self.session)
-        self.assert_done(check)
+        check = self.succeed("check", camera, self.session)
         self.assertIn("capture settings differ: lens position 2.5 dioptres, calibrated at 2 dioptres\n", check.stdout)
         self.assertIn("capture settings differ: sensor temperature 52 degrees Celsius, calibrated at 30.5", check.stdout)
         self.assertEqual(check.stdout.count("capture settings differ"), 2)
@@ -216,7 +212,7 @@ class Session(CommandTest):
 
     def test_a_pattern_that_lies_there_is_never_replaced(self):
         board = self.path("star-board")
-        self.assert_done(run("pattern", "star", "--columns", 9, "--rows", 6, "--square-mm", 25, "-o", board))
+        self.succeed("pattern", "star", "--columns", 9, "--rows", 6, "--square-mm", 25, "-o", board)
         os.makedirs(self.session)
         path = os.path.join(self.session, "pattern.yaml")
         shutil.copy(os.path.join(board, "pattern.yaml"), path)

@@ -16,10 +16,9 @@ class Sheets(CommandTest):
         super().setUpClass()
         cls.camera = cls.simulated_camera("wide")
         cls.blob = cls.path("front.raygrid")
-        result = run("pack", cls.camera, "--remap", "160x120,hfov=60", "--remap",
-                     "200x100,projection=cylindrical,hfov=90,rotate=10,0,0", "--max-error-px",
-                     0.25, "-o", cls.blob)
-        assert result.returncode == 0, result.stderr
+        cls.succeed("pack", cls.camera, "--remap", "160x120,hfov=60", "--remap",
+                    "200x100,projection=cylindrical,hfov=90,rotate=10,0,0", "--max-error-px",
+                    0.25, "-o", cls.blob)
         cls.image = write(cls.path("in/white.png"), png([255] * (160 * 120), size=(160, 120)))
         cls.other = write(cls.path("in/other.png"), png([255] * (80 * 60), size=(80, 60)))
 
@@ -53,7 +52,7 @@ class Sheets(CommandTest):
 
     def test_views_can_be_asked_for_and_a_blob_need_have_none(self):
         bare = self.path("bare.raygrid")
-        self.assert_done(run("pack", self.camera, "-o", bare))
+        self.succeed("pack", self.camera, "-o", bare)
         self.assertEqual(self.told(bare)[0]["views"][0]["size"], [160, 120])
         row, = self.told(self.blob, "--remap", "90x70,hfov=50", "--max-error-px", 0.25)
         self.assertEqual([view["size"] for view in row["views"]], [[90, 70]])
@@ -78,10 +77,10 @@ class Sheets(CommandTest):
         self.assertEqual(read(self.path("one.png")), read(self.path("three.png")))
 
     def test_a_camera_that_has_no_view_has_a_tile_that_says_so(self):
-        self.assert_done(run("simulate", "--images", 3, "--lens", "fisheye190", "--size",
-                             "160x120", "-o", self.path("round")))
-        self.assert_done(run("fit", self.path("round/true_camera.yaml"), "--model",
-                             "thin-prism-fisheye", "-o", self.path("round.yaml")))
+        self.succeed("simulate", "--images", 3, "--lens", "fisheye190", "--size",
+                     "160x120", "-o", self.path("round"))
+        self.succeed("fit", self.path("round/true_camera.yaml"), "--model",
+                     "thin-prism-fisheye", "-o", self.path("round.yaml"))
         # Only the rim is calibrated, which no pinhole shows.
         text = read(self.path("round.yaml")).decode()
         rim = write(self.path("rim.yaml"), re.sub("area: .*", "area: [0, 50, 10, 70]", text))

@@ -38,8 +38,7 @@ def rotated(pose, point):
 class Simulate(CommandTest):
     def simulate(self, *options, images=2):
         folder = self.path(self.id())
-        result = run("simulate", "--images", images, *options, "-o", folder)
-        self.assert_done(result)
+        result = self.succeed("simulate", "--images", images, *options, "-o", folder)
         self.assertEqual(result.stderr, "")
         return folder
 
@@ -49,7 +48,7 @@ class Simulate(CommandTest):
 
     def board(self, kind, *size):
         folder = self.path(kind)
-        self.assert_done(run("pattern", kind, *size, "--dpi", 50, "-o", folder))
+        self.succeed("pattern", kind, *size, "--dpi", 50, "-o", folder)
         return os.path.join(folder, "pattern.yaml")
 
     def chessboard(self):
@@ -68,8 +67,8 @@ class Simulate(CommandTest):
         path = write(self.path("points.csv"), "x,y,z\n" + "\n".join(
             ",".join(f"{c:.12f}" for c in point) for point in points))
         out = self.path("pixels.csv")
-        self.assert_done(run("project", os.path.join(folder, "true_camera.yaml"), "--points", path,
-                             "-o", out))
+        self.succeed("project", os.path.join(folder, "true_camera.yaml"), "--points", path,
+                     "-o", out)
         for feature, pixel in zip(features, table(out)):
             self.assertEqual(pixel["valid"], "1")
             self.assertAlmostEqual(float(feature["x"]), float(pixel["u"]), delta=tolerance)
@@ -78,8 +77,8 @@ class Simulate(CommandTest):
     def assert_detected(self, folder):
         """Features are seen in the images where features.csv says."""
         found = self.path("found.csv")
-        self.assert_done(run("detect", folder, "--pattern", os.path.join(folder, "pattern.yaml"),
-                             "--no-cache", "-o", found))
+        self.succeed("detect", folder, "--pattern", os.path.join(folder, "pattern.yaml"),
+                     "--no-cache", "-o", found)
         def places(path):
             return {tuple(row[key] for key in ("image", "board", "column", "row")):
                     (float(row["x"]), float(row["y"])) for row in table(path)}
@@ -167,17 +166,15 @@ class Simulate(CommandTest):
         for bend_mm, seed in ((0.1, 11), (0.07, 23), (0.15, 27)):
             folder = self.simulate("--target-deformation-mm", bend_mm, "--seed", seed, images=20)
             out = self.path("calibrated")
-            result = run("calibrate", "--features", os.path.join(folder, "features.csv"),
-                         "--pattern", os.path.join(folder, "pattern.yaml"),
-                         "--image-size", "640x480", "--skip-comparison",
-                         "--knot-spacing-px", 60, "-o", out)
-            self.assert_done(result)
+            result = self.succeed("calibrate", "--features", os.path.join(folder, "features.csv"),
+                                  "--pattern", os.path.join(folder, "pattern.yaml"),
+                                  "--image-size", "640x480", "--skip-comparison",
+                                  "--knot-spacing-px", 60, "-o", out)
             # Such a board is 0.357 bends from the nearest plane (RMS).
             told = re.search(r"board 0: out-of-plane deformation ([\d.]+) mm RMS", result.stdout)
             self.assertAlmostEqual(float(told[1]) / bend_mm, 0.357, delta=0.05)
-            result = run("compare", os.path.join(folder, "true_camera.yaml"),
-                         os.path.join(out, "camera.yaml"), "--json")
-            self.assert_done(result)
+            result = self.succeed("compare", os.path.join(folder, "true_camera.yaml"),
+                                  os.path.join(out, "camera.yaml"), "--json")
             self.assertLess(json.loads(result.stdout)["median_px"], 0.02)
 
     def test_non_central_lens_has_its_exact_lines_beside_it(self):
@@ -197,8 +194,8 @@ class Simulate(CommandTest):
             pixels = write(self.path("px.csv"), "x,y\n" + "\n".join(
                 f"{line['x']},{line['y']}" for line in lines))
             rays = self.path("rays.csv")
-            self.assert_done(run("unproject", os.path.join(folder, "true_camera.yaml"), "--pixels",
-                                 pixels, "-o", rays))
+            self.succeed("unproject", os.path.join(folder, "true_camera.yaml"), "--pixels",
+                         pixels, "-o", rays)
             for line, ray in zip(lines, table(rays)):
                 for key in ("dx", "dy", "dz", "ox", "oy", "oz"):
                     self.assertAlmostEqual(float(line[key]), float(ray[key]), delta=1e-6)
@@ -211,27 +208,25 @@ class Simulate(CommandTest):
             ",".join(str(float(line["o" + k]) + 0.4 * float(line["d" + k])) for k in "xyz")
             for line in lines[33 + 1:33 + 32]))
         pixels = self.path("px.csv")
-        self.assert_done(run("project", camera, "--points", points, "-o", pixels))
+        self.succeed("project", camera, "--points", points, "-o", pixels)
         for line, pixel in zip(lines[33 + 1:33 + 32], table(pixels)):
             self.assertEqual(pixel["valid"], "1")
             self.assertAlmostEqual(float(line["x"]), float(pixel["u"]), delta=1e-3)
             self.assertAlmostEqual(float(line["y"]), float(pixel["v"]), delta=1e-3)
         outside = write(self.path("outside.csv"), "x,y\n-3,5\n")
         rays = self.path("rays.csv")
-        self.assert_done(run("unproject", camera, "--pixels", outside, "-o", rays))
+        self.succeed("unproject", camera, "--pixels", outside, "-o", rays)
         self.assertEqual(read(rays), b"x,y,dx,dy,dz,ox,oy,oz\n-3,5,,,,,,\n")
-        evaluated = run("evaluate", camera, "--features", os.path.join(folder, "features.csv"),
-                        "--pattern", os.path.join(folder, "true_pattern.yaml"), "--json")
-        self.assert_done(evaluated)
+        evaluated = self.succeed("evaluate", camera, "--features", os.path.join(folder, "features.csv"),
+                                 "--pattern", os.path.join(folder, "true_pattern.yaml"), "--json")
         self.assertLess(json.loads(evaluated.stdout)["max_px"], 1e-3)
         self.assert_refused(run("fit", camera, "--model", "opencv", "-o", self.path("fit.yaml")),
                             1, "noncentral")
-        itself = run("compare", camera, camera, "--distance", 0.4, "--json")
-        self.assert_done(itself)
+        itself = self.succeed("compare", camera, camera, "--distance", 0.4, "--json")
         self.assertLess(json.loads(itself.stdout)["max_px"], 1e-6)
         self.assertEqual(len(json.loads(itself.stdout)["translation_m"]), 3)
         blob = self.path("lines.raygrid")
-        self.assert_done(run("pack", camera, "-o", blob))
+        self.succeed("pack", camera, "-o", blob)
         packed = run("unproject", blob, "--pixels", outside)
         self.assertEqual(packed.stdout, "x,y,dx,dy,dz,ox,oy,oz\n-3,5,,,,,,\n")
 
@@ -241,8 +236,7 @@ class Simulate(CommandTest):
         self.assertEqual(len(table(os.path.join(folder, "features.csv"))), 2 * 215)
 
     def test_json(self):
-        result = run("simulate", "--images", 2, "--json", "-o", self.path("json"))
-        self.assert_done(result)
+        result = self.succeed("simulate", "--images", 2, "--json", "-o", self.path("json"))
         self.assertEqual(json.loads(result.stdout),
                          {"schema_version": 2, "images": 2, "image_size": [640, 480], "features": 480})
 

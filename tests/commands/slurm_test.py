@@ -37,9 +37,8 @@ class Slurm(CommandTest):
         super().setUpClass()
         board = write(cls.path("board.yaml"), SIMULATED_PATTERN)
         for unit in range(NUM_UNITS):
-            result = run("simulate", "--images", 5, "--features-per-image", 30, "--pattern", board, "--seed", unit,
-                         "--lens", "pinhole", "--size", "64x48", "-o", cls.path(serial(unit)))
-            assert result.returncode == 0, result.stderr
+            cls.succeed("simulate", "--images", 5, "--features-per-image", 30, "--pattern", board, "--seed", unit,
+                        "--lens", "pinhole", "--size", "64x48", "-o", cls.path(serial(unit)))
         lines = read(cls.features(FEW)).decode().splitlines(keepends=True)
         write(cls.features(FEW), "".join(line for line in lines if line.startswith(("image,", "sim0000"))))
         write(cls.features(BAD), "no,features\n")
@@ -102,7 +101,7 @@ class Slurm(CommandTest):
         self.addCleanup(cluster.stop)
         out = self.path("out")
         with mock.patch.dict(os.environ, cluster.environment):
-            self.assert_done(run("batch", self.plan, "-o", out, "--slurm"))
+            self.succeed("batch", self.plan, "-o", out, "--slurm")
 
         # The daemon of a node ends in the middle. The unit that it worked on goes on, but slowly.
         def work():

@@ -25,8 +25,7 @@ class StacksTest(CommandTest):
         cls.blob = write(cls.path("stack.raygrid"), cls.bytes)
 
     def test_inspect_tells_condition_and_knots(self):
-        result = run("inspect", self.blob, "--json")
-        self.assert_done(result)
+        result = self.succeed("inspect", self.blob, "--json")
         facts = json.loads(result.stdout)
         self.assertEqual(facts["format_version"], "1.6")
         self.assertEqual(facts["operating_points"], {

@@ -7,24 +7,21 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 import zlib
 
-from command_test import CommandTest, main, read, run, write
+from command_test import CommandTest, HERE, NO_OPENCV, main, python_with, read, run, write
 
 HOST_COMPILERS = [words for words in (("gcc", "c", "c99"), ("gcc", "c++", "c++98"),
                                       ("clang-14", "c", "c17")) if shutil.which(words[0])]
 BOARD_COMPILERS = [name for name in ("arm-none-eabi-gcc",) if shutil.which(name)]
 WARNINGS = ("-Wall", "-Wextra", "-pedantic", "-Werror")
 
-MAPS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "maps_peer.py")
-STMAP_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "stmap_peer.py")
-ISAAC_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "isaac_peer.py")
-RAYS_PEER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "rays_peer.py")
-OPENCV = next((python for python in (sys.executable, "/usr/bin/python3") if subprocess.run(
-    [python, "-c", "import cv2"], capture_output=True, check=False).returncode == 0), None)
-NO_OPENCV = "no Python has cv2; 'tools/install_packages tests' installs it"
+MAPS_PEER = os.path.join(HERE, "maps_peer.py")
+STMAP_PEER = os.path.join(HERE, "stmap_peer.py")
+ISAAC_PEER = os.path.join(HERE, "isaac_peer.py")
+RAYS_PEER = os.path.join(HERE, "rays_peer.py")
+OPENCV = python_with("cv2")
 
 PROGRAM = """#include "front.h"
 #include "front.h"
@@ -47,8 +44,7 @@ const void* find_blob(void) { return front_raygrid; }
 
 class TableTest(CommandTest):
     def export(self, camera, *arguments, out):
-        result = run("export", camera, *arguments, "--json", "-o", self.path(out))
-        self.assert_done(result)
+        result = self.succeed("export", camera, *arguments, "--json", "-o", self.path(out))
         return json.loads(result.stdout)
 
     def done(self, *command, check=True):
@@ -67,8 +63,7 @@ class Blobs(TableTest):
         cls.camera = write(cls.path("named.yaml"),
                            'name: "left */ /* ??/ \\u00e9"\nserial: "*/ 1"\n' + text)
         cls.blob = cls.path("front.raygrid")
-        result = run("pack", cls.camera, "--remap", "160x120", "-o", cls.blob)
-        assert result.returncode == 0, result.stderr
+        cls.succeed("pack", cls.camera, "--remap", "160x120", "-o", cls.blob)
         cls.bytes = read(cls.blob)
 
     def check_program(self, folder):
@@ -183,11 +178,9 @@ class Maps(TableTest):
                           pixels.tobytes())
 
     def seen_by_opencv(self, *files, view=()):
-        result = run("undistort", self.camera, self.image, "-o", self.path("flat"), *view)
-        self.assert_done(result)
-        result = run(MAPS_PEER, self.image, self.path("flat/image.png"), *map(self.path, files),
-                     program=OPENCV)
-        self.assert_done(result)
+        self.succeed("undistort", self.camera, self.image, "-o", self.path("flat"), *view)
+        result = self.succeed(MAPS_PEER, self.image, self.path("flat/image.png"), *map(self.path, files),
+                              program=OPENCV)
         return json.loads(result.stdout)
 
     def check_places(self, maps, camera, distance, least):
@@ -197,8 +190,7 @@ class Maps(TableTest):
         points = write(self.path("p.csv"), "x,y,z\n" + "".join(
             f"{(x - cx) / f * distance!r},{(y - cy) / f * distance!r},{distance}\n"
             for x, y in places))
-        result = run("project", camera, "--points", points)
-        self.assert_done(result)
+        result = self.succeed("project", camera, "--points", points)
         rows = [line.split(",") for line in result.stdout.split()]
         self.assertEqual(rows[0], ["x", "y", "z", "u", "v", "valid"])
         count = 0
@@ -260,7 +252,7 @@ class Maps(TableTest):
     def test_oiiotool_sees_what_raygrid_does(self):
         view = ("--hfov", 100, "--rotate", "5,10,3")
         self.export(self.camera, "--to", "stmap", *view, out="o.exr")
-        self.assert_done(run("undistort", self.camera, self.image, "-o", self.path("oi"), *view))
+        self.succeed("undistort", self.camera, self.image, "-o", self.path("oi"), *view)
         off = {}
         for flip in (0, 1):
             told = self.done("oiiotool", self.image, "o.exr",
@@ -355,8 +347,8 @@ class Maps(TableTest):
 
     def test_the_view_is_that_of_a_blob_or_as_rectified_has_it(self):
         blob = self.path("v.raygrid")
-        self.assert_done(run("pack", self.camera, "--remap", "320x240,hfov=50,direction=distort",
-                             "--remap", "64x48,hfov=60", "--max-error-px", 0.3, "-o", blob))
+        self.succeed("pack", self.camera, "--remap", "320x240,hfov=50,direction=distort",
+                     "--remap", "64x48,hfov=60", "--max-error-px", 0.3, "-o", blob)
         told = self.export(blob, "--to", "maps", out="m.npz")
         self.assertEqual(told["view"]["size"], [64, 48])
         self.assertAlmostEqual(told["view"]["hfov_deg"], 60, 3)
@@ -392,8 +384,7 @@ class Maps(TableTest):
 
 class ImportTest(TableTest):
     def imported(self, rays, *more):
-        result = run("import", self.path(rays), "-o", self.path("camera.yaml"), "--json", *more)
-        self.assert_done(result)
+        result = self.succeed("import", self.path(rays), "-o", self.path("camera.yaml"), "--json", *more)
         told, = json.loads(result.stdout)["cameras"]
         return told, result.stderr
 
@@ -401,15 +392,13 @@ class ImportTest(TableTest):
         """Of the imported camera from another one, which may not turn or move: largest and RMS."""
         pixels = [(x, y) for x in range(3, 157, 7) for y in range(2, 118, 5)]
         text = "x,y\n" + "".join(f"{x},{y}\n" for x, y in pixels)
-        result = run("unproject", camera, "--pixels", write(self.path("p.csv"), text), "--json")
-        self.assert_done(result)
+        result = self.succeed("unproject", camera, "--pixels", write(self.path("p.csv"), text), "--json")
         rows = [row for row in json.loads(result.stdout) if row["dx"] is not None]
         points = "x,y,z\n" + "".join(
             ",".join(repr(row.get("o" + axis, 0) + row["d" + axis]) for axis in "xyz") + "\n"
             for row in rows)
-        result = run("project", self.path("camera.yaml"), "--points",
-                     write(self.path("q.csv"), points), "--json")
-        self.assert_done(result)
+        result = self.succeed("project", self.path("camera.yaml"), "--points",
+                              write(self.path("q.csv"), points), "--json")
         seen = json.loads(result.stdout)
         self.assertTrue(all(row["valid"] for row in seen))
         errors = [math.dist((a["x"], a["y"]), (b["u"], b["v"])) for a, b in zip(rows, seen)]
@@ -425,8 +414,7 @@ class Rays(ImportTest):
 
     def numpy(self, rays):
         """What numpy says of rays, which it saves again in many ways."""
-        result = run(RAYS_PEER, self.path(rays), self.folder, program=OPENCV)
-        self.assert_done(result)
+        result = self.succeed(RAYS_PEER, self.path(rays), self.folder, program=OPENCV)
         return json.loads(result.stdout)
 
     def test_numpy_reads_the_rays(self):
@@ -462,8 +450,7 @@ class Rays(ImportTest):
         camera = write(self.path("circle.yaml"), read(self.camera).decode() +
                        "image_circle: [80, 60, 50]\n")
         self.export(camera, "--to", "rays", out="r.npz")
-        result = run("import", self.path("r.npz"), "-o", self.path("camera.yaml"))
-        self.assert_done(result)
+        result = self.succeed("import", self.path("r.npz"), "-o", self.path("camera.yaml"))
         self.assertIn(f"{100 - 100 * math.pi * 50 ** 2 / (160 * 120):.1f} %", result.stderr)
 
     def test_pixels_that_are_left_out_say_what_lies_between(self):
@@ -548,12 +535,10 @@ class Isaac(TableTest):
         places += [(1 + k * 0.6180339887 % 1 * (width - 3), 1 + k * 0.7548776662 % 1 * (height - 3))
                    for k in range(5000)]
         pixels = write(self.path("p.csv"), "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in places))
-        result = run("unproject", camera, "--pixels", pixels)
-        self.assert_done(result)
+        result = self.succeed("unproject", camera, "--pixels", pixels)
         rows = [line for line in result.stdout.splitlines() if not line.endswith(",,,")]
         write(pixels, "\n".join(rows))
-        result = run(ISAAC_PEER, self.path(table), pixels, ahead, program=OPENCV)
-        self.assert_done(result)
+        result = self.succeed(ISAAC_PEER, self.path(table), pixels, ahead, program=OPENCV)
         return json.loads(result.stdout)
 
     def test_lookups_lead_where_the_camera_does(self):
@@ -577,8 +562,7 @@ class Isaac(TableTest):
                     self.assertGreater(px, 0.5, mistake)
 
     def test_the_errors_are_told(self):
-        result = run("export", self.camera, "--to", "isaac", "-o", self.path("t.exr"))
-        self.assert_done(result)
+        result = self.succeed("export", self.camera, "--to", "isaac", "-o", self.path("t.exr"))
         for words in ("t_enter.exr: 160 x 120 rays", "t_exit.exr", "directions, error 0.00",
                       "px RMS", "nominalWidth 160, nominalHeight 120, opticalCenter (80, 60)"):
             self.assertIn(words, result.stdout)
@@ -647,10 +631,8 @@ class StMaps(ImportTest):
                          cls.path("r.exr")),
                         ("export", cls.camera, "--to", "opencv", "--rectified", *cls.WIDE, "-o",
                          cls.path("view.yml"))):
-            result = run(*command)
-            assert result.returncode == 0, result.stderr
-        result = run(STMAP_PEER, cls.path("s.exr"), program=OPENCV)
-        assert result.returncode == 0, result.stderr
+            cls.succeed(*command)
+        cls.succeed(STMAP_PEER, cls.path("s.exr"), program=OPENCV)
 
     def test_import_after_export_is_nearly_the_camera(self):
         """In both directions, and with the view's words or its file. Half a pixel is found."""
@@ -742,7 +724,7 @@ class Trajectories(TableTest):
         stamps = ("0007", "1305031102.175304", "1403636579763555584")
         self.assertEqual([row[0] for row in self.trajectory([s + ".png" for s in stamps])],
                          list(stamps))
-        self.assert_done(run("import", self.path("t.txt"), "-o", self.path("back.csv")))
+        self.succeed("import", self.path("t.txt"), "-o", self.path("back.csv"))
         for line, stamp, pose in zip(read(self.path("back.csv")).decode().splitlines()[1:], stamps,
                                      self.POSES):
             image, board, *numbers = line.split(",")
@@ -751,8 +733,8 @@ class Trajectories(TableTest):
 
     def test_time_stamps_of_other_programs_become_names_of_digits(self):
         text = "1.305031102175304e+09 0 0 0 0 0 0 1\n2.0e+00 0 0 0 0 0 0 1\n"
-        self.assert_done(run("import", write(self.path("evo.txt"), text), "-o",
-                             self.path("evo.csv")))
+        self.succeed("import", write(self.path("evo.txt"), text), "-o",
+                     self.path("evo.csv"))
         self.assertEqual([line.split(",")[0] for line in
                           read(self.path("evo.csv")).decode().splitlines()],
                          ["image", "1305031102.175304", "2"])

@@ -4,7 +4,7 @@ import re
 import shlex
 
 import command_test
-from command_test import CommandTest, programs, read, run, write
+from command_test import CommandTest, programs, read, write
 
 TUTORIAL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../offline/TUTORIAL.md")
 
@@ -27,7 +27,7 @@ class Tutorial(CommandTest):
                     program = programs.undistort if name == "raygrid-undistort" else programs.raygrid
                     # The comparison of models takes most of the time, and is tested elsewhere.
                     more = ["--skip-comparison"] if words[0] == "calibrate" else []
-                    self.assert_done(run(*words, *more, program=program))
+                    self.succeed(*words, *more, program=program)
         finally:
             os.chdir(before)
         for made in ("board/pattern.pdf", "seen/coverage.png", "result/report.html", "sheet.png",

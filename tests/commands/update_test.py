@@ -39,8 +39,7 @@ class Update(CommandTest):
         super().setUpClass()
         camera = cls.simulated_camera("wide")
         for name, more in (("a", ()), ("b", ("--remap", "160x120,hfov=60")), ("c", ("--serial", "c"))):
-            result = run("pack", camera, *more, "-o", cls.path(name + ".raygrid"))
-            assert result.returncode == 0, result.stderr
+            cls.succeed("pack", camera, *more, "-o", cls.path(name + ".raygrid"))
         cls.blobs = {name: read(cls.path(name + ".raygrid")) for name in "abc"}
 
     def setUp(self):
@@ -63,10 +62,9 @@ class Update(CommandTest):
                           "as in containers and without root")
         device = attached.stdout.strip()
         try:
-            self.assert_done(run("update", self.path("b.raygrid"), "--slots", device,
-                                 "--slot-size", "32K"))
-            result = run("inspect", device, "--slot-size", "32K", "--json")
-            self.assert_done(result)
+            self.succeed("update", self.path("b.raygrid"), "--slots", device,
+                         "--slot-size", "32K")
+            result = self.succeed("inspect", device, "--slot-size", "32K", "--json")
             self.assertEqual(json.loads(result.stdout)["newest"], 1)
             self.assert_refused(run("inspect", device), 1, "--slot-size")
             self.assert_refused(run("inspect", device, "--slot-size", "1M"), 2, "smaller --slot-size")
@@ -160,8 +158,7 @@ class Update(CommandTest):
                 write(self.slots, b"\xff" * 2 * SLOT)
                 self.put(1 - newest_slot, 4, self.blobs["a"])
                 self.put(newest_slot, 5, bad)
-                told = run("inspect", self.slots, "--json")
-                self.assert_done(told)
+                told = self.succeed("inspect", self.slots, "--json")
                 facts = json.loads(told.stdout)
                 self.assertEqual(facts["newest"], 1 - newest_slot)
                 self.assertEqual(facts[f"slot_{newest_slot}"]["state"], "unreadable")
@@ -181,7 +178,7 @@ class Update(CommandTest):
         lines = read(self.path("sim_wide/true_camera.yaml")).splitlines()
         lines = [line for line in lines if not line.startswith(b"name:")] + [b"name: RGSLOTS", b""]
         camera = write(self.path("named.yaml"), b"\n".join(lines))
-        self.assert_done(run("pack", camera, "--serial", "RGSLOTS", "-o", self.path("named.raygrid")))
+        self.succeed("pack", camera, "--serial", "RGSLOTS", "-o", self.path("named.raygrid"))
         for name in ("named", "named", "a", "named"):
             self.assert_done(self.update(name, "--slot-size", SLOT))
         self.assertEqual(json.loads(run("inspect", self.slots, "--json").stdout)["newest"], 0)
@@ -199,15 +196,15 @@ class Update(CommandTest):
         self.assert_refused(run("update", blob, "--slots", photo, "--slot-size", "4K"), 2, "65536 bytes")
         # A copy of flash with more behind the slots, or with less.
         two = self.path("two.bin")
-        self.assert_done(run("update", blob, "--slots", two))
-        self.assert_done(run("update", self.path("b.raygrid"), "--slots", two))
+        self.succeed("update", blob, "--slots", two)
+        self.succeed("update", self.path("b.raygrid"), "--slots", two)
         whole = read(two)
         for copy in (whole + bytes(1000), whole[:100000]):
             place = write(self.path("copy.bin"), copy)
             self.assert_refused(run("update", blob, "--slots", place), 2, "found a slot at byte 65536")
             self.assertEqual(read(place), copy)
         self.assertEqual(read(photo), bytes(range(256)) * 256)
-        self.assert_done(run("update", blob, "--slots", photo, "--initialize"))
+        self.succeed("update", blob, "--slots", photo, "--initialize")
         self.assertEqual(newest(read(photo)), (0, 1, self.blobs["a"]))
         self.assert_refused(run("update", blob, "--slots", "/dev/null"), 7, "/dev/null")
         self.assert_refused(run("update", blob, "--slots", self.folder), 7, "cannot be written")

@@ -22,8 +22,7 @@ class Views(CommandTest):
 
     def projected(self, camera, points):
         text = write(self.path("points.csv"), "x,y,z\n" + points)
-        result = run("project", camera, "--points", text, "--json")
-        self.assert_done(result)
+        result = self.succeed("project", camera, "--points", text, "--json")
         return json.loads(result.stdout)
 
     def test_pack_tells_the_view_and_writes_it_as_a_camera(self):
@@ -81,34 +80,31 @@ class Views(CommandTest):
         inspected = json.loads(run("inspect", self.path("round/c.raygrid"), "--json").stdout)
         self.assertEqual((inspected["format_version"], inspected["remap_tables"][0]["projection"]),
                          ("1.5", "cylindrical"))
-        result = run("undistort", self.path("round/c.raygrid"), self.image, "-o",
-                     self.path("round/flat"))
-        self.assert_done(result)
+        result = self.succeed("undistort", self.path("round/c.raygrid"), self.image, "-o",
+                              self.path("round/flat"))
         for words in ("cylindrical", "30 degrees right", "-10 up", "5 clockwise"):
             self.assertIn(words, result.stdout)
 
     def test_undistort_takes_the_same_words_and_tells_the_view(self):
-        result = run("undistort", self.camera, self.image, "--alpha", 0, "--json",
-                     "--max-error-px", 0.25, "-o",
-                     self.path("flat"))
-        self.assert_done(result)
+        result = self.succeed("undistort", self.camera, self.image, "--alpha", 0, "--json",
+                              "--max-error-px", 0.25, "-o",
+                              self.path("flat"))
         told = json.loads(result.stdout)
         self.assertEqual(told["view"]["size"], [160, 120])
         self.assertEqual(sorted(os.listdir(self.path("flat"))), ["view.camera.yaml", "white.png"])
         self.assertEqual(told["view_file"], self.path("flat/view.camera.yaml"))
         # A blob's own table is told as it was when it was packed.
         self.assert_done(self.pack("100x80,focal=70"))
-        result = run("undistort", self.path("c.raygrid"), self.image, "--json", "-o",
-                     self.path("of_blob"))
-        self.assert_done(result)
+        result = self.succeed("undistort", self.path("c.raygrid"), self.image, "--json", "-o",
+                              self.path("of_blob"))
         self.assertEqual(json.loads(result.stdout)["view"]["K"][0], [70, 0, 49.5])
 
     def test_nothing_is_shown_beyond_a_fisheyes_image_circle(self):
         folder = self.path("fisheye")
-        self.assert_done(run("simulate", "--render", "--lens", "fisheye", "--size", "320x240",
-                             "--images", 9, "--image-circle", 130, "--samples-per-pixel", 3,
-                             "--pattern", "chessboard:5x4:25mm", "--max-square-px", 16,
-                             "-o", folder))
+        self.succeed("simulate", "--render", "--lens", "fisheye", "--size", "320x240",
+                     "--images", 9, "--image-circle", 130, "--samples-per-pixel", 3,
+                     "--pattern", "chessboard:5x4:25mm", "--max-square-px", 16,
+                     "-o", folder)
 
         def calibrate(output, *words):
             return run("calibrate", *words, "--pattern", folder + "/pattern.yaml", "--model",
@@ -133,9 +129,9 @@ class Views(CommandTest):
         white = write(self.path("fisheye_white.png"), png([255] * (320 * 240), size=(320, 240)))
         levels = {}
         for name in ("none", "told"):
-            self.assert_done(run("undistort", self.path(name + "/camera.yaml"), white, "--size",
-                                 "320x240", "--projection", "equidistant", "--hfov", 120,
-                                 "--max-error-px", 0.2, "-o", self.path(name + "_view")))
+            self.succeed("undistort", self.path(name + "/camera.yaml"), white, "--size",
+                         "320x240", "--projection", "equidistant", "--hfov", 120,
+                         "--max-error-px", 0.2, "-o", self.path(name + "_view"))
             levels[name] = read_png(self.path(name + "_view/fisheye_white.png"))[2]
         pixels = write(self.path("pixels.csv"), "x,y\n150,120\n300,120\n")
         rays = {}
@@ -155,9 +151,9 @@ class Views(CommandTest):
             self.assert_done(result)
             compared[name] = json.loads(result.stdout)["points"]
         self.assertLess(compared["told"], compared["none"] / 2)
-        self.assert_done(run("export", self.path("told/camera.yaml"), "--to", "maps", "--size",
-                             "320x240", "--projection", "equidistant", "--hfov", 120, "-o",
-                             self.path("told.xml")))
+        self.succeed("export", self.path("told/camera.yaml"), "--to", "maps", "--size",
+                     "320x240", "--projection", "equidistant", "--hfov", 120, "-o",
+                     self.path("told.xml"))
         cells = read(self.path("told.xml")).decode().split("<data>")[1].split("</data>")[0].split()
         self.assertEqual(float(cells[120 * 320 + 300]), -1)
         self.assertGreater(float(cells[120 * 320 + 150]), 100)
@@ -173,11 +169,10 @@ class Views(CommandTest):
         for camera, words in ((self.path("wave/c.raygrid"), ()),
                               (self.camera, ("--view", self.path("wave/c.camera.yaml"),
                                              "--max-error-px", 0.25))):
-            self.assert_done(run("undistort", camera, image, *words, "-o",
-                                 self.path("wave/flat")))
-            result = run("undistort", camera, self.path("wave/flat/wave.png"), *words, "--inverse",
-                         "--json", "-o", self.path("wave/back"))
-            self.assert_done(result)
+            self.succeed("undistort", camera, image, *words, "-o",
+                         self.path("wave/flat"))
+            result = self.succeed("undistort", camera, self.path("wave/flat/wave.png"), *words, "--inverse",
+                                  "--json", "-o", self.path("wave/back"))
             self.assertEqual(json.loads(result.stdout)["view"]["size"], [200, 150])
             _, _, back = read_png(self.path("wave/back/wave.png"))
             self.assertEqual(len(back), len(wave))
@@ -195,8 +190,8 @@ class Views(CommandTest):
                             "200 x 150")
         self.assert_refused(run("undistort", self.camera, self.image, "--inverse", "--frames",
                                 self.path("raw"), *out), 1, "--frames")
-        self.assert_done(run("simulate", "--images", 3, "--lens", "glass", "--size", "160x120",
-                             "-o", self.path("glass")))
+        self.succeed("simulate", "--images", 3, "--lens", "glass", "--size", "160x120",
+                     "-o", self.path("glass"))
         self.assert_refused(run("undistort", self.path("glass/true_camera.yaml"), self.image,
                                 "--inverse", *out), 1, "true_camera.yaml", "raygrid fit")
         self.assert_nothing_in(self.path("never"))
@@ -205,32 +200,32 @@ class Views(CommandTest):
         """Features in the middle of the image alone: the whole view is filled, or its border
         left."""
         simulated = self.path("middle")
-        self.assert_done(run("simulate", "--lens", "pinhole", "--size", "160x120", "--images", 40,
-                             "--noise-px", 0.01, "-o", simulated, "--quiet"))
+        self.succeed("simulate", "--lens", "pinhole", "--size", "160x120", "--images", 40,
+                     "--noise-px", 0.01, "-o", simulated, "--quiet")
         lines = read(os.path.join(simulated, "features.csv")).decode().splitlines(True)
         middle = [line for line in lines
                   if line.startswith(("#", "image")) or 40 < float(line.split(",")[4]) < 120]
         features = write(self.path("middle.csv"), "".join(middle))
-        self.assert_done(run("calibrate", "--features", features, "--image-size", "160x120",
-                             "--pattern", os.path.join(simulated, "pattern.yaml"),
-                             "--knot-spacing-px", 40, "--skip-comparison", "--quiet",
-                             "--hold-out", "sim0000.png",
-                             "-o", self.path("known")))
+        self.succeed("calibrate", "--features", features, "--image-size", "160x120",
+                     "--pattern", os.path.join(simulated, "pattern.yaml"),
+                     "--knot-spacing-px", 40, "--skip-comparison", "--quiet",
+                     "--hold-out", "sim0000.png",
+                     "-o", self.path("known"))
         camera = self.path("known/camera.yaml")
         shown = {}
         for outside in ("fill", "border"):
-            self.assert_done(run("undistort", camera, self.image, "--alpha", 0,
-                                 "--outside", outside, "-o", self.path(outside)))
+            self.succeed("undistort", camera, self.image, "--alpha", 0,
+                         "--outside", outside, "-o", self.path(outside))
             shown[outside] = read_png(os.path.join(self.path(outside), "white.png"))[2]
         self.assertEqual(set(shown["fill"]), {255})
         self.assertEqual(shown["border"][60 * 160 + 80], 255)
         for corner in (0, 159, 119 * 160, 119 * 160 + 159):
             self.assertEqual(shown["border"][corner], 0)
         # A blob does the same by what it says of trust.
-        self.assert_done(run("pack", camera, "-o", self.path("known.raygrid"), "--remap",
-                             "160x120", "--quiet"))
-        self.assert_done(run("undistort", self.path("known.raygrid"), self.image, "--outside",
-                             "border", "-o", self.path("by_blob")))
+        self.succeed("pack", camera, "-o", self.path("known.raygrid"), "--remap",
+                     "160x120", "--quiet")
+        self.succeed("undistort", self.path("known.raygrid"), self.image, "--outside",
+                     "border", "-o", self.path("by_blob"))
         self.assertEqual(read_png(os.path.join(self.path("by_blob"), "white.png"))[2][0], 0)
         result = run("undistort", self.camera, self.image, "--outside", "border",
                      "-o", self.path("unknown"))
@@ -244,9 +239,9 @@ class Views(CommandTest):
                       + f"trusted: {{max_deviation_px: 1, cell_px: 16, cells: {cells}}}\n")
         view = "160x120,hfov=80,center=79.5,59.5"
         blob = self.path("cells/c.raygrid")
-        self.assert_done(run("pack", known, "--remap", view, "--remap", view + ",direction=distort",
-                             "--mode", "part:crop=40,30,80,60", "--max-error-px", 2, "--quiet",
-                             "-o", blob))
+        self.succeed("pack", known, "--remap", view, "--remap", view + ",direction=distort",
+                     "--mode", "part:crop=40,30,80,60", "--max-error-px", 2, "--quiet",
+                     "-o", blob)
         part = ("--mode", "part:crop=40,30,80,60", "--size", "160x120", "--focal", 80)
         for camera, words, corner, width in (
                 (known, ("--hfov", 80), (0, 0), 160), (known, part, (40, 30), 80),
@@ -256,8 +251,8 @@ class Views(CommandTest):
             with self.subTest((camera, words)):
                 shown = {}
                 for outside in ("fill", "border"):
-                    self.assert_done(run("undistort", camera, self.image, "--inverse", *words,
-                                         "--outside", outside, "-o", self.path(outside)))
+                    self.succeed("undistort", camera, self.image, "--inverse", *words,
+                                 "--outside", outside, "-o", self.path(outside))
                     shown[outside] = read_png(self.path(f"{outside}/white.png"))[2]
                 self.assertEqual(len(shown["fill"]), width * width * 3 // 4)
                 for k, level in enumerate(shown["fill"]):
@@ -266,8 +261,8 @@ class Views(CommandTest):
                 self.assertGreater(sum(level == 255 for level in shown["border"]), 1000)
         # The other direction takes frames of the table's mode, too.
         small = write(self.path("cells/in/small.png"), png([255] * (80 * 60), size=(80, 60)))
-        self.assert_done(run("undistort", blob, small, "--remap-index", 1, "--outside", "border",
-                             "--max-error-px", 2, "-o", self.path("cells/out")))
+        self.succeed("undistort", blob, small, "--remap-index", 1, "--outside", "border",
+                     "--max-error-px", 2, "-o", self.path("cells/out"))
         dark = write(self.path("cells/dark.yaml"), read(known).decode().replace("#", "."))
         self.assert_refused(run("undistort", dark, self.image, "--inverse", "--outside", "border",
                                 "-o", self.path("never")), 1, "dark.yaml", "valid region is empty")

@@ -52,8 +52,11 @@ class JsonSchemaTest(unittest.TestCase):
             jsonschema.Draft202012Validator.check_schema(json_schemas.load(name))
 
     def test_every_key_has_a_title_a_description_and_a_unit(self):
+        resolved = json_page().resolved
         for name in NAMES:
-            for place, value in properties(json_schemas.load(name)):
+            schema = json_schemas.load(name)
+            for place, value in properties(schema):
+                value = resolved(value, schema)
                 self.assertTrue(value.get("title") and value.get("description"), name + place)
                 if value.get("type") in ("number", "integer", ["number", "null"]):
                     self.assertTrue(value.get("unit") or value["title"] == "Metric", name + place)

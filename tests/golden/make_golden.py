@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
-"""Write golden_blobs.h and the worked example of SPEC.md with blob_reference.py.
+"""Golden cameras, and golden_blobs.h: the blobs of formats/vectors and the results expected of them.
 
-With --check, compare what would be written with what is there instead.
+    make_golden.py FILE    writes golden_blobs.h
 """
 
-import argparse
+import csv
 import dataclasses
 import functools
 import math
-import re
 import sys
 import tomllib
 import zlib
@@ -21,8 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "formats"))
 import blob_reference as reference  # noqa: E402
 
-EXAMPLE_PATH = ROOT / "formats" / "vectors" / "example.txt"
-HEADER_PATH = ROOT / "tests" / "golden" / "golden_blobs.h"
+VECTORS = ROOT / "formats" / "vectors"
 
 Pair = tuple[int, int]
 Point = tuple[float, float]
@@ -31,7 +29,7 @@ Ray = tuple[float, float, float]
 UNKNOWN = 0xFFFFFFFF
 Q12, Q16, Q17, Q24 = 1 << 12, 1 << 16, 1 << 17, 1 << 24
 Q27, Q28, Q29, Q30 = 1 << 27, 1 << 28, 1 << 29, 1 << 30
-BORDER = 7
+BORDER = 201
 FRAME_SEED = 2025
 CHART_POINTS = ((0, 0), (1, -1), (0.25, 0.5), (-0.5, 0.125), (1, 0), (-1, 1),
                 (1.5, -2), (0, 3), (-3.5, 0.75), (2.5, 3.25),
@@ -530,6 +528,7 @@ STACK_VALUES = (-Q16 // 2, 2 * Q16, 6 * Q16 + 12345)
 # Before the range, at its ends and at a knot, and between: close to a knot, too.
 STACK_CONDITIONS = (-3 * Q16, STACK_VALUES[0], STACK_VALUES[0] + 7, Q16, STACK_VALUES[1],
                     5 * Q16 + 1, STACK_VALUES[2] - 1, STACK_VALUES[2], 9 * Q16)
+FORMATS_CONDITION = STACK_CONDITIONS[3]  # that of frames of all formats
 STACK_VIEWS = (
     View(48, 36, block_log2=5, residual_shift=4, focal=24.0, bound_upx=9000000,
          source=(60.3, 40.7, 250.2, 190.9), part_log2=3),
@@ -889,7 +888,7 @@ FORMATS = tuple(tuple(read_placements(f["samples"], DESCRIPTION["layouts"][f["la
                 for f in DESCRIPTION["formats"].values())
 # Shift and mask of red, green and blue: four samples are a word, the fourth of them nothing.
 FIELDS_565 = ((11, 31), (5, 63), (0, 31))
-BORDER_VALUES = (201, 17, 130, 66)
+BORDER_VALUES = (BORDER, 17, 130, 66)
 KEPT_BYTE = 0xa5
 # Border and sampling of the golden frames: value, clamp, keep.
 MODES = (("value", False), (reference.BORDER_CLAMP, False), (None, True))
@@ -989,13 +988,6 @@ def remap_channel(blob: reference.Blob, place: Placement, channel: int,
                            sample)
 
 
-def format_lines(blob: reference.Blob) -> Iterator[str]:
-    """A table of CRCs by format and mode."""
-    for placements in FORMATS:
-        crcs = (f"0x{format_crc(blob, placements, *mode):08x}u" for mode in MODES)
-        yield f"    {{{', '.join(crcs)}}},"
-
-
 def undistorted_lines(blob: reference.Blob) -> Iterator[str]:
     """Entries of a table of the pixels of pixel_lines() in the undistorted image."""
     for x, y in golden_pixels(blob.grid):
@@ -1059,170 +1051,112 @@ def source_size(blob: reference.Blob) -> reference.Size:
 # Output
 
 
-def byte_lines(data: bytes) -> Iterator[str]:
-    """Bytes of a C array."""
-    for start in range(0, len(data), 12):
-        row = ", ".join(f"0x{byte:02x}" for byte in data[start:start + 12])
-        yield f"    {row},"
+# Names of blobs without their suffix, in the order of the header, and what they are.
+BLOBS = {
+    "example": "The worked example of SPEC.md.",
+    "lens": "A wide lens on a turned sensor.",
+    "narrow": "The lens of kLensBlob with control points of 16 bits and an inverse grid.",
+    "wide": "220 degrees, with an inverse grid: version 1.3.",
+    "lines": "A non-central camera.",
+    "seen_lines": "The narrow camera with lines instead of rays.",
+    "bent": "The camera of kWideBlob with two tables with bends: version 1.4.",
+    "views": "The camera of kWideBlob with a view of each projection: version 1.5.",
+    "modes": "The camera of kWideBlob with three modes, a table of each, and one that distorts.",
+    "capture": "The example's camera without tables, and how it stood: version 1.6.",
+    "stack": "A lens of 150 degrees at three positions, with three tables: version 1.6.",
+    "row_time": "The example's camera without tables, and its row time: version 1.6.",
+}
 
 
-def blob_lines(name: str, data: bytes) -> Iterator[str]:
-    """A blob as a C array that may be used in place."""
-    yield f"static const uint8_t {name}[{len(data)}] GOLDEN_ALIGNED = {{"
-    yield from byte_lines(data)
-    yield "};"
-    yield ""
+def blob_name(name: str) -> str:
+    """The array of a blob's bytes."""
+    return f"k{name.title().replace('_', '')}Blob"
 
 
-def header_lines(example: reference.Blob, lens: reference.Blob,
-                 wide: reference.Blob) -> Iterator[str]:
+def array_lines(comment: str, declaration: str, rows: Iterable[str]) -> Iterator[str]:
+    """A table in C."""
+    yield from (f"/* {comment} */", f"static const {declaration} = {{", *rows, "};", "")
+
+
+class Frames:
+    """CRCs of frames.csv."""
+
+    def __init__(self) -> None:
+        with open(VECTORS / "frames.csv", encoding="utf-8", newline="") as file:
+            self.rows = list(csv.DictReader(file))
+
+    def crcs(self, blob: str, condition: str = "", **wanted: str) -> list[str]:
+        """Those of a blob, as numbers in C, where columns have the wanted values."""
+        wanted = {"blob": blob, "condition_q16": condition, **wanted}
+        return [f"0x{row['crc32']}u" for row in self.rows if wanted.items() <= row.items()]
+
+    def grey(self, blob: str, condition: str = "") -> list[str]:
+        """Those of grey frames with the border GOLDEN_BORDER, by table."""
+        return self.crcs(blob, condition, format="GREY8", border="value")
+
+    def format_lines(self, blob: str, table: int, condition: str = "") -> Iterator[str]:
+        """Entries of a table by format and mode."""
+        for name in FORMAT_NAMES:
+            crcs = self.crcs(blob, condition, table=str(table), format=name)
+            yield f"    {{{', '.join(crcs)}}},"
+
+
+def header_lines() -> Iterator[str]:
     """golden_blobs.h."""
-    yield from PREAMBLE.splitlines()
-    yield "/* clang-format off */"
+    data = {name: (VECTORS / f"{name}.raygrid").read_bytes() for name in BLOBS}
+    blobs = {name: reference.parse(blob) for name, blob in data.items()}
+    frames = Frames()
+    yield PREAMBLE
     yield f"#define GOLDEN_FRAME_SEED {FRAME_SEED}u"
     yield f"#define GOLDEN_BORDER {BORDER}u"
-    yield f"#define GOLDEN_EXAMPLE_REMAP_CRC 0x{remap_crc(example):08x}u"
-    yield f"#define GOLDEN_LENS_REMAP_CRC 0x{remap_crc(lens):08x}u"
-    yield f"#define GOLDEN_LENS_BORDER_PIXELS {border_pixels(lens)}u"
-    yield ""
-    yield "/* The worked example of formats/SPEC.md. */"
-    yield from blob_lines("kExampleBlob", reference.serialize(example))
-    yield "/* A wide lens on a turned sensor. */"
-    yield from blob_lines("kLensBlob", reference.serialize(lens))
-    yield "/* q16 pixels of kLensBlob. */"
-    yield "static const golden_ray kLensRays[] = {"
-    yield from pixel_lines(lens)
-    yield "};"
-    yield ""
-    yield "/* The lens of kLensBlob with control points of 16 bits and an inverse grid. */"
-    yield from blob_lines("kNarrowBlob", reference.serialize(make_narrow(lens)))
-    yield "/* q16 pixels of kNarrowBlob. */"
-    yield "static const golden_ray kNarrowRays[] = {"
-    yield from pixel_lines(make_narrow(lens))
-    yield "};"
-    yield ""
-    yield "/* The pixels of kLensRays in the undistorted image, q16, or INT32_MIN. */"
-    yield "static const int32_t kLensUndistorted[][2] = {"
-    yield from undistorted_lines(lens)
-    yield "};"
-    yield ""
-    yield "/* 220 degrees, with an inverse grid: version 1.3. */"
-    yield from blob_lines("kWideBlob", reference.serialize(wide))
-    yield "/* q16 pixels of kWideBlob, or INT32_MIN, of directions of any length. */"
-    yield "static const golden_ray kWideProjections[] = {"
-    yield from projection_lines(wide, WIDE_LENS)
-    yield "};"
-    yield ""
-    yield "/* A non-central camera. */"
-    yield from blob_lines("kLinesBlob", reference.serialize(make_lines(example)))
-    yield "/* q16 pixels of kLinesBlob, and their lines' points in q28. */"
-    yield "static const golden_ray kLinePoints[] = {"
-    yield from line_lines(make_lines(example))
-    yield "};"
-    yield ""
-    seen_lines = make_seen_lines(make_narrow(lens))
-    yield "/* The narrow camera with lines instead of rays. */"
-    yield from blob_lines("kSeenLinesBlob", reference.serialize(seen_lines))
-    yield "/* q16 pixels of kSeenLinesBlob, or INT32_MIN, that see points in q24 m. */"
-    yield "static const golden_ray kSeenPoints[] = {"
-    yield from point_lines(seen_lines)
-    yield "};"
-    yield ""
-    yield "/* Frames of each rg_format undistorted with kWideBlob: border of"
-    yield " * GOLDEN_BORDER_VALUES; clamped; kept bytes of GOLDEN_KEPT, nearest. */"
+    yield f"#define GOLDEN_EXAMPLE_REMAP_CRC {frames.grey('example')[0]}"
+    yield f"#define GOLDEN_LENS_REMAP_CRC {frames.grey('lens')[0]}"
+    yield f"#define GOLDEN_LENS_BORDER_PIXELS {border_pixels(blobs['lens'])}u"
+    yield "/* Frames of each rg_format: border of GOLDEN_BORDER_VALUES; clamped; kept bytes of GOLDEN_KEPT,"
+    yield " * nearest. */"
     yield f"#define GOLDEN_BORDER_VALUES {', '.join(map(str, BORDER_VALUES))}"
     yield f"#define GOLDEN_KEPT 0x{KEPT_BYTE:02x}"
-    yield "static const uint32_t kFormatCrcs[][3] = {"
-    yield from format_lines(wide)
-    yield "};"
-    yield ""
-    bent = make_bent(wide)
-    yield "/* The camera of kWideBlob with two tables with bends: version 1.4. */"
-    yield from blob_lines("kBentBlob", reference.serialize(bent))
-    for name, table in (("kBentFormatCrcs", bent.remap), ("kMoreBentFormatCrcs",
-                                                          bent.more_remaps[0])):
-        yield f"static const uint32_t {name}[][3] = {{"
-        yield from format_lines(dataclasses.replace(bent, remap=table, more_remaps=()))
-        yield "};"
-        yield ""
-    views = make_views(wide)
-    yield "/* The camera of kWideBlob with a view of each projection: version 1.5. */"
-    yield from blob_lines("kViewsBlob", reference.serialize(views))
-    yield "/* q16 pixels of kViewsBlob. */"
-    yield "static const golden_ray kViewsRays[] = {"
-    yield from pixel_lines(views)
-    yield "};"
-    yield ""
-    yield "/* The pixels of kViewsRays in the image of each table, q16, or INT32_MIN. */"
-    yield "static const int32_t kViewsUndistorted[][sizeof kViewsRays / sizeof kViewsRays[0]][2] = {"
-    for view in VIEWS:
-        yield "  {"
-        yield from undistorted_view_lines(views, view)
-        yield "  },"
-    yield "};"
-    yield "static const uint32_t kViewsCrcs[] = {"
-    for table in (views.remap, *views.more_remaps):
-        crc = remap_crc(dataclasses.replace(views, remap=table, more_remaps=()))
-        yield f"    0x{crc:08x}u,"
-    yield "};"
-    yield ""
-    modes = make_modes(wide)
-    yield "/* The camera of kWideBlob with three modes, a table of each, and one that distorts. */"
-    yield from blob_lines("kModesBlob", reference.serialize(modes))
-    yield "static const uint32_t kModesCrcs[] = {"
-    for table in (modes.remap, *modes.more_remaps):
-        crc = remap_crc(dataclasses.replace(modes, remap=table, more_remaps=()))
-        yield f"    0x{crc:08x}u,"
-    yield "};"
-    yield ""
-    yield "/* The example's camera without tables, and how it stood: version 1.6. */"
-    yield from blob_lines("kCaptureBlob", reference.serialize(make_capture(example)))
-    stack = make_stack(wide)
-    yield "/* A lens of 150 degrees at three positions, with three tables: version 1.6. */"
-    yield from blob_lines("kStackBlob", reference.serialize(stack))
-    yield "/* q16 dioptres, and the CRCs of what the three tables undistort there. */"
-    yield "static const struct {"
-    yield "  int32_t value_q16;"
-    yield "  uint32_t crcs[3];"
-    yield "} kStackCrcs[] = {"
-    for value in STACK_CONDITIONS:
-        there = reference.at_condition(stack, value)
-        crcs = ", ".join(f"0x{remap_crc(dataclasses.replace(there, remap=table, more_remaps=())):08x}u"
-                         for table in there.remaps)
-        yield f"    {{{value}, {{{crcs}}}}},"
-    yield "};"
-    yield f"#define GOLDEN_STACK_VALUE {STACK_CONDITIONS[3]}"
-    yield "/* Like kFormatCrcs, at that condition, with two of the tables. */"
-    for name, k in (("kStackFormatCrcs", 0), ("kStackPlainFormatCrcs", 1)):
-        there = reference.at_condition(stack, STACK_CONDITIONS[3])
-        yield f"static const uint32_t {name}[][3] = {{"
-        yield from format_lines(dataclasses.replace(there, remap=there.remaps[k], more_remaps=()))
-        yield "};"
-    yield ""
-    yield "/* The example's camera without tables, and its row time: version 1.6. */"
-    yield from blob_lines("kRowTimeBlob", reference.serialize(make_row_time(example)))
-    yield "/* q29 chart positions, up to the limit. */"
-    yield "static const golden_ray kChartRays[] = {"
-    yield from chart_lines()
-    yield "};"
-    yield ""
-
-
-def with_list(lines: list[str]) -> Iterator[str]:
-    """The header with a list of its blobs."""
-    yield from lines
-    yield "static const golden_blob kGoldenBlobs[] = {"
-    for name in re.findall(r"^static const uint8_t (\w+)\[", "\n".join(lines), re.MULTILINE):
-        yield f"    {{{name}, sizeof({name})}},"
-    yield "};"
+    yield f"#define GOLDEN_STACK_VALUE {FORMATS_CONDITION}"
+    for name, comment in BLOBS.items():
+        yield from array_lines(comment, f"uint8_t {blob_name(name)}[{len(data[name])}] GOLDEN_ALIGNED",
+                               [",".join(map(str, data[name]))])
+    for name in ("lens", "narrow", "views"):
+        yield from array_lines(f"q16 pixels of {blob_name(name)}.", f"golden_ray k{name.title()}Rays[]",
+                               pixel_lines(blobs[name]))
+    yield from array_lines("The pixels of kLensRays in the undistorted image, q16, or INT32_MIN.",
+                           "int32_t kLensUndistorted[][2]", undistorted_lines(blobs["lens"]))
+    yield from array_lines("q16 pixels of kWideBlob, or INT32_MIN, of directions of any length.",
+                           "golden_ray kWideProjections[]", projection_lines(blobs["wide"], WIDE_LENS))
+    yield from array_lines("q16 pixels of kLinesBlob, and their lines' points in q28.",
+                           "golden_ray kLinePoints[]", line_lines(blobs["lines"]))
+    yield from array_lines("q16 pixels of kSeenLinesBlob, or INT32_MIN, that see points in q24 m.",
+                           "golden_ray kSeenPoints[]", point_lines(blobs["seen_lines"]))
+    yield from array_lines("The pixels of kViewsRays in the image of each table, q16, or INT32_MIN.",
+                           "int32_t kViewsUndistorted[][sizeof kViewsRays / sizeof kViewsRays[0]][2]",
+                           (f"{{{''.join(undistorted_view_lines(blobs['views'], view))}}}," for view in VIEWS))
+    for array, blob, table, condition in (
+            ("kFormatCrcs", "wide", 0, ""), ("kBentFormatCrcs", "bent", 0, ""),
+            ("kMoreBentFormatCrcs", "bent", 1, ""), ("kStackFormatCrcs", "stack", 0, FORMATS_CONDITION),
+            ("kStackPlainFormatCrcs", "stack", 1, FORMATS_CONDITION)):
+        yield from array_lines(f"Frames of each format with table {table} of {blob_name(blob)}.",
+                               f"uint32_t {array}[][3]", frames.format_lines(blob, table, str(condition)))
+    for name in ("views", "modes"):
+        yield from array_lines("Of grey frames, by table.", f"uint32_t k{name.title()}Crcs[]",
+                               [",".join(frames.grey(name))])
+    yield "typedef struct golden_stack_crcs {\n  int32_t value_q16;\n  uint32_t crcs[3];\n} golden_stack_crcs;"
+    yield from array_lines("q16 dioptres, and the CRCs of what the three tables undistort there.",
+                           "golden_stack_crcs kStackCrcs[]",
+                           (f"{{{value}, {{{','.join(frames.grey('stack', str(value)))}}}}},"
+                            for value in STACK_CONDITIONS))
+    yield from array_lines("q29 chart positions, up to the limit.", "golden_ray kChartRays[]", chart_lines())
+    yield from array_lines("All blobs.", "golden_blob kGoldenBlobs[]",
+                           (f"{{{name}, sizeof({name})}}," for name in map(blob_name, BLOBS)))
     yield "#define NUM_GOLDEN_BLOBS (sizeof(kGoldenBlobs) / sizeof(kGoldenBlobs[0]))"
-    yield ""
     yield "#endif /* RAYGRID_GOLDEN_BLOBS_H */"
 
 
 PREAMBLE = """\
-/* Generated by tests/golden/make_golden.py from formats/blob_reference.py; not
- * for editing. */
+/* Generated by tests/golden/make_golden.py from formats/vectors. */
 #ifndef RAYGRID_GOLDEN_BLOBS_H
 #define RAYGRID_GOLDEN_BLOBS_H
 
@@ -1247,61 +1181,9 @@ typedef struct golden_blob {
 """
 
 
-def example_lines(example: reference.Blob) -> Iterator[str]:
-    """The worked example of SPEC.md: hex dump and results."""
-    yield from reference.hexdump_lines(reference.serialize(example))
-    yield ""
-    yield from example_results(example)
-
-
-def example_results(example: reference.Blob) -> Iterator[str]:
-    """Directions of some pixels, and an undistorted frame."""
-    grid = example.grid
-    yield "x_q16,y_q16,dx_q30,dy_q30,dz_q30"
-    for pixel in ((grid.x0, grid.y0), (2064384, 1540096), (grid.x1, grid.y1), (grid.x1 + 1, 0)):
-        direction = reference.unproject_q16(example, *pixel)
-        yield ",".join(map(str, (*pixel, *(direction or ("", "", "")))))
-    size = source_size(example)
-    frame = bytes(x + y for y in range(size.height) for x in range(size.width))
-    yield ""
-    output = reference.remap_grey(example, frame, BORDER)
-    for start in range(0, len(output), example.remap.width):
-        yield " ".join(f"{value:3d}" for value in output[start:start + example.remap.width])
-
-
-def expected_files() -> dict[Path, bytes]:
-    """The contents of the two files."""
-    example, lens, wide = make_example(), make_lens(), make_wide()
-    return {
-        HEADER_PATH: ("\n".join(with_list(list(header_lines(example, lens, wide)))) + "\n").encode(),
-        EXAMPLE_PATH: ("\n".join(example_lines(example)) + "\n").encode(),
-    }
-
-
-def check(path: Path, contents: bytes) -> bool:
-    """Whether the file holds the contents."""
-    same = path.exists() and path.read_bytes() == contents
-    if not same:
-        print(f"{path} is not what {Path(sys.argv[0]).name} would write")
-    return same
-
-
-def write(path: Path, contents: bytes) -> bool:
-    """Make the file hold the contents."""
-    path.parent.mkdir(exist_ok=True)
-    path.write_bytes(contents)
-    return True
-
-
-def main(description: str, make_files: Callable[[], dict[Path, bytes]]) -> int:
-    """Write or compare."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--check", action="store_true",
-                        help="compare only; exit 1 where a file differs")
-    handle = check if parser.parse_args().check else write
-    results = [handle(path, contents) for path, contents in make_files().items()]
-    return 0 if all(results) else 1
-
-
 if __name__ == "__main__":
-    sys.exit(main(__doc__, expected_files))
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    path = Path(sys.argv[1])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(header_lines()) + "\n", encoding="utf-8")

@@ -4,6 +4,7 @@
 With --check, compare what would be written with what is there instead.
 """
 
+import argparse
 import dataclasses
 import sys
 import zlib
@@ -14,10 +15,12 @@ from typing import NamedTuple
 import make_golden as golden
 import blob_reference as reference
 
-FOLDER = golden.ROOT / "formats" / "vectors"
+FOLDER = golden.VECTORS
 WHOLE_NUMBER_LIMIT = 1 << 30
 DIRECTIONS = 60
 POINT_FRACTION_BITS = 24
+TABLES_OF_ALL_FORMATS = (("wide", "", 0), ("bent", "", 0), ("bent", "", 1),
+                         *(("stack", str(golden.FORMATS_CONDITION), table) for table in (0, 1)))
 
 
 def make_blobs() -> dict[str, reference.Blob]:
@@ -96,14 +99,14 @@ def points_of(camera: reference.Blob) -> Iterator[reference.Vector]:
 
 
 def frame_lines(blobs: dict[str, reference.Blob]) -> Iterator[str]:
-    """frames.csv: all formats with the first table of `wide` and `bent`, grey ones with each."""
+    """frames.csv: all formats with some tables, grey ones with each."""
     yield "blob,condition_q16,table,format,border,sampling,crc32"
     for name, blob in blobs.items():
         for condition, camera in at_conditions(blob):
             for table, remap in enumerate(camera.remaps):
                 lone = dataclasses.replace(camera, remap=remap, more_remaps=())
-                formats = (golden.FORMAT_NAMES if name in ("wide", "bent") and table == 0
-                           else golden.FORMAT_NAMES[:1])
+                has_all = (name, condition, table) in TABLES_OF_ALL_FORMATS
+                formats = golden.FORMAT_NAMES if has_all else golden.FORMAT_NAMES[:1]
                 for index, name_of_format in enumerate(formats):
                     for mode in golden.MODES:
                         crc = golden.format_crc(lone, golden.FORMATS[index], *mode)
@@ -271,6 +274,28 @@ def mutant_lines(blobs: dict[str, reference.Blob]) -> Iterator[str]:
                         mutant.whole_reader, mutant.board, mutant.fault))
 
 
+def example_lines(example: reference.Blob) -> Iterator[str]:
+    """The worked example of SPEC.md: hex dump and results."""
+    yield from reference.hexdump_lines(reference.serialize(example))
+    yield ""
+    yield from example_results(example)
+
+
+def example_results(example: reference.Blob) -> Iterator[str]:
+    """Directions of some pixels, and an undistorted frame."""
+    grid = example.grid
+    yield "x_q16,y_q16,dx_q30,dy_q30,dz_q30"
+    for pixel in ((grid.x0, grid.y0), (2064384, 1540096), (grid.x1, grid.y1), (grid.x1 + 1, 0)):
+        direction = reference.unproject_q16(example, *pixel)
+        yield ",".join(map(str, (*pixel, *(direction or ("", "", "")))))
+    size = golden.source_size(example)
+    frame = bytes(x + y for y in range(size.height) for x in range(size.width))
+    yield ""
+    output = reference.remap_grey(example, frame, golden.BORDER)
+    for start in range(0, len(output), example.remap.width):
+        yield " ".join(f"{value:3d}" for value in output[start:start + example.remap.width])
+
+
 def expected_files() -> dict[Path, bytes]:
     """The contents of the files of the folder."""
     blobs = make_blobs()
@@ -278,8 +303,34 @@ def expected_files() -> dict[Path, bytes]:
     for name, lines in (("rays", ray_lines), ("projections", projection_lines),
                         ("frames", frame_lines), ("mutants", mutant_lines)):
         files[FOLDER / f"{name}.csv"] = ("\n".join(lines(blobs)) + "\n").encode()
+    files[FOLDER / "example.txt"] = ("\n".join(example_lines(blobs["example"])) + "\n").encode()
     return files
 
 
+def check(path: Path, contents: bytes) -> bool:
+    """Whether the file holds the contents."""
+    same = path.exists() and path.read_bytes() == contents
+    if not same:
+        print(f"{path} is not what {Path(sys.argv[0]).name} would write")
+    return same
+
+
+def write(path: Path, contents: bytes) -> bool:
+    """Make the file hold the contents."""
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(contents)
+    return True
+
+
+def main() -> int:
+    """Write or compare."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true",
+                        help="compare only; exit 1 where a file differs")
+    handle = check if parser.parse_args().check else write
+    results = [handle(path, contents) for path, contents in expected_files().items()]
+    return 0 if all(results) else 1
+
+
 if __name__ == "__main__":
-    sys.exit(golden.main(__doc__, expected_files))
+    sys.exit(main())

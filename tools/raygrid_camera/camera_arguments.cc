@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <variant>
+#include <vector>
 
 #include "camera_error.h"
 #include "control_arguments.h"
@@ -166,165 +168,97 @@ void ParseHttp(const std::string& text, CameraArguments* arguments) {
       static_cast<uint16_t>(ParseCount("--http", port.c_str(), 1, 65535));
 }
 
-enum Option : int {
-  kOutput = 'o',
-  kHelp = 'h',
-  kList = 256,
-  kSource,
-  kCamera,
-  kFormat,
-  kSize,
-  kTable,
-  kSerial,
-  kCrop,
-  kStrict,
-  kControl,
-  kFrom,
-  kFps,
-  kTimeout,
-  kPng,
-  kOutside,
-  kFrames,
-  kEveryFrame,
-  kLive,
-  kThreads,
-  kHttp,
-  kHttpName,
-  kListen,
-  kTokenFile,
-  kPoints,
-  kBenchmark,
-  kCheck,
-  kQuiet
+using Arguments = CameraArguments;
+using Parse = void (*)(const char* text, Arguments* arguments);
+
+// An option and its effect: a flag, a text, or a value that is parsed.
+struct CameraOption {
+  const char* name;
+  std::variant<bool Arguments::*, std::string Arguments::*, Parse> effect;
 };
 
-const option kOptions[] = {
-    {"output", required_argument, nullptr, kOutput},
-    {"help", no_argument, nullptr, kHelp},
-    {"list", no_argument, nullptr, kList},
-    {"source", optional_argument, nullptr, kSource},
-    {"camera", required_argument, nullptr, kCamera},
-    {"format", required_argument, nullptr, kFormat},
-    {"size", required_argument, nullptr, kSize},
-    {"table", required_argument, nullptr, kTable},
-    {"serial", required_argument, nullptr, kSerial},
-    {"calibrated-crop", required_argument, nullptr, kCrop},
-    {"strict", no_argument, nullptr, kStrict},
-    {"control", required_argument, nullptr, kControl},
-    {"from", required_argument, nullptr, kFrom},
-    {"fps", required_argument, nullptr, kFps},
-    {"timeout", required_argument, nullptr, kTimeout},
-    {"png", no_argument, nullptr, kPng},
-    {"outside", required_argument, nullptr, kOutside},
-    {"frames", required_argument, nullptr, kFrames},
-    {"every-frame", no_argument, nullptr, kEveryFrame},
-    {"live", no_argument, nullptr, kLive},
-    {"threads", required_argument, nullptr, kThreads},
-    {"http", required_argument, nullptr, kHttp},
-    {"http-name", required_argument, nullptr, kHttpName},
-    {"listen", required_argument, nullptr, kListen},
-    {"token-file", required_argument, nullptr, kTokenFile},
-    {"points", required_argument, nullptr, kPoints},
-    {"benchmark", no_argument, nullptr, kBenchmark},
-    {"check", no_argument, nullptr, kCheck},
-    {"quiet", no_argument, nullptr, kQuiet},
-    {nullptr, 0, nullptr, 0}};
+// The first two have the short forms -o and -h.
+const CameraOption kOptions[] = {
+    {"output", &Arguments::output},
+    {"help", &Arguments::is_help},
+    {"list", &Arguments::is_list},
+    {"source",
+     [](auto* text, Arguments* a) {
+       text ? ParseSource(text, a) : void(a->is_list = true);
+     }},
+    {"camera",
+     [](auto* text, Arguments* a) {
+       ChooseCamera(CameraKind::kLibcamera, text, a);
+     }},
+    {"format", &Arguments::format},
+    {"size", ParseSize},
+    {"table",
+     [](auto* text, Arguments* a) {
+       a->table = static_cast<unsigned>(ParseCount("--table", text, 0, 15));
+     }},
+    {"serial", &Arguments::serial},
+    {"calibrated-crop",
+     [](auto* text, Arguments* a) { a->calibrated_crop = ParseCrop(text); }},
+    {"strict", &Arguments::is_strict},
+    {"control",
+     [](auto* text, Arguments* a) {
+       a->controls.push_back(ParseControl(text));
+     }},
+    {"from", &Arguments::recording},
+    {"fps",
+     [](auto* text, Arguments* a) {
+       a->frames_per_second = ParseNumber("--fps", text, 0.01, 10000);
+     }},
+    {"timeout",
+     [](auto* text, Arguments* a) {
+       a->timeout_s = ParseNumber("--timeout", text, 0.1, 86400);
+     }},
+    {"png", &Arguments::as_png},
+    {"outside",
+     [](auto* text, Arguments* a) { a->only_valid = ParseOutside(text); }},
+    {"frames",
+     [](auto* text, Arguments* a) {
+       a->num_frames = ParseCount("--frames", text, 1, 1e15);
+     }},
+    {"every-frame", &Arguments::every_frame},
+    {"live", &Arguments::is_live},
+    {"threads",
+     [](auto* text, Arguments* a) {
+       a->num_threads =
+           static_cast<unsigned>(ParseCount("--threads", text, 1, 256));
+     }},
+    {"http", [](auto* text, Arguments* a) { ParseHttp(text, a); }},
+    {"http-name",
+     [](auto* text, Arguments* a) { a->http.more_names.push_back(text); }},
+    {"listen", [](auto* text, Arguments* a) { a->http.number = text; }},
+    {"token-file", [](auto* text, Arguments* a) { a->http.token_file = text; }},
+    {"points", &Arguments::points},
+    {"benchmark", &Arguments::is_benchmark},
+    {"check", &Arguments::is_check},
+    {"quiet", &Arguments::is_quiet}};
+constexpr int kFirstLongOption = 256;
 
-void ApplyOption(int which, CameraArguments* arguments) {
-  switch (which) {
-    case kOutput:
-      arguments->output = optarg;
-      break;
-    case kHelp:
-      arguments->is_help = true;
-      break;
-    case kList:
-      arguments->is_list = true;
-      break;
-    case kSource:
-      if (optarg)
-        ParseSource(optarg, arguments);
-      else
-        arguments->is_list = true;
-      break;
-    case kCamera:
-      ChooseCamera(CameraKind::kLibcamera, optarg, arguments);
-      break;
-    case kFormat:
-      arguments->format = optarg;
-      break;
-    case kSize:
-      ParseSize(optarg, arguments);
-      break;
-    case kSerial:
-      arguments->serial = optarg;
-      break;
-    case kCrop:
-      arguments->calibrated_crop = ParseCrop(optarg);
-      break;
-    case kStrict:
-      arguments->is_strict = true;
-      break;
-    case kControl:
-      arguments->controls.push_back(ParseControl(optarg));
-      break;
-    case kFrom:
-      arguments->recording = optarg;
-      break;
-    case kPng:
-      arguments->as_png = true;
-      break;
-    case kOutside:
-      arguments->only_valid = ParseOutside(optarg);
-      break;
-    case kEveryFrame:
-      arguments->every_frame = true;
-      break;
-    case kLive:
-      arguments->is_live = true;
-      break;
-    case kThreads:
-      arguments->num_threads =
-          static_cast<unsigned>(ParseCount("--threads", optarg, 1, 256));
-      break;
-    case kHttp:
-      ParseHttp(optarg, arguments);
-      break;
-    case kHttpName:
-      arguments->http.more_names.push_back(optarg);
-      break;
-    case kListen:
-      arguments->http.number = optarg;
-      break;
-    case kTokenFile:
-      arguments->http.token_file = optarg;
-      break;
-    case kPoints:
-      arguments->points = optarg;
-      break;
-    case kBenchmark:
-      arguments->is_benchmark = true;
-      break;
-    case kCheck:
-      arguments->is_check = true;
-      break;
-    case kQuiet:
-      arguments->is_quiet = true;
-      break;
-    case kTable:
-      arguments->table =
-          static_cast<unsigned>(ParseCount("--table", optarg, 0, 15));
-      break;
-    case kFps:
-      arguments->frames_per_second = ParseNumber("--fps", optarg, 0.01, 10000);
-      break;
-    case kTimeout:
-      arguments->timeout_s = ParseNumber("--timeout", optarg, 0.1, 86400);
-      break;
-    case kFrames:
-      arguments->num_frames = ParseCount("--frames", optarg, 1, 1e15);
-      break;
-  }
+void Apply(const CameraOption& option, const char* text, Arguments* arguments) {
+  if (const auto* flag = std::get_if<0>(&option.effect))
+    arguments->*(*flag) = true;
+  else if (const auto* value = std::get_if<1>(&option.effect))
+    arguments->*(*value) = text;
+  else
+    std::get<Parse>(option.effect)(text, arguments);
+}
+
+// The options for getopt_long(), which returns kFirstLongOption + index.
+std::vector<option> ListLongOptions() {
+  std::vector<option> options;
+  for (const CameraOption& each : kOptions)
+    options.push_back({each.name,
+                       each.effect.index() == 0             ? no_argument
+                       : each.name == std::string("source") ? optional_argument
+                                                            : required_argument,
+                       nullptr,
+                       kFirstLongOption + static_cast<int>(options.size())});
+  options.push_back({});
+  return options;
 }
 
 void CheckTogether(const CameraArguments& arguments) {
@@ -371,16 +305,23 @@ void CheckTogether(const CameraArguments& arguments) {
 CameraArguments ParseCameraArguments(int argc, char** argv) {
   CameraArguments arguments;
   opterr = 0;
+  const std::vector<option> options = ListLongOptions();
   int which;
-  while ((which = getopt_long(argc, argv, ":o:h", kOptions, nullptr)) != -1) {
+  while ((which = getopt_long(argc, argv, ":o:h", options.data(), nullptr)) !=
+         -1) {
     if (which == '?')
       FailUsage(std::string(argv[optind - 1]) + ": unknown option");
     if (which == ':')
       FailUsage(std::string(argv[optind - 1]) + ": missing value");
+    const CameraOption& chosen =
+        kOptions[which == 'o'   ? 0
+                 : which == 'h' ? 1
+                                : which - kFirstLongOption];
     // The value may be a separate argument, as for other options.
-    if (which == kSource && !optarg && optind < argc && argv[optind][0] != '-')
+    if (chosen.name == std::string("source") && !optarg && optind < argc &&
+        argv[optind][0] != '-')
       optarg = argv[optind++];
-    ApplyOption(which, &arguments);
+    Apply(chosen, optarg, &arguments);
   }
   if (optind < argc) arguments.blob = argv[optind++];
   if (optind < argc)

@@ -1,6 +1,6 @@
 // The use of a fleet's middle camera for units with few images, by the
 // truth. Run by hand; --help tells the options:
-//   fleet_middle_bench [--family NAME] [--fleet N]
+//   fleet_mean_bench [--family NAME] [--fleet N]
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
