@@ -90,11 +90,8 @@ class Outputs(CommandTest):
 
     def test_a_refused_command_leaves_no_empty_folder(self):
         image = write(self.path("left/image.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
-        plan = write(self.path("left/plan.yaml"), "raygrid_batch: 1\npattern: chessboard:9x6:25mm\n"
-                     f"like: {self.path('refused/fleet.camera.yaml')}\nunits:\n"
-                     f"  - {{serial: a, images: {self.path('left')}}}\n")
         features = write(self.path("left/features.csv"), "image,board,column,row,x,y\na,0,0,0,1,1\n")
-        for command in (("undistort", self.path("c.raygrid"), image), ("batch", plan),
+        for command in (("undistort", self.path("c.raygrid"), image),
                         ("experiment", "repeatability", "--features", features, "--image-size", "64x48",
                          "--pattern", self.path("board.yaml"))):
             with self.subTest(command[0]):
