@@ -341,6 +341,7 @@ std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
 void RunUnits(const std::vector<const UnitJob*>& jobs,
               const std::string& output, const CommonOptions& common) {
   const std::vector<PendingUnit> pending = FindPending(jobs, common.seed);
+  RequireWritableFolder(output);  // for the locks
   ProgressBar bar(common.quiet);
   for (size_t k = 0; k < pending.size(); ++k) {
     bar.Show(fmt::format("{} ({} of {})", pending[k].job->unit.serial, k + 1,
@@ -484,7 +485,7 @@ void RunBatch(const BatchArguments& arguments, const CommonOptions& common) {
   const std::vector<UnitJob> jobs = MakeJobs(plan, arguments);
   const std::vector<const UnitJob*> chosen = ChooseJobs(jobs, arguments.units);
   RequireSeparateResultFolders(jobs);
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
   const auto output = [&](const char* name) {
     return (fs::path(arguments.output) / name).string();
   };

@@ -230,7 +230,7 @@ void Run(const ExperimentArguments& arguments, const CommonOptions& common) {
   options.data = ReadData(arguments);
   options.seed = common.seed;
   options.num_threads = common.threads;
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
   const ExperimentResult result = [&] {
     ProgressBar bar(common.quiet);
     options.progress = [&](double done) { bar.Show(experiment.name, done); };

@@ -311,6 +311,7 @@ std::vector<std::pair<std::string, std::string>> MakeOutputFiles(
   const std::filesystem::path output = arguments.output;
   const std::filesystem::path folder =
       contents.IsRig() ? output.parent_path() : output;
+  if (!contents.IsRig()) RequireCreatableFolder(arguments.output);
   std::vector<std::pair<std::string, std::string>> files;
   std::vector<RigFileCamera> rig;
   for (size_t c = 0; c < names.size(); ++c) {

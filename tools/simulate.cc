@@ -186,7 +186,7 @@ class Photographer {
 
   void TakeAll() {
     const std::filesystem::path folder = arguments_.output;
-    RequireWritableFolder(folder.string());
+    RequireCreatableFolder(folder.string());
     ProgressBar progress(common_.quiet);
     const int num_shots = arguments_.simulation.num_shots;
     const int count = arguments_.simulation.num_images * num_shots;

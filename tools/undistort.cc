@@ -341,7 +341,7 @@ void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   const FoundImages found = FindImages(arguments.images);
   const std::vector<std::string>& paths = found.paths;
   const std::vector<Targets> targets = MakeTargets(arguments, paths);
-  RequireWritableFolder(arguments.output);
+  RequireCreatableFolder(arguments.output);
   const ImageMapper mapper = Prepare(arguments, common);
   for (const SkippedImage& image : found.left_out)
     fmt::print(stderr, "raygrid: skipped {}: {}\n", image.path, image.reason);

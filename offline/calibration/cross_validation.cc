@@ -283,6 +283,12 @@ Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
   return SplitIntoFolds(views, cameras, known, count, count);
 }
 
+void InitializeFolds(const Pattern& pattern, const ValidationOptions& options,
+                     Folds* folds) {
+  StartFolds(MissingTrials(folds->count(), {{}}, true, false, {}), pattern,
+             options, folds);
+}
+
 void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
                    const std::vector<std::vector<double>>& candidates,
                    Folds* folds, std::vector<Trial>* done) {

@@ -80,6 +80,10 @@ struct ValidationOptions {
   std::function<void()> on_done;
 };
 
+/// Initializes the folds that CrossValidate() with these options has not.
+void InitializeFolds(const Pattern& pattern, const ValidationOptions& options,
+                     Folds* folds);
+
 /// Evaluates candidates (knot spacings by camera) in every fold, in parallel:
 /// the held-out images are localized with cameras calibrated without them.
 /// Skips trials that are already in *done and appends new ones; after a stop

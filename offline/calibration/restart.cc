@@ -62,8 +62,12 @@ void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
   const AdjustmentResult initial_result = camera->lens;
   AdjustmentResult best_result = initial_result;
   double least_px = ComputeMeanErrorPx(*adjusted, initial_result);
+  // A resumed calibration does not repeat the trials of its checkpoint, and has
+  // not initialized their folds.
+  InitializeFolds(pattern, MakeValidationOptions(options), &camera->folds);
+  const bool is_grid = !IsParametricModel(options.model);
   for (const Folds::Fold& fold : camera->folds.folds) {
-    const auto& start = fold.lenses ? fold.lenses : fold.start;
+    const auto& start = is_grid ? fold.lenses : fold.start;
     if (!start || options.ShouldStop()) continue;
     try {
       camera->lens = InitializeCamera(camera->split.training, pattern,

@@ -202,7 +202,9 @@ class GroupSearch {
       }
       ImageNames again =
           Compare(adjusted->state.camera(), transform, images_).Transformed();
-      if (!is_better || again == group) break;
+      // The first group may contain small targets of the other images.
+      const bool may_recover = round == 0 && transform.kind == Kind::kScaled;
+      if (again == group || !(is_better || may_recover)) break;
       group = std::move(again);
     }
     return best;
@@ -271,9 +273,9 @@ const std::vector<PixelTransform>& Transforms() {
   return transforms;
 }
 
-// A mixture of resolutions causes errors of several pixels.
+// Smaller errors than these do not bias the camera much.
 bool MayBeScaled(double cost, const Dataset& images) {
-  constexpr double kMinPart = 1.0 / 640;  // of the image width
+  constexpr double kMinPart = 1.0 / 6400;  // of the image width
   return cost > std::pow(kMinPart * images.image_size.width, 2) *
                     static_cast<double>(images.num_features());
 }

@@ -33,11 +33,20 @@ LatticePosition LocateInLattice(int columns, int rows, const Area& area,
 double UncertaintyLattice::At(const Area& area,
                               const Eigen::Vector2d& pixel) const {
   const LatticePosition place = LocateInLattice(columns, rows, area, pixel);
-  const double* corner = &stddev_px[place.node];
-  const double upper = corner[0] + place.x * (corner[1] - corner[0]);
-  const double lower =
-      corner[columns] + place.x * (corner[columns + 1] - corner[columns]);
-  return upper + place.y * (lower - upper);
+  const int nodes[] = {place.node, place.node + 1, place.node + columns,
+                       place.node + columns + 1};
+  const double weights[] = {(1 - place.x) * (1 - place.y),
+                            place.x * (1 - place.y), (1 - place.x) * place.y,
+                            place.x * place.y};
+  const int nearest = (place.x < 0.5 ? 0 : 1) + (place.y < 0.5 ? 0 : 2);
+  if (std::isnan(stddev_px[nodes[nearest]])) return NAN;
+  double sum = 0, sum_of_weights = 0;
+  for (int k = 0; k < 4; ++k) {
+    if (std::isnan(stddev_px[nodes[k]])) continue;
+    sum += weights[k] * stddev_px[nodes[k]];
+    sum_of_weights += weights[k];
+  }
+  return sum / sum_of_weights;
 }
 
 Eigen::Vector2d ErrorModes::At(size_t mode, const Area& area,

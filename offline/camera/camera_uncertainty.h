@@ -12,7 +12,9 @@ namespace raygrid {
 
 /// Standard deviations of a projected coordinate of a far point (RMS of both
 /// axes), on a lattice from corner to corner of the camera's area, row by row,
-/// with bilinear interpolation. NaN where the camera is undefined.
+/// with bilinear interpolation. NaN at nodes where the camera is undefined;
+/// other pixels are interpolated between the remaining nodes, and are NaN if
+/// the nearest node is.
 struct UncertaintyLattice {
   int columns = 0, rows = 0;
   std::vector<double> stddev_px;

@@ -505,8 +505,8 @@ namespace {
 // Assesses poses and errors, but not the camera.
 Assessment AssessKnownCamera(const CalibrationMetrics& metrics) {
   Findings findings;
-  for (const auto assess : {AssessConvergence, AssessSides,
-                            AssessTransformedImages, AssessRejectedImages})
+  for (const auto assess : {AssessTransformedImages, AssessConvergence,
+                            AssessSides, AssessRejectedImages})
     assess(metrics, &findings);
   if (metrics.interrupted) return findings.Conclude();
   for (const auto assess :
@@ -523,8 +523,8 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
   if (metrics.has_known_intrinsics) return AssessKnownCamera(metrics);
   Findings findings;
   for (const auto assess :
-       {AssessConvergence, AssessNumberOfImages, AssessImageSize, AssessViews,
-        AssessSides, AssessTransformedImages, AssessRejectedImages})
+       {AssessTransformedImages, AssessConvergence, AssessNumberOfImages,
+        AssessImageSize, AssessViews, AssessSides, AssessRejectedImages})
     assess(metrics, &findings);
   // Error metrics of an interrupted calibration are meaningless.
   if (metrics.interrupted) return findings.Conclude();

@@ -27,6 +27,8 @@ double FocalPx(const CentralGeneric& camera) {
 Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
   FitOptions options;
   options.free_rotation = true;
+  // These terms, a rotation and a shift of the centre compensate each other.
+  options.held = {"p1", "p2", "sx1", "sy1"};
   const auto lens = FitParametricModel(models::kThinPrismFisheye, camera,
                                        camera.area(), options)
                         .model;

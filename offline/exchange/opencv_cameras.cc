@@ -134,6 +134,27 @@ YAML::Node JoinIntrinsics(const YAML::Node& node) {
   return joined;
 }
 
+// Merges a camera's mapping of intrinsics into its own mapping, which may have
+// the model, the image size, the name and the pose.
+YAML::Node MergeIntrinsics(const YAML::Node& node) {
+  if (!node.IsMap()) return node;
+  for (const char* key : {"intrinsics", "intrinsic", "intrinsic_parameters",
+                          "camera_intrinsics"}) {
+    const YAML::Node intrinsics = node[key];
+    if (!intrinsics.IsDefined() || !intrinsics.IsMap() ||
+        !HasMatrix(CameraKeys(intrinsics)))
+      continue;
+    YAML::Node merged(YAML::NodeType::Map);
+    for (const auto& entry : node)
+      if (entry.first.Scalar() != key)
+        merged[entry.first.Scalar()] = entry.second;
+    for (const auto& entry : intrinsics)
+      merged[entry.first.Scalar()] = entry.second;
+    return merged;
+  }
+  return node;
+}
+
 // Appends numbers to the names of cameras that have the same name.
 void RenameEqual(std::vector<InputCamera>* cameras) {
   std::set<std::string> names;
@@ -152,7 +173,7 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
     const YAML::Node node = root.IsMap() ? entry.second : YAML::Node(entry);
     if (!node.IsMap() && !node.IsSequence()) continue;
     if (node.IsMap()) {
-      const YAML::Node joined = JoinIntrinsics(node);
+      const YAML::Node joined = MergeIntrinsics(JoinIntrinsics(node));
       const CameraKeys keys(joined);
       if (HasMatrix(keys) && HasCoefficients(keys)) {
         InputCamera camera =
@@ -167,7 +188,8 @@ void ReadNamed(const YAML::Node& root, const ReadRequest& request, int depth,
   }
 }
 
-ExchangeContents ReadTree(const YAML::Node& root, const ReadRequest& request) {
+ExchangeContents ReadTree(const YAML::Node& tree, const ReadRequest& request) {
+  const YAML::Node root = MergeIntrinsics(tree);
   const CameraKeys keys(root);
   const bool has_matrix = HasMatrix(keys);
   if (!has_matrix && keys.Has(kPointsKey))

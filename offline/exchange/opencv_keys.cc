@@ -30,19 +30,20 @@ const KeyList kDistortionKeys = SplitText(
     '|');
 static const KeyList kSizeKeys = SplitText(
     "cameraResolution|ImageSize|image_size|imageSize|img_shape|img_size|"
-    "resolution|size|image_shape",
+    "resolution|size|image_shape|DIM|dim|frame_size|frameSize|"
+    "image_dimensions",
     '|');
 // The number of rows is first, as in the shape of numpy images.
 static const KeyList kShapeKeys = {"shape"};
 static const KeyList kWidthKeys = SplitText(
     "image_width|Camera.width|img_dist_w|image_Width|imageWidth|img_width|"
-    "width|w|resolution/width|image_size/width|cols",
+    "width|w|cols",
     '|');
 static const KeyList kHeightKeys = SplitText(
     "image_height|Camera.height|img_dist_h|image_Height|imageHeight|"
-    "img_height|height|h|resolution/height|image_size/height|rows",
+    "img_height|height|h|rows",
     '|');
-const KeyList kNameKeys = {"camera_name", "cameraName", "name"};
+const KeyList kNameKeys = {"camera_name", "cameraName", "name", "camera_id"};
 const KeyList kModelKeys = SplitText(
     "distortion_model|distortionModel|dist_model|DistModel|camera_model|"
     "cameraModel|lens_model|model_type|camera_type|model|projection|"
@@ -135,6 +136,24 @@ bool HasMatrix(const CameraKeys& keys, const Affixes& affixes) {
                      });
 }
 
+namespace {
+
+// Reads [width, height], {width: , height: }, or 640x480.
+ImageSize SizeFrom(const YAML::Node& node, const std::string& name) {
+  if (node.IsMap() && node["width"].IsDefined() && node["height"].IsDefined())
+    return {SidePx(node["width"], name), SidePx(node["height"], name)};
+  if (node.IsScalar()) {
+    const std::string text = node.Scalar();
+    const size_t x = text.find('x');
+    if (x != std::string::npos)
+      return {SidePx(YAML::Node(text.substr(0, x)), name),
+              SidePx(YAML::Node(text.substr(x + 1)), name)};
+  }
+  return GetListSize(node, name);
+}
+
+}  // namespace
+
 ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes) {
   for (const Affixes& own : {affixes, Affixes{}}) {
     const std::string width = FindKey(keys, kWidthKeys, own),
@@ -143,7 +162,7 @@ ImageSize ReadImageSize(const CameraKeys& keys, const Affixes& affixes) {
                       shape = FindKey(keys, kShapeKeys, own);
     if (!width.empty() && !height.empty())
       return {SidePx(keys[width], width), SidePx(keys[height], height)};
-    if (!size.empty()) return GetListSize(keys[size], size);
+    if (!size.empty()) return SizeFrom(keys[size], size);
     if (!shape.empty()) {
       const YAML::Node sides = keys[shape];
       if (!sides.IsSequence() || sides.size() < 2)

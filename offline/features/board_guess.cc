@@ -198,7 +198,8 @@ std::string DescribeExpectedBoards(const Pattern& pattern,
                                    const std::string& pattern_name) {
   const size_t num_others = pattern.boards.size() - 1;
   return fmt::format(
-      "searched for {}{}; check that {} describes the target in the images",
+      "searched for {}{}; check that the images are sharp and evenly lit, and "
+      "that {} describes their target",
       KindOf(pattern.boards.front()).DescribeSought(pattern.boards.front()),
       num_others > 0 ? fmt::format(" and {} more", num_others) : std::string(),
       pattern_name);

@@ -82,6 +82,22 @@ class Outputs(CommandTest):
                 self.assert_refused(run(*command, "-o", path), 1, path, "specify a folder")
                 self.assertFalse(os.path.exists(path))
 
+        two = write(self.path("two.json"), '{"a": {"K": [9, 0, 4, 0, 9, 3, 0, 0, 1], "D": [0, 0, 0, 0, 0]}, '
+                    '"b": {"K": [9, 0, 4, 0, 9, 3, 0, 0, 1], "D": [0, 0, 0, 0, 0]}}')
+        self.assert_refused(run("import", two, "--image-size", "8x6", "-o", self.path("named/camera.yaml")), 1,
+                            "specify a folder")
+
+    def test_a_refused_command_leaves_no_empty_folder(self):
+        image = write(self.path("left/image.pgm"), b"P5 64 48 255\n" + bytes(64 * 48))
+        features = write(self.path("left/features.csv"), "image,board,column,row,x,y\na,0,0,0,1,1\n")
+        for command in (("undistort", self.path("c.raygrid"), image),
+                        ("experiment", "repeatability", "--features", features, "--image-size", "64x48",
+                         "--pattern", self.path("board.yaml"))):
+            with self.subTest(command[0]):
+                result = run(*command, "-o", self.path("refused/out"))
+                self.assertNotEqual(result.returncode, 0)
+                self.assertFalse(os.path.exists(self.path("refused")))
+
     def test_a_limit_on_the_size_of_files_is_a_failure_to_write(self):
         frame = write(self.path("small/in.raw"), FRAME)
         result = self.limited(resource.RLIMIT_FSIZE, 4096, self.path("c.raygrid"), frame,

@@ -403,11 +403,15 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
                      ends_towards(1, 0), ends_towards(0, 1)};
   right = right_ones(Numberings(part, ends, false));
   if (is_unambiguous(right)) return SelectMostUpright(right, lattice);
-  *warning = right.empty() ? unlike_board()
-                           : fmt::format(
-                                 "board {}: {} x {} corners detected, but they "
-                                 "cannot be identified",
-                                 board.id, part.columns(), part.rows());
+  *warning = right.empty()
+                 ? unlike_board()
+                 : fmt::format(
+                       "board {}: only {} x {} of its {} x {} "
+                       "corners were detected, which may be any part "
+                       "of it: it must be visible as a whole, without "
+                       "blur, glare or hard shadows",
+                       board.id, part.columns(), part.rows(), board.columns,
+                       board.rows);
   return std::nullopt;
 }
 

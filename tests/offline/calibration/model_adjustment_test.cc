@@ -9,6 +9,7 @@
 #include "calibration/calibration.h"
 #include "calibration/camera_initialization.h"
 #include "calibration/divergence.h"
+#include "calibration/restart.h"
 #include "gtest/gtest.h"
 #include "random_calibration.h"
 #include "simulation/simulated_camera.h"
@@ -29,6 +30,31 @@ TEST(OptimizeModel, ParametricModelsConverge) {
     AdjustmentResult adjusted = InitializeCamera(c.dataset, c.pattern, options);
     OptimizeModel(c.pattern, c.model, {0}, options, &adjusted);
     EXPECT_TRUE(adjusted.summary.converged) << seed << ": " << c.model;
+  }
+}
+
+// The folds of a resumed calibration are not initialized.
+TEST(RestartFromFolds, StartsFromEachFold) {
+  CameraInProgress camera;
+  SimulationOptions simulation;
+  simulation.num_images = 8;
+  simulation.features_per_image = 30;
+  camera.split.training =
+      SimulateObservations(ExampleLens(), TestBoard(), simulation).dataset;
+  camera.lens = InitializeCamera(camera.split.training, TestBoard(), {});
+  camera.folds = MakeFolds({camera.split}, {&camera.lens.state.camera()});
+  ASSERT_GT(camera.folds.count(), 1);
+  CalibrationOptions options;
+  for (const char* model : {"opencv", "central-generic"}) {
+    options.model = model;
+    AdjustmentResult adjusted = camera.lens;
+    int num_starts = 0;
+    const auto adjust = [&] {
+      ++num_starts;
+      return camera.lens;
+    };
+    RestartFromFolds(TestBoard(), options, adjust, &camera, &adjusted);
+    EXPECT_EQ(num_starts, camera.folds.count()) << model;
   }
 }
 

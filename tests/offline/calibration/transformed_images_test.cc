@@ -8,6 +8,7 @@
 #include "calibration/camera_initialization.h"
 #include "simulation/simulated_camera_models.h"
 #include "simulation/simulated_observations.h"
+#include "simulation/simulated_rig.h"
 #include "support.h"
 #include "test_boards.h"
 
@@ -90,6 +91,18 @@ TEST(TransformedImages, AreNamedIfScaled) {
   EXPECT_EQ(found->images, scaled);
 }
 
+// Small targets of the other images may lie within the scaled image, too, and a
+// pinhole camera absorbs most of the change.
+TEST(TransformedImages, AreNamedBesideSmallTargets) {
+  Dataset dataset =
+      SimulateImages(*MakeSimulatedCamera("pinhole", {640, 480}), 15);
+  const auto scaled = ChangeImages(3, Halve, &dataset);
+  const auto found = DetectIn(dataset);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->scale, 0.5);
+  EXPECT_EQ(found->images, scaled);
+}
+
 // Residuals are also correlated if no parametric model fits the lens.
 TEST(TransformedImages, AreNotSeenInALensWithBumps) {
   EXPECT_FALSE(
@@ -109,6 +122,41 @@ TEST(TransformedImages, AreReported) {
             "4 of 11 images (" + rotated.front() +
                 ", ...) are rotated by 180 degrees relative to the others; "
                 "undo this in the image files, or calibrate without them");
+}
+
+// In a rig, the other camera disagrees, too.
+TEST(TransformedImages, AreReportedInARig) {
+  const auto lens = std::make_shared<OpenCvModel>(ExampleLens());
+  SimulationOptions simulation;
+  simulation.num_images = 10;
+  simulation.features_per_image = 40;
+  SimulatedRigObservations seen =
+      SimulateRig({{lens, lens}, {{}, {{1, 0, 0, 0}, {-0.12, 0, 0}}}},
+                  TestBoard(), simulation);
+  ChangeImages(3, Halve, &seen.datasets[0]);
+  for (const bool are_known : {false, true}) {
+    std::vector<CalibrationInput> inputs = {{"left", seen.datasets[0]},
+                                            {"right", seen.datasets[1]}};
+    for (CalibrationInput& input : inputs) {
+      if (!are_known) continue;
+      CameraFile file;
+      file.camera = lens;
+      input.intrinsics = std::make_shared<CameraFile>(file);
+    }
+    CalibrationOptions options;
+    options.model = "opencv";
+    options.fix_target_geometry = true;
+    options.compare_models = false;
+    options.hold_out = {seen.datasets[0].images[1].image};
+    const RigResult result = Calibrate(inputs, TestBoard(), options);
+    EXPECT_EQ(result.assessment.word, "fail") << are_known;
+    EXPECT_NE(result.cameras[0].assessment.failure.find(
+                  "4 of 9 images (" + seen.datasets[0].images[0].image +
+                  ", ...) are scaled by 0.5 (another resolution)"),
+              std::string::npos)
+        << are_known << ": " << result.cameras[0].assessment.failure;
+    EXPECT_FALSE(result.cameras[1].transformed_images) << are_known;
+  }
 }
 
 }  // namespace

@@ -33,6 +33,15 @@ bool IsInCorner(const Eigen::Vector2d& pixel) {
          100;
 }
 
+TEST(UncertaintyLattice, InterpolatesBesideUndefinedNodes) {
+  const UncertaintyLattice lattice = {3, 2, {1, 2, NAN, 3, 4, NAN}};
+  const Area area = {0, 0, 20, 10};
+  EXPECT_DOUBLE_EQ(lattice.At(area, {5, 5}), 2.5);
+  EXPECT_DOUBLE_EQ(lattice.At(area, {10, 10}), 4);
+  EXPECT_DOUBLE_EQ(lattice.At(area, {14, 5}), 3);
+  EXPECT_TRUE(std::isnan(lattice.At(area, {16, 5})));
+}
+
 TEST(UncertaintySummary, SharesAreOfTheImage) {
   CameraUncertainty uncertainty;
   uncertainty.lattice = Lattice(0, 1);  // from the left to the right edge

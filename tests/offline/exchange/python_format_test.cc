@@ -44,6 +44,42 @@ TEST(MakePythonFormat, ReadsListsUnderTheNamesThatPeopleGive) {
   ExpectLens(scalars.cameras.at(0), kPinholeLens, &Lens::Pinhole);
 }
 
+TEST(MakePythonFormat, ReadsSizesOfAnyForm) {
+  for (const char* size : {"\"DIM\": [640, 480]", "\"resolution\": \"640x480\"",
+                           "\"imageSize\": {\"width\": 640, \"height\": 480}"})
+    ExpectLens(
+        Read(fmt::format("{{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, "
+                         "1]], \"D\": [-0.21, 0.06, 0.001, -0.002, 0], {}}}",
+                         size))
+            .cameras.at(0),
+        kPinholeLens, &Lens::Pinhole);
+  EXPECT_THROW(Read("{\"K\": [410, 0, 322, 0, 411, 238, 0, 0, 1], \"D\": [0, "
+                    "0, 0, 0], \"resolution\": \"640xtall\"}"),
+               Error);
+}
+
+// The keys of a camera around its intrinsics are read, or named.
+TEST(MakePythonFormat, ReadsKeysAroundTheIntrinsics) {
+  const auto file = [](const std::string& keys) {
+    return Read(fmt::format(
+        "{{\"cameras\": [{{\"camera_id\": \"C7\", \"resolution\": [640, 480], "
+        "\"intrinsics\": {{\"camera_matrix\": [410, 0, 322.5, 0, 411.5, 238, "
+        "0, 0, 1], \"distortion_coefficients\": [0.02, -0.01, 0.004, 0]}}, "
+        "{}}}]}}",
+        keys));
+  };
+  const auto read = file("\"extrinsics\": {\"view_matrix\": [1, 0]}");
+  ASSERT_EQ(read.cameras.size(), 1u);
+  EXPECT_EQ(read.cameras[0].name, "C7");
+  EXPECT_EQ(read.cameras[0].lens.external_model->model, "opencv");
+  ASSERT_FALSE(read.warnings.empty());
+  EXPECT_NE(read.warnings.back().find("extrinsics"), std::string::npos);
+  EXPECT_EQ(file("\"camera_model\": \"fisheye\"")
+                .cameras[0]
+                .lens.external_model->model,
+            "thin-prism-fisheye");
+}
+
 TEST(MakePythonFormat, ReadsToml) {
   const std::string lens =
       "camera_matrix = [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]]\n"
@@ -178,7 +214,7 @@ TEST(MakePythonFormat, TellsFisheyes) {
       "[-0.01], [0.004], [-0.001]], \"dim\": [640, 480]}";
   const auto read = Read(text, kImage);
   ExpectLens(read.cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  EXPECT_EQ(read.warnings.size(), 2u);  // and "dim" is not known
+  EXPECT_EQ(read.warnings.size(), 1u);
   const std::string row = TextWith(text, "[[0.03], [-0.01], [0.004], [-0.001]]",
                                    "[0.03, -0.01, 0.004, -0.001]");
   EXPECT_EQ(Read(row, kImage).cameras.at(0).lens.external_model->name,

@@ -160,8 +160,9 @@ TEST(DescribeExpectedBoards, SaysWhatIsReadOfEachKind) {
     return DescribeExpectedBoards(PatternOf(board), "p.yaml");
   };
   EXPECT_EQ(sought(Chessboard(9, 6, 25)),
-            "searched for a chessboard of 9 x 6 inner corners; check that "
-            "p.yaml describes the target in the images");
+            "searched for a chessboard of 9 x 6 inner corners; check that the "
+            "images are sharp and evenly lit, and that p.yaml describes their "
+            "target");
   EXPECT_NE(sought(AprilGrid(6, 5, 24))
                 .find("6 x 5 tags of tag36h11, with a border of two cells and "
                       "black squares at their corners"),
