@@ -29,6 +29,7 @@ void Calibration::SelectKnotSpacings() {
     camera->folds = MakeFolds({camera->split}, {&camera->lens.state.camera()});
     camera->folds.base_model = camera->lens.problem.base_model;
     if (camera->HasKnownIntrinsics()) return;
+    camera->folds.whole = std::make_shared<AdjustmentResult>(camera->lens);
     SelectKnotSpacing(pattern_, options_, report, camera);
     SelectDeformation(pattern_, options_, camera);
     for (Folds::Fold& fold : camera->folds.folds) fold.rigid.clear();
@@ -38,6 +39,7 @@ void Calibration::SelectKnotSpacings() {
       raygrid::SelectModel(pattern_, options_, &cameras_);
   options_.model = selection.model;
   model_trials_ = std::move(selection.trials);
+  do_trials_fix_target_ = selection.fix_target_geometry;
   for (CameraInProgress& camera : cameras_) {
     if (camera.HasKnownIntrinsics()) continue;
     camera.grid_knot_spacing_px = camera.result.knot_spacing_px;
@@ -73,8 +75,13 @@ AdjustmentResult Calibration::AdjustTogether(
   Report("bundle adjustment", 0.65);
   AdjustmentOptions adjustment = MakeStoppableOptions(options_);
   adjustment.rigid_boards = AreBoardsRigid();
-  OptimizeModel(pattern_, options_.model, knot_spacings_px, adjustment,
-                &adjusted);
+  if (!IsRig() && bodies_.empty() && cameras_.front().folds.whole)
+    adjusted =
+        OptimizeWholeModel(pattern_, options_.model, knot_spacings_px.front(),
+                           adjustment, &cameras_.front().folds);
+  else
+    OptimizeModel(pattern_, options_.model, knot_spacings_px, adjustment,
+                  &adjusted);
   OptimizeInCameraFrames(adjustment, &adjusted);
   AlignBoards(pattern_, &adjusted);
   return adjusted;

@@ -113,7 +113,7 @@ void Calibration::CompareModels() {
   options.fix_target_geometry =
       options.fix_target_geometry ||
       (!HavePointsMoved(adjusted_) && !adjusted_.state.HasStaticDeformation());
-  if (options.fix_target_geometry != options_.fix_target_geometry)
+  if (options.fix_target_geometry != do_trials_fix_target_)
     model_trials_.assign(cameras_.size(), {});
   ForEachCamera({"other models", 0.85, 1}, [&](CameraInProgress* camera, auto) {
     if (camera->HasKnownIntrinsics()) return;

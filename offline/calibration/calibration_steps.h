@@ -126,6 +126,7 @@ class Calibration {
   bool selects_model_;
   std::vector<CameraInProgress> cameras_;
   std::vector<ModelTrials> model_trials_;  // one per camera
+  bool do_trials_fix_target_ = false;
   RigidTargets bodies_;
   AdjustmentResult adjusted_;                         // joint result of all
                                                       // cameras

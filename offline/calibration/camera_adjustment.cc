@@ -140,32 +140,66 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
   return AdjustInTwoSteps(problem, options, prior, state);
 }
 
-// Continues from grids with different knot spacings and the same prior on the
-// continuous field: sums of squared differences of order n are proportional to
-// the knot spacing to the power of 2 n - 2.
-AdjustmentSummary AdjustFromOtherSpacing(const CalibrationProblem& problem,
-                                         const InitialValues& starts,
-                                         const AdjustmentOptions& options,
-                                         GaussianPrior* prior,
-                                         AdjustmentState* state) {
-  const AdjustmentResult& other = *starts.adjusted;
+// Continues from the state of a warm start, with its precisions times a factor
+// per camera.
+AdjustmentSummary ContinueFrom(const AdjustmentResult& other,
+                               const std::vector<double>& factors,
+                               const CalibrationProblem& problem,
+                               const AdjustmentOptions& options,
+                               GaussianPrior* prior, AdjustmentState* state) {
   const double variance = std::pow(other.summary.noise_px, 2);
-  AdjustmentState warm = other.state;
-  for (size_t c = 0; c < warm.cameras.size(); ++c) {
-    const CameraModel &from = *warm.cameras[c], &to = *state->cameras[c];
-    const double ratio = static_cast<double>(to.DirectionGrid()->columns()) /
-                         static_cast<double>(from.DirectionGrid()->columns());
-    const double finer = std::pow(ratio, 2 * kMaternOrder - 2);
-    for (size_t g = 0; g < prior->cameras[c].groups.size(); ++g)
-      prior->cameras[c].groups[g].SetPrecision(
-          other.prior.cameras[c].groups[g].weight * finer, variance);
-    warm.cameras[c] = to.FittedTo(from);
+  for (size_t c = 0; c < factors.size(); ++c) {
+    std::vector<PriorGroup>& groups = prior->cameras[c].groups;
+    for (size_t g = 0; g < groups.size(); ++g)
+      groups[g].SetPrecision(
+          other.prior.cameras[c].groups[g].weight * factors[c], variance);
   }
   prior->points_mean = problem.nominal;
   prior->points_precision = other.prior.points_precision;
   prior->deformation_precisions = other.prior.deformation_precisions;
+  AdjustmentState warm = other.state;
+  warm.cameras = std::move(state->cameras);
   *state = std::move(warm);
   return OptimizeWithLearnedPrior(problem.views, options, prior, state);
+}
+
+// Continues from grids with the same prior on the continuous field: sums of
+// squared differences of order n are proportional to the knot spacing to the
+// power of 2 n - 2.
+AdjustmentSummary ContinueFromGrids(const CalibrationProblem& problem,
+                                    const InitialValues& starts,
+                                    const AdjustmentOptions& options,
+                                    GaussianPrior* prior,
+                                    AdjustmentState* state) {
+  const AdjustmentResult& other = *starts.adjusted;
+  std::vector<double> factors;
+  for (size_t c = 0; c < state->cameras.size(); ++c) {
+    const CameraModel& from = *other.state.cameras[c];
+    std::unique_ptr<CameraModel>& to = state->cameras[c];
+    const double ratio = static_cast<double>(to->DirectionGrid()->columns()) /
+                         static_cast<double>(from.DirectionGrid()->columns());
+    factors.push_back(std::pow(ratio, 2 * kMaternOrder - 2));
+    to = to->FittedTo(from);
+  }
+  return ContinueFrom(other, factors, problem, options, prior, state);
+}
+
+// Continues from cameras of the same parametric model. Keeps the prior mean, on
+// which a radial spline's prior is centred.
+AdjustmentSummary ContinueFromModels(const CalibrationProblem& problem,
+                                     const AdjustmentResult& other,
+                                     const AdjustmentOptions& options,
+                                     GaussianPrior* prior,
+                                     AdjustmentState* state) {
+  *prior = {};
+  for (size_t c = 0; c < other.state.cameras.size(); ++c) {
+    state->cameras[c] = other.state.cameras[c]->Clone();
+    prior->cameras.push_back(
+        PriorAround(*state->cameras[c], problem, static_cast<int>(c)));
+    prior->cameras[c].mean = other.prior.cameras[c].mean;
+  }
+  return ContinueFrom(other, std::vector<double>(prior->cameras.size(), 1),
+                      problem, options, prior, state);
 }
 
 // Whether poses and points match the problem, which loses the poses of rejected
@@ -269,7 +303,7 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
     state->cameras[c] = base.Clone();
   }
   return HasSameImages(starts.adjusted, *state)
-             ? AdjustFromOtherSpacing(problem, starts, options, prior, state)
+             ? ContinueFromGrids(problem, starts, options, prior, state)
              : AdjustInTwoSteps(problem, options, prior, state);
 }
 
@@ -280,8 +314,11 @@ AdjustmentSummary OptimizeCameras(const std::string& model,
                                   GaussianPrior* prior,
                                   AdjustmentState* state) {
   if (IsParametricModel(model))
-    return OptimizeParametricCameras(model, problem, starts.lenses, options,
-                                     prior, state);
+    return HasSameImages(starts.adjusted, *state)
+               ? ContinueFromModels(problem, *starts.adjusted, options, prior,
+                                    state)
+               : OptimizeParametricCameras(model, problem, starts.lenses,
+                                           options, prior, state);
   if (model == models::kNonCentralGeneric)
     return AdjustLines(problem, starts, options, prior, state);
   return OptimizeGrids(problem, starts, options, prior, state);

@@ -29,7 +29,8 @@ struct InitialValues {
   const CameraModels& lenses;
   const std::vector<double>& knot_spacings_px;
   const std::vector<BaseModel>& bases;  ///< empty: no parametric base models
-  /// Warm start: grids of other knot spacings, adjusted to the same images.
+  /// Warm start: the same images, optimized with the same parametric model or
+  /// with central grids of any knot spacing.
   const AdjustmentResult* adjusted = nullptr;
 
   BaseModel GetBaseModel(size_t camera) const {

@@ -184,43 +184,84 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
   });
 }
 
-// Returns the next coarser level of the knot-spacing ladder, whose grid is the
-// warm start; nullopt if there is none.
-std::optional<double> FindCoarserSpacing(
-    const std::vector<double>& knot_spacing_levels_px,
-    const std::vector<double>& knot_spacings_px) {
-  if (knot_spacings_px.size() != 1) return std::nullopt;
-  const auto found =
-      std::find(knot_spacing_levels_px.begin(), knot_spacing_levels_px.end(),
-                knot_spacings_px.front());
-  if (found == knot_spacing_levels_px.begin() ||
-      found == knot_spacing_levels_px.end())
-    return std::nullopt;
-  return *(found - 1);
+// Returns the knot spacing whose grid is the warm start in the same fold;
+// nullopt if there is none.
+std::optional<double> FindWarmSpacing(const Folds& folds,
+                                      const std::string& model,
+                                      double knot_spacing_px) {
+  if (model != models::kCentralGeneric) return std::nullopt;
+  const std::vector<double>& levels_px = folds.knot_spacing_levels_px;
+  for (int i = 0; i < static_cast<int>(levels_px.size()); ++i)
+    if (levels_px[i] == knot_spacing_px && i != folds.medium_level)
+      return levels_px[i > folds.medium_level ? i - 1 : i + 1];
+  return std::nullopt;
+}
+
+const AdjustmentResult* FindWholeResult(const Folds& folds,
+                                        const std::string& model,
+                                        double knot_spacing_px,
+                                        bool fix_points) {
+  for (const auto& result : folds.whole_results)
+    if (result->model == model && result->knot_spacing_px == knot_spacing_px &&
+        result->fix_points == fix_points)
+      return &result->adjusted;
+  return nullptr;
+}
+
+// Returns the result with all images for the images of a fold.
+AdjustmentResult SelectFoldViews(const AdjustmentResult& whole,
+                                 const CalibrationProblem& fold) {
+  std::set<std::pair<std::string, int>> views;
+  for (size_t v = 0; v < fold.views.size(); ++v)
+    views.emplace(fold.images[v], fold.boards[v]);
+  std::vector<bool> remove;
+  for (size_t v = 0; v < whole.problem.views.size(); ++v)
+    remove.push_back(
+        views.count({whole.problem.images[v], whole.problem.boards[v]}) == 0);
+  return RemoveViewsAndPoses(remove, whole);
 }
 
 // Optimizes the cameras of a fold; nullopt if initialization failed. Results
 // that were not checkpointed are recomputed, so that a resumed calibration
 // gives identical results.
 std::optional<AdjustmentResult> OptimizeFoldRigidly(
-    const Folds::Fold& fold, const std::vector<double>& knot_spacing_levels_px,
-    const Pattern& pattern, const std::string& model,
-    const std::vector<double>& knot_spacings_px,
+    const Folds& folds, const Folds::Fold& fold, const Pattern& pattern,
+    const std::string& model, const std::vector<double>& knot_spacings_px,
     const AdjustmentOptions& options) {
   const bool is_grid = !IsParametricModel(model);
   for (const auto& [cells, kept] : fold.rigid)
     if (is_grid && cells == knot_spacings_px) return kept;
   std::optional<AdjustmentResult> adjusted = is_grid ? fold.lenses : fold.start;
   if (!adjusted) return adjusted;
-  std::optional<AdjustmentResult> coarser;
-  if (model == models::kCentralGeneric)
-    if (const auto before_px =
-            FindCoarserSpacing(knot_spacing_levels_px, knot_spacings_px))
-      coarser = OptimizeFoldRigidly(fold, knot_spacing_levels_px, pattern,
-                                    model, {*before_px}, options);
+  std::optional<AdjustmentResult> warm;
+  if (knot_spacings_px.size() == 1) {
+    if (const auto other_px =
+            FindWarmSpacing(folds, model, knot_spacings_px.front()))
+      warm = OptimizeFoldRigidly(folds, fold, pattern, model, {*other_px},
+                                 options);
+    else if (const AdjustmentResult* whole = FindWholeResult(
+                 folds, model, knot_spacings_px.front(), options.fix_points))
+      warm = SelectFoldViews(*whole, adjusted->problem);
+  }
   OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, &*adjusted,
-                          coarser ? &*coarser : nullptr);
+                          warm ? &*warm : nullptr);
   return adjusted;
+}
+
+// Computes the results with all images from which the trials start.
+void OptimizeWholeFor(const std::vector<Trial>& trials, const Pattern& pattern,
+                      const ValidationOptions& options, Folds* folds) {
+  if (!folds->whole || options.model == models::kNonCentralGeneric) return;
+  AdjustmentOptions adjustment = AdjustmentOptionsFor(1, options);
+  adjustment.should_stop = options.should_stop;
+  for (const Trial& trial : trials) {
+    double knot_spacing_px = trial.knot_spacings_px.front();
+    while (const auto warm_px =
+               FindWarmSpacing(*folds, options.model, knot_spacing_px))
+      knot_spacing_px = *warm_px;
+    if (options.should_stop && options.should_stop()) return;
+    OptimizeWhole(pattern, options.model, knot_spacing_px, adjustment, folds);
+  }
 }
 
 // Evaluates the optimized cameras on their test images.
@@ -283,6 +324,35 @@ Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
   return SplitIntoFolds(views, cameras, known, count, count);
 }
 
+const AdjustmentResult& OptimizeWhole(const Pattern& pattern,
+                                      const std::string& model,
+                                      double knot_spacing_px,
+                                      const AdjustmentOptions& options,
+                                      Folds* folds) {
+  if (const AdjustmentResult* known =
+          FindWholeResult(*folds, model, knot_spacing_px, options.fix_points))
+    return *known;
+  AdjustmentResult adjusted = *folds->whole;
+  if (!IsParametricModel(model)) FitBaseModels(options, &adjusted);
+  OptimizeWithRigidBoards(pattern, model, {knot_spacing_px}, options,
+                          &adjusted);
+  folds->whole_results.push_back(
+      std::make_shared<const Folds::WholeResult>(Folds::WholeResult{
+          model, knot_spacing_px, options.fix_points, std::move(adjusted)}));
+  return folds->whole_results.back()->adjusted;
+}
+
+AdjustmentResult OptimizeWholeModel(const Pattern& pattern,
+                                    const std::string& model,
+                                    double knot_spacing_px,
+                                    const AdjustmentOptions& options,
+                                    Folds* folds) {
+  AdjustmentResult adjusted =
+      OptimizeWhole(pattern, model, knot_spacing_px, options, folds);
+  FinishModel(pattern, model, options, &adjusted);
+  return adjusted;
+}
+
 void InitializeFolds(const Pattern& pattern, const ValidationOptions& options,
                      Folds* folds) {
   StartFolds(MissingTrials(folds->count(), {{}}, true, false, {}), pattern,
@@ -298,6 +368,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   std::vector<Trial> missing = MissingTrials(
       options.num_folds > 0 ? options.num_folds : folds->count(), candidates,
       options.rigid_boards, !options.rigid_targets.empty(), *done);
+  OptimizeWholeFor(missing, pattern, options, folds);
   StartFolds(missing, pattern, options, folds);
 
   const int num_trials = static_cast<int>(missing.size());
@@ -313,8 +384,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
     const Folds::Fold& fold = folds->folds[trial.fold];
     if (should_stop()) return;
     SkipIfDisconnected(fold.cameras.size(), [&] {
-      auto adjusted = OptimizeFoldRigidly(fold, folds->knot_spacing_levels_px,
-                                          pattern, options.model,
+      auto adjusted = OptimizeFoldRigidly(*folds, fold, pattern, options.model,
                                           trial.knot_spacings_px, adjustment);
       if (!adjusted) return;
       if (options.rigid_boards) {

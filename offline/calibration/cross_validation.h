@@ -45,12 +45,35 @@ struct Folds {
   std::vector<std::shared_ptr<const CameraModel>> known;
   /// CalibrationProblem::base_model, chosen with all training images.
   std::string base_model;
-  /// Knot spacings of a single camera's central grid; in each fold, every grid
-  /// but the first is initialized from the previous one.
+  /// Knot spacings of a single camera's central grid, and the index of the
+  /// medium one. In each fold, every other grid is initialized from its
+  /// neighbour in the direction of the medium one.
   std::vector<double> knot_spacing_levels_px;
+  int medium_level = 0;
+
+  /// A single camera's initialization with all training images, or null.
+  std::shared_ptr<const AdjustmentResult> whole;
+  /// Results of OptimizeWhole() with free or fixed points.
+  struct WholeResult {
+    std::string model;
+    double knot_spacing_px;
+    bool fix_points;
+    AdjustmentResult adjusted;
+  };
+  std::vector<std::shared_ptr<const WholeResult>> whole_results;
 
   int count() const { return static_cast<int>(folds.size()); }
 };
+
+/// Optimizes a single camera with rigid boards and all training images,
+/// starting from Folds::whole: the steps of OptimizeModel() before board
+/// deformation and FinalizeCameras(). Results are computed once; the folds
+/// start from them.
+const AdjustmentResult& OptimizeWhole(const Pattern& pattern,
+                                      const std::string& model,
+                                      double knot_spacing_px,
+                                      const AdjustmentOptions& options,
+                                      Folds* folds);
 /// Makes the folds. known: initial cameras estimated from all training images,
 /// one per camera.
 Folds MakeFolds(const std::vector<Split>& cameras,
@@ -59,6 +82,13 @@ Folds MakeFolds(const std::vector<Split>& cameras,
 /// no folds for fewer than four views.
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
                            const std::vector<const CameraModel*>& known);
+
+/// OptimizeModel() for a single camera, based on OptimizeWhole().
+AdjustmentResult OptimizeWholeModel(const Pattern& pattern,
+                                    const std::string& model,
+                                    double knot_spacing_px,
+                                    const AdjustmentOptions& options,
+                                    Folds* folds);
 
 struct ValidationOptions {
   std::string model;

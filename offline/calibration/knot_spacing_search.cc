@@ -99,12 +99,9 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
   };
   medium = std::min(medium, num_resolutions - 1);
   search.chosen = medium;
-  // Evaluating two candidates concurrently is faster than in sequence.
-  std::vector<int> first = {medium};
-  if (medium > 0) first.push_back(medium - 1);
-  if (!Try(first, measure, &search)) return std::nullopt;
+  if (!Try({medium}, measure, &search)) return std::nullopt;
   for (int coarser = medium - 1; coarser >= 0; --coarser) {
-    if (!can_improve(coarser)) break;
+    if (coarser < medium - 1 && !can_improve(coarser)) break;
     if (!Try({coarser}, measure, &search)) return std::nullopt;
     if (gain(coarser) < kMinCoarserGain) break;
     search.chosen = coarser;

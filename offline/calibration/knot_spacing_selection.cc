@@ -73,11 +73,9 @@ void SelectKnotSpacing(const Pattern& pattern,
   const int num_folds = camera->folds.count();
   if (num_folds == 0) return;
 
-  // Trials of the remaining candidates are initialized from the camera; they
-  // use coarser grids or run first.
-  if (kMedium < static_cast<int>(cells.size()))
-    camera->folds.knot_spacing_levels_px.assign(cells.begin() + kMedium,
-                                                cells.end());
+  camera->folds.knot_spacing_levels_px = cells;
+  camera->folds.medium_level =
+      std::min(kMedium, static_cast<int>(cells.size()) - 1);
   std::vector<Trial>& trials = camera->checkpoint.trials;
   ValidationOptions validation = MakeValidationOptions(options);
   validation.keep_rigid = true;

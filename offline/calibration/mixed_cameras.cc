@@ -93,17 +93,10 @@ std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
 // Returns the views of the named images, or of all other images.
 AdjustmentResult SelectImages(const AdjustmentResult& joint, const Names& names,
                               bool is_first) {
-  AdjustmentResult part = joint;
   std::vector<bool> remove;
-  std::vector<Pose> kept;
-  for (size_t v = 0; v < joint.problem.views.size(); ++v) {
-    remove.push_back((names.count(joint.problem.images[v]) > 0) != is_first);
-    // Each view has a separate pose, in the order of the views.
-    if (!remove.back()) kept.push_back(joint.state.rig_from_pattern[v]);
-  }
-  RemoveViews(remove, &part.problem);
-  part.state.rig_from_pattern = std::move(kept);
-  return part;
+  for (const std::string& image : joint.problem.images)
+    remove.push_back((names.count(image) > 0) != is_first);
+  return RemoveViewsAndPoses(remove, joint);
 }
 
 // Two cameras, each optimized on its own views and initialized from the joint

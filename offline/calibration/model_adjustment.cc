@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "adjustment/metric_scale.h"
 #include "adjustment/smoothness_prior.h"
@@ -89,27 +90,74 @@ void InitializeGrids(const std::string& model, const InitialValues& starts,
     for (PriorGroup& group : prior.groups) group.SetPrecision(1, variance);
 }
 
+// Returns options that end an optimization early if there are outliers, which
+// are then removed.
+AdjustmentOptions StopAtOutliers(AdjustmentOptions options,
+                                 const AdjustmentResult& adjusted) {
+  options.should_accept = [&adjusted](const std::vector<Residual>& residuals) {
+    return HasOutliers(residuals, adjusted.problem);
+  };
+  return options;
+}
+
+bool AreSamePoints(const std::vector<View>& a, const std::vector<View>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const View& first, const View& second) {
+                      return std::equal(
+                          first.observations.begin(), first.observations.end(),
+                          second.observations.begin(),
+                          second.observations.end(),
+                          [](const Observation& x, const Observation& y) {
+                            return x.point == y.point;
+                          });
+                    });
+}
+
+// Performs the steps of OptimizeWithRigidBoards() from a warm start. Its
+// outliers are removed at first, and determined again from the new result.
+void AdjustFromWarmStart(const Pattern& pattern, const std::string& model,
+                         const std::vector<double>& knot_spacings_px,
+                         const AdjustmentOptions& options,
+                         const AdjustmentResult& warm,
+                         AdjustmentResult* adjusted) {
+  // Cross-validation does not need the last digits. Parametric models may have
+  // curved valleys in which small steps are followed by large ones.
+  AdjustmentOptions brief = options;
+  if (!IsParametricModel(model)) brief.max_iterations = 0;
+  CalibrationProblem& problem = adjusted->problem;
+  std::vector<View> all = problem.views;
+  problem.views = warm.problem.views;
+  const CameraModels lenses = CopyCameras(adjusted->state);
+  adjusted->summary = OptimizeCameras(
+      model, problem, {lenses, knot_spacings_px, adjusted->base_lenses, &warm},
+      brief, &adjusted->prior, &adjusted->state);
+  std::vector<View> kept = std::exchange(problem.views, std::move(all));
+  std::vector<Residual> kept_residuals = std::exchange(
+      adjusted->summary.residuals,
+      ComputeResiduals(adjusted->state, problem.views, options.num_threads));
+  RemoveOutliers(pattern, adjusted);
+  if (AreSamePoints(problem.views, kept))
+    adjusted->summary.residuals = std::move(kept_residuals);
+  else
+    ContinueOptimization(brief, adjusted);
+}
+
 // Performs the steps of OptimizeWithRigidBoards() from the current state.
 void AdjustFromModels(const Pattern& pattern, const std::string& model,
                       const std::vector<double>& knot_spacings_px,
                       const AdjustmentOptions& options,
-                      const AdjustmentResult* other_spacing,
                       AdjustmentResult* adjusted) {
   CameraModels lenses = CopyCameras(adjusted->state);
   const AdjustmentState start = adjusted->state;
   const auto adjust = [&](const AdjustmentOptions& with) {
-    adjusted->summary = OptimizeCameras(
-        model, adjusted->problem,
-        {lenses, knot_spacings_px, adjusted->base_lenses, other_spacing}, with,
-        &adjusted->prior, &adjusted->state);
+    adjusted->summary =
+        OptimizeCameras(model, adjusted->problem,
+                        {lenses, knot_spacings_px, adjusted->base_lenses}, with,
+                        &adjusted->prior, &adjusted->state);
   };
   // Stops the first stage early if there are outliers, which are then removed.
-  AdjustmentOptions first = options;
-  if (!IsParametricModel(model))
-    first.should_accept = [adjusted](const std::vector<Residual>& residuals) {
-      return HasOutliers(residuals, adjusted->problem);
-    };
-  adjust(first);
+  adjust(IsParametricModel(model) ? options
+                                  : StopAtOutliers(options, *adjusted));
   switch (RemoveOutliers(pattern, adjusted)) {
     case RemovalResult::kNone:
       break;
@@ -149,7 +197,7 @@ void AdjustFromOtherModels(const Pattern& pattern, const std::string& model,
                               MakeInitializationOptions(options), &from.prior,
                               &from.state);
     if (HasDiverged(from, start)) continue;
-    AdjustFromModels(pattern, model, knot_spacings_px, options, nullptr, &from);
+    AdjustFromModels(pattern, model, knot_spacings_px, options, &from);
     const double error_px = ComputeMeanErrorPx(from, start);
     if (error_px >= min_error_px) continue;
     min_error_px = error_px;
@@ -163,6 +211,11 @@ void AdjustFromOtherModels(const Pattern& pattern, const std::string& model,
                   options, &around);
   if (ComputeMeanErrorPx(around, start) < min_error_px)
     *adjusted = std::move(around);
+}
+
+bool HasSameViews(const CalibrationProblem& a, const CalibrationProblem& b) {
+  return a.images == b.images && a.boards == b.boards && a.area == b.area &&
+         a.area == AreaChoice::kWholeImage;
 }
 
 // Whether divergence can be assessed: only if the initial cameras had the same
@@ -180,13 +233,39 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              const std::vector<double>& knot_spacings_px,
                              const AdjustmentOptions& options,
                              AdjustmentResult* adjusted,
-                             const AdjustmentResult* other_spacing) {
+                             const AdjustmentResult* warm) {
   const AdjustmentResult start = *adjusted;
-  AdjustFromModels(pattern, model, knot_spacings_px, options, other_spacing,
-                   adjusted);
+  if (warm && HasSameViews(warm->problem, start.problem)) {
+    AdjustFromWarmStart(pattern, model, knot_spacings_px, options, *warm,
+                        adjusted);
+    if (!HasDiverged(*adjusted, *warm)) return;
+    *adjusted = start;
+  }
+  AdjustFromModels(pattern, model, knot_spacings_px, options, adjusted);
   if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
     AdjustFromOtherModels(pattern, model, knot_spacings_px, options, start,
                           adjusted);
+}
+
+AdjustmentResult RemoveViewsAndPoses(const std::vector<bool>& remove,
+                                     const AdjustmentResult& adjusted) {
+  AdjustmentResult part = adjusted;
+  std::vector<Pose> kept;
+  for (size_t v = 0; v < remove.size(); ++v)
+    if (!remove[v])
+      kept.push_back(
+          adjusted.state.rig_from_pattern[adjusted.problem.views[v].pose]);
+  RemoveViews(remove, &part.problem);
+  part.state.rig_from_pattern = std::move(kept);
+  const std::set<std::string> images(part.problem.images.begin(),
+                                     part.problem.images.end());
+  for (std::vector<FeatureResidual>& rejected : part.rejected_features)
+    rejected.erase(std::remove_if(rejected.begin(), rejected.end(),
+                                  [&images](const FeatureResidual& feature) {
+                                    return images.count(feature.image) == 0;
+                                  }),
+                   rejected.end());
+  return part;
 }
 
 void EstimateDeformation(const Pattern& pattern,
@@ -200,8 +279,8 @@ void EstimateDeformation(const Pattern& pattern,
   state.SetModes(GetDeformationModes(adjusted->problem),
                  DeformationScope::kPose);
   adjusted->prior.deformation_precisions = {};
-  ContinueOptimization(options, adjusted);
-  if (RemoveOutliers(pattern, adjusted) == RemovalResult::kSome)
+  ContinueOptimization(StopAtOutliers(options, *adjusted), adjusted);
+  if (RemoveOutliers(pattern, adjusted) != RemovalResult::kNone)
     ContinueOptimization(options, adjusted);
 }
 
@@ -230,10 +309,14 @@ void OptimizeModel(const Pattern& pattern, const std::string& model,
                    const std::vector<double>& knot_spacings_px,
                    const AdjustmentOptions& options,
                    AdjustmentResult* adjusted) {
-  const bool is_grid = !IsParametricModel(model);
-  if (is_grid) FitBaseModels(options, adjusted);
+  if (!IsParametricModel(model)) FitBaseModels(options, adjusted);
   OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, adjusted);
-  if (is_grid && !options.rigid_boards) {
+  FinishModel(pattern, model, options, adjusted);
+}
+
+void FinishModel(const Pattern& pattern, const std::string& model,
+                 const AdjustmentOptions& options, AdjustmentResult* adjusted) {
+  if (!IsParametricModel(model) && !options.rigid_boards) {
     AdjustmentResult rigid = *adjusted;
     EstimateDeformation(pattern, options, adjusted);
     if (HasDiverged(*adjusted, rigid)) *adjusted = std::move(rigid);

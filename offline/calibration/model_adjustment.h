@@ -12,13 +12,18 @@ namespace raygrid {
 /// removal, optimization. Grids are initialized from their base models. If this
 /// diverges, other initial cameras are tried; if all diverge, the result is the
 /// initial model, marked as not converged. knot_spacings_px: one per camera.
-/// Central grids are initialized from `other_spacing`, grids with another knot
-/// spacing, if given.
+/// With `warm`, a warm start as in InitialValues with the same views, the first
+/// optimization starts from its state and without its outliers.
 void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              const std::vector<double>& knot_spacings_px,
                              const AdjustmentOptions& options,
                              AdjustmentResult* adjusted,
-                             const AdjustmentResult* other_spacing = nullptr);
+                             const AdjustmentResult* warm = nullptr);
+
+/// Returns a single camera's result for some of its views, which must have a
+/// separate pose each.
+AdjustmentResult RemoveViewsAndPoses(const std::vector<bool>& remove,
+                                     const AdjustmentResult& adjusted);
 
 /// Enables board deformation. Requires that outliers were removed, since the
 /// deformation would fit them. With a parametric model, the deformation would
@@ -26,6 +31,10 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
 void EstimateDeformation(const Pattern& pattern,
                          const AdjustmentOptions& options,
                          AdjustmentResult* adjusted);
+
+/// Performs the steps of OptimizeModel() after OptimizeWithRigidBoards().
+void FinishModel(const Pattern& pattern, const std::string& model,
+                 const AdjustmentOptions& options, AdjustmentResult* adjusted);
 
 /// Runs all steps from the initial cameras to the requested model, up to
 /// FinalizeCameras(), with one knot spacing per camera.

@@ -34,6 +34,7 @@ class ModelComparison {
       folds_ =
           MakeLeaveOneOutFolds({camera->split}, {&camera->lens.state.camera()});
       folds_.base_model = camera->lens.problem.base_model;
+      folds_.whole = camera->folds.whole;
       grid_ = CrossValidated(kCentralGeneric, camera->result.knot_spacing_px);
     }
     AddCandidate(kCentralGeneric, grid_, 0);
@@ -42,6 +43,15 @@ class ModelComparison {
   }
 
   bool IsValid() const { return HasResiduals(grid_); }
+
+  // Whether the target is nominal for the grid.
+  bool IsTargetNominal() {
+    const AdjustmentResult& whole = OptimizeWhole(
+        pattern_, kCentralGeneric, camera_->result.knot_spacing_px,
+        MakeStoppableOptions(options_), &folds_);
+    return !HavePointsMoved(whole) && !whole.state.HasStaticDeformation();
+  }
+  void FixTargetGeometry() { options_.fix_target_geometry = true; }
 
   // Trials of the camera's folds by model.
   const ModelTrials& trials() const { return trials_; }
@@ -76,6 +86,7 @@ class ModelComparison {
     } catch (const Error&) {
       return {};  // views that the model cannot represent
     }
+    camera_->folds.whole_results = folds_.whole_results;
     if (camera_->folds.count() > 0) trials_[model] = trials;
     return JoinFolds(trials, folds_.count(), {knot_spacing_px},
                      validation.rigid_boards);
@@ -91,7 +102,7 @@ class ModelComparison {
   }
 
   const Pattern& pattern_;
-  const CalibrationOptions& options_;
+  CalibrationOptions options_;
   CameraInProgress* camera_;
   Folds folds_;
   ModelTrials trials_;
@@ -106,7 +117,8 @@ ModelSelection SelectModel(const Pattern& pattern,
                            const CalibrationOptions& options,
                            std::vector<CameraInProgress>* cameras) {
   ModelSelection selection = {kCentralGeneric,
-                              std::vector<ModelTrials>(cameras->size())};
+                              std::vector<ModelTrials>(cameras->size()),
+                              options.fix_target_geometry};
   std::vector<ModelComparison> comparisons;
   std::vector<size_t> estimated;
   for (size_t c = 0; c < cameras->size(); ++c) {
@@ -114,6 +126,16 @@ ModelSelection SelectModel(const Pattern& pattern,
     estimated.push_back(c);
     comparisons.emplace_back(pattern, options, &(*cameras)[c]);
     if (!comparisons.back().IsValid()) return selection;
+  }
+  // As in the comparison of the final camera with other models, whose trials
+  // are then known.
+  if (!options.fix_target_geometry &&
+      std::all_of(comparisons.begin(), comparisons.end(), [](auto& comparison) {
+        return comparison.IsTargetNominal();
+      })) {
+    selection.fix_target_geometry = true;
+    for (ModelComparison& comparison : comparisons)
+      comparison.FixTargetGeometry();
   }
   // The smallest gain over all cameras decides.
   const auto compute_gain = [&](const std::string& model, bool is_grid) {
@@ -133,7 +155,8 @@ ModelSelection SelectModel(const Pattern& pattern,
   double best_gain = kMinParametricGain;
   for (const std::string& model : ListModelNames(ModelUse::kAuto)) {
     if (options.ShouldStop())
-      return {kCentralGeneric, std::move(selection.trials)};
+      return {kCentralGeneric, std::move(selection.trials),
+              selection.fix_target_geometry};
     const double gain = compute_gain(model, false);
     if (gain <= best_gain) continue;
     best = model;

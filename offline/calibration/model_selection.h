@@ -17,7 +17,8 @@ using ModelTrials = std::map<std::string, std::vector<Trial>>;
 
 struct ModelSelection {
   std::string model;
-  std::vector<ModelTrials> trials;  ///< trials of each camera's folds, if any
+  std::vector<ModelTrials> trials;   ///< trials of each camera's folds, if any
+  bool fix_target_geometry = false;  ///< in the trials of other models
 };
 
 /// Selects by cross-validation between the central grid with its selected knot

@@ -1,7 +1,6 @@
 #include "calibration/parametric_comparison.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "calibration/camera_result.h"
@@ -21,26 +20,28 @@ struct Candidate {
   double knot_spacing_px = 0;  // for grids
 };
 
-// Evaluation of a model. Its training and held-out metrics are computed
-// concurrently.
+// Evaluation of a model.
 struct Measurement {
   Candidate candidate;
   ModelMetrics metrics;  // metrics over all training images
   HeldOutResiduals held_out;
-  // Whether the training and the held-out metrics were computed; models without
-  // a wide field of view may fail on a fisheye.
-  std::array<bool, 2> is_done = {};
+  // Models without a wide field of view may fail on a fisheye.
+  bool is_done = false;
 };
 
 void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
                      const ValidationOptions& validation,
-                     const AdjustmentOptions& options,
+                     const AdjustmentOptions& options, Folds* folds,
                      Measurement* measurement) {
   const std::vector<double> knot_spacings_px = {
       measurement->candidate.knot_spacing_px};
   AdjustmentResult adjusted = camera.lens;
-  OptimizeModel(pattern, validation.model, knot_spacings_px, options,
-                &adjusted);
+  if (folds->whole)
+    adjusted = OptimizeWholeModel(pattern, validation.model,
+                                  knot_spacings_px.front(), options, folds);
+  else
+    OptimizeModel(pattern, validation.model, knot_spacings_px, options,
+                  &adjusted);
   AlignBoards(pattern, &adjusted);
   const std::vector<FeatureResidual> training =
       ComputeTrainingResiduals(pattern, adjusted, 0, options.num_threads);
@@ -91,40 +92,37 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
                                   const Beside& beside) {
   std::vector<Measurement> measurements;
   for (const Candidate& candidate : candidates)
-    measurements.push_back({candidate, {}, {}, {}});
+    measurements.push_back({candidate, {}, {}});
   const int num_threads = NumThreads(options.num_threads);
-  const int num_parts = 2 * static_cast<int>(candidates.size());
+  const int num_models = static_cast<int>(candidates.size());
   AdjustmentOptions adjustment = MakeStoppableOptions(options);
   adjustment.rigid_boards = !camera.per_view_deformation;
-  adjustment.num_threads = std::max(1, num_threads / num_parts);
+  adjustment.num_threads = std::max(1, num_threads / num_models);
   const int num_extra_tasks = beside ? 1 : 0;
-  ParallelFor(num_extra_tasks + num_parts, num_threads, [&](int i) {
+  ParallelFor(num_extra_tasks + num_models, num_threads, [&](int i) {
     if (i < num_extra_tasks) return beside(std::max(1, num_threads / 2));
     // The last models have the most parameters; starting the slowest ones first
     // balances the load.
-    const int from_last = (i - num_extra_tasks) / 2,
-              part = (i - num_extra_tasks) % 2;
-    Measurement& measurement = measurements[candidates.size() - 1 - from_last];
+    Measurement& measurement =
+        measurements[num_models - 1 - (i - num_extra_tasks)];
     ValidationOptions validation = MakeValidationOptions(options);
     validation.model = measurement.candidate.model;
     validation.rigid_boards =
         adjustment.rigid_boards || IsParametricModel(validation.model);
     validation.num_threads = adjustment.num_threads;
     try {
-      if (part == 0) {
-        MeasureTraining(camera, pattern, validation, adjustment, &measurement);
-      } else {
-        Folds folds = camera.folds;  // copied for each model
-        MeasureHeldOut(camera, pattern, validation, done, &folds, &measurement);
-      }
-      measurement.is_done[part] = true;
+      Folds folds = camera.folds;  // copied for each model
+      MeasureTraining(camera, pattern, validation, adjustment, &folds,
+                      &measurement);
+      MeasureHeldOut(camera, pattern, validation, done, &folds, &measurement);
+      measurement.is_done = true;
     } catch (const Error&) {
     }
   });
   std::vector<ModelMetrics> metrics;
   if (options.ShouldStop()) return metrics;
   for (Measurement& measurement : measurements)
-    if (measurement.is_done[0] && measurement.is_done[1])
+    if (measurement.is_done)
       metrics.push_back(ComputeModelMetrics(std::move(measurement)));
   return metrics;
 }

@@ -60,6 +60,8 @@ void RestartFromFolds(const Pattern& pattern, const CalibrationOptions& options,
                       const std::function<AdjustmentResult()>& adjust,
                       CameraInProgress* camera, AdjustmentResult* adjusted) {
   const AdjustmentResult initial_result = camera->lens;
+  camera->folds.whole.reset();
+  camera->folds.whole_results.clear();
   AdjustmentResult best_result = initial_result;
   double least_px = ComputeMeanErrorPx(*adjusted, initial_result);
   // A resumed calibration does not repeat the trials of its checkpoint, and has

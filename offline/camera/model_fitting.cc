@@ -213,6 +213,7 @@ Equations Linearize(const ParametricModel& model,
   equations.normal.setZero(size, size);
   equations.gradient.setZero(size);
   Eigen::MatrixX2d by_parameters(size, 2);  // Jacobian of pixel x and y
+  by_parameters.setZero();
   std::vector<int> affecting;  // indices of non-zero Jacobian rows: few for
                                // splines
   for (const Sample& sample : target.samples) {
@@ -221,19 +222,24 @@ Equations Linearize(const ParametricModel& model,
     if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
     const Eigen::Vector2d error = linear.pixel - sample.pixel;
     if (error.norm() > target.lost_px) continue;
-    by_parameters.setZero();
-    for (int k = 0; k < linear.num_nodes; ++k)
+    for (int k = 0; k < linear.num_nodes; ++k) {
       by_parameters.row(linear.node_parameter[k]) +=
           linear.node_weight[k] * linear.J_node.col(0);
+      affecting.push_back(linear.node_parameter[k]);
+    }
     by_parameters.middleRows(linear.first_global, linear.num_global) =
         linear.J_global.leftCols(linear.num_global).transpose();
     for (int k = 0; k < 3; ++k)
       by_parameters.row(num_parameters + k) =
           linear.J_point * Eigen::Vector3d::Unit(k).cross(ray);
-    by_parameters *= std::sqrt(sample.Weight());
-    affecting.clear();
-    for (int k = 0; k < size; ++k)
-      if (!by_parameters.row(k).isZero(0)) affecting.push_back(k);
+    for (int k = 0; k < linear.num_global; ++k)
+      affecting.push_back(linear.first_global + k);
+    for (int k = num_parameters; k < size; ++k) affecting.push_back(k);
+    std::sort(affecting.begin(), affecting.end());
+    affecting.erase(std::unique(affecting.begin(), affecting.end()),
+                    affecting.end());
+    for (const int k : affecting)
+      by_parameters.row(k) *= std::sqrt(sample.Weight());
     for (const int k : affecting) {
       for (const int l : affecting) {
         if (l > k) break;  // upper triangle only
@@ -243,6 +249,8 @@ Equations Linearize(const ParametricModel& model,
       equations.gradient[k] +=
           std::sqrt(sample.Weight()) * by_parameters.row(k).dot(error);
     }
+    for (const int k : affecting) by_parameters.row(k).setZero();
+    affecting.clear();
   }
   equations.normal.triangularView<Eigen::StrictlyLower>() =
       equations.normal.transpose();
