@@ -48,11 +48,17 @@ bool IsBagName(fs::path path) {
   return IsMcapName(path) || IsDatabaseName(path) || path.extension() == ".bag";
 }
 
-bool HasBagFiles(const std::string& folder) {
+// Folders of rosbag2 have metadata.yaml, or nothing but the bag's files if the
+// recording was interrupted.
+bool IsBagFolder(const std::string& folder) {
+  bool has_bags = false, has_others = false, has_metadata = false;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (IsBagName(entry.path())) return true;
-  return false;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    has_bags |= IsBagName(entry.path());
+    has_others |= !IsBagName(entry.path());
+    has_metadata |= entry.path().filename() == kMetadata;
+  }
+  return has_bags && (has_metadata || !has_others);
 }
 
 MessageEncoding ParseMessageEncoding(const std::string& name) {
@@ -138,8 +144,7 @@ std::string DecompressIfPossible(std::string_view data) {
 
 bool Bag::Recognizes(const std::string& path) {
   std::error_code error;
-  if (fs::is_directory(path, error))
-    return fs::exists(fs::path(path) / kMetadata, error) || HasBagFiles(path);
+  if (fs::is_directory(path, error)) return IsBagFolder(path);
   if (!fs::is_regular_file(path, error)) return false;
   const std::string bytes = FirstBytes(path);
   return IsBagName(path) || HasStart(bytes, kMcapMagic) ||
@@ -198,8 +203,8 @@ void Bag::Scan(const std::function<void(const BagMessage&)>& visit,
                           const std::string& encoding) {
     const auto [place, is_new] = index_by_name.emplace(name, topics_.size());
     if (is_new)
-      topics_.push_back({name, TypeWithoutMsg(type), encoding,
-                         ParseMessageEncoding(encoding)});
+      topics_.push_back({Printable(name), Printable(TypeWithoutMsg(type)),
+                         Printable(encoding), ParseMessageEncoding(encoding)});
     return place->second;
   };
   visitor.visit = [&](BagMessage message) {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "dataset/error.h"
-#include "dataset/files.h"
+#include "dataset/text_encoding.h"
 
 namespace raygrid {
 namespace {
@@ -92,7 +92,7 @@ Stepper MakeStepper(const std::string& method) {
   if (method == "bz2") return MakeBzip2Stepper();
   throw InputError(
       fmt::format("unknown compression '{}' (supported: none, lz4, zstd, bz2)",
-                  method.substr(0, 40)));
+                  Printable(method.substr(0, 40))));
 }
 
 [[noreturn]] void ThrowCorrupt(const std::string& method) {

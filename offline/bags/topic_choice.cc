@@ -22,8 +22,7 @@ std::string ListNearest(const std::string& name,
                    });
   const bool is_cut = names.size() > kMaxNames;
   if (is_cut) names.resize(kMaxNames);
-  return Printable(
-      fmt::format("{}{}", fmt::join(names, ", "), is_cut ? ", ..." : ""));
+  return fmt::format("{}{}", fmt::join(names, ", "), is_cut ? ", ..." : "");
 }
 
 // What is known of a topic that is not one of these.
@@ -32,8 +31,7 @@ std::string DescribeOther(const Bag& bag, const std::string& name,
   for (const BagTopic& topic : bag.topics())
     if (topic.name == name)
       return fmt::format("topic {} has no {}, but {} in {}", Printable(name),
-                         what, Printable(topic.type),
-                         Printable(topic.encoding_name));
+                         what, topic.type, topic.encoding_name);
   return fmt::format("has no topic {}", Printable(name));
 }
 
