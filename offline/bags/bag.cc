@@ -14,6 +14,7 @@
 
 #include "bags/bag_file.h"
 #include "bags/compression.h"
+#include "bags/random_access_file.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
 #include "dataset/text_encoding.h"
@@ -163,6 +164,7 @@ Bag::~Bag() = default;
 
 void Bag::OpenFolder() {
   std::error_code error;
+  if (!IsBagFolder(path_)) throw InputError(path_ + ": contains no bag");
   if (!fs::exists(fs::path(path_) / kMetadata, error))
     throw InputError(fmt::format(
         "{}: has no metadata.yaml, which an interrupted recording lacks; pass "
@@ -173,6 +175,13 @@ void Bag::OpenFolder() {
 }
 
 void Bag::OpenFile(const std::string& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::is_regular_file(status))
+    throw InputError(path + (fs::exists(status)
+                                 ? ": is not a file; a bag is read twice"
+                                 : ": does not exist; check the name"));
+  const RandomAccessFile is_readable(path, path);  // or throws
   std::string bytes = FirstBytes(path);
   std::optional<TemporaryFile> temporary;
   std::string readable = path;
@@ -182,9 +191,6 @@ void Bag::OpenFile(const std::string& path) {
     DecompressZstdFile(path, readable);
     bytes = FirstBytes(readable);
   }
-  std::error_code error;
-  if (!fs::exists(path, error))
-    throw InputError(path + ": does not exist; check the name");
   files_.push_back(OpenByMagic(readable, path, bytes));
   file_names_.push_back(path);
   kind_ = HasStart(bytes, kMcapMagic)   ? "MCAP"

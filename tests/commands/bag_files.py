@@ -138,12 +138,13 @@ def ros1(messages, compression="none", per_chunk=3, index=True):
 
     def finish():
         data = COMPRESS[compression](records)
-        chunks.append(ros1_record(data, op=b"\5", compression=compression.encode(), size=struct.pack("<I", len(records))))
+        chunks.append(ros1_record(data, op=b"\5", compression=compression.encode(),
+                                  size=struct.pack("<I", len(records))))
     for k, message in enumerate(messages):
         if message.topic not in declared:
             declared[message.topic] = len(declared)
-            records += ros1_record(fields(topic=message.topic.encode(), type=message.type.replace("/msg/", "/").encode(),
-                                          md5sum=b"*", message_definition=b""),
+            kind = message.type.replace("/msg/", "/").encode()
+            records += ros1_record(fields(topic=message.topic.encode(), type=kind, md5sum=b"*", message_definition=b""),
                                    op=b"\7", conn=struct.pack("<I", declared[message.topic]),
                                    topic=message.topic.encode())
         seconds, nanoseconds = divmod(message.log_ns, 10**9)

@@ -179,8 +179,8 @@ class Bags(CommandTest):
         self.assert_refused(result, 7, "would overwrite the input")
 
     def test_topics_are_listed(self):
-        bag = bag_files.mcap(messages() + [Message("/info", bag_files.camera_info(stamp(0), SIZE, K, ()), stamp(0), INFO)])
-        path = write(self.path("list.mcap"), bag)
+        info = Message("/info", bag_files.camera_info(stamp(0), SIZE, K, ()), stamp(0), INFO)
+        path = write(self.path("list.mcap"), bag_files.mcap(messages() + [info]))
         result = run("bag", path, "--json")
         self.assert_done(result)
         topics = json.loads(result.stdout)["topics"]
@@ -188,7 +188,8 @@ class Bags(CommandTest):
                          [(TOPIC, "sensor_msgs/Image", 4), ("/info", "sensor_msgs/CameraInfo", 1)])
         self.assertAlmostEqual(topics[0]["rate_hz"], 10, 6)
         self.assertEqual(topics[0]["bytes"], sum(len(message.data) for message in messages()))
-        self.assertRegex(run("bag", path).stdout, r"MCAP, 5 messages in 0\.300 s\n(.*\n)*/cam0/image_raw +sensor_msgs/Image +4 +10 Hz")
+        self.assertRegex(run("bag", path).stdout, r"MCAP, 5 messages in 0\.300 s\n"
+                                                  r"(.*\n)*/cam0/image_raw +sensor_msgs/Image +4 +10 Hz")
 
     def test_camera_info_is_a_camera(self):
         d = (-0.2, 0.05, 1e-3, -2e-3, 0.01)
