@@ -205,9 +205,30 @@ void UseSession(CalibrateArguments* arguments) {
     if (arguments->output.empty())
       arguments->output = (folder / "calibration").string();
   }
+}
+
+// Reads the images and their times from bags, if any are given.
+void UseBags(bool quiet, CalibrateArguments* arguments) {
+  if (arguments->cameras.empty()) {
+    BagFrames frames;
+    arguments->images =
+        ExpandBags(arguments->images, arguments->bags, quiet, &frames);
+    if (!frames.empty())
+      arguments->session_times.push_back(MakeImageTimes(frames));
+    return;
+  }
+  const std::vector<RigCameraImages> rig =
+      ExpandRigBags(ParseCameraValues("--camera", "FOLDER", arguments->cameras),
+                    arguments->bags, quiet, &arguments->session_times);
+  if (rig.empty()) return;
+  arguments->rig = rig;
+  arguments->cameras.clear();
+}
+
+void RequirePatternAndOutput(const CalibrateArguments& arguments) {
   for (const auto& [option, value] :
-       {std::pair("--pattern", &arguments->pattern),
-        std::pair("--output", &arguments->output)})
+       {std::pair("--pattern", &arguments.pattern),
+        std::pair("--output", &arguments.output)})
     if (value->empty())
       throw Error(ExitCode::kUsage,
                   fmt::format("{} is required, except for a capture session; "
@@ -360,7 +381,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
 
 void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
   command->add_option("images", arguments->images,
-                      "images, folders or a capture session");
+                      "images, folders, a capture session or bags");
   AddRigImageOptions(command, &arguments->cameras, &arguments->sync_by,
                      &arguments->features);
   command
@@ -386,6 +407,7 @@ void AddCalibrationInputs(CLI::App* command, CalibrateArguments* arguments) {
                    "scale=S size=WxH flip=h|v|hv rotate=180")
       ->option_text("DIR:KEY=VALUE,...")
       ->allow_extra_args(false);
+  AddBagOptions(command, &arguments->bags, true);
 }
 
 void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
@@ -430,7 +452,7 @@ void AddModelOptions(CLI::App* command, CalibrateArguments* arguments) {
   command
       ->add_option("--timestamps", arguments->times,
                    "with --rolling-shutter: CSV image,time_s (default: "
-                   "timestamps of the session)")
+                   "timestamps of the session or bag)")
       ->option_text("FILE");
   AddOperatingPointOptions(command, arguments);
 }
@@ -484,6 +506,8 @@ void AddCalibrate(CLI::App* app, CommonOptions* common) {
   AddHugeOption(command);
   command->callback([arguments, common] {
     UseSession(arguments.get());
+    RequirePatternAndOutput(*arguments);
+    UseBags(common->quiet, arguments.get());
     Run(*arguments, *common);
   });
 }

@@ -150,14 +150,16 @@ std::optional<ImageCircle> GetImageCircle(const Measurements& measurements,
 // ---- Cameras ---------------------------------------------------------------
 
 std::vector<RigCameraImages> ParseCameras(const CalibrateArguments& arguments) {
-  if (!arguments.rig.empty()) return arguments.rig;
-  if (arguments.cameras.empty()) return {{"", arguments.images}};
-  std::vector<RigCameraImages> cameras;
-  const std::vector<NamedValue> folders =
-      ParseCameraValues("--camera", "FOLDER", arguments.cameras);
-  RequireDifferentFolders("--camera", folders);
-  for (const auto& [name, folder] : folders)
-    cameras.push_back({name, {folder}});
+  if (arguments.cameras.empty() && arguments.rig.empty())
+    return {{"", arguments.images}};
+  std::vector<RigCameraImages> cameras = arguments.rig;
+  if (cameras.empty()) {
+    const std::vector<NamedValue> folders =
+        ParseCameraValues("--camera", "FOLDER", arguments.cameras);
+    RequireDifferentFolders("--camera", folders);
+    for (const auto& [name, folder] : folders)
+      cameras.push_back({name, {folder}});
+  }
   if (cameras.size() == 1)
     throw Error(ExitCode::kUsage,
                 "a rig requires at least two cameras; for a single camera, "
@@ -297,7 +299,7 @@ void RequireTimes(const CalibrateArguments& arguments) {
   if (arguments.times.empty() && arguments.session_times.empty())
     throw Error(ExitCode::kUsage,
                 "--rolling-shutter requires timestamps: pass --timestamps "
-                "times.csv with the columns image,time_s, or a session "
+                "times.csv with the columns image,time_s, a bag, or a session "
                 "recorded with raygrid capture --every-frame");
   if (!arguments.times.empty()) ReadImageTimes(arguments.times);
 }
@@ -601,8 +603,8 @@ void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
                         std::string* sync_by, std::string* features) {
   command
       ->add_option("--camera", *folders,
-                   "images of one camera of a rig; repeatable. Synchronized "
-                   "images have the same name in all cameras")
+                   "images of one camera of a rig, or BAG:TOPIC; repeatable. "
+                   "Synchronized images have the same name, or near stamps")
       ->option_text("NAME=DIR")
       ->allow_extra_args(false);
   command

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bag_input.h"
 #include "calibration/calibration.h"
 #include "camera/sensor_mode.h"
+#include "camera_values.h"
 #include "checkpoint_file.h"
 #include "commands.h"
 #include "dataset/camera_file.h"
@@ -18,12 +20,6 @@
 #include "progress_bar.h"
 
 namespace raygrid {
-
-/// Images of a rig's camera; the name is empty for a single camera.
-struct RigCameraImages {
-  std::string camera;
-  std::vector<std::string> images;
-};
 
 struct CalibrateArguments {
   std::vector<std::string> images, cameras, image_sizes, hold_out, modes;
@@ -37,8 +33,9 @@ struct CalibrateArguments {
        allow_noncentral = false;
   bool skip_comparison = false, rolling_shutter = false;
   std::string times;  ///< CSV file with the times of images
-  std::vector<RigCameraImages>
-      rig;                        ///< images of a session, instead of cameras
+  BagOptions bags;
+  /// Images of a session or bags, instead of cameras.
+  std::vector<RigCameraImages> rig;
   std::vector<Capture> captures;  ///< capture settings of a session's cameras
   /// Operating-point variables on which the intrinsics depend; may be empty.
   std::vector<std::string> condition;
@@ -46,7 +43,7 @@ struct CalibrateArguments {
   std::string conditions;  ///< CSV file
   /// Values of these variables by image of a session.
   std::map<std::string, OperatingPoint> session_values;
-  /// Times of the images of each of a session's cameras.
+  /// Times of the images of each camera of a session or bags.
   std::vector<ImageTimes> session_times;
 
   /// Whether images of several cameras are given.

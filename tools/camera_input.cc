@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "bag_input.h"
 #include "dataset/csv.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -122,7 +123,7 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
 
 CameraInput ReadCamera(const std::string& path,
                        const RequestedOperatingPoint& at) {
-  return ParseCamera(path, ReadFile(path), at);
+  return ParseCamera(path, ReadCameraBytes(path), at);
 }
 
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
@@ -134,7 +135,8 @@ CameraInput ParseCamera(const std::string& path, const std::string& bytes,
 
 CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at) {
-  CameraInput input = ParseAnyCamera(path, ReadFile(path), at, Reading::kRest);
+  CameraInput input =
+      ParseAnyCamera(path, ReadCameraBytes(path), at, Reading::kRest);
   if (at.HasValues() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
@@ -143,8 +145,8 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
                                           const RequestedOperatingPoint& at) {
   std::array<CameraInput, 2> cameras = {
-      ParseAnyCamera(first, ReadFile(first), at, Reading::kOneOfTwo),
-      ParseAnyCamera(second, ReadFile(second), at, Reading::kOneOfTwo)};
+      ParseAnyCamera(first, ReadCameraBytes(first), at, Reading::kOneOfTwo),
+      ParseAnyCamera(second, ReadCameraBytes(second), at, Reading::kOneOfTwo)};
   std::vector<OperatingRange> ranges = cameras[0].ranges;
   ranges.insert(ranges.end(), cameras[1].ranges.begin(),
                 cameras[1].ranges.end());

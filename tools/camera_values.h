@@ -11,6 +11,12 @@ struct NamedValue {
   std::string name, value;
 };
 
+/// Images of a rig's camera; the name is empty for a single camera.
+struct RigCameraImages {
+  std::string camera;
+  std::vector<std::string> images;
+};
+
 /// Splits NAME=VALUE at the '='; without one, the text is the value.
 NamedValue ParseNamedValue(const std::string& text);
 

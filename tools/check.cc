@@ -23,6 +23,7 @@ namespace {
 struct CheckArguments {
   std::string camera, features, pattern;
   std::vector<std::string> images;
+  BagOptions bags;
 };
 
 std::string PatternPath(const CheckArguments& arguments) {
@@ -174,6 +175,7 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage, "check: specify either images or --features");
   const CameraInput input = ReadCamera(arguments.camera, common.at);
   const std::vector<std::string> stands = UseSession(input.file, &arguments);
+  arguments.images = ExpandBags(arguments.images, arguments.bags, common.quiet);
   const Pattern pattern = LoadPattern(PatternPath(arguments));
   std::vector<RejectedImage> rejected;
   const Dataset dataset =
@@ -209,11 +211,12 @@ void AddCheck(CLI::App* app, CommonOptions* common) {
                    "camera.yaml written by calibrate, including its covariance")
       ->required();
   command->add_option("images", arguments->images,
-                      "images, folders or a capture session");
+                      "images, folders, a capture session or bags");
   command
       ->add_option("--features", arguments->features,
                    "features.csv instead of images")
       ->option_text("FILE");
+  AddBagOptions(command, &arguments->bags, false);
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   AddPatternOption(command, &arguments->pattern,

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bag_input.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
@@ -35,6 +36,7 @@ struct DetectArguments {
   std::string cache = DetectionCache::DefaultFolder();
   bool no_cache = false;
   DetectionOptions detection;
+  BagOptions bags;
 };
 
 const std::map<std::string, Refinement> kRefinements = {
@@ -71,7 +73,8 @@ void RequireInputsStay(const DetectArguments& arguments,
 
 FolderDetection Detect(const DetectArguments& arguments, const Pattern& pattern,
                        const CommonOptions& common) {
-  const FoundImages images = FindImages(arguments.images);
+  const FoundImages images =
+      FindImages(ExpandBags(arguments.images, arguments.bags, common.quiet));
   RequireInputsStay(arguments, images.paths);
   const DetectionCache cache(arguments.no_cache ? "" : arguments.cache);
   ProgressBar bar(common.quiet);
@@ -250,10 +253,11 @@ void AddDetect(CLI::App* app, CommonOptions* common) {
       "--overlay seen/",
       common);
   auto arguments = std::make_shared<DetectArguments>();
-  command->add_option("images", arguments->images, "images or folders")
+  command->add_option("images", arguments->images, "images, folders or bags")
       ->required();
   AddPatternOption(command, &arguments->pattern)->required();
   AddYesOption(command, common);
+  AddBagOptions(command, &arguments->bags, false);
   BeginGroup(command, help_group::kOutput);
   command->add_option("-o,--output", arguments->output, "features.csv to write")
       ->option_text("FILE")

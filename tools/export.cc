@@ -8,7 +8,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
+#include "bag_input.h"
+#include "bags/camera_info.h"
+#include "bags/mcap_writer.h"
+#include "bags/message_writer.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/dataset.h"
@@ -18,6 +23,7 @@
 #include "dataset/rig_file.h"
 #include "dataset/text_encoding.h"
 #include "exchange/format.h"
+#include "exchange/ros_format.h"
 #include "exchange/table_format.h"
 #include "exchange/valid_region.h"
 #include "help_formatter.h"
@@ -280,11 +286,53 @@ void SortCamerasByName(std::vector<OutputCamera>* lenses) {
                    });
 }
 
+bool IsRosBag(const ExportArguments& arguments, const Format& format) {
+  return format.name == "ros" && IsBagOutput(arguments.output);
+}
+
+// Returns a bag with a CameraInfo for each camera and, for a rig, the static
+// transforms from its frame, "rig". All stamps are 0.
+std::string MakeCameraInfoBag(const std::vector<OutputCamera>& lenses) {
+  std::ostringstream stream;
+  McapWriter writer(&stream);
+  std::vector<StaticTransform> transforms;
+  for (const OutputCamera& lens : lenses) {
+    const std::string name = lens.name.empty() ? "camera" : lens.name;
+    const RosMatrices matrices = MakeRosMatrices(lens);
+    CameraInfo info;
+    info.width = static_cast<uint32_t>(lens.lens.size.width);
+    info.height = static_cast<uint32_t>(lens.lens.size.height);
+    info.model = lens.lens.external_model->name;
+    info.d = matrices.d;
+    info.k = matrices.k;
+    info.r = matrices.r;
+    info.p = matrices.p;
+    writer.Write(writer.AddTopic("/" + name + "/camera_info",
+                                 "sensor_msgs/msg/CameraInfo"),
+                 0, WriteCameraInfo({0, name}, info));
+    if (!lens.camera_from_rig) continue;
+    const Pose rig_from_camera = lens.camera_from_rig->Inverse();
+    const Eigen::Vector3d& t = rig_from_camera.translation;
+    const Eigen::Quaterniond& q = rig_from_camera.rotation;
+    transforms.push_back({{0, "rig"},
+                          name,
+                          {t.x(), t.y(), t.z()},
+                          {q.x(), q.y(), q.z(), q.w()}});
+  }
+  if (!transforms.empty())
+    writer.Write(writer.AddTopic("/tf_static", "tf2_msgs/msg/TFMessage"), 0,
+                 WriteTransforms(transforms));
+  writer.Finish();
+  return stream.str();
+}
+
 // Returns the output files as names and contents. A rig becomes a folder if the
 // format stores one camera per file.
 std::vector<std::pair<std::string, std::string>> WriteAll(
     const ExportArguments& arguments, const Format& format,
     const std::vector<OutputCamera>& lenses, bool is_rig) {
+  if (IsRosBag(arguments, format))
+    return {{arguments.output, MakeCameraInfoBag(lenses)}};
   const bool is_folder = is_rig && !format.supports_rigs;
   return is_folder ? WriteFolder(format, {arguments.output, lenses})
                    : WriteWithCompanions(format, {arguments.output, lenses});
@@ -322,7 +370,8 @@ void PrintExport(const Format& format, const std::vector<OutputCamera>& lenses,
   if (common.quiet) return;
   for (size_t c = 0; c < lenses.size(); ++c) {
     const OutputCamera& lens = lenses[c];
-    fmt::print("{}{}: {}, {}\n", files[format.supports_rigs ? 0 : c].first,
+    fmt::print("{}{}: {}, {}\n",
+               files[format.supports_rigs || files.size() == 1 ? 0 : c].first,
                lens.name.empty() ? "" : " " + lens.name,
                lens.lens.external_model->name,
                lens.fit ? FormatModelFit(*lens.fit) : "exact");
@@ -494,7 +543,7 @@ void ExportCameras(const ExportArguments& arguments, const Format& format,
                  lens.name.empty() ? "" : " of " + Printable(lens.name),
                  lens.fit->max_valid_angle_rad * 180 / M_PI);
   if (format.supports_region) PrintRegions(lenses);
-  if (is_rig && DropsPoses(format, lenses))
+  if (is_rig && !IsRosBag(arguments, format) && DropsPoses(format, lenses))
     fmt::print(stderr,
                "raygrid: camera poses are not written: {} cannot store {}poses "
                "of a rig; use --to opencv or --to kalibr\n",
@@ -589,7 +638,8 @@ void AddExport(CLI::App* app, CommonOptions* common) {
   command
       ->add_option(
           "-o,--output", arguments->output,
-          "output file, common prefix of several files, or folder for a rig")
+          "output file, common prefix of several files, or folder for a rig; "
+          "ros: .mcap for a bag of CameraInfo and static transforms")
       ->option_text("PATH");
   command
       ->add_option("--address", arguments->address,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "bag_input.h"
 #include "calibration/rigid_targets.h"
 #include "dataset/error.h"
 #include "dataset/files.h"
@@ -16,7 +17,7 @@ namespace raygrid {
 
 FixedRig ReadFixedRig(const std::string& path,
                       const RequestedOperatingPoint& at) {
-  const std::string bytes = ReadFile(path);
+  const std::string bytes = ReadCameraBytes(path);
   FixedRig rig;
   rig.is_rig = bytes.find("raygrid_rig:") != std::string::npos;
   if (!rig.is_rig) {

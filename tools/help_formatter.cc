@@ -100,8 +100,8 @@ std::string OptionGroup(const CLI::App* app, const std::string& group) {
 }
 
 std::string OptionGroups(const CLI::App* app) {
-  std::vector<std::string> groups = {help_group::kInput, help_group::kModel,
-                                     help_group::kTarget};
+  std::vector<std::string> groups = {help_group::kInput, help_group::kBags,
+                                     help_group::kModel, help_group::kTarget};
   const std::vector<std::string> last = {help_group::kView, help_group::kOutput,
                                          help_group::kAdvanced};
   const auto contains = [](const std::vector<std::string>& names,

@@ -11,6 +11,7 @@ namespace raygrid {
 /// tools/command_pages lists them, too.
 namespace help_group {
 inline constexpr char kInput[] = "Input";
+inline constexpr char kBags[] = "Bags";
 inline constexpr char kModel[] = "Model";
 inline constexpr char kTarget[] = "Target";
 inline constexpr char kView[] = "View";

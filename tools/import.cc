@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bag_input.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/dataset.h"
@@ -363,10 +364,16 @@ bool IsFirstRigFile(const ImportArguments& arguments) {
 void FindFiles(ImportArguments* arguments) {
   std::vector<std::string> files;
   for (const std::string& path : arguments->files)
-    for (const std::string& file : std::filesystem::is_directory(path)
-                                       ? FilesIn(path)
-                                       : std::vector<std::string>{path})
-      files.push_back(file);
+    if (ParseBagArgument(path))
+      files.push_back(arguments->topic.empty() ? path
+                                               : path + ":" + arguments->topic);
+    else if (!arguments->topic.empty())
+      throw Error(ExitCode::kUsage,
+                  fmt::format("--topic: {} is not a bag", path));
+    else if (std::filesystem::is_directory(path))
+      for (const std::string& file : FilesIn(path)) files.push_back(file);
+    else
+      files.push_back(path);
   arguments->files = files;
   if (IsFirstRigFile(*arguments))
     arguments->files =
@@ -377,7 +384,7 @@ void RunImport(ImportArguments arguments, const CommonOptions& common) {
   FindFiles(&arguments);
   std::vector<std::string> texts;
   for (const std::string& path : arguments.files)
-    texts.push_back(ReadFile(path));
+    texts.push_back(ReadCameraBytes(path));
   if (const TableFormat* table = SelectTable(arguments, texts)) {
     ImportTable(*table, arguments, texts[0], common);
     return;
@@ -442,8 +449,8 @@ void AddImport(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<ImportArguments>();
   command
       ->add_option("files", arguments->files,
-                   "another tool's files, or the folder of a COLMAP model; "
-                   "raygrid export --list names the formats")
+                   "another tool's files, the folder of a COLMAP model, or a "
+                   "bag; raygrid export --list names the formats")
       ->required();
   command
       ->add_option("--from", arguments->from,
@@ -453,6 +460,10 @@ void AddImport(CLI::App* app, CommonOptions* common) {
       ->add_option("--image-size", arguments->image_size,
                    "image size in px, if the file does not contain it")
       ->option_text("WxH");
+  command
+      ->add_option("--topic", arguments->topic,
+                   "topic of sensor_msgs/CameraInfo, if a bag has several")
+      ->option_text("TOPIC");
   command->add_flag("--inverse", arguments->is_reverse,
                     "the STMap maps camera pixels to undistorted pixels "
                     "(default: undistorted to camera)");

@@ -11,7 +11,7 @@ namespace raygrid {
 /// Arguments of raygrid import; "" if not given.
 struct ImportArguments {
   std::vector<std::string> files;
-  std::string output, from, model, image_size, board;
+  std::string output, from, topic, model, image_size, board;
   ViewKeyValues view;
   bool is_reverse = false;
 };

@@ -30,6 +30,8 @@ namespace {
 struct LocalizeArguments {
   std::string camera, features, pattern, output, sync_by = "name";
   std::vector<std::string> images, folders;
+  std::vector<RigCameraImages> rig;  // images of each of the folders
+  BagOptions bags;
   bool independent_boards = false, estimate_target = false;
 };
 
@@ -79,24 +81,35 @@ CameraImages DetectTargets(const std::vector<std::string>& images,
   return result;
 }
 
+// Reads the images of bags, if any are given.
+void UseBags(bool quiet, LocalizeArguments* arguments) {
+  if (arguments->folders.empty()) {
+    arguments->images = ExpandBags(arguments->images, arguments->bags, quiet);
+    return;
+  }
+  const std::vector<NamedValue> folders =
+      ParseCameraValues("--camera", "DIR", arguments->folders);
+  arguments->rig = ExpandRigBags(folders, arguments->bags, quiet);
+  if (!arguments->rig.empty()) return;
+  RequireDifferentFolders("--camera", folders);
+  for (const auto& [name, folder] : folders)
+    arguments->rig.push_back({name, {folder}});
+}
+
 std::vector<CameraImages> DetectInRig(const FixedRig& rig,
                                       const Pattern& pattern,
                                       const LocalizeArguments& arguments,
                                       const CommonOptions& common) {
-  const std::vector<NamedValue> folders =
-      ParseCameraValues("--camera", "DIR", arguments.folders);
-  RequireDifferentFolders("--camera", folders);
   std::vector<CameraImages> cameras(rig.names.size());
-  for (const auto& [name, folder] : folders) {
+  for (const auto& [name, images] : arguments.rig) {
     const auto found = std::find(rig.names.begin(), rig.names.end(), name);
     if (found == rig.names.end())
       throw Error(ExitCode::kUsage,
-                  fmt::format("--camera {}={}: {} has no "
-                              "camera '{}'",
-                              name, folder, arguments.camera, name));
+                  fmt::format("--camera {}: {} has no camera '{}'", name,
+                              arguments.camera, name));
     const auto c = found - rig.names.begin();
-    cameras[c] = DetectTargets({folder}, name, rig.cameras[c], pattern,
-                               arguments, common);
+    cameras[c] =
+        DetectTargets(images, name, rig.cameras[c], pattern, arguments, common);
   }
   for (size_t c = 0; c < cameras.size(); ++c)
     cameras[c].dataset.image_size = rig.model.cameras[c]->image_size();
@@ -112,7 +125,7 @@ std::vector<CameraImages> GatherFeatures(const FixedRig& rig,
     for (Dataset& dataset : ReadRigFeatures(rig, arguments.features, pattern))
       cameras.push_back({std::move(dataset), {}, {}});
   } else if (rig.is_rig) {
-    if (arguments.folders.empty())
+    if (arguments.rig.empty())
       throw Error(ExitCode::kUsage,
                   fmt::format("{}: is a rig; specify the images of each camera "
                               "with --camera NAME=DIR",
@@ -436,9 +449,10 @@ void AddLocalize(CLI::App* app, CommonOptions* common) {
       ->add_option("camera", arguments->camera, "camera.yaml, blob or rig.yaml")
       ->required();
   command->add_option("images", arguments->images,
-                      "images and folders, of a single camera");
+                      "images, folders and bags, of a single camera");
   AddRigImageOptions(command, &arguments->folders, &arguments->sync_by,
                      &arguments->features);
+  AddBagOptions(command, &arguments->bags, true);
   BeginGroup(command, help_group::kModel);
   AddAtOption(command, common);
   AddPatternOption(command, &arguments->pattern,
@@ -461,7 +475,10 @@ void AddLocalize(CLI::App* app, CommonOptions* common) {
       ->required();
   BeginGroup(command, help_group::kAdvanced);
   AddHugeOption(command);
-  command->callback([arguments, common] { Run(*arguments, *common); });
+  command->callback([arguments, common] {
+    UseBags(common->quiet, arguments.get());
+    Run(*arguments, *common);
+  });
 }
 
 }  // namespace raygrid

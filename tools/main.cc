@@ -16,6 +16,7 @@
 
 #include "commands.h"
 #include "dataset/csv.h"
+#include "dataset/edit_distance.h"
 #include "dataset/error.h"
 #include "dataset/image_header.h"
 #include "dataset/memory_retention.h"
@@ -160,21 +161,6 @@ void OccupyStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0)
       open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
-}
-
-// Returns the Levenshtein distance.
-size_t CountEdits(const std::string& from, const std::string& to) {
-  std::vector<size_t> row(to.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (size_t i = 0; i < from.size(); ++i) {
-    size_t diagonal = row[0]++;
-    for (size_t j = 0; j < to.size(); ++j) {
-      const size_t replaced = diagonal + (from[i] != to[j] ? 1 : 0);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
 }
 
 // Throws if the first argument is not a command.

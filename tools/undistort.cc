@@ -10,12 +10,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bag_input.h"
 #include "camera/camera_frame.h"
 #include "camera_input.h"
 #include "commands.h"
 #include "dataset/error.h"
+#include "dataset/file_parts.h"
 #include "dataset/files.h"
 #include "dataset/image_files.h"
+#include "dataset/text_encoding.h"
 #include "help_formatter.h"
 #include "json_output.h"
 #include "mode_options.h"
@@ -23,6 +26,7 @@
 #include "packing/pack.h"
 #include "packing/regular_region.h"
 #include "progress_bar.h"
+#include "undistorted_bag.h"
 #include "view_options.h"
 
 namespace raygrid {
@@ -35,6 +39,7 @@ struct UndistortArguments {
   std::string rectify = "pinhole", outside = "fill";
   std::vector<std::string> images;
   ViewKeyValues view;
+  BagOptions bags;
   std::string mode;
   double max_error_px = 0.05;
   bool is_max_error_given = false;
@@ -287,7 +292,10 @@ struct Targets {
 
 std::string Target(const std::string& folder, const std::string& path,
                    const char* extension) {
-  const std::string stem = std::filesystem::path(path).stem().string();
+  const std::filesystem::path name = std::filesystem::path(path).filename();
+  // Images of bags are named by their stamps.
+  const bool is_part = FilesOf(path) != std::vector<std::string>{path};
+  const std::string stem = (is_part ? name : name.stem()).string();
   return (std::filesystem::path(folder) / (stem + extension)).string();
 }
 
@@ -335,11 +343,85 @@ std::string RawFrame(const std::string& path) {
   return frame;
 }
 
+// Throws if images are raw colour mosaics, whose pixels cannot be interpolated.
+void RequireNoMosaic(const BagFrames& frames) {
+  for (const auto& [path, frame] : frames)
+    if (frame.encoding.rfind("bayer_", 0) == 0)
+      throw InputError(fmt::format(
+          "{}: encoding {} is a raw mosaic; undistort a colour or grey topic",
+          path, frame.encoding));
+}
+
+// Throws unless images of bags are undistorted to a bag.
+void RequireBagInput(const UndistortArguments& arguments,
+                     const std::vector<std::string>& paths,
+                     const BagFrames& frames) {
+  for (const std::string& path : paths)
+    if (frames.count(path) == 0)
+      throw Error(ExitCode::kUsage,
+                  fmt::format("-o {}: messages need stamps, which {} lacks; "
+                              "pass a bag, or write to a folder",
+                              arguments.output, path));
+  if (arguments.is_reverse || !arguments.frames.empty())
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("-o {}: {} is not supported for bags", arguments.output,
+                    arguments.is_reverse ? "--inverse" : "--frames"));
+  std::vector<std::string> inputs = paths;
+  inputs.push_back(arguments.camera);
+  RequireNoInputReplaced(inputs, {arguments.output});
+}
+
+// Undistorts images of bags to a bag.
+void RunToBag(const UndistortArguments& arguments, const CommonOptions& common,
+              const std::vector<std::string>& paths, const BagFrames& frames) {
+  RequireBagInput(arguments, paths, frames);
+  const ImageMapper mapper = Prepare(arguments, common);
+  UndistortedBag bag(arguments.output, mapper.view);
+  nlohmann::ordered_json written = {{"images", nlohmann::json::array()},
+                                    {"view", MakeViewJson(mapper.view)},
+                                    {"view_file", arguments.output}};
+  size_t num_skipped = 0;
+  std::string failure;
+  {
+    ProgressBar bar(common.quiet);
+    for (size_t i = 0; i < paths.size(); ++i) {
+      try {
+        bag.Add(frames.at(paths[i]),
+                mapper.map(paths[i], ReadImageAsStored(paths[i])));
+        written["images"].push_back(
+            {{"image", paths[i]}, {"file", arguments.output}});
+      } catch (const InputError& error) {
+        if (num_skipped++ == 0) failure = error.what();
+      }
+      bar.Show("undistortion", static_cast<double>(i + 1) / paths.size());
+    }
+  }
+  if (num_skipped == paths.size()) throw InputError(failure);
+  if (num_skipped > 0)
+    fmt::print(stderr, "raygrid: skipped {} images, the first: {}\n",
+               num_skipped, Printable(failure));
+  bag.Finish();
+  if (common.json)
+    PrintCommandJson(written);
+  else if (!common.quiet)
+    fmt::print("{} images undistorted to {}; view: {}\n",
+               paths.size() - num_skipped, arguments.output,
+               FormatView(mapper.view));
+}
+
 void Run(const UndistortArguments& arguments, const CommonOptions& common) {
   if (arguments.rectify != "pinhole")
     throw Error(ExitCode::kUsage, "--rectify: only pinhole is supported");
-  const FoundImages found = FindImages(arguments.images);
+  BagFrames frames;
+  const FoundImages found = FindImages(
+      ExpandBags(arguments.images, arguments.bags, common.quiet, &frames));
   const std::vector<std::string>& paths = found.paths;
+  RequireNoMosaic(frames);
+  if (IsBagOutput(arguments.output)) {
+    RunToBag(arguments, common, paths, frames);
+    return;
+  }
   const std::vector<Targets> targets = MakeTargets(arguments, paths);
   RequireCreatableFolder(arguments.output);
   const ImageMapper mapper = Prepare(arguments, common);
@@ -387,7 +469,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   auto arguments = std::make_shared<UndistortArguments>();
   command->add_option("camera", arguments->camera, "camera.yaml or blob")
       ->required();
-  command->add_option("images", arguments->images, "images or folders")
+  command->add_option("images", arguments->images, "images, folders or bags")
       ->required();
   command
       ->add_option("--mode", arguments->mode,
@@ -397,6 +479,7 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command->add_flag(
       "--inverse", arguments->is_reverse,
       "apply distortion: render camera images from undistorted images");
+  AddBagOptions(command, &arguments->bags, false);
   BeginGroup(command, help_group::kView);
   AddAtOption(command, common);
   command
@@ -418,8 +501,8 @@ void AddUndistort(CLI::App* app, CommonOptions* common) {
   command
       ->add_option("-o,--output", arguments->output,
                    "folder for PNG files and view.camera.yaml, the camera of "
-                   "the undistorted images, with its matrix K")
-      ->option_text("DIR")
+                   "the undistorted images; .mcap: a bag with its CameraInfo")
+      ->option_text("PATH")
       ->required();
   command
       ->add_option("--frames", arguments->frames,

@@ -15,11 +15,25 @@
 #include <thread>
 
 #include "dataset/error.h"
+#include "dataset/file_parts.h"
 
 namespace raygrid {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Parts of files, by folder.
+std::map<std::string, FileParts>& GetFileParts() {
+  static std::map<std::string, FileParts> parts;
+  return parts;
+}
+
+// Returns null if a file is not a part of another one.
+const FileParts* FindFileParts(const std::string& path) {
+  if (GetFileParts().empty()) return nullptr;
+  const auto found = GetFileParts().find(fs::path(path).parent_path().string());
+  return found == GetFileParts().end() ? nullptr : &found->second;
+}
 
 // Throws if a folder to be created has a typical file extension: the user then
 // expects a file.
@@ -172,7 +186,18 @@ void ThrowWriteError(const std::string& path, int error) {
                           path, std::strerror(error)));
 }
 
+void AddFileParts(const std::string& folder, FileParts parts) {
+  GetFileParts()[folder] = std::move(parts);
+}
+
+std::vector<std::string> FilesOf(const std::string& path) {
+  const FileParts* const parts = FindFileParts(path);
+  return parts ? parts->files : std::vector<std::string>{path};
+}
+
 std::string ReadFile(const std::string& path) {
+  if (const FileParts* const parts = FindFileParts(path))
+    return parts->read(fs::path(path).filename().string());
   std::error_code error;
   if (fs::is_directory(path, error))
     throw InputError(path + ": is a folder, expected a file");
@@ -250,8 +275,9 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
   };
   std::map<Identity, std::string> input_by_identity;
   for (const std::string& path : inputs)
-    if (const auto identity = identify(path))
-      input_by_identity[*identity] = path;
+    for (const std::string& file : FilesOf(path))
+      if (const auto identity = identify(file))
+        input_by_identity[*identity] = file;
   for (const std::string& path : outputs) {
     const auto identity = identify(path);
     if (identity && input_by_identity.count(*identity))

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "dataset/byte_reader.h"
 #include "dataset/error.h"
-#include "exchange/byte_reader.h"
 #include "exchange/colmap_files.h"
 #include "exchange/yaml_numbers.h"
 

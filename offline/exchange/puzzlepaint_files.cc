@@ -8,10 +8,10 @@
 #include <cmath>
 #include <set>
 
+#include "dataset/byte_reader.h"
 #include "dataset/error.h"
 #include "dataset/text_encoding.h"
 #include "dataset/yaml_file.h"
-#include "exchange/byte_reader.h"
 #include "exchange/yaml_numbers.h"
 
 namespace raygrid {

@@ -11,7 +11,7 @@ import sys
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # Stages of the calibrator with a page on why they are as they are.
-STAGES = ("adjustment", "calibration", "camera", "dataset", "evaluation", "features",
+STAGES = ("adjustment", "bags", "calibration", "camera", "dataset", "evaluation", "features",
           "fleet", "hand_eye", "host_library", "initialization", "packing", "report")
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "offline/GLOSSARY.md", "tools/README.md", "tools/raygrid_camera/README.md", "formats/JSON.md",
              "tools/raygrid_capture/README.md", "offline/METHOD.md", "offline/TUTORIAL.md",

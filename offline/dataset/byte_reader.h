@@ -1,6 +1,6 @@
 /// Reads numbers from untrusted binary files: every read is checked.
-#ifndef RAYGRID_EXCHANGE_BYTE_READER_H
-#define RAYGRID_EXCHANGE_BYTE_READER_H
+#ifndef RAYGRID_DATASET_BYTE_READER_H
+#define RAYGRID_DATASET_BYTE_READER_H
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 #include "dataset/error.h"
-#include "exchange/count_text.h"
 
 namespace raygrid {
 
@@ -20,7 +20,7 @@ enum class ByteOrder { kLittle, kBig };
 /// the data.
 class ByteReader {
  public:
-  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
 
   template <typename Number>
   Number Get(ByteOrder order = ByteOrder::kLittle) {
@@ -53,7 +53,9 @@ class ByteReader {
     return text;
   }
   /// Reads `size` bytes.
-  std::string GetText(uint64_t size) {
+  std::string GetText(uint64_t size) { return std::string(View(size)); }
+  /// Like GetText(), without a copy.
+  std::string_view View(uint64_t size) {
     Require(size, 1);
     at_ += size;
     return bytes_.substr(at_ - size, size);
@@ -68,14 +70,20 @@ class ByteReader {
       throw InputError(fmt::format("truncated after {} bytes; copy it again",
                                    bytes_.size()));
   }
+  /// Number of bytes read so far, and left.
+  size_t at() const { return at_; }
+  size_t remaining() const { return bytes_.size() - at_; }
   void RequireEnd() const {
     if (at_ != bytes_.size())
-      throw InputError(fmt::format("has {} after its end",
-                                   CountText(bytes_.size() - at_, "byte")));
+      throw InputError(
+          fmt::format("has {} after its end",
+                      bytes_.size() - at_ == 1
+                          ? "1 byte"
+                          : std::to_string(bytes_.size() - at_) + " bytes"));
   }
 
  private:
-  const std::string& bytes_;
+  std::string_view bytes_;
   size_t at_ = 0;
 };
 
@@ -93,4 +101,4 @@ void Append(Number number, std::string* bytes,
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_EXCHANGE_BYTE_READER_H
+#endif  // RAYGRID_DATASET_BYTE_READER_H

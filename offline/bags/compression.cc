@@ -1,0 +1,175 @@
+#include "bags/compression.h"
+
+#include <bzlib.h>
+#include <fmt/format.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "dataset/error.h"
+#include "dataset/text_encoding.h"
+
+namespace raygrid {
+namespace {
+
+constexpr size_t kStepBytes = 1 << 18;
+
+// Decompresses a part of the input: reduces `in` by what was read, appends to
+// the output buffer, and returns the number of bytes written; nullopt for
+// corrupt data. is_done: at the end of a frame.
+struct Step {
+  size_t written = 0;
+  bool is_done = false, is_corrupt = false;
+};
+using Stepper = std::function<Step(std::string_view* in, char* out, size_t)>;
+
+struct FreeZstd {
+  void operator()(ZSTD_DStream* stream) const { ZSTD_freeDStream(stream); }
+};
+struct FreeLz4 {
+  void operator()(LZ4F_dctx* context) const {
+    LZ4F_freeDecompressionContext(context);
+  }
+};
+struct FreeBzip2 {
+  void operator()(bz_stream* stream) const {
+    BZ2_bzDecompressEnd(stream);
+    delete stream;
+  }
+};
+
+Stepper MakeZstdStepper() {
+  std::shared_ptr<ZSTD_DStream> stream(ZSTD_createDStream(), FreeZstd());
+  return [stream](std::string_view* in, char* out, size_t room) {
+    ZSTD_inBuffer input = {in->data(), in->size(), 0};
+    ZSTD_outBuffer output = {out, room, 0};
+    const size_t rest = ZSTD_decompressStream(stream.get(), &output, &input);
+    in->remove_prefix(input.pos);
+    return Step{output.pos, rest == 0, ZSTD_isError(rest) != 0};
+  };
+}
+
+Stepper MakeLz4Stepper() {
+  LZ4F_dctx* created = nullptr;
+  LZ4F_createDecompressionContext(&created, LZ4F_VERSION);
+  std::shared_ptr<LZ4F_dctx> context(created, FreeLz4());
+  return [context](std::string_view* in, char* out, size_t room) {
+    size_t num_read = in->size();
+    const size_t rest = LZ4F_decompress(context.get(), out, &room, in->data(),
+                                        &num_read, nullptr);
+    if (LZ4F_isError(rest)) return Step{0, false, true};
+    in->remove_prefix(num_read);
+    return Step{room, rest == 0, false};
+  };
+}
+
+Stepper MakeBzip2Stepper() {
+  auto* created = new bz_stream();
+  BZ2_bzDecompressInit(created, 0, 0);
+  std::shared_ptr<bz_stream> stream(created, FreeBzip2());
+  return [stream](std::string_view* in, char* out, size_t room) {
+    stream->next_in = const_cast<char*>(in->data());
+    stream->avail_in =
+        static_cast<unsigned>(std::min(in->size(), size_t{1} << 30));
+    const unsigned before = stream->avail_in;
+    stream->next_out = out;
+    stream->avail_out = static_cast<unsigned>(room);
+    const int result = BZ2_bzDecompress(stream.get());
+    in->remove_prefix(before - stream->avail_in);
+    return Step{room - stream->avail_out, result == BZ_STREAM_END,
+                result != BZ_OK && result != BZ_STREAM_END};
+  };
+}
+
+Stepper MakeStepper(const std::string& method) {
+  if (method == "zstd") return MakeZstdStepper();
+  if (method == "lz4") return MakeLz4Stepper();
+  if (method == "bz2") return MakeBzip2Stepper();
+  throw InputError(
+      fmt::format("unknown compression '{}' (supported: none, lz4, zstd, bz2)",
+                  Printable(method.substr(0, 40))));
+}
+
+[[noreturn]] void ThrowCorrupt(const std::string& method) {
+  throw InputError(fmt::format("corrupt {} data", method));
+}
+
+void RequireSize(uint64_t size, uint64_t expected) {
+  if (expected != kUnknownSize && size != expected)
+    throw InputError(fmt::format(
+        "has {} bytes after decompression, expected {}", size, expected));
+}
+
+}  // namespace
+
+std::string Decompress(const std::string& method, std::string_view data,
+                       uint64_t size) {
+  if (method.empty() || method == "none") {
+    RequireSize(data.size(), size);
+    return std::string(data);
+  }
+  const Stepper step = MakeStepper(method);
+  const uint64_t limit = std::min(size, kMaxChunkBytes);
+  std::string text;
+  bool is_done = data.empty();
+  while (!is_done) {
+    const size_t before = text.size();
+    // One byte more than expected, to notice more.
+    text.resize(std::min(std::max(2 * before, kStepBytes), size_t{limit} + 1));
+    if (text.size() == before)
+      throw InputError(
+          fmt::format("has more than {} bytes after decompression", limit));
+    const std::string_view rest = data;
+    const Step done = step(&data, &text[before], text.size() - before);
+    if (done.is_corrupt) ThrowCorrupt(method);
+    text.resize(before + done.written);
+    // Frames may follow each other.
+    is_done = done.is_done && (data.empty() || method == "bz2");
+    if (!is_done && done.written == 0 && data.size() == rest.size())
+      ThrowCorrupt(method);
+  }
+  if (text.size() > limit)
+    throw InputError(
+        fmt::format("has more than {} bytes after decompression", limit));
+  RequireSize(text.size(), size);
+  return text;
+}
+
+bool IsZstd(std::string_view data) {
+  return data.substr(0, 4) == "\x28\xb5\x2f\xfd";
+}
+
+void DecompressZstdFile(const std::string& from, const std::string& to) {
+  std::ifstream input(from, std::ios::binary);
+  std::ofstream output(to, std::ios::binary);
+  std::vector<char> in(kStepBytes), out(kStepBytes);
+  const Stepper step = MakeZstdStepper();
+  bool is_done = true;
+  while (input.read(in.data(), static_cast<std::streamsize>(in.size())),
+         input.gcount() > 0) {
+    std::string_view rest(in.data(), static_cast<size_t>(input.gcount()));
+    bool is_full = true;
+    while (!rest.empty() || is_full) {
+      const size_t before = rest.size();
+      const Step done = step(&rest, out.data(), out.size());
+      if (done.is_corrupt)
+        throw InputError(from + ": corrupt zstd data; copy it again");
+      output.write(out.data(), static_cast<std::streamsize>(done.written));
+      is_full = done.written == out.size();
+      if (done.written > 0 || rest.size() < before) is_done = done.is_done;
+    }
+  }
+  output.flush();
+  if (!output)
+    throw Error(ExitCode::kOutput,
+                to + ": cannot be written; the decompressed bag needs space, "
+                     "set TMPDIR to a folder that has it");
+  if (!is_done) throw InputError(from + ": truncated; copy it again");
+}
+
+}  // namespace raygrid
