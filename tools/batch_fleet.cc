@@ -51,7 +51,7 @@ FleetJson MakeBatchesJson(const BatchComparison& batches) {
   for (size_t b = 0; b < batches.batches.size(); ++b)
     units[batches.batches[b]] = batches.num_units[b];
   for (const BatchedMetric& metric : batches.metrics) {
-    FleetJson json = {{"differs", metric.differs}, {"p_value", metric.chance}};
+    FleetJson json = {{"differs", metric.differs}, {"p_value", metric.p_value}};
     for (size_t b = 0; b < metric.means.size(); ++b)
       json["means"][batches.batches[b]] = metric.means[b];
     if (!metric.means.empty())
@@ -65,7 +65,7 @@ FleetJson MakeGaugeMetricJson(const GaugeMetric& metric) {
   FleetJson json = {{"repeatability_sd", metric.repeatability}};
   for (const GaugeFactor& factor : metric.factors) {
     json[factor.name] = {{"sd", factor.deviation}};
-    if (factor.chance) json[factor.name]["p_value"] = *factor.chance;
+    if (factor.p_value) json[factor.name]["p_value"] = *factor.p_value;
   }
   json["gauge_rr_sd"] = metric.gauge;
   for (const auto& [name, value] :

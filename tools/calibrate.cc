@@ -49,8 +49,8 @@ void RequireSingleCameraOptions(const CalibrateArguments& arguments,
 }
 
 // Sets the blob's operating point to that of an image.
-void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
-          BlobCamera* camera) {
+void SetOperatingPointOfImage(const ImageOperatingPoints& conditions,
+                              const std::string& image, BlobCamera* camera) {
   const auto range = camera->Range();
   if (!range) return;
   for (size_t k = 0; k < conditions.conditions.size(); ++k)
@@ -63,18 +63,18 @@ void GoTo(const ImageOperatingPoints& conditions, const std::string& image,
 std::optional<BeforeAfter> ExampleImage(const Measurements& measurements,
                                         const CalibrationResult& result,
                                         const CalibrateArguments& arguments,
-                                        const CaptureMetadata& circumstances,
+                                        const CaptureMetadata& capture_metadata,
                                         const std::string& blob) {
   constexpr int kMaxWidthPx = 800;
   const std::string& wanted = arguments.hold_out.empty()
                                   ? result.features.images.front().image
                                   : arguments.hold_out.front();
-  const auto& conditions = circumstances.conditions;
+  const auto& conditions = capture_metadata.conditions;
   for (size_t i = 0; i < measurements.paths.size(); ++i) {
     if (measurements.dataset.images[i].image != wanted) continue;
     const Image before = ReadImage(measurements.paths[i], true);
     BlobCamera camera("packed camera", blob);
-    if (conditions) GoTo(*conditions, wanted, &camera);
+    if (conditions) SetOperatingPointOfImage(*conditions, wanted, &camera);
     const Image after = camera.Undistort(before, 0);
     return BeforeAfter{ShrinkImage(before, kMaxWidthPx),
                        ShrinkImage(after, kMaxWidthPx)};
@@ -121,7 +121,7 @@ int64_t PeakMemoryBytes() {
 ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
                         const RigResult& result,
                         const CalibrateArguments& arguments,
-                        const CaptureMetadata& circumstances,
+                        const CaptureMetadata& capture_metadata,
                         const CommonOptions& common) {
   ResultExtras extras = {common.seed, PeakMemoryBytes(), {}};
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -139,8 +139,8 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
         PackSupportedSections(camera.camera, common.threads, IsInterrupted);
     own.packing = ComputePackingMetrics(packed);
     if (!result.IsRig() && !packed.remaps.empty())
-      own.example = ExampleImage(calibrated, camera, arguments, circumstances,
-                                 packed.blob);
+      own.example = ExampleImage(calibrated, camera, arguments,
+                                 capture_metadata, packed.blob);
     own.blob = packed.blob;
     if (!packed.remaps.empty())
       own.view = ViewCameraFile(packed.remaps[0].view, camera.camera.name);
@@ -153,14 +153,14 @@ ResultExtras MakeExtras(const std::vector<Measurements>& cameras,
 // Frames recorded at several lens positions have different intrinsics.
 void WarnAboutFocusMotion(const Session& session,
                           const CalibrateArguments& arguments) {
-  constexpr double kSameDioptres = 0.1;
+  constexpr double kMaxDioptreDifference = 0.1;
   double low = INFINITY, high = -INFINITY;
   for (const SessionFrame& frame : session.frames) {
     if (!frame.lens_position) continue;
     low = std::min(low, *frame.lens_position);
     high = std::max(high, *frame.lens_position);
   }
-  if (arguments.condition.empty() && high - low > kSameDioptres)
+  if (arguments.condition.empty() && high - low > kMaxDioptreDifference)
     fmt::print(stderr,
                "raygrid: focus changed between frames, from {:.2f} to {:.2f} "
                "dioptres; use --vary-with lens_position to model this\n",
@@ -332,17 +332,17 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
         MakeCalibrationOptions(arguments, common, &bar);
     const std::vector<Measurements> cameras =
         CollectMeasurements(arguments, common, given, pattern, &bar);
-    const CaptureMetadata circumstances =
+    const CaptureMetadata capture_metadata =
         ReadCaptureMetadata(arguments, cameras);
-    inputs = SerializeInputs(arguments, common, cameras, circumstances,
+    inputs = SerializeInputs(arguments, common, cameras, capture_metadata,
                              intrinsics, pattern);
     CheckpointFile checkpoints(arguments.output, inputs, cameras.size());
     if (arguments.resume) checkpoints.Read();
     InstallInterruptHandler();
     const std::vector<CalibrationInput> calibration_inputs =
-        MakeCalibrationInputs(cameras, circumstances, arguments, intrinsics,
+        MakeCalibrationInputs(cameras, capture_metadata, arguments, intrinsics,
                               common.threads, &checkpoints);
-    const auto& conditions = circumstances.conditions;
+    const auto& conditions = capture_metadata.conditions;
     if (conditions)
       warnings = {
           WarnAboutUnmatchedRows(arguments, *conditions, cameras.front()),
@@ -354,7 +354,7 @@ void Run(const CalibrateArguments& arguments, const CommonOptions& common) {
     IgnoreFirstSignal();
     CompleteResult(cameras, arguments, &result);
     bar.Show("packing", 0.9);
-    extras = MakeExtras(cameras, result, arguments, circumstances, common);
+    extras = MakeExtras(cameras, result, arguments, capture_metadata, common);
     for (size_t c = 0; c < cameras.size(); ++c)
       if (const auto known = intrinsics.find(cameras[c].camera);
           known != intrinsics.end())

@@ -69,7 +69,8 @@ std::optional<double> ParseDuplicatePx(const std::string& text) {
 struct Interruption {};
 
 // Prints the skipped images, and returns them by file name.
-std::vector<RejectedImage> SayAndList(const std::vector<SkippedImage>& images) {
+std::vector<RejectedImage> ReportSkippedImages(
+    const std::vector<SkippedImage>& images) {
   std::vector<RejectedImage> list;
   for (const SkippedImage& image : images) {
     fmt::print(stderr, "raygrid: skipped {}: {}\n", Printable(image.path),
@@ -156,7 +157,7 @@ std::vector<RigCameraImages> ParseCameras(const CalibrateArguments& arguments) {
   if (cameras.empty()) {
     const std::vector<NamedValue> folders =
         ParseCameraValues("--camera", "FOLDER", arguments.cameras);
-    RequireDifferentFolders("--camera", folders);
+    RequireSeparateFolderNames("--camera", folders);
     for (const auto& [name, folder] : folders)
       cameras.push_back({name, {folder}});
   }
@@ -373,7 +374,7 @@ void ExcludeCopies(Measurements* measurements,
     dataset.images.erase(dataset.images.begin() + index);
     if (!paths.empty()) paths.erase(paths.begin() + index);
   }
-  const std::vector<RejectedImage> named = SayAndList(copies);
+  const std::vector<RejectedImage> named = ReportSkippedImages(copies);
   measurements->left_out.insert(measurements->left_out.end(), named.begin(),
                                 named.end());
 }
@@ -406,8 +407,8 @@ Measurements DetectAll(const std::vector<std::string>& images,
   FolderDetection detection = DetectFeatures(found.paths, pattern, {}, &cache,
                                              common.threads, progress);
   Measurements measurements;
-  measurements.skipped = SayAndList(detection.skipped);
-  measurements.left_out = SayAndList(found.left_out);
+  measurements.skipped = ReportSkippedImages(detection.skipped);
+  measurements.left_out = ReportSkippedImages(found.left_out);
   if (const auto other =
           SuggestOtherBoard(detection, pattern, pattern_name, common.threads))
     throw Error(ExitCode::kTooFew, *other);
@@ -473,9 +474,9 @@ IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
 
 std::vector<CalibrationInput> MakeCalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CaptureMetadata& circumstances, const CalibrateArguments& arguments,
-    const IntrinsicsByCamera& intrinsics, int num_threads,
-    CheckpointFile* checkpoints) {
+    const CaptureMetadata& capture_metadata,
+    const CalibrateArguments& arguments, const IntrinsicsByCamera& intrinsics,
+    int num_threads, CheckpointFile* checkpoints) {
   std::vector<CalibrationInput> inputs;
   for (size_t c = 0; c < cameras.size(); ++c) {
     inputs.push_back(
@@ -483,7 +484,8 @@ std::vector<CalibrationInput> MakeCalibrationInputs(
          cameras[c].dataset, MakeRefinement(cameras[c], arguments, num_threads),
          checkpoints->Of(c),
          [=](const Checkpoint& done) { checkpoints->Save(c, done); },
-         cameras[c].image_circle, cameras[c].skipped, circumstances.times[c]});
+         cameras[c].image_circle, cameras[c].skipped,
+         capture_metadata.times[c]});
     if (const auto known = intrinsics.find(cameras[c].camera);
         known != intrinsics.end())
       inputs.back().intrinsics = known->second.file;
@@ -557,7 +559,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
-                            const CaptureMetadata& circumstances,
+                            const CaptureMetadata& capture_metadata,
                             const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern) {
   ContentHash hash;
@@ -583,13 +585,13 @@ std::string SerializeInputs(const CalibrateArguments& arguments,
                        common.seed));
   for (const std::string& image : arguments.hold_out) hash.Add(image);
   for (const std::string& mode : arguments.modes) hash.Add(mode);
-  if (const auto& conditions = circumstances.conditions) {
+  if (const auto& conditions = capture_metadata.conditions) {
     for (const OperatingParameter condition : conditions->conditions)
       hash.Add(OperatingParameterName(condition));
     for (const auto& [image, values] : conditions->values)
       hash.Add(fmt::format("{} {:.17g}", image, fmt::join(values, " ")));
   }
-  for (const auto& times : circumstances.times)
+  for (const auto& times : capture_metadata.times)
     if (times) hash.Add(FormatImageTimes(*times));
   if (!arguments.like.empty()) hash.Add(ReadFile(arguments.like));
   for (const auto& [name, known] : intrinsics) {

@@ -125,9 +125,9 @@ void AddRigImageOptions(CLI::App* command, std::vector<std::string>* folders,
 /// them.
 std::vector<CalibrationInput> MakeCalibrationInputs(
     const std::vector<Measurements>& cameras,
-    const CaptureMetadata& circumstances, const CalibrateArguments& arguments,
-    const IntrinsicsByCamera& intrinsics, int num_threads,
-    CheckpointFile* checkpoints);
+    const CaptureMetadata& capture_metadata,
+    const CalibrateArguments& arguments, const IntrinsicsByCamera& intrinsics,
+    int num_threads, CheckpointFile* checkpoints);
 
 /// Reads --intrinsics for the cameras of --camera, --features or a session.
 /// Throws Error(kUsage), also for options that known intrinsics exclude.
@@ -143,7 +143,7 @@ void RequireNoInputReplaced(const CalibrateArguments& arguments,
 std::string SerializeInputs(const CalibrateArguments& arguments,
                             const CommonOptions& common,
                             const std::vector<Measurements>& cameras,
-                            const CaptureMetadata& circumstances,
+                            const CaptureMetadata& capture_metadata,
                             const IntrinsicsByCamera& intrinsics,
                             const Pattern& pattern);
 

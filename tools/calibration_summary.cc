@@ -139,13 +139,14 @@ void PrintLineDelay(const CalibrationResult& result) {
 // from a plane; boards without deviation are omitted here. The report shows all
 // of them.
 void PrintBoards(const Pattern& pattern) {
-  constexpr double kTellableM = 5e-7;
+  constexpr double kMinReportedM = 5e-7;
   constexpr int kMaxLines = 3;
   int num_reported = 0;
   for (const Board& board : pattern.boards) {
     if (board.IsPointSet()) continue;  // may be three-dimensional
     const BoardFlatness shape = MeasureFlatness(board);
-    if (std::max(shape.rms_height_m, shape.rms_shift_m) < kTellableM) continue;
+    if (std::max(shape.rms_height_m, shape.rms_shift_m) < kMinReportedM)
+      continue;
     if (++num_reported > kMaxLines) continue;
     fmt::print(
         "  board {}: out-of-plane deformation {:.3f} mm RMS, {:.3f} mm max; "

@@ -46,19 +46,19 @@ void NoteReferencePoint(const std::string& path,
 }
 
 // How an operating-point model is read.
-enum class Reading {
-  kOne,       // one camera, at the given operating point
-  kRest,      // a model over the conditions without given values
-  kOneOfTwo,  // one camera of a pair; ignores values for the other one
+enum class OperatingPointUse {
+  kSingleCamera,    // one camera, at the given operating point
+  kRemainingModel,  // a model over the conditions without given values
+  kEitherCamera,    // one camera of a pair; ignores values for the other one
 };
 
 // Returns the values for a camera with these ranges, checked against each
 // range.
 FixedOperatingPoint ValuesFor(const std::string& path,
                               const RequestedOperatingPoint& at,
-                              Reading reading,
+                              OperatingPointUse use,
                               const std::vector<OperatingRange>& ranges) {
-  if (reading != Reading::kOneOfTwo)
+  if (use != OperatingPointUse::kEitherCamera)
     return FixRequestedPointInRange(at, ranges, path);
   return FixRequestedPointInRange(FilterByRanges(at, ranges), ranges, path);
 }
@@ -66,13 +66,13 @@ FixedOperatingPoint ValuesFor(const std::string& path,
 // Replaces the reference camera of an operating-point model by the camera at
 // the requested operating point. Returns the model's ranges.
 std::vector<OperatingRange> SelectOperatingPoint(
-    const std::string& path, const RequestedOperatingPoint& at, Reading reading,
-    CameraFile* file) {
+    const std::string& path, const RequestedOperatingPoint& at,
+    OperatingPointUse use, CameraFile* file) {
   if (!file->stack) return {};
   const std::vector<OperatingRange> ranges = file->stack->cameras.ranges();
   if (at.HasValues())
-    *file = MakeCameraFileAt(*file, ValuesFor(path, at, reading, ranges));
-  if (file->stack && reading != Reading::kRest)
+    *file = MakeCameraFileAt(*file, ValuesFor(path, at, use, ranges));
+  if (file->stack && use != OperatingPointUse::kRemainingModel)
     NoteReferencePoint(path, file->stack->cameras.ranges());
   return ranges;
 }
@@ -85,7 +85,8 @@ Error NoOperatingPointModel(const std::string& path) {
 }
 
 CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
-                           const RequestedOperatingPoint& at, Reading reading) {
+                           const RequestedOperatingPoint& at,
+                           OperatingPointUse use) {
   CameraInput input;
   if (!IsBlob(path, bytes)) {
     if (const TableFormat* table = RecognizeTable(bytes))
@@ -94,18 +95,18 @@ CameraInput ParseAnyCamera(const std::string& path, const std::string& bytes,
     const Format* format = RecognizeCamera(path, bytes);
     input.file = format ? ParseForeignCamera(*format, path, bytes)
                         : ParseCameraFile(path, bytes);
-    input.ranges = SelectOperatingPoint(path, at, reading, &input.file);
+    input.ranges = SelectOperatingPoint(path, at, use, &input.file);
     return input;
   }
   input.blob.emplace(path, bytes);
   if (const auto range = input.blob->Range()) {
     input.ranges = {*range};
     const FixedOperatingPoint held =
-        at.HasValues() ? ValuesFor(path, at, reading, input.ranges)
+        at.HasValues() ? ValuesFor(path, at, use, input.ranges)
                        : FixedOperatingPoint(1);
     if (held[0])
       input.blob->SetOperatingPoint(*held[0]);
-    else if (reading != Reading::kRest)
+    else if (use != OperatingPointUse::kRemainingModel)
       NoteReferencePoint(path, input.ranges);
   }
   input.file.camera = input.blob->ToModel();
@@ -128,15 +129,16 @@ CameraInput ReadCamera(const std::string& path,
 
 CameraInput ParseCamera(const std::string& path, const std::string& bytes,
                         const RequestedOperatingPoint& at) {
-  CameraInput input = ParseAnyCamera(path, bytes, at, Reading::kOne);
+  CameraInput input =
+      ParseAnyCamera(path, bytes, at, OperatingPointUse::kSingleCamera);
   if (at.HasValues() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
 
 CameraInput ReadCameraOrModel(const std::string& path,
                               const RequestedOperatingPoint& at) {
-  CameraInput input =
-      ParseAnyCamera(path, ReadCameraBytes(path), at, Reading::kRest);
+  CameraInput input = ParseAnyCamera(path, ReadCameraBytes(path), at,
+                                     OperatingPointUse::kRemainingModel);
   if (at.HasValues() && input.ranges.empty()) throw NoOperatingPointModel(path);
   return input;
 }
@@ -145,8 +147,10 @@ std::array<CameraInput, 2> ReadCameraPair(const std::string& first,
                                           const std::string& second,
                                           const RequestedOperatingPoint& at) {
   std::array<CameraInput, 2> cameras = {
-      ParseAnyCamera(first, ReadCameraBytes(first), at, Reading::kOneOfTwo),
-      ParseAnyCamera(second, ReadCameraBytes(second), at, Reading::kOneOfTwo)};
+      ParseAnyCamera(first, ReadCameraBytes(first), at,
+                     OperatingPointUse::kEitherCamera),
+      ParseAnyCamera(second, ReadCameraBytes(second), at,
+                     OperatingPointUse::kEitherCamera)};
   std::vector<OperatingRange> ranges = cameras[0].ranges;
   ranges.insert(ranges.end(), cameras[1].ranges.begin(),
                 cameras[1].ranges.end());

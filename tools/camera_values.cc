@@ -43,8 +43,8 @@ std::vector<NamedValue> ParseCameraValues(
   return cameras;
 }
 
-void RequireDifferentFolders(const std::string& option,
-                             const std::vector<NamedValue>& folders) {
+void RequireSeparateFolderNames(const std::string& option,
+                                const std::vector<NamedValue>& folders) {
   for (size_t k = 1; k < folders.size(); ++k)
     for (size_t before = 0; before < k; ++before) {
       std::error_code ignored;

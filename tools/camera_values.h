@@ -32,8 +32,8 @@ std::vector<NamedValue> ParseCameraValues(
 
 /// Throws Error(kUsage) if two cameras have the same folder, even if the paths
 /// differ: images cannot belong to both.
-void RequireDifferentFolders(const std::string& option,
-                             const std::vector<NamedValue>& folders);
+void RequireSeparateFolderNames(const std::string& option,
+                                const std::vector<NamedValue>& folders);
 
 }  // namespace raygrid
 

@@ -30,7 +30,7 @@ const char kCaptureKeysHelp[] =
 
 namespace {
 
-[[noreturn]] void RefuseCapture(const std::string& fault) {
+[[noreturn]] void ThrowInvalidCapture(const std::string& fault) {
   throw Error(ExitCode::kUsage, "--capture-settings: " + fault);
 }
 
@@ -43,7 +43,7 @@ std::vector<double> CaptureNumbers(const std::string& word,
 // Parses an integer of any magnitude.
 int WholeNumber(const std::string& word, double number) {
   if (number != std::floor(number) || std::abs(number) > 1e9)
-    RefuseCapture(fmt::format("{}: {} is not an integer", word, number));
+    ThrowInvalidCapture(fmt::format("{}: {} is not an integer", word, number));
   return static_cast<int>(number);
 }
 
@@ -90,17 +90,17 @@ std::optional<Capture> ParseCaptureKeys(const std::vector<std::string>& texts,
       const size_t equals = part.find('=');
       const std::string word = part.substr(0, equals);
       if (equals == std::string::npos || !kKnown.count(word))
-        RefuseCapture(fmt::format("expected none or {}, not '{}'",
-                                  kCaptureKeysHelp, Printable(part)));
+        ThrowInvalidCapture(fmt::format("expected none or {}, not '{}'",
+                                        kCaptureKeysHelp, Printable(part)));
       if (!taken.insert(word).second)
-        RefuseCapture(word + " is specified twice");
+        ThrowInvalidCapture(word + " is specified twice");
       ParseKey(word, part.substr(equals + 1), &capture);
     }
   }
   if (!capture.lens_position && taken.count("tolerance"))
-    RefuseCapture("tolerance requires lens");
+    ThrowInvalidCapture("tolerance requires lens");
   if (const char* const impossible = FindInvalidValue(capture, size))
-    RefuseCapture(impossible);
+    ThrowInvalidCapture(impossible);
   return capture;
 }
 

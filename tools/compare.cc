@@ -124,7 +124,7 @@ nlohmann::ordered_json ToJson(const ErrorMetrics& metrics) {
 }
 
 nlohmann::ordered_json ToJson(const PredictionComparison& prediction) {
-  return {{"better", prediction.Better()},
+  return {{"better", prediction.NameBetterCamera()},
           {"probability", prediction.probability},
           {"features", prediction.first.count},
           {"excluded_features", prediction.num_left_out},
@@ -212,7 +212,7 @@ void Print(const CompareArguments& arguments,
              prediction.first.count, prediction.images.size());
   print(arguments.first, prediction.first, prediction.num_first_better);
   print(arguments.second, prediction.second, prediction.num_second_better);
-  const std::string better = prediction.Better();
+  const std::string better = prediction.NameBetterCamera();
   if (better == "neither")
     fmt::print(
         "no significant difference (p = {:.2g}, Wilcoxon signed-rank test over "

@@ -57,8 +57,8 @@ std::string OverlayPath(const DetectArguments& arguments,
   return (fs::path(arguments.overlay) / name).string();
 }
 
-void RequireInputsStay(const DetectArguments& arguments,
-                       const std::vector<std::string>& images) {
+void RequireInputsNotOverwritten(const DetectArguments& arguments,
+                                 const std::vector<std::string>& images) {
   std::vector<std::string> inputs = images, outputs = {arguments.output};
   inputs.push_back(arguments.pattern);
   if (!arguments.overlay.empty()) {
@@ -75,7 +75,7 @@ FolderDetection Detect(const DetectArguments& arguments, const Pattern& pattern,
                        const CommonOptions& common) {
   const FoundImages images =
       FindImages(ExpandBags(arguments.images, arguments.bags, common.quiet));
-  RequireInputsStay(arguments, images.paths);
+  RequireInputsNotOverwritten(arguments, images.paths);
   const DetectionCache cache(arguments.no_cache ? "" : arguments.cache);
   ProgressBar bar(common.quiet);
   FolderDetection found =

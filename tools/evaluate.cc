@@ -31,25 +31,26 @@ Pattern ReadTargetPattern(const EvaluateArguments& arguments) {
 using Residuals = std::vector<FeatureResidual>;
 
 nlohmann::ordered_json ToJson(const Evaluation& evaluation,
-                              const Residuals& flexed) {
+                              const Residuals& with_deformation) {
   nlohmann::ordered_json json = ComputeErrorMetrics(evaluation.residuals);
   json["outside_area_features"] = evaluation.outside_area;
-  if (!flexed.empty()) json["with_deformation"] = ComputeErrorMetrics(flexed);
+  if (!with_deformation.empty())
+    json["with_deformation"] = ComputeErrorMetrics(with_deformation);
   json["rejected_images"] = RejectedImagesJson(evaluation.rejected_images);
   return json;
 }
 
-void Print(const Evaluation& evaluation, const Residuals& flexed) {
+void Print(const Evaluation& evaluation, const Residuals& with_deformation) {
   fmt::print("{}",
              FormatErrorMetrics(ComputeErrorMetrics(evaluation.residuals)));
   if (evaluation.outside_area > 0)
     fmt::print("; {} outside the calibrated area", evaluation.outside_area);
   fmt::print("\n");
-  if (!flexed.empty())
+  if (!with_deformation.empty())
     fmt::print(
         "with per-view target deformation: {}, each predicted from the other "
         "half of the features\n",
-        FormatErrorMetrics(ComputeErrorMetrics(flexed)));
+        FormatErrorMetrics(ComputeErrorMetrics(with_deformation)));
   PrintRejectedImages(evaluation.rejected_images);
 }
 
@@ -66,7 +67,7 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
   const Evaluation evaluation =
       EvaluateRig(alone.model, {dataset}, pattern, common.threads).front();
   RequireLocalized(evaluation.residuals.size());
-  const Residuals flexed =
+  const Residuals with_deformation =
       EvaluateWithDeformation(alone.model, {dataset}, pattern, common.threads)
           .front();
   std::optional<ErrorMetrics> as_rigid_targets;
@@ -75,7 +76,7 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
         EvaluateRigidTargets(alone.model, dataset, pattern, common.threads)
             .residuals);
   if (common.json) {
-    nlohmann::ordered_json json = ToJson(evaluation, flexed);
+    nlohmann::ordered_json json = ToJson(evaluation, with_deformation);
     if (as_rigid_targets) {
       json["with_rigid_targets"] = *as_rigid_targets;
       json["rigid_targets"] = MakeRigidTargetsJson(pattern);
@@ -84,7 +85,7 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
     return;
   }
   if (pattern.boards.size() > 1) fmt::print("one pose per board: ");
-  Print(evaluation, flexed);
+  Print(evaluation, with_deformation);
   if (as_rigid_targets)
     fmt::print("{}: {}\n", FormatRigidTargets(pattern),
                FormatErrorMetrics(*as_rigid_targets));
@@ -92,7 +93,7 @@ void RunCamera(const FixedRig& alone, const Dataset& dataset,
 
 void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
             const Pattern& pattern, const CommonOptions& common) {
-  const std::vector<Residuals> flexed =
+  const std::vector<Residuals> with_deformation =
       EvaluateWithDeformation(rig.model, datasets, pattern, common.threads);
   RigModel with_bodies = rig.model;
   with_bodies.rigid_targets = MakeRigidTargets(pattern);
@@ -106,9 +107,10 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
     all.residuals.insert(all.residuals.end(), own.residuals.begin(),
                          own.residuals.end());
     all.outside_area += own.outside_area;
-    all_deformed.insert(all_deformed.end(), flexed[c].begin(), flexed[c].end());
+    all_deformed.insert(all_deformed.end(), with_deformation[c].begin(),
+                        with_deformation[c].end());
     json.push_back({{"name", rig.names[c]}});
-    json.back().update(ToJson(own, flexed[c]));
+    json.back().update(ToJson(own, with_deformation[c]));
   }
   RequireLocalized(all.residuals.size());
   if (common.json) {
@@ -122,7 +124,7 @@ void RunRig(const FixedRig& rig, const std::vector<Dataset>& datasets,
   PrintHowLocalized(pattern);
   for (size_t c = 0; c < rig.names.size(); ++c) {
     fmt::print("{}: ", rig.names[c]);
-    Print(evaluations[c], flexed[c]);
+    Print(evaluations[c], with_deformation[c]);
   }
   fmt::print("all: ");
   Print(all, all_deformed);

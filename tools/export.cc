@@ -145,7 +145,7 @@ void ReplaceByView(const ViewKeyValues& words, Exported* camera) {
 
 // Returns the advice to export the pinhole camera of undistorted images
 // instead, which is exact, with its field of view.
-std::string ViewAdvice(const CameraModel& camera) {
+std::string MakeViewAdvice(const CameraModel& camera) {
   try {
     const VirtualView view = MakeAreaView(camera);
     return fmt::format(
@@ -167,7 +167,7 @@ void RequireSmallError(const Exported& camera, const SelectedModel& chosen,
       fmt::format(
           "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
           camera.path, chosen.lens.external_model->name, *max_fit_error_px,
-          FormatModelFit(fit), ViewAdvice(*camera.input.file.camera)));
+          FormatModelFit(fit), MakeViewAdvice(*camera.input.file.camera)));
 }
 
 // If the rig's frame is that of its first camera, makes it the frame of the
@@ -214,7 +214,7 @@ std::vector<OutputCamera> SelectModels(const ExportArguments& arguments,
     lens.valid_region = camera.valid_region;
     if (lens.fit && lens.camera_from_rig)
       lens.camera_from_rig =
-          Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
+          Pose{lens.fit->fitted_from_camera, Eigen::Vector3d::Zero()} *
           *lens.camera_from_rig;
     lenses.push_back(std::move(lens));
   }
@@ -262,14 +262,14 @@ void AddPoses(const ExportArguments& arguments, const Format& format,
     const auto own = poses.find(is_rig ? lens.name : "");
     if (own == poses.end()) continue;
     lens.poses = own->second;
-    Pose lens_from_camera = {cameras[c].view_from_camera,
-                             Eigen::Vector3d::Zero()};
+    Pose fitted_from_camera = {cameras[c].view_from_camera,
+                               Eigen::Vector3d::Zero()};
     if (lens.fit)
-      lens_from_camera =
-          Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} *
-          lens_from_camera;
+      fitted_from_camera =
+          Pose{lens.fit->fitted_from_camera, Eigen::Vector3d::Zero()} *
+          fitted_from_camera;
     for (BoardPose& pose : lens.poses)
-      pose.camera_from_board = lens_from_camera * pose.camera_from_board;
+      pose.camera_from_board = fitted_from_camera * pose.camera_from_board;
     poses.erase(own);
   }
   if (!poses.empty())
@@ -339,7 +339,7 @@ std::vector<std::pair<std::string, std::string>> WriteAll(
 }
 
 nlohmann::ordered_json FitJson(const ModelFit& fit) {
-  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  const Eigen::Quaterniond& q = fit.fitted_from_camera;
   return {{"rms_px", fit.rms_px},
           {"p99_px", fit.p99_px},
           {"max_px", fit.max_px},

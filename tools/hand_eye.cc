@@ -57,9 +57,8 @@ bool HasCovariances(const std::string& text) {
   return text.find("cov_rx_rx") != std::string::npos;
 }
 
-TargetPoses TakeOneCamera(
-    const std::string& path,
-    std::map<std::string, std::vector<TargetPose>> poses) {
+TargetPoses SelectCamera(const std::string& path,
+                         std::map<std::string, std::vector<TargetPose>> poses) {
   if (poses.empty()) throw InputError(path + ": no poses");
   if (poses.size() > 1)
     throw InputError(fmt::format(
@@ -96,14 +95,14 @@ TargetPoses ReadTargets(const std::string& result,
       throw InputError(result +
                        ": not a poses.csv with covariances; specify the folder "
                        "that calibrate or localize wrote");
-    return TakeOneCamera(result, ParseTargetPoses(result, text));
+    return SelectCamera(result, ParseTargetPoses(result, text));
   }
   const std::filesystem::path folder(result);
   const std::string path = (folder / "poses.csv").string();
   if (std::filesystem::exists(path)) {
     const std::string text = ReadFile(path);
     if (HasCovariances(text))
-      return TakeOneCamera(path, ParseTargetPoses(path, text));
+      return SelectCamera(path, ParseTargetPoses(path, text));
   }
   if (std::filesystem::exists(folder / "features.csv"))
     return LocalizeResult(folder, common);
@@ -142,8 +141,8 @@ struct HandEyeInput {
   std::vector<std::string> warnings;
 };
 
-void RequireOutputsAreNoInputs(const HandEyeArguments& arguments,
-                               const TargetPoses& targets) {
+void RequireSeparateOutputs(const HandEyeArguments& arguments,
+                            const TargetPoses& targets) {
   std::vector<std::string> inputs = targets.files;
   inputs.push_back(arguments.robot);
   inputs.push_back(arguments.image_times);
@@ -152,17 +151,17 @@ void RequireOutputsAreNoInputs(const HandEyeArguments& arguments,
                                   (folder / kHandEyeResiduals).string()});
 }
 
-std::vector<std::string> ImagesOf(const TargetPoses& targets) {
+std::vector<std::string> ListImages(const TargetPoses& targets) {
   std::vector<std::string> images;
   for (const TargetPose& target : targets.poses)
     images.push_back(target.pose.image);
   return images;
 }
 
-HandEyeInput GatherHandEyeInput(const HandEyeArguments& arguments,
-                                const CommonOptions& common) {
+HandEyeInput ReadHandEyeInput(const HandEyeArguments& arguments,
+                              const CommonOptions& common) {
   TargetPoses targets = ReadTargets(arguments.result, common);
-  RequireOutputsAreNoInputs(arguments, targets);
+  RequireSeparateOutputs(arguments, targets);
   RequireCreatableFolder(arguments.output);
   const int other_boards = KeepOneBoard(arguments, &targets);
   const RobotPoses robot =
@@ -173,7 +172,7 @@ HandEyeInput GatherHandEyeInput(const HandEyeArguments& arguments,
   matching.max_time_gap_s = arguments.max_time_gap_s;
   if (!arguments.image_times.empty())
     matching.image_times = ReadImageTimes(arguments.image_times);
-  const std::vector<std::string> images = ImagesOf(targets);
+  const std::vector<std::string> images = ListImages(targets);
   const MatchedRobotPoses matched =
       MatchRobotPoses(arguments.robot, robot, images, matching);
 
@@ -236,8 +235,8 @@ nlohmann::ordered_json ToJson(const SuggestedPose& suggestion) {
       {"axis", std::string(1, suggestion.axis)},
       {"angle_rad", suggestion.angle_rad},
       {"base_from_gripper", ToJson(suggestion.base_from_gripper)},
-      {"rotation_sd_rad", suggestion.new_rotation_sd_rad},
-      {"translation_sd_m", suggestion.new_translation_sd_m}};
+      {"rotation_sd_rad", suggestion.new_rotation_stddev_rad},
+      {"translation_sd_m", suggestion.new_translation_stddev_m}};
   return json;
 }
 
@@ -259,7 +258,7 @@ nlohmann::ordered_json ToJson(const HandEyeArguments& arguments,
   json["held_out"] = ToJson(result.held_out);
   if (result.scale) {
     json["scale"] = 1 + result.scale->value;
-    json["scale_sd"] = result.scale->std_dev;
+    json["scale_sd"] = result.scale->stddev;
   }
   for (int k = 0; k < 3; ++k)
     json["rotation_spread_rad"].push_back(result.rotations.Rms(k));
@@ -326,9 +325,9 @@ void PrintSuggestion(const SuggestedPose& suggestion) {
       "{:.2g}° instead of {:.2g} mm, {:.2g}°\n",
       Printable(suggestion.near_image), suggestion.axis,
       suggestion.angle_rad * kToDegrees, t.x(), t.y(), t.z(), q.w(), q.x(),
-      q.y(), q.z(), 1000 * suggestion.new_translation_sd_m,
-      suggestion.new_rotation_sd_rad * kToDegrees,
-      1000 * suggestion.translation_sd_m,
+      q.y(), q.z(), 1000 * suggestion.new_translation_stddev_m,
+      suggestion.new_rotation_stddev_rad * kToDegrees,
+      1000 * suggestion.translation_stddev_m,
       suggestion.rotation_stddev_rad * kToDegrees);
 }
 
@@ -366,7 +365,7 @@ void Print(const HandEyeArguments& arguments, const HandEyeInput& input,
 
 void Run(const HandEyeArguments& arguments, const CommonOptions& common) {
   const Mounting mounting = arguments.mounting();
-  const HandEyeInput input = GatherHandEyeInput(arguments, common);
+  const HandEyeInput input = ReadHandEyeInput(arguments, common);
   RequireSameUnit(input.observations, mounting);
   StatedRobotNoise stated;
   if (arguments.sigma_mm) stated.translation_m = *arguments.sigma_mm / 1000;

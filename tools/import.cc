@@ -220,7 +220,7 @@ ExchangeContents ReadForeign(const ImportArguments& arguments,
   }
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
-  if (!all.IsRig()) ComputePairPoses(&all.cameras);
+  if (!all.IsRig()) ComputeStereoPoses(&all.cameras);
   return all;
 }
 
@@ -338,7 +338,7 @@ std::vector<std::string> ListStateCameras(const std::filesystem::path& folder) {
 
 // Returns the camera files in a folder: of COLMAP, preferring its binary
 // format, or of puzzlepaint.
-std::vector<std::string> FilesIn(const std::filesystem::path& folder) {
+std::vector<std::string> ListFiles(const std::filesystem::path& folder) {
   for (const char* name : {"cameras.bin", "cameras.txt"})
     if (std::filesystem::exists(folder / name))
       return {(folder / name).string()};
@@ -371,7 +371,7 @@ void FindFiles(ImportArguments* arguments) {
       throw Error(ExitCode::kUsage,
                   fmt::format("--topic: {} is not a bag", path));
     else if (std::filesystem::is_directory(path))
-      for (const std::string& file : FilesIn(path)) files.push_back(file);
+      for (const std::string& file : ListFiles(path)) files.push_back(file);
     else
       files.push_back(path);
   arguments->files = files;

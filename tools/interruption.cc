@@ -9,17 +9,17 @@ namespace raygrid {
 namespace {
 
 std::atomic<bool> is_interrupted{false};
-std::atomic<bool> is_heard{false};
+std::atomic<bool> has_listener{false};
 std::atomic<int> interruption{0};  // the number of the received signal
 static_assert(std::atomic<int>::is_always_lock_free &&
                   std::atomic<bool>::is_always_lock_free,
               "a signal handler may write it");
 
 void StopWithoutListener(int) {
-  if (!is_heard) raise(interruption);
+  if (!has_listener) raise(interruption);
 }
 
-void Note(int number) {
+void HandleSignal(int number) {
   constexpr unsigned kPatienceS = 1;
   interruption = number;
   is_interrupted = true;
@@ -32,7 +32,7 @@ void Note(int number) {
 
 void InstallInterruptHandler() {
   struct sigaction action = {};
-  action.sa_handler = Note;
+  action.sa_handler = HandleSignal;
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
@@ -42,10 +42,10 @@ void InstallInterruptHandler() {
 
 bool IsInterrupted() {
   if (!is_interrupted) return false;
-  is_heard = true;
+  has_listener = true;
   return true;
 }
 
-void IgnoreFirstSignal() { is_heard = true; }
+void IgnoreFirstSignal() { has_listener = true; }
 
 }  // namespace raygrid

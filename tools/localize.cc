@@ -91,7 +91,7 @@ void UseBags(bool quiet, LocalizeArguments* arguments) {
       ParseCameraValues("--camera", "DIR", arguments->folders);
   arguments->rig = ExpandRigBags(folders, arguments->bags, quiet);
   if (!arguments->rig.empty()) return;
-  RequireDifferentFolders("--camera", folders);
+  RequireSeparateFolderNames("--camera", folders);
   for (const auto& [name, folder] : folders)
     arguments->rig.push_back({name, {folder}});
 }
@@ -215,8 +215,8 @@ std::string EncodePoseSheet(const FixedRig& rig, const RigModel& model,
   return images.empty() ? "" : EncodePng(PoseSheet(std::move(images)));
 }
 
-double MedianOf(const std::vector<TargetPose>& poses,
-                double (TargetPose::*std_dev)() const) {
+double ComputeMedian(const std::vector<TargetPose>& poses,
+                     double (TargetPose::*std_dev)() const) {
   std::vector<double> values;
   for (const TargetPose& pose : poses) values.push_back((pose.*std_dev)());
   return Quantile(std::move(values), 0.5);
@@ -262,9 +262,9 @@ LocalizationSummary Summarize(const RigModel& model,
     frames.insert(target.pose.image);
   summary.num_frames = static_cast<int>(frames.size());
   summary.rotation_stddev_rad =
-      MedianOf(localization.poses, &TargetPose::RotationStdDev);
+      ComputeMedian(localization.poses, &TargetPose::RotationStdDev);
   summary.translation_stddev_m =
-      MedianOf(localization.poses, &TargetPose::TranslationStdDev);
+      ComputeMedian(localization.poses, &TargetPose::TranslationStdDev);
   return summary;
 }
 

@@ -138,7 +138,7 @@ std::string ExplainEmpty(const std::string& text) {
 
 // Adds checks for values that CLI11 accepts: non-finite numbers, negative
 // unsigned numbers and empty text.
-void RefuseValuesThatAreNone(CLI::App* app) {
+void ThrowOnInvalidNumbers(CLI::App* app) {
   for (CLI::Option* option : app->get_options()) {
     const std::string type = option->get_type_name();
     const bool may_be_empty =
@@ -151,7 +151,7 @@ void RefuseValuesThatAreNone(CLI::App* app) {
       option->check(CLI::Validator(ExplainEmpty, ""));
   }
   for (CLI::App* command : app->get_subcommands({}))
-    RefuseValuesThatAreNone(command);
+    ThrowOnInvalidNumbers(command);
 }
 
 // Opens closed standard streams, so that files opened later do not become
@@ -220,7 +220,7 @@ int Run(int argc, char** argv) {
   app.get_subcommands({}).back()->group(#title);
 #include "command_list.inc"
 #undef RAYGRID_COMMAND
-  RefuseValuesThatAreNone(&app);
+  ThrowOnInvalidNumbers(&app);
   if (argc > 1 && argv[1][0] != '-') RequireCommand(app, argv[1]);
   try {
     std::vector<std::string> words =

@@ -33,7 +33,8 @@ namespace {
 
 using KeyValues = std::map<std::string, std::string>;
 
-[[noreturn]] void Refuse(const std::string& mode, const std::string& fault) {
+[[noreturn]] void ThrowInvalidMode(const std::string& mode,
+                                   const std::string& fault) {
   throw Error(ExitCode::kUsage, fmt::format("--mode {}: {}", mode, fault));
 }
 
@@ -46,9 +47,10 @@ KeyValues ParseKeyValues(const std::string& mode, const std::string& text) {
     const size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
     if (equals == std::string::npos || !kKnown.count(name))
-      Refuse(mode, fmt::format("expected {}, not '{}'", kModeKeysHelp, part));
+      ThrowInvalidMode(
+          mode, fmt::format("expected {}, not '{}'", kModeKeysHelp, part));
     if (!words.emplace(name, part.substr(equals + 1)).second)
-      Refuse(mode, name + " is specified twice");
+      ThrowInvalidMode(mode, name + " is specified twice");
   }
   return words;
 }
@@ -70,10 +72,11 @@ Area ComputeDisplayedArea(const std::string& mode, const KeyValues& words,
       Numbers(mode, words, "crop", 4, "320,180,640,360");
   if (!(n[0] >= 0 && n[1] >= 0 && n[2] >= 2 && n[3] >= 2 &&
         n[0] + n[2] <= calibrated.width && n[1] + n[3] <= calibrated.height))
-    Refuse(mode,
-           fmt::format("crop={} must be within the calibrated {} x {} pixels, "
-                       "and at least 2 x 2",
-                       crop->second, calibrated.width, calibrated.height));
+    ThrowInvalidMode(
+        mode,
+        fmt::format("crop={} must be within the calibrated {} x {} pixels, "
+                    "and at least 2 x 2",
+                    crop->second, calibrated.width, calibrated.height));
   return {n[0], n[1], n[0] + n[2], n[1] + n[3]};
 }
 
@@ -81,53 +84,57 @@ Area ComputeDisplayedArea(const std::string& mode, const KeyValues& words,
 void SetSize(const KeyValues& words, const Area& shown, SensorMode* mode) {
   const Eigen::Vector2d span(shown.width(), shown.height());
   if (words.count("size") + words.count("bin") + words.count("scale") > 1)
-    Refuse(mode->name, "size, bin and scale are mutually exclusive");
+    ThrowInvalidMode(mode->name, "size, bin and scale are mutually exclusive");
   Eigen::Vector2d size = span.array().floor();
   std::optional<double> exact_scale;
   if (words.count("bin")) {
     const double bin = Numbers(mode->name, words, "bin", 1, "2")[0];
     if (!(bin >= 1 && bin <= 64 && bin == std::floor(bin)))
-      Refuse(mode->name, "bin must be an integer from 1 to 64");
+      ThrowInvalidMode(mode->name, "bin must be an integer from 1 to 64");
     size = (span / bin).array().floor();
     exact_scale = bin;
   } else if (words.count("scale")) {
     const double scale = Numbers(mode->name, words, "scale", 1, "0.5")[0];
     if (!(scale >= 1.0 / 64 && scale <= 64))
-      Refuse(mode->name, "scale must be 1/64 to 64 (0.5: half resolution)");
+      ThrowInvalidMode(mode->name,
+                       "scale must be 1/64 to 64 (0.5: half resolution)");
     size = (span * scale).array().round();
   } else if (words.count("size")) {
     const ImageSize wanted =
         ParseImageSize("--mode " + mode->name + ": size", words.at("size"));
     size = Eigen::Vector2d(wanted.width, wanted.height);
   } else if (size != span) {
-    Refuse(mode->name, "crop must be in whole pixels unless size is specified");
+    ThrowInvalidMode(mode->name,
+                     "crop must be in whole pixels unless size is specified");
   }
   if (!(size.minCoeff() >= 2 && size.maxCoeff() <= 8192))
-    Refuse(mode->name,
-           fmt::format(
-               "frames of {} x {} pixels; width and height must be 2 to 8192",
-               size.x(), size.y()));
+    ThrowInvalidMode(
+        mode->name,
+        fmt::format(
+            "frames of {} x {} pixels; width and height must be 2 to 8192",
+            size.x(), size.y()));
   mode->size = {static_cast<int>(size.x()), static_cast<int>(size.y())};
   mode->scale = exact_scale ? Eigen::Vector2d::Constant(*exact_scale)
                             : Eigen::Vector2d(span.cwiseQuotient(size));
   if (!(mode->scale.minCoeff() >= 1.0 / 64 && mode->scale.maxCoeff() <= 64))
-    Refuse(mode->name, "its scale must be 1/64 to 64");
+    ThrowInvalidMode(mode->name, "its scale must be 1/64 to 64");
 }
 
 void SetFlips(const KeyValues& words, SensorMode* mode) {
   if (const auto flip = words.find("flip"); flip != words.end()) {
     const std::string& text = flip->second;
     if (text != "h" && text != "v" && text != "hv" && text != "vh")
-      Refuse(mode->name,
-             fmt::format("flip: expected h, v or hv, not '{}'", text));
+      ThrowInvalidMode(
+          mode->name, fmt::format("flip: expected h, v or hv, not '{}'", text));
     mode->flip_x = text.find('h') != std::string::npos;
     mode->flip_y = text.find('v') != std::string::npos;
   }
   if (const auto rotate = words.find("rotate"); rotate != words.end()) {
     if (rotate->second != "180" && rotate->second != "0")
-      Refuse(mode->name, fmt::format("rotate: expected 180, not '{}'; 90 and "
-                                     "270 degrees are not supported",
-                                     rotate->second));
+      ThrowInvalidMode(mode->name,
+                       fmt::format("rotate: expected 180, not '{}'; 90 and "
+                                   "270 degrees are not supported",
+                                   rotate->second));
     if (rotate->second == "180") {
       mode->flip_x = !mode->flip_x;
       mode->flip_y = !mode->flip_y;
@@ -141,7 +148,7 @@ SensorMode ParseMode(const std::string& text,
                      const ImageSize& calibrated_size) {
   const size_t colon = text.rfind(':');
   if (colon == 0 || colon == std::string::npos)
-    Refuse(text, fmt::format("expected {}", kModeKeysHelp));
+    ThrowInvalidMode(text, fmt::format("expected {}", kModeKeysHelp));
   SensorMode mode;
   mode.name = text.substr(0, colon);
   const KeyValues words = ParseKeyValues(mode.name, text.substr(colon + 1));
@@ -160,8 +167,8 @@ std::vector<SensorMode> ParseModes(const std::vector<std::string>& texts,
     modes.push_back(ParseMode(text, calibrated_size));
     RequireBlobText("--mode", modes.back().name);
     if (!names.insert(modes.back().name).second)
-      Refuse(modes.back().name,
-             "duplicate name; names of modes must be unique");
+      ThrowInvalidMode(modes.back().name,
+                       "duplicate name; names of modes must be unique");
   }
   return modes;
 }

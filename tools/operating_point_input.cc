@@ -246,7 +246,7 @@ Measurements MeasureFoldersAt(const CalibrateArguments& arguments,
   std::vector<NamedValue> places;
   for (const FolderAt& folder : folders)
     places.push_back({folder.text, folder.folder});
-  RequireDifferentFolders("--images-at", places);
+  RequireSeparateFolderNames("--images-at", places);
   Measurements measurements;
   for (size_t k = 0; k < folders.size(); ++k) {
     const auto part = [&](double done) {

@@ -197,7 +197,7 @@ void Run(const PackArguments& arguments, const CommonOptions& common) {
   if (!arguments.serial.empty()) input.file.serial = arguments.serial;
   input.file.capture = ParseCaptureKeys(arguments.capture, input.file.capture,
                                         input.file.camera->image_size());
-  const auto blob_from_camera = AlignToCameraFrame(&input.file.camera);
+  const auto blob_from_camera = AlignToCanonicalFrame(&input.file.camera);
   // The cameras of the other operating points would have to be rotated as well.
   if (blob_from_camera && input.file.stack)
     throw Error(

@@ -21,7 +21,8 @@ struct ProjectArguments {
 // Scales a point, without changing its image, such that its squared norm does
 // not overflow. For a central camera, the distance is irrelevant; for others, a
 // point is scaled only at distances above 2^100 m.
-Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
+Eigen::Vector3d ScaleToAvoidOverflow(const Eigen::Vector3d& point,
+                                     bool is_central) {
   constexpr int kFarAway = 100;
   int exponent = 0;
   std::frexp(point.cwiseAbs().maxCoeff(), &exponent);
@@ -33,9 +34,10 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central) {
 std::optional<Eigen::Vector2d> Project(const CameraInput& input,
                                        const Eigen::Vector3d& point) {
   const CameraModel& camera = *input.file.camera;
-  const Eigen::Vector3d moderate = Moderate(point, camera.IsCentral());
-  const auto pixel =
-      input.blob ? input.blob->Project(moderate) : camera.Project(moderate);
+  const Eigen::Vector3d scaled_point =
+      ScaleToAvoidOverflow(point, camera.IsCentral());
+  const auto pixel = input.blob ? input.blob->Project(scaled_point)
+                                : camera.Project(scaled_point);
   return pixel && camera.IsInImageCircle(*pixel) ? pixel : std::nullopt;
 }
 

@@ -34,8 +34,8 @@ static const char kHelp[] =
     "Example:\n"
     "  raygrid-undistort camera.raygrid frame.raw flat.pgm\n";
 
-static int fail(int code, const char* where, const char* what) {
-  fprintf(stderr, "raygrid-undistort: %s: %s\n", where, what);
+static int fail(int code, const char* image_regions, const char* what) {
+  fprintf(stderr, "raygrid-undistort: %s: %s\n", image_regions, what);
   return code;
 }
 

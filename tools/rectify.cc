@@ -72,7 +72,7 @@ PairCamera ReadPairCamera(const std::string& rig_path,
   PairCamera read = {camera.name, path, ReadCamera(path),
                      Eigen::Quaterniond::Identity(), camera.camera_from_rig};
   if (!read.input.blob)
-    read.blob_from_camera = AlignToCameraFrame(&read.input.file.camera)
+    read.blob_from_camera = AlignToCanonicalFrame(&read.input.file.camera)
                                 .value_or(read.blob_from_camera);
   read.blob_from_rig =
       Pose{read.blob_from_camera, {0, 0, 0}} * camera.camera_from_rig;

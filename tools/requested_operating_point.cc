@@ -23,8 +23,9 @@ std::string ExampleAt(const std::vector<OperatingRange>& ranges) {
   return example.Text();
 }
 
-[[noreturn]] void RefuseAt(const RequestedOperatingPoint& at,
-                           const std::string& name, const std::string& why) {
+[[noreturn]] void ThrowInvalidOperatingPoint(const RequestedOperatingPoint& at,
+                                             const std::string& name,
+                                             const std::string& why) {
   throw Error(ExitCode::kUsage,
               fmt::format("{}: {}: {}", name, at.Text(), why));
 }
@@ -67,17 +68,19 @@ FixedOperatingPoint FixRequestedPoint(const RequestedOperatingPoint& at,
                                       const std::string& name) {
   FixedOperatingPoint held(ranges.size());
   if (at.alone && ranges.size() > 1)
-    RefuseAt(at, name,
-             "varies with two quantities; specify both, such as " +
-                 ExampleAt(ranges));
+    ThrowInvalidOperatingPoint(
+        at, name,
+        "varies with two quantities; specify both, such as " +
+            ExampleAt(ranges));
   if (at.alone) held[0] = at.alone;
   for (const auto& [condition, value] : at.named) {
     size_t r = 0;
     while (r < ranges.size() && ranges[r].condition != condition) ++r;
     if (r == ranges.size())
-      RefuseAt(at, name,
-               fmt::format("varies with {} only",
-                           OperatingParameterName(ranges[0].condition)));
+      ThrowInvalidOperatingPoint(
+          at, name,
+          fmt::format("varies with {} only",
+                      OperatingParameterName(ranges[0].condition)));
     held[r] = value;
   }
   return held;
@@ -100,7 +103,8 @@ FixedOperatingPoint FixRequestedPointInRange(
   FixedOperatingPoint held = FixRequestedPoint(at, ranges, name);
   for (size_t r = 0; r < ranges.size(); ++r)
     if (held[r] && !ranges[r].Contains(*held[r]))
-      RefuseAt(at, name, "outside the calibrated range, " + ranges[r].Text());
+      ThrowInvalidOperatingPoint(
+          at, name, "outside the calibrated range, " + ranges[r].Text());
   return held;
 }
 

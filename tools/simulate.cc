@@ -145,29 +145,30 @@ void AddTruth(const std::filesystem::path& folder,
 }
 
 // Coplanar boards next to each other, the first at the origin.
-struct Arrangement {
+struct BoardLayout {
   std::vector<Eigen::Vector3d> corners_m;  // each board's origin
   Eigen::Vector3d center_m;
 };
 
-Arrangement ConcatenateHorizontally(const Pattern& pattern) {
-  Arrangement arrangement;
+BoardLayout ConcatenateHorizontally(const Pattern& pattern) {
+  BoardLayout layout;
   double x_m = 0, height_m = 0;
   for (const Board& board : pattern.boards) {
-    arrangement.corners_m.emplace_back(x_m, 0, 0);
+    layout.corners_m.emplace_back(x_m, 0, 0);
     const Eigen::Vector3d last = board.NominalPoints().back();
     x_m += last.x() + (2 + kGapSquares) * board.square_m;
     height_m = std::max(height_m, last.y());
   }
   const double gap_m = (2 + kGapSquares) * pattern.boards.back().square_m;
-  arrangement.center_m = {(x_m - gap_m) / 2, height_m / 2, 0};
-  return arrangement;
+  layout.center_m = {(x_m - gap_m) / 2, height_m / 2, 0};
+  return layout;
 }
 
 // Renders the images of boards and records the ground truth.
-class Photographer {
+class ImageSimulator {
  public:
-  Photographer(const SimulateArguments& arguments, const CommonOptions& common)
+  ImageSimulator(const SimulateArguments& arguments,
+                 const CommonOptions& common)
       : arguments_(arguments),
         common_(common),
         camera_(MakeCamera(arguments, common.at)),
@@ -181,17 +182,17 @@ class Photographer {
       board.points = board.NominalPoints();
       board = CurveBoard(board, bend_m);
     }
-    arrangement_ = ConcatenateHorizontally(pattern);
+    layout_ = ConcatenateHorizontally(pattern);
   }
 
-  void TakeAll() {
+  void RenderAll() {
     const std::filesystem::path folder = arguments_.output;
     RequireCreatableFolder(folder.string());
     ProgressBar progress(common_.quiet);
     const int num_shots = arguments_.simulation.num_shots;
     const int count = arguments_.simulation.num_images * num_shots;
     const std::vector<Pose> poses = RandomPoses(
-        *camera_, arrangement_.center_m, truth_.true_pattern.boards[0].square_m,
+        *camera_, layout_.center_m, truth_.true_pattern.boards[0].square_m,
         arguments_.simulation.num_images, arguments_.poses, common_.seed);
     for (int i = 0; i < count; ++i) {
       progress.Show("rendering", static_cast<double>(i) / count);
@@ -212,7 +213,7 @@ class Photographer {
     ImageFeatures seen = {name, {}};
     for (size_t b = 0; b < surfaces_.size(); ++b) {
       const Board& board = truth_.true_pattern.boards[b];
-      const Pose board_pose = {pose.rotation, pose * arrangement_.corners_m[b]};
+      const Pose board_pose = {pose.rotation, pose * layout_.corners_m[b]};
       placed.push_back({&surfaces_[b], board_pose});
       const auto features = VisibleFeatures(*camera_, board, board_pose);
       seen.features.insert(seen.features.end(), features.begin(),
@@ -234,7 +235,7 @@ class Photographer {
   std::shared_ptr<const CameraModel> camera_;
   PixelRays rays_;
   std::vector<BoardSurface> surfaces_;
-  Arrangement arrangement_;
+  BoardLayout layout_;
   SimulatedObservations truth_;
 };
 
@@ -352,9 +353,9 @@ SimulatedObservations Observe(const SimulateArguments& arguments,
 
 SimulatedObservations Render(const SimulateArguments& arguments,
                              const CommonOptions& common) {
-  Photographer photographer(arguments, common);
-  photographer.TakeAll();
-  return photographer.truth();
+  ImageSimulator image_simulator(arguments, common);
+  image_simulator.RenderAll();
+  return image_simulator.truth();
 }
 
 std::string FormatJson(const SimulatedObservations& observations) {

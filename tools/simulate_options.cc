@@ -127,7 +127,7 @@ void AddMultiBoardOptions(CLI::App* command, SimulateArguments* arguments) {
                  "rig")
       ->needs(fixed);
   command
-      ->add_flag("--no-common-boards", arguments->fixed.never_shared,
+      ->add_flag("--no-common-boards", arguments->fixed.without_shared_views,
                  "show each fixed board in at most one camera per frame")
       ->needs(fixed);
   command

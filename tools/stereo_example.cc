@@ -154,10 +154,11 @@ ImageSize ComputePreviewSize(const ImageSize& size) {
 // image's length: a larger range would cause wrong matches of repetitive
 // patterns at smaller distances.
 int NumDisparities(double largest_px, int length_px) {
-  constexpr int kUnit = 16, kRoomPx = 8;
-  const int wanted = static_cast<int>(std::ceil(
-                         (std::max(0.0, largest_px) + kRoomPx) / kUnit)) *
-                     kUnit;
+  constexpr int kUnit = 16, kDisparityMarginPx = 8;
+  const int wanted =
+      static_cast<int>(
+          std::ceil((std::max(0.0, largest_px) + kDisparityMarginPx) / kUnit)) *
+      kUnit;
   return std::min(wanted, std::max(kUnit, length_px / kUnit * kUnit));
 }
 

@@ -68,7 +68,7 @@ BlobTable MakeBlobTable(const TableFormat& format,
   return table;
 }
 
-std::string ModelOf(const TableFormat& format, const std::string& model) {
+std::string GetModelName(const TableFormat& format, const std::string& model) {
   std::string names;
   for (const std::string& known : format.models) {
     if (known == model) return model;
@@ -100,7 +100,7 @@ ExportedView ReadView(const TableArguments& arguments,
                       const CommonOptions& common) {
   CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnAboutFailedCalibration(arguments.input, input.file);
-  if (!input.blob) AlignToCameraFrame(&input.file.camera);
+  if (!input.blob) AlignToCanonicalFrame(&input.file.camera);
   const VirtualView view = RectifiedView(input, arguments.view);
   return {view, Central(arguments.input, *input.file.camera)};
 }
@@ -109,10 +109,10 @@ ViewTable MakeViewTable(const TableFormat& format,
                         const TableArguments& arguments,
                         const ExportedView& seen, int num_threads) {
   ViewTable table;
-  table.model = ModelOf(format, arguments.model);
+  table.model = GetModelName(format, arguments.model);
   table.path = arguments.output;
   if (seen.view.projection == ViewProjection::kPinhole)
-    table.matrix = MatrixOf(seen.view);
+    table.matrix = GetCameraMatrix(seen.view);
   ViewSources found = MakeViewSources(*seen.camera, seen.view,
                                       arguments.is_reverse, num_threads);
   table.size = found.size;
@@ -194,7 +194,7 @@ TableOutput MakeCameraTable(const TableFormat& format,
                             nlohmann::ordered_json* json) {
   ExportedCamera table;
   table.path = arguments.output;
-  table.model = ModelOf(format, arguments.model);
+  table.model = GetModelName(format, arguments.model);
   const CameraInput input = ReadCamera(arguments.input, common.at);
   if (!common.quiet) WarnAboutFailedCalibration(arguments.input, input.file);
   const std::optional<ValidityMask> valid_region = LoadValidityMask(input);

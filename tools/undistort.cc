@@ -54,7 +54,7 @@ struct ImageMapper {
   std::function<Image(const std::string& path, const Image& image)> map;
 };
 
-bool AsksForAView(const UndistortArguments& arguments) {
+bool HasViewOptions(const UndistortArguments& arguments) {
   for (const auto& [name, value] : arguments.view)
     if (!value.empty()) return true;
   return false;
@@ -153,7 +153,7 @@ void RequireCentral(const UndistortArguments& arguments,
 std::optional<SensorMode> SelectMode(const UndistortArguments& arguments,
                                      const CameraInput& input) {
   if (arguments.mode.empty()) return std::nullopt;
-  if (!input.blob || AsksForAView(arguments))
+  if (!input.blob || HasViewOptions(arguments))
     return ParseModes({arguments.mode}, input.file.camera->image_size())[0];
   std::vector<std::string> names;
   for (const SensorMode& mode : input.blob->Modes()) {
@@ -203,7 +203,7 @@ void CompleteRequest(const UndistortArguments& arguments,
   request->mode = SelectMode(arguments, input);
   request->valid_region =
       SelectVisibleMask(arguments.outside, arguments.camera, input);
-  if (!input.blob || !input.blob->has_remap() || AsksForAView(arguments))
+  if (!input.blob || !input.blob->has_remap() || HasViewOptions(arguments))
     return;
   const uint32_t table = SelectRemapTable(*input.blob, arguments);
   RequireDirection(arguments, table, input.blob->IsInverseRemap(table));
@@ -229,7 +229,7 @@ ImageMapper PrepareDistortion(const UndistortArguments& arguments,
     return MapWithTable(*std::move(input.blob), view, *request.table);
   }
   RequireCentral(arguments, *input.file.camera);
-  if (!input.blob) AlignToCameraFrame(&input.file.camera);
+  if (!input.blob) AlignToCanonicalFrame(&input.file.camera);
   input.file.camera = ExtractRegularRegion(*input.file.camera, num_threads);
   const CameraModel& camera = *input.file.camera;
   const VirtualView view = SelectView(input, request);
@@ -247,7 +247,7 @@ ImageMapper PrepareUndistortion(const UndistortArguments& arguments,
     const VirtualView view = SelectView(input, request);
     return MapWithTable(*std::move(input.blob), view, *request.table);
   }
-  if (!input.blob) AlignToCameraFrame(&input.file.camera);
+  if (!input.blob) AlignToCanonicalFrame(&input.file.camera);
   const VirtualView view = SelectView(input, request);
   PackOptions options;
   options.remaps.emplace_back(view, request.mode);

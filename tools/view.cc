@@ -250,7 +250,7 @@ ViewedRow MakeViewRow(const VirtualView& view, ViewedCamera viewed,
 
 ViewedRow MakeCameraRow(ViewedCamera viewed, const ViewArguments& arguments,
                         const CommonOptions& common) {
-  if (!viewed.input.blob) AlignToCameraFrame(&viewed.input.file.camera);
+  if (!viewed.input.blob) AlignToCanonicalFrame(&viewed.input.file.camera);
   viewed.mask = LoadValidityMask(viewed.input);
   viewed.square = ComputeSceneSquareSize(viewed.camera());
   viewed.before =

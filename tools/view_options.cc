@@ -295,7 +295,7 @@ std::string FormatView(const VirtualView& view) {
   return text;
 }
 
-Eigen::Matrix3d MatrixOf(const VirtualView& view) {
+Eigen::Matrix3d GetCameraMatrix(const VirtualView& view) {
   Eigen::Matrix3d matrix;
   matrix << view.focal_px.x(), 0, view.center_px.x(), 0, view.focal_px.y(),
       view.center_px.y(), 0, 0, 1;

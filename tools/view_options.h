@@ -58,7 +58,7 @@ std::string FormatView(const VirtualView& view);
 Eigen::Vector3d ViewAnglesDeg(const Eigen::Matrix3d& camera_from_view);
 
 /// Returns K of a view: focal lengths and principal point.
-Eigen::Matrix3d MatrixOf(const VirtualView& view);
+Eigen::Matrix3d GetCameraMatrix(const VirtualView& view);
 /// Formats size, projection, K, row-major rotation, fields of view in degrees.
 nlohmann::ordered_json MakeViewJson(const VirtualView& view);
 

@@ -12,8 +12,8 @@ CameraAtView::CameraAtView(const CameraModel& camera, const View& view)
   if (!stack || stack->values() == view.conditions) return;
   auto own = std::make_unique<OperatingPointGrid>(*stack);
   own->SetValues(view.conditions);
-  own_ = std::move(own);
-  camera_ = own_.get();
+  owned_model_ = std::move(own);
+  camera_ = owned_model_.get();
 }
 
 AdjustmentState& AdjustmentState::operator=(const AdjustmentState& other) {

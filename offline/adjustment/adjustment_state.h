@@ -37,7 +37,7 @@ class CameraAtView {
   const CameraModel* operator->() const { return camera_; }
 
  private:
-  std::unique_ptr<const CameraModel> own_;
+  std::unique_ptr<const CameraModel> owned_model_;
   const CameraModel* camera_;
 };
 

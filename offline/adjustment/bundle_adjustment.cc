@@ -14,8 +14,8 @@ namespace {
 constexpr double kInitialLambda = 1e-4;
 constexpr double kMinLambda = 1e-9, kMaxLambda = 1e8;
 
-AdjustmentState Updated(const AdjustmentState& state,
-                        const AdjustmentStep& step) {
+AdjustmentState ApplyStep(const AdjustmentState& state,
+                          const AdjustmentStep& step) {
   AdjustmentState updated = state;
   for (size_t c = 0; c < step.cameras.size(); ++c)
     updated.cameras[c]->SetParameters(state.cameras[c]->Parameters() +
@@ -86,9 +86,9 @@ int NumValid(const std::vector<Residual>& residuals) {
 
 // Whether a step may lose observations. Costs are compared over the residuals
 // that are valid in both states, so that both losing an observation and
-// regaining it may reduce the cost: without kRefused, the optimization could
+// regaining it may reduce the cost: without kRejected, the optimization could
 // alternate between the two states forever.
-enum class Losses { kAllowed, kRefused };
+enum class Losses { kAccepted, kRejected };
 
 // Steps that move more than this fraction of the observations out of the
 // calibrated area are rejected: the cost of the remaining ones is meaningless.
@@ -106,7 +106,7 @@ StepEffect TryDampedSteps(const NormalEquations& equations,
   for (; *lambda < kMaxLambda; *lambda *= 10) {
     AdjustmentStep step;
     if (!equations.Solve(*lambda, &step)) continue;
-    AdjustmentState next = Updated(*state, step);
+    AdjustmentState next = ApplyStep(*state, step);
     std::vector<Residual> next_residuals =
         ComputeResiduals(next, views, options.num_threads);
     const ComparableCosts costs =
@@ -116,7 +116,7 @@ StepEffect TryDampedSteps(const NormalEquations& equations,
     if (!(after < before) || costs.num_common == 0) continue;
     const int num_before = NumValid(*residuals);
     if (costs.num_common < (1 - kMaxLostFraction) * num_before) continue;
-    if (losses == Losses::kRefused && costs.num_common < num_before) continue;
+    if (losses == Losses::kRejected && costs.num_common < num_before) continue;
     const ParameterLayout layout(*state,
                                  {options.fix_cameras, options.fix_points});
     const double sum_squared_change = ComputeStepInStdDevs(
@@ -155,22 +155,22 @@ AdjustmentSummary OptimizeCameras(const std::vector<View>& views,
   AdjustmentSummary summary;
   summary.residuals = ComputeResiduals(*state, views, options.num_threads);
   summary.initial_cost = TotalCost(summary.residuals, options.huber_px);
-  int num_standing = 0;  // successive small steps
+  int num_standstill_steps = 0;  // successive small steps
   while (summary.num_iterations < options.max_iterations &&
          !summary.converged && !ShouldStop(options)) {
     ++summary.num_iterations;
     const Losses losses = summary.num_iterations <= kStepsWithLosses
-                              ? Losses::kAllowed
-                              : Losses::kRefused;
+                              ? Losses::kAccepted
+                              : Losses::kRejected;
     const StepEffect effect = TryDampedSteps(
         *builder->Build(prior, {options.fix_cameras, options.fix_points},
                         *state),
         views, prior, options, losses, &lambda, state, &summary.residuals);
     const bool stands = effect.decrease < kStandstillDecrease &&
                         effect.step_stddevs < options.standstill;
-    num_standing = stands ? num_standing + 1 : 0;
+    num_standstill_steps = stands ? num_standstill_steps + 1 : 0;
     summary.converged = effect.decrease < options.relative_tolerance ||
-                        num_standing >= kMinStandstillSteps;
+                        num_standstill_steps >= kMinStandstillSteps;
     Report(options, summary.num_iterations, summary.residuals);
   }
   summary.final_cost = TotalCost(summary.residuals, options.huber_px);
@@ -314,11 +314,11 @@ class PrecisionUpdater {
                                     &prior->points_precision);
     for (int k = 0; k < kNumDeformationOrders; ++k)
       if (evidence.flex[k].count > 0)
-        change = std::max(
-            change,
-            flex_updates_[k].Update(evidence.flex[k], variance, negligible_m2_,
-                                    MinDeformationPrecision(state, variance),
-                                    &prior->deformation_precisions[k]));
+        change =
+            std::max(change, deformation_updates_[k].Update(
+                                 evidence.flex[k], variance, negligible_m2_,
+                                 MinDeformationPrecision(state, variance),
+                                 &prior->deformation_precisions[k]));
     return change;
   }
 
@@ -338,7 +338,7 @@ class PrecisionUpdater {
   double negligible_m2_;
   std::vector<PrecisionUpdate> group_updates_;
   VarianceUpdate point_update_;
-  std::array<PrecisionUpdate, kNumDeformationOrders> flex_updates_;
+  std::array<PrecisionUpdate, kNumDeformationOrders> deformation_updates_;
 };
 
 }  // namespace
@@ -386,7 +386,7 @@ AdjustmentSummary OptimizeWithLearnedPrior(const std::vector<View>& views,
         builder.Build(*prior, fixed_parameters, *state);
     const double tried_lambda = lambda;
     const double decrease =
-        TryDampedSteps(*equations, views, *prior, fixed, Losses::kAllowed,
+        TryDampedSteps(*equations, views, *prior, fixed, Losses::kAccepted,
                        &lambda, state, &residuals)
             .decrease;
     if (!fixed.fix_points) MoveMeanDeformation(views, prior, state);

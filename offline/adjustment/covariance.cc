@@ -156,12 +156,12 @@ bool AddExactCovariances(const LinearResponse& response, const Lattice& lattice,
 bool AddSampledCovariances(const LinearResponse& response,
                            const Lattice& lattice, int num_samples,
                            double noise_px, JointCovariances* covariances) {
-  constexpr int kTogether = 4;  // samples per solution
-  std::mt19937 random_bits(1);  // sequence is standardized
+  constexpr int kSamplesPerSolve = 4;  // samples per solution
+  std::mt19937 random_bits(1);         // sequence is standardized
   const Eigen::Index size = response.layout().num_all();
   const double scale_px2 = noise_px * noise_px / num_samples;
-  for (int first = 0; first < num_samples; first += kTogether) {
-    const int count = std::min(kTogether, num_samples - first);
+  for (int first = 0; first < num_samples; first += kSamplesPerSolve) {
+    const int count = std::min(kSamplesPerSolve, num_samples - first);
     Eigen::MatrixXd right(size, 2 * count), x;
     for (int k = 0; k < count; ++k) {
       right.col(k) = response.Gradient(response.SampleNoise(&random_bits)) +

@@ -350,7 +350,7 @@ void DenseEquations::AddPrior(const PriorEquations& prior) {
           .rankUpdate(root.topRows(num_common), sign);
   };
   add_product(prior.root, 1);
-  add_product(prior.freed, -1);
+  add_product(prior.unpenalized, -1);
 }
 
 void DenseEquations::CompressCouplings() {
@@ -449,10 +449,11 @@ bool DenseEquations::Solve(double lambda, AdjustmentStep* step) const {
     Eigen::VectorXd parameters(layout_.size);
     parameters << solution.kept.topRows(layout_.first_point),
         solution.eliminated;
-    *step = layout_.Step(parameters, solution.kept.bottomRows(
-                                         layout_.per_pose * layout_.num_poses));
+    *step = layout_.UnpackStep(
+        parameters,
+        solution.kept.bottomRows(layout_.per_pose * layout_.num_poses));
   } else {
-    *step = layout_.Step(solution.kept, solution.eliminated);
+    *step = layout_.UnpackStep(solution.kept, solution.eliminated);
   }
   return solution.kept.allFinite() && solution.eliminated.allFinite();
 }

@@ -25,7 +25,8 @@ PriorGroup MakeCoefficientGroup(const Eigen::VectorXd& pixels) {
 
 PriorGroup MakeDecentringGroup(const ParametricModel& lens, const Area& area,
                                int num_features) {
-  PriorGroup group = MakeCoefficientGroup(DecentringPixels(lens, area));
+  PriorGroup group =
+      MakeCoefficientGroup(ComputeDecentringDisplacement(lens, area));
   // The factor 2 accounts for the two coordinates of a residual.
   group.precision_floor =
       2.0 * num_features * kMaxDecentringFraction * kMaxDecentringFraction;
@@ -73,7 +74,8 @@ CameraPrior MakeDistortionPrior(const ParametricModel& lens, const Area& area,
     prior.mean.head(first) = parameters.head(first);
     prior.groups.push_back(MakeRadialGroup(*radial));
   } else {
-    prior.groups.push_back(MakeCoefficientGroup(RadialPixels(lens, area)));
+    prior.groups.push_back(
+        MakeCoefficientGroup(ComputeRadialDisplacement(lens, area)));
   }
   PriorGroup decentring = MakeDecentringGroup(lens, area, num_features);
   if (decentring.rank > 0) prior.groups.push_back(std::move(decentring));

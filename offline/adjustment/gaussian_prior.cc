@@ -7,27 +7,30 @@
 
 namespace raygrid {
 
-void PriorGroup::Free(const UnpenalizedDirections& freer) {
-  relaxed_ = freer;
+void PriorGroup::Unpenalize(const UnpenalizedDirections& added) {
+  unpenalized_ = added;
   full_rank_ = rank;
-  ApplyRelativePrecisions(freer.holds + freer.precision_floor);
+  ApplyRelativePrecisions(added.relative_precisions + added.precision_floor);
 }
 
 void PriorGroup::SetPrecision(double new_weight, double residual_variance) {
   weight = new_weight;
-  if (relaxed_.directions.cols() == 0 || relaxed_.precision_floor.isZero(0))
+  if (unpenalized_.directions.cols() == 0 ||
+      unpenalized_.precision_floor.isZero(0))
     return;
-  ApplyRelativePrecisions(relaxed_.holds + relaxed_.precision_floor *
-                                               (residual_variance / weight));
+  ApplyRelativePrecisions(unpenalized_.relative_precisions +
+                          unpenalized_.precision_floor *
+                              (residual_variance / weight));
 }
 
-void PriorGroup::ApplyRelativePrecisions(const Eigen::VectorXd& holds) {
+void PriorGroup::ApplyRelativePrecisions(
+    const Eigen::VectorXd& relative_precisions) {
   // Marginalizing the coefficients of the directions turns the precision K into
   // K - K D0 (D0^T K D0 + holds)^-1 D0^T K. This defines D = D0 L^-T, where L
   // L^T is the matrix in parentheses.
-  const Eigen::MatrixXd& directions = relaxed_.directions;
+  const Eigen::MatrixXd& directions = unpenalized_.directions;
   Eigen::MatrixXd square = directions.transpose() * precision * directions;
-  square.diagonal() += holds;
+  square.diagonal() += relative_precisions;
   // Regularization, since the parameters of a model may be nearly dependent.
   constexpr double kRidge = 1e-10;
   square.diagonal() *= 1 + kRidge;
@@ -37,24 +40,24 @@ void PriorGroup::ApplyRelativePrecisions(const Eigen::VectorXd& holds) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_solver(
       free.transpose() * precision * free);
   free = free * eigen_solver.eigenvectors();
-  const double removed_fraction = 1 - kRelaxedScale * kRelaxedScale;
-  freed = std::sqrt(removed_fraction) * (precision * free);
+  const double removed_fraction = 1 - kUnpenalizedScale * kUnpenalizedScale;
+  unpenalized = std::sqrt(removed_fraction) * (precision * free);
   // (I - m K d d^T) b has the covariance K - (2 m - m^2 d^T K d) K d d^T K.
   rank = full_rank_;
   for (Eigen::Index k = 0; k < free.cols(); ++k) {
-    constexpr double kRatherFree = 0.5;
+    constexpr double kMinUnpenalizedFraction = 0.5;
     const double g = std::min(eigen_solver.eigenvalues()[k], 1.0);
     free.col(k) *=
         std::sqrt(removed_fraction) / (1 + std::sqrt(1 - removed_fraction * g));
-    rank -= g > kRatherFree;
+    rank -= g > kMinUnpenalizedFraction;
   }
 }
 
-Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
-                                  const Eigen::MatrixXd& freed,
-                                  const Eigen::VectorXd& random) {
+Eigen::VectorXd ProjectOutUnpenalized(const Eigen::MatrixXd& free,
+                                      const Eigen::MatrixXd& unpenalized,
+                                      const Eigen::VectorXd& random) {
   if (free.cols() == 0) return random;
-  return random - freed * (free.transpose() * random);
+  return random - unpenalized * (free.transpose() * random);
 }
 
 double CameraPrior::Cost(const Eigen::VectorXd& parameters) const {

@@ -19,18 +19,18 @@ namespace raygrid {
 struct UnpenalizedDirections {
   Eigen::MatrixXd directions;  ///< one column per direction
   /// Relative precisions h: cost weight * h / 2 x^2; 0: unpenalized.
-  Eigen::VectorXd holds;
+  Eigen::VectorXd relative_precisions;
   /// Absolute precisions p, relative to the residual variance: cost p / 2 x^2.
   Eigen::VectorXd precision_floor;
 };
 
 /// Camera parameters with a common prior precision; K is zero for all other
 /// parameters. Along the columns of D the prior is nearly unpenalized: the
-/// precision matrix is K - R R^T, with R = sqrt(1 - kRelaxedScale^2) K D. D^T K
-/// D is diagonal: 1 for unpenalized directions, less for those with a remaining
-/// precision.
+/// precision matrix is K - R R^T, with R = sqrt(1 - kUnpenalizedScale^2) K D.
+/// D^T K D is diagonal: 1 for unpenalized directions, less for those with a
+/// remaining precision.
 struct PriorGroup {
-  static constexpr double kRelaxedScale =
+  static constexpr double kUnpenalizedScale =
       1e-3;  ///< prior scale that remains along D
 
   Eigen::SparseMatrix<double> precision;  ///< K, over all parameters
@@ -42,11 +42,11 @@ struct PriorGroup {
   /// D, scaled so that (I - R D^T) b has the covariance K - R R^T if the random
   /// vector b has K; may have no columns.
   Eigen::MatrixXd free;
-  Eigen::MatrixXd freed;  ///< R
+  Eigen::MatrixXd unpenalized;  ///< R
 
   /// Lowers the precision along these directions. Requires `precision` and
   /// `rank`.
-  void Free(const UnpenalizedDirections& freer);
+  void Unpenalize(const UnpenalizedDirections& added);
   /// Sets the weight of the group. Directions with an absolute precision keep
   /// it, so that their precision relative to the group decreases as the weight
   /// grows.
@@ -55,21 +55,21 @@ struct PriorGroup {
   /// Returns (c - c0)^T (K - R R^T) (c - c0), without lambda.
   double SquaredDistance(const Eigen::VectorXd& difference) const {
     const double distance = difference.dot(precision * difference);
-    if (freed.cols() == 0) return distance;
-    return distance - (freed.transpose() * difference).squaredNorm();
+    if (unpenalized.cols() == 0) return distance;
+    return distance - (unpenalized.transpose() * difference).squaredNorm();
   }
 
  private:
-  void ApplyRelativePrecisions(const Eigen::VectorXd& holds);
+  void ApplyRelativePrecisions(const Eigen::VectorXd& relative_precisions);
 
-  UnpenalizedDirections relaxed_;
+  UnpenalizedDirections unpenalized_;
   int full_rank_ = 0;
 };
 
 /// Projects a random vector with covariance K to one with covariance K - R R^T.
-Eigen::VectorXd ProjectOutRelaxed(const Eigen::MatrixXd& free,
-                                  const Eigen::MatrixXd& freed,
-                                  const Eigen::VectorXd& random);
+Eigen::VectorXd ProjectOutUnpenalized(const Eigen::MatrixXd& free,
+                                      const Eigen::MatrixXd& unpenalized,
+                                      const Eigen::VectorXd& random);
 
 /// The base model of a grid. Its parameters are estimated together with the
 /// grid, unpenalized except for the precision with which they were fitted to

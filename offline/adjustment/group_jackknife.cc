@@ -158,11 +158,11 @@ GroupJackknife::SquaredChanges GroupJackknife::Of(
                             Eigen::MatrixXd(jacobian.rows(), num_groups)};
   for (Eigen::Index group = 0; group < num_groups; ++group) {
     const Eigen::MatrixXd& changes = changes_[group];
-    const Eigen::MatrixXd by_draw =
+    const Eigen::MatrixXd squared_changes =
         (jacobian * changes.middleRows(first, jacobian.cols())).cwiseAbs2();
-    squares.observed.col(group) = by_draw.col(0);
+    squares.observed.col(group) = squared_changes.col(0);
     squares.predicted.col(group) =
-        by_draw.rightCols(by_draw.cols() - 1).rowwise().mean();
+        squared_changes.rightCols(squared_changes.cols() - 1).rowwise().mean();
   }
   return squares;
 }

@@ -24,9 +24,10 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
                                std::vector<ViewJacobian> jacobians,
                                const PriorEquations& prior,
                                const AdjustmentState& state, double tolerance,
-                               int num_threads, std::shared_ptr<Memory> memory)
+                               int num_threads,
+                               std::shared_ptr<Workspace> memory)
     : layout_(layout),
-      moves_(layout, state.modes),
+      static_deformation_(layout, state.modes),
       jacobians_(std::move(jacobians)),
       prior_(prior),
       points_(state.points),
@@ -35,7 +36,7 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
       num_threads_(num_threads),
       shapes_(layout.first_camera.size() - 1),
       poses_(layout.num_poses),
-      memory_(std::move(memory)) {
+      workspace_(std::move(memory)) {
   for (size_t v = 0; v < jacobians_.size(); ++v) {
     const int camera = jacobians_[v].camera;
     poses_[jacobians_[v].pose].views.push_back(static_cast<int>(v));
@@ -44,11 +45,11 @@ LargeEquations::LargeEquations(const ParameterLayout& layout,
           InferGridShape(jacobians_[v], layout_.NumCameraParameters(camera));
   }
   AccumulatePoses();
-  if (memory_->diagonal.size() != layout_.size) *memory_ = Memory();
-  memory_->local.resize(0, 0);  // invalid for new equations
-  if (memory_->diagonal.size() == 0) {
-    memory_->local = LocalMatrix();
-    memory_->diagonal = memory_->local.diagonal();
+  if (workspace_->diagonal.size() != layout_.size) *workspace_ = Workspace();
+  workspace_->local.resize(0, 0);  // invalid for new equations
+  if (workspace_->diagonal.size() == 0) {
+    workspace_->local = LocalMatrix();
+    workspace_->diagonal = workspace_->local.diagonal();
   }
 }
 
@@ -66,13 +67,13 @@ template <int kNum, typename Body>
 Columns<kNum> LargeEquations::SumOverPoses(const Body& body) const {
   std::vector<Columns<kNum>> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
-    sums[chunk].setZero(moves_.moved().size, kNum);
+    sums[chunk].setZero(static_deformation_.moved().size, kNum);
     for (int p = ChunkBegin(chunk); p < ChunkBegin(chunk + 1); ++p)
       body(p, &sums[chunk]);
   });
   for (size_t chunk = 1; chunk < sums.size(); ++chunk) sums[0] += sums[chunk];
   if (sums.empty()) return Columns<kNum>::Zero(layout_.size, kNum);
-  return moves_.MapToModes(sums[0]);
+  return static_deformation_.MapToModes(sums[0]);
 }
 
 void LargeEquations::AccumulatePoses() {
@@ -90,7 +91,7 @@ void LargeEquations::AccumulatePoses() {
           if (j.count() == 0) continue;
           pose.v.noalias() += j.J_pose * j.J_pose.transpose();
           pose.gradient.noalias() += j.J_pose * j.error.reshaped();
-          const ResidualProduct product(moves_.moved(), j);
+          const ResidualProduct product(static_deformation_.moved(), j);
           for (int i = 0; i < j.count(); ++i)
             product.AddTransposed<1>(j.error.col(i), i, sum);
         }
@@ -150,7 +151,7 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
       }
     }
   }
-  const int num_points = moves_.moved().num_points;
+  const int num_points = static_deformation_.moved().num_points;
   if (num_points > 0) {
     std::vector<Eigen::Matrix3d> blocks(num_points, Eigen::Matrix3d::Zero());
     for (const ViewJacobian& j : jacobians_)
@@ -162,13 +163,14 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
       for (int k = 0; k < 9; ++k)
         triplets.emplace_back(layout_.Point(i) + k % 3,
                               layout_.Point(i) + k / 3, blocks[i].data()[k]);
-    moves_.ForEachPoint([&](int point, int bend, const auto& move) {
-      for (Eigen::Index k = 0; k < move.cols(); ++k) {
-        const int index = layout_.first_shape + bend + static_cast<int>(k);
-        triplets.emplace_back(index, index,
-                              move.col(k).dot(blocks[point] * move.col(k)));
-      }
-    });
+    static_deformation_.ForEachPoint(
+        [&](int point, int bend, const auto& move) {
+          for (Eigen::Index k = 0; k < move.cols(); ++k) {
+            const int index = layout_.first_shape + bend + static_cast<int>(k);
+            triplets.emplace_back(index, index,
+                                  move.col(k).dot(blocks[point] * move.col(k)));
+          }
+        });
   }
   Eigen::SparseMatrix<double> matrix(layout_.size, layout_.size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());
@@ -177,9 +179,10 @@ Eigen::SparseMatrix<double> LargeEquations::LocalMatrix() const {
 
 bool LargeEquations::MakeSystem(double lambda, System* system) const {
   system->lambda = lambda;
-  system->damping = lambda * (memory_->diagonal + prior_.precision.diagonal() +
-                              prior_.root.rowwise().squaredNorm() -
-                              prior_.freed.rowwise().squaredNorm());
+  system->damping =
+      lambda * (workspace_->diagonal + prior_.precision.diagonal() +
+                prior_.root.rowwise().squaredNorm() -
+                prior_.unpenalized.rowwise().squaredNorm());
   system->damping.array() += kDampingFloor;
   for (const PoseBlock& pose : poses_) {
     PoseMatrix v = pose.v;
@@ -194,7 +197,7 @@ bool LargeEquations::MakeSystem(double lambda, System* system) const {
 template <int kNum>
 Columns<kNum> LargeEquations::Apply(const System& system,
                                     const Columns<kNum>& x) const {
-  const Columns<kNum> moved = moves_.MapToPoints(x);
+  const Columns<kNum> moved = static_deformation_.MapToPoints(x);
   Columns<kNum> y = SumOverPoses<kNum>([&](int p, Columns<kNum>* sum) {
     const std::vector<int>& views = poses_[p].views;
     std::vector<Columns<kNum>> images;  // products with x, by view
@@ -203,7 +206,7 @@ Columns<kNum> LargeEquations::Apply(const System& system,
     for (const int v : views) {
       const ViewJacobian& j = jacobians_[v];
       Columns<kNum>& u = images.emplace_back(2 * j.count(), kNum);
-      const ResidualProduct product(moves_.moved(), j);
+      const ResidualProduct product(static_deformation_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
         u.template middleRows<2>(2 * i) = product.Times<kNum>(moved, i);
       if (j.count() > 0) pose.noalias() += j.J_pose * u;
@@ -213,7 +216,7 @@ Columns<kNum> LargeEquations::Apply(const System& system,
       const ViewJacobian& j = jacobians_[views[k]];
       Columns<kNum>& u = images[k];
       if (j.count() > 0) u.noalias() -= j.J_pose.transpose() * pose;
-      const ResidualProduct product(moves_.moved(), j);
+      const ResidualProduct product(static_deformation_.moved(), j);
       for (int i = 0; i < j.count(); ++i)
         product.AddTransposed<kNum>(u.template middleRows<2>(2 * i), i, sum);
     }
@@ -225,8 +228,8 @@ Columns<kNum> LargeEquations::Apply(const System& system,
 Eigen::MatrixXd LargeEquations::CoarseMatrix(
     const System& system, const Preconditioner& preconditioner) const {
   const auto& coarse_basis = preconditioner.basis;
-  const ParameterLayout& moved = moves_.moved();
-  const CoarseBasis moved_basis = moves_.MapToPoints(coarse_basis);
+  const ParameterLayout& moved = static_deformation_.moved();
+  const CoarseBasis moved_basis = static_deformation_.MapToPoints(coarse_basis);
   const int size = static_cast<int>(coarse_basis.cols());
   std::vector<Eigen::MatrixXd> sums(NumChunks());
   ParallelFor(NumChunks(), num_threads_, [&](int chunk) {
@@ -276,8 +279,8 @@ Eigen::MatrixXd LargeEquations::CoarseMatrix(
       basis.transpose() * (system.damping.asDiagonal() * basis);
   matrix += Eigen::MatrixXd(prior) + Eigen::MatrixXd(damping);
   const Eigen::MatrixXd root = basis.transpose() * prior_.root;
-  const Eigen::MatrixXd freed = basis.transpose() * prior_.freed;
-  matrix += root * root.transpose() - freed * freed.transpose();
+  const Eigen::MatrixXd unpenalized = basis.transpose() * prior_.unpenalized;
+  matrix += root * root.transpose() - unpenalized * unpenalized.transpose();
   return matrix;  // lower triangle only
 }
 
@@ -309,11 +312,11 @@ LargeEquations::CameraMultigrid LargeEquations::MakeMultigridLevels(
 bool LargeEquations::MakePreconditioner(const System& system,
                                         Preconditioner* preconditioner) const {
   Eigen::SparseMatrix<double> a;
-  if (memory_->local.size() > 0)
-    a.swap(memory_->local);
+  if (workspace_->local.size() > 0)
+    a.swap(workspace_->local);
   else
     a = LocalMatrix();
-  memory_->diagonal = a.diagonal();
+  workspace_->diagonal = a.diagonal();
   a += prior_.precision;
   a.diagonal() += system.damping;
   a = frames_.TransformNodes(a);
@@ -341,10 +344,11 @@ Columns<kNum> LargeEquations::Precondition(
   const Eigen::MatrixXd coarsest =
       preconditioner.coarse.solve(preconditioner.basis.transpose() * residual);
   Columns<kNum> result = preconditioner.basis * coarsest;
-  const Columns<kNum> in_frames = preconditioner.frames.ToNodeFrames(residual);
+  const Columns<kNum> in_node_frames =
+      preconditioner.frames.ToNodeFrames(residual);
   Columns<kNum> sum = Columns<kNum>::Zero(residual.rows(), kNum);
   for (const CameraMultigrid& camera : preconditioner.cameras) {
-    const double* from = in_frames.data() + kNum * camera.first;
+    const double* from = in_node_frames.data() + kNum * camera.first;
     double* to = sum.data() + kNum * camera.first;
     AddBlockProduct<kNum>(camera.inverse, from, to);
     for (const Level& level : camera.levels) {
@@ -365,15 +369,16 @@ template <int kNum>
 bool LargeEquations::ConjugateGradients(const System& system, bool is_started,
                                         Columns<kNum>* side,
                                         Columns<kNum>* x) const {
-  using Each = Eigen::Array<double, 1, kNum>;
-  const Preconditioner& preconditioner = *memory_->preconditioner;
+  using PerColumn = Eigen::Array<double, 1, kNum>;
+  const Preconditioner& preconditioner = *workspace_->preconditioner;
   Columns<kNum>& residual = *side;
-  const auto dot = [](const Columns<kNum>& a, const Columns<kNum>& b) -> Each {
+  const auto dot = [](const Columns<kNum>& a,
+                      const Columns<kNum>& b) -> PerColumn {
     return a.cwiseProduct(b).colwise().sum();
   };
   Columns<kNum> z = Precondition<kNum>(preconditioner, residual);
-  Each product = dot(residual, z);
-  const Each target = tolerance_ * tolerance_ * product;
+  PerColumn product = dot(residual, z);
+  const PerColumn target = tolerance_ * tolerance_ * product;
   if (is_started) {
     residual -= Apply<kNum>(system, *x);
     z = Precondition<kNum>(preconditioner, residual);
@@ -386,21 +391,21 @@ bool LargeEquations::ConjugateGradients(const System& system, bool is_started,
   for (; iterations < kMaxIterations && (product > target).any();
        ++iterations) {
     const Columns<kNum> image = Apply<kNum>(system, direction);
-    const Each curvature = dot(direction, image);
+    const PerColumn curvature = dot(direction, image);
     // A converged solution remains unchanged, so that the columns do not affect
     // each other.
     const Eigen::Array<bool, 1, kNum> is_open = product > target;
     if ((is_open && !(curvature > 0)).any()) return false;
-    const Each length = is_open.select(product / curvature, 0.0);
+    const PerColumn length = is_open.select(product / curvature, 0.0);
     x->array() += direction.array().rowwise() * length;
     residual.array() -= image.array().rowwise() * length;
     z = Precondition<kNum>(preconditioner, residual);
-    const Each next = dot(residual, z);
-    const Each part = is_open.select(next / product, 0.0);
+    const PerColumn next = dot(residual, z);
+    const PerColumn part = is_open.select(next / product, 0.0);
     direction = z.array() + direction.array().rowwise() * part;
     product = next;
   }
-  if (!is_started) memory_->last_iterations_ = iterations;
+  if (!is_started) workspace_->last_iterations_ = iterations;
   return x->allFinite();
 }
 
@@ -408,10 +413,10 @@ template <int kNum>
 bool LargeEquations::SolveColumns(const System& system, bool is_started,
                                   Eigen::Index first, Eigen::MatrixXd* sides,
                                   Eigen::MatrixXd* x) const {
-  Memory& memory = *memory_;
+  Workspace& memory = *workspace_;
   const bool is_new =
       !memory.preconditioner ||
-      memory.last_iterations_ > 2 * memory.fresh_iterations_ + kMaxWorse;
+      memory.last_iterations_ > 2 * memory.cold_start_iterations_ + kMaxWorse;
   if (is_new) {
     memory.preconditioner = std::make_unique<Preconditioner>();
     if (!MakePreconditioner(system, memory.preconditioner.get())) {
@@ -424,7 +429,8 @@ bool LargeEquations::SolveColumns(const System& system, bool is_started,
   const bool is_solved =
       ConjugateGradients<kNum>(system, is_started, &columns, &solution);
   if (is_new)
-    memory.fresh_iterations_ = is_started ? kMaxWorse : memory.last_iterations_;
+    memory.cold_start_iterations_ =
+        is_started ? kMaxWorse : memory.last_iterations_;
   sides->middleCols<kNum>(first) = columns;
   x->middleCols<kNum>(first) = solution;
   return is_solved;
@@ -460,7 +466,7 @@ void LargeEquations::AddPoseProduct(int pose, const PoseVector& y,
                                     Eigen::VectorXd* sum) const {
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(moves_.moved(), j);
+    const ResidualProduct product(static_deformation_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
       product.AddTransposed<1>(j.PoseJacobian(i).transpose() * y, i, sum);
   }
@@ -471,7 +477,7 @@ PoseVector LargeEquations::ComputePoseProduct(int pose,
   PoseVector y = PoseVector::Zero(layout_.per_pose);
   for (const int v : poses_[pose].views) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(moves_.moved(), j);
+    const ResidualProduct product(static_deformation_.moved(), j);
     for (int i = 0; i < j.count(); ++i)
       y.noalias() += j.PoseJacobian(i) * product.Times<1>(x, i);
   }
@@ -490,7 +496,7 @@ Eigen::VectorXd LargeEquations::BackSubstitutePoses(
     const System& system, const Eigen::VectorXd& x,
     Eigen::VectorXd poses) const {
   const int k = layout_.per_pose;
-  const Eigen::VectorXd moved = moves_.MapToPoints(x);
+  const Eigen::VectorXd moved = static_deformation_.MapToPoints(x);
   ParallelFor(layout_.num_poses, num_threads_, [&](int p) {
     auto pose = poses.segment(k * p, k);
     pose = system.poses[p].solve(pose - ComputePoseProduct(p, moved));
@@ -509,7 +515,7 @@ bool LargeEquations::Solve(double lambda, AdjustmentStep* step) const {
   Eigen::MatrixXd x(layout_.size, 1);
   if (!SolveSystem(system, false, &side, &x)) return false;
   const Eigen::VectorXd poses = BackSubstitutePoses(system, x, -gradient);
-  *step = layout_.Step(x, poses);
+  *step = layout_.UnpackStep(x, poses);
   return poses.allFinite();
 }
 
@@ -524,7 +530,7 @@ bool LargeEquations::SolveAll(double lambda, bool is_started,
   Eigen::MatrixXd sides = right.topRows(size);
   for (Eigen::Index k = 0; num_poses > 0 && k < right.cols(); ++k)
     sides.col(k) -= EliminatePoses(system, right.col(k).tail(num_poses));
-  Eigen::MatrixXd& x = memory_->last_solution;
+  Eigen::MatrixXd& x = workspace_->last_solution;
   if (!is_started) x.resize(size, right.cols());
   if (!SolveSystem(system, is_started, &sides, &x)) {
     x.resize(0, 0);
@@ -544,7 +550,7 @@ bool LargeEquations::SolveFor(double lambda, const Eigen::MatrixXd& right,
                               Eigen::MatrixXd* solution) const {
   Eigen::MatrixXd rest;
   const bool is_solved = SolveAll(lambda, false, right, solution, &rest);
-  memory_->last_solution.resize(0, 0);  // no warm start for other sides
+  workspace_->last_solution.resize(0, 0);  // no warm start for other sides
   return is_solved;
 }
 
@@ -554,10 +560,10 @@ bool LargeEquations::SolveWithResidual(double lambda,
                                        Eigen::MatrixXd* rest) const {
   // Warm start: the solution changes little between successive normal
   // equations.
-  const Eigen::MatrixXd& last = memory_->last_solution;
-  const bool has_last =
+  const Eigen::MatrixXd& last = workspace_->last_solution;
+  const bool has_last_solution =
       last.rows() == layout_.size && last.cols() == right.cols();
-  return SolveAll(lambda, has_last, right, solution, rest);
+  return SolveAll(lambda, has_last_solution, right, solution, rest);
 }
 
 }  // namespace raygrid

@@ -30,7 +30,7 @@ namespace raygrid {
 ///     focal lengths.
 class LargeEquations : public NormalEquations {
  public:
-  class Memory;
+  class Workspace;
 
   /// Solves with a relative error of about `tolerance`. Reuses from *memory the
   /// preconditioner that earlier equations of this layout computed, as long as
@@ -39,7 +39,7 @@ class LargeEquations : public NormalEquations {
                  std::vector<ViewJacobian> jacobians,
                  const PriorEquations& prior, const AdjustmentState& state,
                  double tolerance, int num_threads,
-                 std::shared_ptr<Memory> memory);
+                 std::shared_ptr<Workspace> memory);
 
   bool Solve(double lambda, AdjustmentStep* step) const override;
   bool SolveFor(double lambda, const Eigen::MatrixXd& right,
@@ -131,7 +131,7 @@ class LargeEquations : public NormalEquations {
                 Eigen::MatrixXd* solution, Eigen::MatrixXd* rest) const;
 
   ParameterLayout layout_;
-  StaticDeformation moves_;
+  StaticDeformation static_deformation_;
   std::vector<ViewJacobian> jacobians_;
   PriorEquations prior_;
   std::vector<Eigen::Vector3d> points_;
@@ -141,11 +141,11 @@ class LargeEquations : public NormalEquations {
   std::vector<GridShape> shapes_;
   std::vector<PoseBlock> poses_;
   Eigen::VectorXd gradient_;
-  std::shared_ptr<Memory> memory_;
+  std::shared_ptr<Workspace> workspace_;
 };
 
 /// State that later equations of the same layout can reuse.
-class LargeEquations::Memory {
+class LargeEquations::Workspace {
  public:
   /// Returns the conjugate-gradient iterations of the last solution from zero.
   int last_iterations() const { return last_iterations_; }
@@ -155,7 +155,7 @@ class LargeEquations::Memory {
   Eigen::VectorXd diagonal;           // diagonal of H without the prior
   Eigen::SparseMatrix<double> local;  // LocalMatrix() of the current equations
   std::unique_ptr<Preconditioner> preconditioner;
-  int fresh_iterations_ = 0, last_iterations_ = 0;
+  int cold_start_iterations_ = 0, last_iterations_ = 0;
   Eigen::MatrixXd last_solution;  // result of SolveWithResidual()
 };
 

@@ -19,7 +19,7 @@ LinearResponse::LinearResponse(const std::vector<View>& views,
                                int max_exact_unknowns)
     : layout_(state, {false, options.fix_points}),
       prior_(prior, state, layout_),
-      moves_(layout_, state.modes),
+      static_deformation_(layout_, state.modes),
       jacobians_(WeightedJacobians(state, views, options.huber_px,
                                    options.num_threads)),
       is_exact_(NumDenseUnknowns(layout_) <= max_exact_unknowns),
@@ -31,15 +31,16 @@ LinearResponse::LinearResponse(const std::vector<View>& views,
   else
     equations_ = std::make_unique<LargeEquations>(
         layout_, jacobians_, prior_, state, kTolerance, num_threads,
-        std::make_shared<LargeEquations::Memory>());
+        std::make_shared<LargeEquations::Workspace>());
 }
 
 Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
-  Eigen::VectorXd moved = Eigen::VectorXd::Zero(moves_.moved().size);
+  Eigen::VectorXd moved =
+      Eigen::VectorXd::Zero(static_deformation_.moved().size);
   for (size_t v = 0; v < jacobians_.size(); ++v) {
     const ViewJacobian& j = jacobians_[v];
-    const ResidualProduct product(moves_.moved(), j);
+    const ResidualProduct product(static_deformation_.moved(), j);
     for (int i = 0; i < j.count(); ++i) {
       const Eigen::Vector2d error = errors[v].col(i);
       product.AddTransposed<1>(error, i, &moved);
@@ -47,7 +48,7 @@ Eigen::VectorXd LinearResponse::Gradient(const ViewErrors& errors) const {
           j.PoseJacobian(i) * error;
     }
   }
-  gradient.head(layout_.size) = moves_.MapToModes(moved);
+  gradient.head(layout_.size) = static_deformation_.MapToModes(moved);
   return gradient;
 }
 
@@ -55,9 +56,10 @@ ViewErrors LinearResponse::ApplyJacobian(
     const Eigen::VectorXd& parameters) const {
   ViewErrors errors;
   const Eigen::VectorXd moved =
-      moves_.MapToPoints<Eigen::VectorXd>(parameters.head(layout_.size));
+      static_deformation_.MapToPoints<Eigen::VectorXd>(
+          parameters.head(layout_.size));
   for (const ViewJacobian& j : jacobians_) {
-    const ResidualProduct product(moves_.moved(), j);
+    const ResidualProduct product(static_deformation_.moved(), j);
     const Eigen::VectorXd pose =
         parameters.segment(layout_.Pose(j.pose), layout_.per_pose);
     Eigen::Matrix2Xd& own = errors.emplace_back(2, j.count());
@@ -85,8 +87,8 @@ Eigen::VectorXd LinearResponse::SamplePrior(std::mt19937* random_bits) const {
       RandomSigns(prior_.root.cols(), random_bits);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout_.num_all());
   gradient.head(layout_.size) =
-      ProjectOutRelaxed(prior_.free, prior_.freed,
-                        prior_root_.Times(root_signs, layout_.size)) +
+      ProjectOutUnpenalized(prior_.free, prior_.unpenalized,
+                            prior_root_.Times(root_signs, layout_.size)) +
       prior_.root * other_signs;
   return gradient;
 }

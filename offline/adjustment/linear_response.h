@@ -55,7 +55,7 @@ class LinearResponse {
  private:
   ParameterLayout layout_;
   PriorEquations prior_;
-  StaticDeformation moves_;
+  StaticDeformation static_deformation_;
   std::vector<ViewJacobian> jacobians_;
   bool is_exact_;
   PrecisionRoot prior_root_;

@@ -32,11 +32,12 @@ void AddGroup(const PriorGroup& group, int first, Eigen::Index first_free,
       precision->emplace_back(first + it.row(), first + it.col(),
                               group.weight * it.value());
   if (group.free.cols() == 0) return;
-  gradient -=
-      group.weight * (group.freed * (group.freed.transpose() * difference));
+  gradient -= group.weight * (group.unpenalized *
+                              (group.unpenalized.transpose() * difference));
   const double root = std::sqrt(group.weight);
-  equations->freed.block(first, first_free, group.freed.rows(),
-                         group.freed.cols()) = root * group.freed;
+  equations->unpenalized.block(first, first_free, group.unpenalized.rows(),
+                               group.unpenalized.cols()) =
+      root * group.unpenalized;
   equations->free.block(first, first_free, group.free.rows(),
                         group.free.cols()) = group.free / root;
 }
@@ -61,7 +62,7 @@ void AddCameraPrior(const CameraPrior& prior, int first,
 // Returns the operation count of the last conjugate-gradient solution, in
 // equivalent operations of dense matrix products, which are faster.
 double NumOperations(const std::vector<ViewJacobian>& jacobians,
-                     const LargeEquations::Memory& memory) {
+                     const LargeEquations::Workspace& memory) {
   constexpr double kPerObservation = 2000;
   int num_observations = 0;
   for (const ViewJacobian& jacobian : jacobians)
@@ -94,8 +95,8 @@ ParameterLayout::ParameterLayout(const AdjustmentState& state,
   size = first_point + 3 * num_points;
 }
 
-AdjustmentStep ParameterLayout::Step(const Eigen::VectorXd& parameters,
-                                     const Eigen::VectorXd& poses) const {
+AdjustmentStep ParameterLayout::UnpackStep(const Eigen::VectorXd& parameters,
+                                           const Eigen::VectorXd& poses) const {
   AdjustmentStep step;
   for (size_t c = 0; c + 1 < first_camera.size(); ++c)
     step.cameras.push_back(parameters.segment(
@@ -128,7 +129,7 @@ PriorEquations::PriorEquations(const GaussianPrior& prior,
     end.free += NumFree(prior.cameras[c]);
   }
   root.setZero(layout.size, end.root);
-  freed.setZero(layout.size, end.free);
+  unpenalized.setZero(layout.size, end.free);
   free.setZero(layout.size, end.free);
   FirstColumns columns;
   for (size_t c = 0; c < num_cameras; ++c) {
@@ -171,8 +172,9 @@ std::unique_ptr<NormalEquations> EquationsBuilder::Build(
   const PriorEquations prior_equations(prior, state, layout);
   std::vector<ViewJacobian> jacobians =
       WeightedJacobians(state, views_, huber_px_, num_threads_);
-  if (!memory_) memory_ = std::make_shared<LargeEquations::Memory>();
-  const auto memory = std::static_pointer_cast<LargeEquations::Memory>(memory_);
+  if (!workspace_) workspace_ = std::make_shared<LargeEquations::Workspace>();
+  const auto memory =
+      std::static_pointer_cast<LargeEquations::Workspace>(workspace_);
   if (DenseIsFaster(layout, NumOperations(jacobians, *memory)))
     return std::make_unique<DenseEquations>(layout, jacobians, state.modes,
                                             prior_equations, num_threads_);

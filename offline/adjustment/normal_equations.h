@@ -61,8 +61,8 @@ struct ParameterLayout {
   int num_all() const { return Pose(num_poses); }
 
   /// Assembles a step from the vectors of common parameters and of poses.
-  AdjustmentStep Step(const Eigen::VectorXd& parameters,
-                      const Eigen::VectorXd& poses) const;
+  AdjustmentStep UnpackStep(const Eigen::VectorXd& parameters,
+                            const Eigen::VectorXd& poses) const;
 };
 
 /// The prior's contribution to the normal equations, in the layout: P.
@@ -72,7 +72,7 @@ struct PriorEquations {
 
   /// P = precision + root root^T - freed freed^T, the latter of low rank.
   Eigen::SparseMatrix<double> precision;
-  Eigen::MatrixXd root, freed;
+  Eigen::MatrixXd root, unpenalized;
   Eigen::MatrixXd free;  ///< see PriorGroup
   Eigen::VectorXd gradient;
   DeformationModes::Coefficients
@@ -82,7 +82,7 @@ struct PriorEquations {
   /// Returns P x, over the layout without the poses.
   Eigen::MatrixXd Times(const Eigen::MatrixXd& x) const {
     return precision * x + root * (root.transpose() * x) -
-           freed * (freed.transpose() * x);
+           unpenalized * (unpenalized.transpose() * x);
   }
 };
 
@@ -138,7 +138,7 @@ class EquationsBuilder {
   const std::vector<View>& views_;
   double huber_px_;
   int num_threads_;
-  std::shared_ptr<void> memory_;  // reused state of LargeEquations
+  std::shared_ptr<void> workspace_;  // reused state of LargeEquations
 };
 
 }  // namespace raygrid

@@ -10,7 +10,7 @@ namespace raygrid {
 namespace {
 
 // Effective number of parameters of each prior group.
-struct Determined {
+struct EffectiveParameters {
   std::vector<double> groups;  // camera groups
   double points = 0;
   std::array<double, kNumDeformationOrders> flex = {};
@@ -65,7 +65,7 @@ double CountCoefficients(const std::vector<DeformationCoefficient>& rows,
 // The trace is estimated as the mean of b^T H^-1 b (Hutchinson, 1989) with b =
 // sqrt(weight) B z for random signs z, for all groups at once, since they are
 // independent. Returns nullopt if the system is singular.
-std::optional<Determined> NumDetermined(
+std::optional<EffectiveParameters> CountEffectiveParameters(
     const NormalEquations& equations, const ParameterLayout& layout,
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
     const std::vector<DeformationCoefficient>& deformation_coefficients,
@@ -73,17 +73,17 @@ std::optional<Determined> NumDetermined(
   const int num_samples = equations.MaxNumRightSides();
   std::mt19937 random_bits(1);  // sequence is standardized
   std::vector<Eigen::MatrixXd> shares;
-  const bool has_flex = layout.per_pose > 6;
+  const bool has_per_view_deformation = layout.per_pose > 6;
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(
-      has_flex ? layout.num_all() : layout.size, num_samples);
+      has_per_view_deformation ? layout.num_all() : layout.size, num_samples);
   for (const CameraGroup& group : groups) {
     const int size = layout.NumCameraParameters(group.camera);
     Eigen::MatrixXd share(size, num_samples);
     for (int k = 0; k < num_samples; ++k)
       share.col(k) =
           std::sqrt(group.group->weight) *
-          ProjectOutRelaxed(
-              group.group->free, group.group->freed,
+          ProjectOutUnpenalized(
+              group.group->free, group.group->unpenalized,
               group.root.Times(RandomSigns(group.root.size(), &random_bits),
                                size));
     right.middleRows(layout.first_camera[group.camera], size) += share;
@@ -113,7 +113,7 @@ std::optional<Determined> NumDetermined(
   const auto effective_parameters = [num_samples](double count, double sum) {
     return std::clamp(count - sum / num_samples, 1e-3 * count, count);
   };
-  Determined result;
+  EffectiveParameters result;
   for (size_t g = 0; g < groups.size(); ++g)
     result.groups.push_back(effective_parameters(
         groups[g].group->rank,
@@ -166,7 +166,7 @@ double SumSquaredDeformation(const AdjustmentState& state,
 
 PriorEvidence EvaluateEvidence(
     const std::vector<CameraGroup>& groups, const GaussianPrior& prior,
-    const Determined& effective_parameters,
+    const EffectiveParameters& effective_parameters,
     const std::vector<DeformationCoefficient>& deformation_coefficients,
     int num_observed_points, const AdjustmentState& state) {
   PriorEvidence evidence;
@@ -220,18 +220,18 @@ std::optional<PriorEvidence> ComputeEvidence(
       ListDeformationCoefficients(layout, views, state);
   const int num_observed_points =
       CountObservedPoints(views, state.points.size());
-  const std::optional<Determined> effective_parameters =
-      NumDetermined(equations, layout, groups, prior, deformation_coefficients,
-                    num_observed_points, lambda);
+  const std::optional<EffectiveParameters> effective_parameters =
+      CountEffectiveParameters(equations, layout, groups, prior,
+                               deformation_coefficients, num_observed_points,
+                               lambda);
   if (!effective_parameters) return std::nullopt;
   return EvaluateEvidence(groups, prior, *effective_parameters,
                           deformation_coefficients, num_observed_points, state);
 }
 
 bool IsUndetermined(const GroupEvidence& evidence) {
-  constexpr double kMaxDeterminedFraction = 0.02;  // fraction of a group
-  return evidence.effective_parameters <
-         kMaxDeterminedFraction * evidence.count;
+  constexpr double kMaxEffectiveFraction = 0.02;  // fraction of a group
+  return evidence.effective_parameters < kMaxEffectiveFraction * evidence.count;
 }
 
 bool FavorsLargerVariance(const GroupEvidence& evidence,
@@ -247,16 +247,16 @@ bool FavorsLargerVariance(const GroupEvidence& evidence,
 // count / x. If the evidence does not favour a larger variance, g decreases
 // towards this value.
 bool IsInsignificant(const GroupEvidence& evidence, double prior_variance) {
-  constexpr double kMinDeterminedFraction =
+  constexpr double kMinEffectiveFraction =
       0.7;  // at an x of 3.3 times the count
   return evidence.effective_parameters <
-             kMinDeterminedFraction * evidence.count &&
+             kMinEffectiveFraction * evidence.count &&
          !FavorsLargerVariance(evidence, prior_variance);
 }
 
 double PrecisionUpdate::Update(const GroupEvidence& group,
                                double residual_variance,
-                               double smallest_variance, double least_weight,
+                               double smallest_variance, double min_precision,
                                double* weight) {
   const double variance = std::max(
       group.squared_distance / group.effective_parameters, smallest_variance);
@@ -269,7 +269,7 @@ double PrecisionUpdate::Update(const GroupEvidence& group,
     last_change_ = 0;
   }
   const double before = *weight;
-  *weight = std::max(before * std::exp(change), least_weight);
+  *weight = std::max(before * std::exp(change), min_precision);
   return std::abs(std::log(*weight / before));
 }
 

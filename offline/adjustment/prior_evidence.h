@@ -60,10 +60,10 @@ bool IsInsignificant(const GroupEvidence& evidence, double prior_variance);
 class PrecisionUpdate {
  public:
   /// The variance of the group's parameters is bounded below by
-  /// smallest_variance, the precision by least_weight. Returns the change of
+  /// smallest_variance, the precision by min_precision. Returns the change of
   /// log precision.
   double Update(const GroupEvidence& group, double residual_variance,
-                double smallest_variance, double least_weight, double* weight);
+                double smallest_variance, double min_precision, double* weight);
 
  private:
   static constexpr double kMaxFactor = 0.8;

@@ -147,11 +147,11 @@ Eigen::Matrix2Xd PolynomialDisplacements(const Area& area,
 // hundredth as much as a pixel of the field. This does not affect observable
 // directions; but if the features cover a small part of the image, high orders
 // would otherwise displace the remainder by arbitrary amounts.
-Eigen::VectorXd PolynomialHolds() {
-  constexpr double kRadialHold = 1e-4;
-  Eigen::VectorXd holds = Eigen::VectorXd::Zero(7);
-  holds.tail<3>().setConstant(kRadialHold);
-  return holds;
+Eigen::VectorXd PolynomialPrecisions() {
+  constexpr double kRadialPrecision = 1e-4;
+  Eigen::VectorXd relative_precisions = Eigen::VectorXd::Zero(7);
+  relative_precisions.tail<3>().setConstant(kRadialPrecision);
+  return relative_precisions;
 }
 
 // Displacement of a pixel per unit of each model parameter. Outside the image
@@ -207,33 +207,36 @@ UnpenalizedDirections FreeParameters(const BSplineSurface& surface,
                                      const FieldParameters& field,
                                      const BaseModel& lens) {
   const ParameterDisplacements displacements(*lens.model, surface.area());
-  UnpenalizedDirections freed;
-  freed.directions =
+  UnpenalizedDirections unpenalized;
+  unpenalized.directions =
       ControlValues(surface, field, [&](const Eigen::Vector2d& pixel) {
         return Eigen::MatrixXd(ChartDerivative(surface, pixel) *
                                displacements.At(pixel));
       });
-  freed.holds = Eigen::VectorXd::Zero(lens.precision.size());
-  freed.precision_floor = lens.precision;
-  return freed;
+  unpenalized.relative_precisions =
+      Eigen::VectorXd::Zero(lens.precision.size());
+  unpenalized.precision_floor = lens.precision;
+  return unpenalized;
 }
 
 // Returns the Jacobian of the control points with respect to the unpenalized
 // polynomials, for cameras without a parametric model.
 UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
                                       const FieldParameters& field) {
-  UnpenalizedDirections freed;
-  freed.holds = PolynomialHolds();
-  freed.precision_floor = Eigen::VectorXd::Zero(freed.holds.size());
-  freed.directions = Eigen::MatrixXd::Zero(
-      field.per_point * surface.num_points(), freed.holds.size());
+  UnpenalizedDirections unpenalized;
+  unpenalized.relative_precisions = PolynomialPrecisions();
+  unpenalized.precision_floor =
+      Eigen::VectorXd::Zero(unpenalized.relative_precisions.size());
+  unpenalized.directions =
+      Eigen::MatrixXd::Zero(field.per_point * surface.num_points(),
+                            unpenalized.relative_precisions.size());
   for (int i = 0; i < surface.num_points(); ++i) {
     const Eigen::Vector2d pixel = surface.GetPixel(i);
-    freed.directions.middleRows<2>(field.GetParameterIndex(i)) =
+    unpenalized.directions.middleRows<2>(field.GetParameterIndex(i)) =
         ChartDerivative(surface, pixel) *
         PolynomialDisplacements(surface.area(), pixel);
   }
-  return freed;
+  return unpenalized;
 }
 
 // Returns the mean rotation of the directions of pixels, in pixels, as a linear
@@ -241,13 +244,14 @@ UnpenalizedDirections FreePolynomials(const BSplineSurface& surface,
 Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
                              const FieldParameters& field,
                              const std::vector<Eigen::Vector2d>& pixels,
-                             double middle_px) {
+                             double center_px_per_unit) {
   Eigen::MatrixXd rotation =
       Eigen::MatrixXd::Zero(field.per_point * surface.num_points(), 3);
   for (const Eigen::Vector2d& pixel : pixels) {
     // Reduces the weight of pixels where the model folds or is extrapolated: a
     // chart unit may correspond to arbitrarily many pixels there.
-    const double scale = PixelsPerChartUnitAt(surface, pixel) / middle_px;
+    const double scale =
+        PixelsPerChartUnitAt(surface, pixel) / center_px_per_unit;
     const Eigen::Matrix<double, 2, 3> J_rotation =
         std::pow(std::min(scale, 1 / scale), 2) *
         ChartRotationDerivative(surface.Evaluate(pixel));
@@ -263,7 +267,7 @@ Eigen::MatrixXd MeanRotation(const BSplineSurface& surface,
 
 // Adds the principal directions of a camera population to those of the model.
 // Their coefficients are standard normal, so their precision is 1.
-UnpenalizedDirections AddSpreadDirections(
+UnpenalizedDirections AddPopulationDirections(
     const UnpenalizedDirections& lens, const BSplineSurface& surface,
     const FieldParameters& field, const std::vector<BSplineSurface>& spread) {
   const Eigen::MatrixXd moved =
@@ -280,8 +284,9 @@ UnpenalizedDirections AddSpreadDirections(
   UnpenalizedDirections all;
   all.directions.resize(moved.rows(), lens.directions.cols() + moved.cols());
   all.directions << lens.directions, moved;
-  all.holds.resize(all.directions.cols());
-  all.holds << lens.holds, Eigen::VectorXd::Zero(moved.cols());
+  all.relative_precisions.resize(all.directions.cols());
+  all.relative_precisions << lens.relative_precisions,
+      Eigen::VectorXd::Zero(moved.cols());
   all.precision_floor.resize(all.directions.cols());
   all.precision_floor << lens.precision_floor,
       Eigen::VectorXd::Ones(moved.cols());
@@ -320,22 +325,24 @@ CameraPrior MakeDirectionsPrior(
   // units, unobserved directions behind the camera would dominate. The
   // precision of this term is similar to that of the other parameters given the
   // observations, which do not depend on it.
-  const double middle_px = PixelsPerChartUnitAt(base, base.area().center());
+  const double center_px_per_unit =
+      PixelsPerChartUnitAt(base, base.area().center());
   prior.orientation =
       std::sqrt(base.num_points()) *
       MeanRotation(
           base, field,
           observed_px.empty() ? base.SamplePixels(kPerCell) : observed_px,
-          middle_px);
-  prior.orientation_precision = middle_px * middle_px;
-  UnpenalizedDirections freed = lens.model ? FreeParameters(base, field, lens)
-                                           : FreePolynomials(base, field);
+          center_px_per_unit);
+  prior.orientation_precision = center_px_per_unit * center_px_per_unit;
+  UnpenalizedDirections unpenalized = lens.model
+                                          ? FreeParameters(base, field, lens)
+                                          : FreePolynomials(base, field);
   if (!spread.empty()) {
-    freed = AddSpreadDirections(freed, base, field, spread);
-    freed.directions =
-        RemoveRotations(freed.directions, prior.orientation, base, field);
+    unpenalized = AddPopulationDirections(unpenalized, base, field, spread);
+    unpenalized.directions =
+        RemoveRotations(unpenalized.directions, prior.orientation, base, field);
   }
-  prior.groups[0].Free(freed);
+  prior.groups[0].Unpenalize(unpenalized);
   return prior;
 }
 

@@ -16,7 +16,7 @@ struct AdjustmentResult {
   GaussianPrior prior;  ///< with the estimated precisions
   /// Base models of the grids, one per camera; empty unless they were fitted to
   /// the features.
-  std::vector<BaseModel> base_lenses;
+  std::vector<BaseModel> base_models;
   std::vector<RejectedImage> rejected_images;
   std::vector<std::vector<FeatureResidual>> rejected_features;  ///< one list
                                                                 ///< per camera

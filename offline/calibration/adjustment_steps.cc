@@ -190,20 +190,20 @@ void Calibration::EvaluateHeldOutImages() {
   if (!IsRig()) validation.on_done = [&first] { first.Save(); };
   // Folds of single cameras were initialized before rigid targets were
   // detected.
-  const bool is_anew = IsRig() || !bodies_.empty();
-  Folds anew;
-  if (is_anew) anew = MakeFolds(Splits(), InitialCameras());
-  anew.base_model = adjusted_.problem.base_model;
+  const bool creates_new_folds = IsRig() || !bodies_.empty();
+  Folds new_folds;
+  if (creates_new_folds) new_folds = MakeFolds(Splits(), InitialCameras());
+  new_folds.base_model = adjusted_.problem.base_model;
   HeldOutResiduals held_out = EvaluateHeldOut(
       adjusted_, pattern_, Splits(), validation, KnotSpacingsPx(),
-      is_anew ? &anew : &first.folds, &trials);
+      creates_new_folds ? &new_folds : &first.folds, &trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();
   for (size_t c = 0; c < held_out.alone.size(); ++c) {
     cameras_[c].result.held_out = std::move(held_out.alone[c]);
-    if (!held_out.flexed[c].empty())
+    if (!held_out.with_deformation[c].empty())
       cameras_[c].result.held_out_deformed =
-          ComputeErrorMetrics(held_out.flexed[c]);
+          ComputeErrorMetrics(held_out.with_deformation[c]);
     cameras_[c].result.cross_validated = result_.cross_validated;
   }
   // Reports a fixed knot spacing in the same form as the candidates of the

@@ -30,7 +30,7 @@ BaseModel MakeBaseModel(const CameraPrior& prior, const CameraModel& lens,
 // Parametric models of one type for all cameras, fitted to the features.
 struct FittedCameras {
   AdjustmentState state;
-  std::vector<BaseModel> lenses;  // empty if the fit failed
+  std::vector<BaseModel> base_model_by_camera;  // empty if the fit failed
   double median_px = INFINITY;
 };
 
@@ -45,11 +45,11 @@ FittedCameras FitCameras(const std::string& model,
       MakeInitializationOptions(options), &prior, &fitted.state);
   fitted.median_px = ComputeMedianErrorPx(summary.residuals);
   for (size_t c = 0; c < prior.cameras.size() && summary.noise_px > 0; ++c)
-    fitted.lenses.push_back(IsFixed(*fitted.state.cameras[c])
-                                ? BaseModel()
-                                : MakeBaseModel(prior.cameras[c],
-                                                *fitted.state.cameras[c],
-                                                std::pow(summary.noise_px, 2)));
+    fitted.base_model_by_camera.push_back(
+        IsFixed(*fitted.state.cameras[c])
+            ? BaseModel()
+            : MakeBaseModel(prior.cameras[c], *fitted.state.cameras[c],
+                            std::pow(summary.noise_px, 2)));
   return fitted;
 }
 
@@ -57,9 +57,9 @@ FittedCameras FitCameras(const std::string& model,
 // the base models, up to a constant, by generalized cross-validation (Golub,
 // Heath, Wahba, 1979). The better the base models fit, the fewer effective
 // parameters a grid needs to reach the same residuals.
-double PredictionScore(const CalibrationProblem& problem,
-                       const FittedCameras& fitted,
-                       const AdjustmentOptions& options) {
+double ComputePredictionScore(const CalibrationProblem& problem,
+                              const FittedCameras& fitted,
+                              const AdjustmentOptions& options) {
   // Number of cells along the longer side. With 12 cells, splines are too
   // coarse for a lens with a field of view of 80 degrees.
   constexpr int kCells = 16;
@@ -70,7 +70,8 @@ double PredictionScore(const CalibrationProblem& problem,
   AdjustmentState state = fitted.state;
   GaussianPrior prior;
   const AdjustmentSummary summary = OptimizeGrids(
-      problem, {CopyCameras(state), knot_spacings_px, fitted.lenses},
+      problem,
+      {CopyCameras(state), knot_spacings_px, fitted.base_model_by_camera},
       MakeInitializationOptions(options), &prior, &state);
   double count = 0;
   for (const View& view : problem.views)
@@ -79,7 +80,7 @@ double PredictionScore(const CalibrationProblem& problem,
                    std::log(1 - summary.num_effective / count) / 2);
 }
 
-bool ArePinholes(const AdjustmentState& state) {
+bool AreAllPinholes(const AdjustmentState& state) {
   return std::all_of(
       state.cameras.begin(), state.cameras.end(),
       [](const auto& camera) { return camera->Name() == kPinhole; });
@@ -91,19 +92,20 @@ std::string ChooseBaseModel(const AdjustmentOptions& options,
                             const AdjustmentResult& adjusted) {
   constexpr double kMinLogLikelihoodGain = 10;  // difference in log-likelihood
   constexpr size_t kMinFeatures = 100;          // features kept per view
-  if (!ArePinholes(adjusted.state)) return kFisheye;
-  AdjustmentResult thinned = adjusted;
-  for (View& view : thinned.problem.views)
+  if (!AreAllPinholes(adjusted.state)) return kFisheye;
+  AdjustmentResult subsampled = adjusted;
+  for (View& view : subsampled.problem.views)
     view.observations = SelectEvenly(view.observations, kMinFeatures);
-  const FittedCameras fisheyes = FitCameras(kFisheye, thinned, options);
-  const FittedCameras pinholes = FitCameras(kPinhole, thinned, options);
-  if (pinholes.lenses.empty()) return kFisheye;
-  if (fisheyes.lenses.empty()) return kPinhole;
+  const FittedCameras fisheye_fit = FitCameras(kFisheye, subsampled, options);
+  const FittedCameras pinhole_fit = FitCameras(kPinhole, subsampled, options);
+  if (pinhole_fit.base_model_by_camera.empty()) return kFisheye;
+  if (fisheye_fit.base_model_by_camera.empty()) return kPinhole;
   const auto score = [&](const FittedCameras& fitted) {
-    return PredictionScore(thinned.problem, fitted, options);
+    return ComputePredictionScore(subsampled.problem, fitted, options);
   };
-  return score(pinholes) > score(fisheyes) + kMinLogLikelihoodGain ? kPinhole
-                                                                   : kFisheye;
+  return score(pinhole_fit) > score(fisheye_fit) + kMinLogLikelihoodGain
+             ? kPinhole
+             : kFisheye;
 }
 
 void FitBaseModels(const AdjustmentOptions& options,
@@ -115,10 +117,10 @@ void FitBaseModels(const AdjustmentOptions& options,
   if (problem.base_model.empty())
     problem.base_model = ChooseBaseModel(options, *adjusted);
   FittedCameras fitted = FitCameras(problem.base_model, *adjusted, options);
-  adjusted->base_lenses.clear();
+  adjusted->base_models.clear();
   if (fitted.median_px > kMaxErrorRatio * before_px) return;
   adjusted->state = std::move(fitted.state);
-  adjusted->base_lenses = std::move(fitted.lenses);
+  adjusted->base_models = std::move(fitted.base_model_by_camera);
 }
 
 }  // namespace raygrid

@@ -15,9 +15,9 @@ namespace {
 struct Displacements {
   std::string image;
   Eigen::VectorXd metres;
-  Eigen::VectorXd is_seen;  // 0 or 1, same layout as metres
-  double weight = 1;        // inverse noise variance, px^2/m^2
-  int num_points() const { return static_cast<int>(is_seen.sum() / 2); }
+  Eigen::VectorXd is_observed;  // 0 or 1, same layout as metres
+  double weight = 1;            // inverse noise variance, px^2/m^2
+  int num_points() const { return static_cast<int>(is_observed.sum() / 2); }
 };
 
 // Transforms the displacements for a board that is rotated by `turn` symmetry
@@ -34,7 +34,7 @@ Displacements Rotated(const Displacements& before, const Board& board,
       const int from = 2 * board.PointIndex(column, row);
       const int to = 2 * board.PointIndex(c, r);
       after.metres.segment<2>(to) = in_plane * before.metres.segment<2>(from);
-      after.is_seen.segment<2>(to) = before.is_seen.segment<2>(from);
+      after.is_observed.segment<2>(to) = before.is_observed.segment<2>(from);
     }
   return after;
 }
@@ -83,10 +83,10 @@ std::vector<Displacements> ComputeDisplacements(
     for (Eigen::Index i = 0; i < weights.size(); ++i) {
       if (!(weights[i] > 0)) continue;
       sum.metres[i] /= weights[i];
-      sum.is_seen[i] = 1;
+      sum.is_observed[i] = 1;
     }
     if (sum.num_points() == 0) continue;
-    sum.weight = weights.sum() / sum.is_seen.sum();
+    sum.weight = weights.sum() / sum.is_observed.sum();
     all.push_back(std::move(sum));
   }
   return all;
@@ -112,7 +112,7 @@ class RotationSearch {
     constexpr size_t kStarts = 8;
     rotations_.assign(rotated_displacements_.size(), 0);
     Improve(&rotations_);
-    double best = Agreement(rotations_);
+    double best = ComputeAgreement(rotations_);
     std::vector<size_t> order(rotated_displacements_.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_sort(order.begin(), order.end(), [this](size_t a, size_t b) {
@@ -123,37 +123,37 @@ class RotationSearch {
     for (const size_t first : order) {
       std::vector<int> turns;
       for (size_t i = 0; i < rotated_displacements_.size(); ++i)
-        turns.push_back(
-            FindBestRotation(i, Symmetric(rotated_displacements_[first][0])));
+        turns.push_back(FindBestRotation(
+            i, KeepCommonPoints(rotated_displacements_[first][0])));
       turns[first] = 0;
       Improve(&turns);
-      const double agreement = Agreement(turns);
+      const double agreement = ComputeAgreement(turns);
       if (agreement <= best) continue;
       best = agreement;
       rotations_ = turns;
     }
-    MakeCommonestRotationIdentity();
+    MakeMostFrequentRotationIdentity();
   }
 
   const std::vector<int>& turns() const { return rotations_; }
 
   // Whether the rotation in this image makes a significant difference according
   // to the other images, but cannot be determined from this image.
-  bool IsRotationAmbiguous(size_t image, double sureness) const {
+  bool IsRotationAmbiguous(size_t image, double min_significance) const {
     const Displacements mean = ComputeMeanOfOthers(
         SumLanes(rotations_), rotated_displacements_[image][rotations_[image]]);
     for (int turn = 0; turn < num_rotations_; ++turn)
       if (turn != rotations_[image] &&
           IsRotationSignificant(image, turn, mean) &&
-          Advantage(image, turn, mean) < sureness)
+          ComputeAdvantage(image, turn, mean) < min_significance)
         return true;
     return false;
   }
 
   // Returns the significance of an image's rotation relative to no rotation, in
   // standard deviations.
-  double RotationSignificance(size_t image) const {
-    return Advantage(
+  double ComputeRotationSignificance(size_t image) const {
+    return ComputeAdvantage(
         image, 0,
         ComputeMeanOfOthers(SumLanes(rotations_),
                             rotated_displacements_[image][rotations_[image]]));
@@ -164,12 +164,13 @@ class RotationSearch {
 
   // Removes points that are not visible under every rotation, so that all
   // rotations of an image are compared on the same points.
-  Displacements Symmetric(Displacements all) const {
-    Eigen::VectorXd is_seen = all.is_seen;
+  Displacements KeepCommonPoints(Displacements all) const {
+    Eigen::VectorXd is_observed = all.is_observed;
     for (int turn = 1; turn < num_rotations_; ++turn)
-      is_seen = is_seen.cwiseProduct(Rotated(all, board_, turn).is_seen);
-    all.is_seen = is_seen;
-    all.metres = all.metres.cwiseProduct(is_seen);
+      is_observed =
+          is_observed.cwiseProduct(Rotated(all, board_, turn).is_observed);
+    all.is_observed = is_observed;
+    all.metres = all.metres.cwiseProduct(is_observed);
     return all;
   }
 
@@ -179,8 +180,8 @@ class RotationSearch {
   };
   void Add(const Displacements& one, double sign, Sum* sum) const {
     sum->metres += sign * one.weight * one.metres;
-    sum->weights += sign * one.weight * one.is_seen;
-    sum->counts += sign * one.is_seen;
+    sum->weights += sign * one.weight * one.is_observed;
+    sum->counts += sign * one.is_observed;
   }
   Sum SumLanes(const Turns& turns) const {
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(
@@ -192,10 +193,10 @@ class RotationSearch {
   }
   Displacements ComputeMean(const Sum& sum) const {
     Displacements mean = rotated_displacements_.front().front();
-    mean.is_seen = (sum.counts.array() > 0.5).cast<double>();
+    mean.is_observed = (sum.counts.array() > 0.5).cast<double>();
     mean.metres = (sum.metres.array() / sum.weights.array().max(1e-300)) *
-                  mean.is_seen.array();
-    return Symmetric(std::move(mean));
+                  mean.is_observed.array();
+    return KeepCommonPoints(std::move(mean));
   }
   Displacements ComputeMeanOfOthers(Sum sum, const Displacements& but) const {
     Add(but, -1, &sum);
@@ -210,7 +211,7 @@ class RotationSearch {
     for (int turn = 0; turn < num_rotations_; ++turn) {
       const Displacements& one = rotated_displacements_[image][turn];
       const double match = 2 * one.metres.dot(others.metres) -
-                           one.is_seen.dot(others.metres.cwiseAbs2());
+                           one.is_observed.dot(others.metres.cwiseAbs2());
       if (match <= most) continue;
       most = match;
       best = turn;
@@ -238,18 +239,18 @@ class RotationSearch {
 
   // Returns the weighted sum of squares that is explained by the mean
   // displacement.
-  double Agreement(const Turns& turns) const {
+  double ComputeAgreement(const Turns& turns) const {
     const Displacements mean = ComputeMean(SumLanes(turns));
     double sum = 0;
     for (size_t i = 0; i < rotated_displacements_.size(); ++i) {
       const Displacements& one = rotated_displacements_[i][turns[i]];
       sum += one.weight * (2 * one.metres.dot(mean.metres) -
-                           one.is_seen.dot(mean.metres.cwiseAbs2()));
+                           one.is_observed.dot(mean.metres.cwiseAbs2()));
     }
     return sum;
   }
 
-  void MakeCommonestRotationIdentity() {
+  void MakeMostFrequentRotationIdentity() {
     std::vector<int> counts(num_rotations_);
     for (const int turn : rotations_) ++counts[turn];
     const int most = static_cast<int>(
@@ -262,13 +263,14 @@ class RotationSearch {
   // the uncertainty of the mean over the images, and by a relevant amount.
   bool IsRotationSignificant(size_t image, int other,
                              const Displacements& mean) const {
-    constexpr double kMattersPx2 = 0.01 * 0.01, kManyVariances = 4;
+    constexpr double kMinDisplacementPx2 = 0.01 * 0.01, kMinVarianceRatio = 4;
     const Displacements& chosen =
         rotated_displacements_[image][rotations_[image]];
     const int turn =
         (other - rotations_[image] + num_rotations_) % num_rotations_;
     const Displacements after = Rotated(mean, board_, turn);
-    const Eigen::ArrayXd seen = chosen.is_seen.array() * mean.is_seen.array();
+    const Eigen::ArrayXd seen =
+        chosen.is_observed.array() * mean.is_observed.array();
     const double count = std::max(1.0, seen.sum());
     const auto square = [&](const Eigen::VectorXd& metres) {
       return chosen.weight * (metres.array() * seen).square().sum() / count;
@@ -279,22 +281,23 @@ class RotationSearch {
     // The errors of the mean and of the rotated mean are independent: their
     // variances add up.
     return square(after.metres - mean.metres) >
-           std::max(kMattersPx2,
-                    kManyVariances * 2 * variance_px2 / num_images);
+           std::max(kMinDisplacementPx2,
+                    kMinVarianceRatio * 2 * variance_px2 / num_images);
   }
 
-  double Advantage(size_t image, int other, const Displacements& mean) const {
+  double ComputeAdvantage(size_t image, int other,
+                          const Displacements& mean) const {
     constexpr double kMinNoisePx2 = 1e-6;  // limit of rounding errors
     const Displacements& chosen =
         rotated_displacements_[image][rotations_[image]];
     const Displacements& otherwise = rotated_displacements_[image][other];
-    const auto seen = chosen.is_seen.array() * mean.is_seen.array();
+    const auto seen = chosen.is_observed.array() * mean.is_observed.array();
     const Eigen::VectorXd left =
         ((chosen.metres - mean.metres).array() * seen).matrix();
     const double chosen_error = left.squaredNorm();
     const double other_error =
-        ((otherwise.metres - mean.metres).array() * otherwise.is_seen.array() *
-         mean.is_seen.array())
+        ((otherwise.metres - mean.metres).array() *
+         otherwise.is_observed.array() * mean.is_observed.array())
             .matrix()
             .squaredNorm();
     const double count = std::max(1.0, seen.sum());
@@ -409,7 +412,7 @@ GeometricRotations ResolveRotationsByGeometry(
     for (size_t i = 0; i < images.size(); ++i) {
       const std::pair<std::string, int> view(images[i].image, board.id);
       if (search.turns()[i] != 0 &&
-          search.RotationSignificance(i) > kMinSignificance)
+          search.ComputeRotationSignificance(i) > kMinSignificance)
         found.turns[view] = search.turns()[i];
       if (search.IsRotationAmbiguous(i, kMinSignificance))
         doubtful.push_back(view);

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-using PosesOfBoards = std::map<std::pair<std::string, int>, Pose>;
+using PosesByBoard = std::map<std::pair<std::string, int>, Pose>;
 
 // Adds the points of all boards, in sequence, and their deformation modes.
 void AddPoints(const Pattern& pattern, BudgetInput* input,
@@ -37,8 +37,8 @@ void AddPoints(const Pattern& pattern, BudgetInput* input,
 
 // Computes the Jacobians of a residual with respect to its point and to the
 // board pose. Returns false if the camera cannot project the point.
-bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
-                    const Eigen::Vector3d& point, BudgetFeature* feature) {
+bool AddJacobians(const CameraModel& camera, const Pose& camera_from_board,
+                  const Eigen::Vector3d& point, BudgetFeature* feature) {
   LinearizedProjection projection;
   const Eigen::Vector3d seen = camera_from_board * point;
   if (!camera.Linearize(seen, &feature->pixel, kAdjustmentMarginPx,
@@ -56,7 +56,7 @@ bool AddDerivatives(const CameraModel& camera, const Pose& camera_from_board,
 }
 
 BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
-                          const PosesOfBoards& poses,
+                          const PosesByBoard& poses,
                           const std::vector<FeatureResidual>& residuals) {
   BudgetInput input;
   input.image_size = camera.image_size();
@@ -82,8 +82,8 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
       feature.row = residual->row;
       feature.pixel = residual->pixel;
       feature.error_px = residual->error_px;
-      if (AddDerivatives(camera, pose->second, input.points[feature.point],
-                         &feature))
+      if (AddJacobians(camera, pose->second, input.points[feature.point],
+                       &feature))
         input.features.push_back(feature);
     }
     if (input.features.size() > before) ++view;
@@ -95,7 +95,7 @@ BudgetInput JoinResiduals(const CameraModel& camera, const Pattern& pattern,
 
 BudgetInput MakeBudgetInput(const CalibrationResult& result,
                             const BudgetSummary& facts) {
-  PosesOfBoards poses;
+  PosesByBoard poses;
   for (const BoardPose& pose : result.poses)
     poses[{pose.image, pose.board}] = pose.camera_from_board;
   BudgetInput input = JoinResiduals(*result.camera.camera, result.pattern,
@@ -111,13 +111,13 @@ BudgetSummary MakeBudgetSummary(const CalibrationResult& result,
   facts.model = options.model;
   facts.knot_spacing_px = result.knot_spacing_px;
   facts.knot_spacing_selected = result.knot_spacing_candidates.size() > 1;
-  facts.tried_finer =
+  facts.has_tried_finer_grid =
       std::any_of(result.knot_spacing_candidates.begin(),
                   result.knot_spacing_candidates.end(), [&](const auto& tried) {
                     return tried.knot_spacing_px < result.knot_spacing_px;
                   });
-  facts.points_free = !options.fix_target_geometry;
-  facts.tried_deformation =
+  facts.has_estimated_points = !options.fix_target_geometry;
+  facts.has_tried_deformation =
       facts.IsGrid() && !options.fix_target_geometry && !options.rigid_board;
   return facts;
 }
@@ -128,7 +128,7 @@ BudgetInput MakeBudgetInput(const CameraModel& camera, const Dataset& dataset,
   const CalibrationProblem problem =
       BuildProblem({dataset}, pattern, &evaluation.rejected_images);
   const auto localized = LocalizeViews(camera, 0, problem, num_threads);
-  PosesOfBoards poses;
+  PosesByBoard poses;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (!localized[v]) continue;
     poses[{problem.images[v], pattern.boards[problem.boards[v]].id}] =

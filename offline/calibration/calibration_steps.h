@@ -65,7 +65,7 @@ class Calibration {
     if (options_.progress) options_.progress(stage, done);
   }
   void DetectNearDuplicates();
-  void StartFromImages(CameraInProgress* camera) const;
+  void InitializeFromImages(CameraInProgress* camera) const;
   void RotateBoards(const BoardRotations& turns,
                     CameraInProgress* camera) const;
   void RotateBoardsAcrossCameras();

@@ -29,10 +29,10 @@ AdjustmentOptions WithFixedPoints(AdjustmentOptions options) {
 // rough initialization, and then with free points unless they are to be fixed.
 // Grids would fit the errors of fixed points, so the first stage ends early for
 // them. Parametric models cannot do so, and require a good initialization.
-AdjustmentSummary AdjustInTwoSteps(const CalibrationProblem& problem,
-                                   const AdjustmentOptions& options,
-                                   GaussianPrior* prior,
-                                   AdjustmentState* state) {
+AdjustmentSummary OptimizeInTwoStages(const CalibrationProblem& problem,
+                                      const AdjustmentOptions& options,
+                                      GaussianPrior* prior,
+                                      AdjustmentState* state) {
   prior->points_mean = problem.nominal;
   state->SetModes({}, DeformationScope::kBoard);
   AdjustmentOptions first =
@@ -54,8 +54,8 @@ int NumFeatures(const CalibrationProblem& problem, int camera) {
 }
 
 // Makes a camera prior that is centred on the current parameters.
-CameraPrior PriorAround(const CameraModel& camera,
-                        const CalibrationProblem& problem, int index) {
+CameraPrior MakePriorAround(const CameraModel& camera,
+                            const CalibrationProblem& problem, int index) {
   if (IsFixed(camera)) return {};
   if (const ParametricModel* lens = camera.Parametric())
     return MakeDistortionPrior(*lens, ComputeCalibratedArea(problem, index),
@@ -72,8 +72,8 @@ AdjustmentSummary OptimizeParametricCameras(const CalibrationProblem& problem,
   *prior = {};
   for (size_t c = 0; c < state->cameras.size(); ++c)
     prior->cameras.push_back(
-        PriorAround(*state->cameras[c], problem, static_cast<int>(c)));
-  return AdjustInTwoSteps(problem, options, prior, state);
+        MakePriorAround(*state->cameras[c], problem, static_cast<int>(c)));
+  return OptimizeInTwoStages(problem, options, prior, state);
 }
 
 // Returns the number of control points of a radial spline that the features can
@@ -107,9 +107,9 @@ void SetCameraModel(const std::string& model, const CameraModel& lens,
 // camera or a parametric model. All other initial cameras were fitted to the
 // same features and contain their errors, so a polynomial approximation is
 // used.
-CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
-                            const CameraModel& lens,
-                            const CentralGeneric& start) {
+CentralGeneric PredictGrid(const CalibrationProblem& problem,
+                           const CameraModel& lens,
+                           const CentralGeneric& start) {
   return problem.like || IsParametricModel(lens.Name())
              ? start
              : FitPolynomialGrid(start);
@@ -118,10 +118,11 @@ CentralGeneric ExpectedGrid(const CalibrationProblem& problem,
 // Optimizes non-central cameras, initialized from optimized central grids.
 // Points are fixed at their nominal positions, since free points would absorb
 // non-central effects.
-AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
-                              const InitialValues& starts,
-                              const AdjustmentOptions& options,
-                              GaussianPrior* prior, AdjustmentState* state) {
+AdjustmentSummary OptimizeNonCentralGrids(const CalibrationProblem& problem,
+                                          const InitialValues& starts,
+                                          const AdjustmentOptions& options,
+                                          GaussianPrior* prior,
+                                          AdjustmentState* state) {
   OptimizeGrids(problem, starts, WithFixedPoints(options), prior, state);
   *prior = {};
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
@@ -130,14 +131,14 @@ AdjustmentSummary AdjustLines(const CalibrationProblem& problem,
       continue;
     }
     prior->cameras.push_back(MakeNonCentralPrior(
-        ExpectedGrid(problem, *starts.lenses[c],
-                     MakeInitialGrid(problem, c, starts)),
+        PredictGrid(problem, *starts.lenses[c],
+                    MakeInitialGrid(problem, c, starts)),
         ObservedPixels(problem, static_cast<int>(c)),
         ComputeMeanDistance(problem, c, *state), starts.GetBaseModel(c)));
     state->cameras[c] =
         NonCentralGeneric(MakeCentral(*state->cameras[c])).Clone();
   }
-  return AdjustInTwoSteps(problem, options, prior, state);
+  return OptimizeInTwoStages(problem, options, prior, state);
 }
 
 // Continues from the state of a warm start, with its precisions times a factor
@@ -195,7 +196,7 @@ AdjustmentSummary ContinueFromModels(const CalibrationProblem& problem,
   for (size_t c = 0; c < other.state.cameras.size(); ++c) {
     state->cameras[c] = other.state.cameras[c]->Clone();
     prior->cameras.push_back(
-        PriorAround(*state->cameras[c], problem, static_cast<int>(c)));
+        MakePriorAround(*state->cameras[c], problem, static_cast<int>(c)));
     prior->cameras[c].mean = other.prior.cameras[c].mean;
   }
   return ContinueFrom(other, std::vector<double>(prior->cameras.size(), 1),
@@ -288,7 +289,7 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
   *prior = {};
   std::vector<BSplineSurface> spread;
   if (problem.like && problem.prior_population)
-    spread = problem.prior_population->Surfaces(problem.like->area());
+    spread = problem.prior_population->FitSurfaces(problem.like->area());
   for (size_t c = 0; c < starts.lenses.size(); ++c) {
     if (IsFixed(*starts.lenses[c])) {
       prior->cameras.emplace_back();
@@ -297,14 +298,14 @@ AdjustmentSummary OptimizeGrids(const CalibrationProblem& problem,
     }
     const CentralGeneric base = MakeInitialGrid(problem, c, starts);
     prior->cameras.push_back(
-        MakeSmoothnessPrior(ExpectedGrid(problem, *starts.lenses[c], base),
+        MakeSmoothnessPrior(PredictGrid(problem, *starts.lenses[c], base),
                             ObservedPixels(problem, static_cast<int>(c)),
                             starts.GetBaseModel(c), spread));
     state->cameras[c] = base.Clone();
   }
   return HasSameImages(starts.adjusted, *state)
              ? ContinueFromGrids(problem, starts, options, prior, state)
-             : AdjustInTwoSteps(problem, options, prior, state);
+             : OptimizeInTwoStages(problem, options, prior, state);
 }
 
 AdjustmentSummary OptimizeCameras(const std::string& model,
@@ -320,7 +321,7 @@ AdjustmentSummary OptimizeCameras(const std::string& model,
                : OptimizeParametricCameras(model, problem, starts.lenses,
                                            options, prior, state);
   if (model == models::kNonCentralGeneric)
-    return AdjustLines(problem, starts, options, prior, state);
+    return OptimizeNonCentralGrids(problem, starts, options, prior, state);
   return OptimizeGrids(problem, starts, options, prior, state);
 }
 

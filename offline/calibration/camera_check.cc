@@ -25,13 +25,13 @@ double FocalPx(const CameraModel& camera) {
   return 2 * kStepPx / std::acos(std::min(1.0, left->dot(*right)));
 }
 
-bool IsKnown(const CameraFile& file) {
+bool HasUncertainty(const CameraFile& file) {
   return file.training && file.uncertainty &&
          !file.uncertainty->modes.displacements_px.empty();
 }
 
-ReferenceCamera Known(const CameraFile& file) {
-  if (!IsKnown(file))
+ReferenceCamera MakeReferenceCamera(const CameraFile& file) {
+  if (!HasUncertainty(file))
     throw InputError(
         "the camera file has no uncertainty; use a camera.yaml written by this "
         "version of raygrid calibrate");
@@ -44,22 +44,22 @@ ReferenceCamera Known(const CameraFile& file) {
   return known;
 }
 
-ProjectedView Place(const CameraModel& camera, const Pose& pose,
-                    const CalibrationProblem& problem, int view,
-                    const Pattern& pattern) {
+ProjectedView ProjectFeatures(const CameraModel& camera, const Pose& pose,
+                              const CalibrationProblem& problem, int view,
+                              const Pattern& pattern) {
   ProjectedView projected;
   for (const Observation& observation : problem.views[view].observations) {
-    const Eigen::Vector3d turned =
+    const Eigen::Vector3d rotated =
         pose.rotation * problem.nominal[observation.point];
     LinearizedProjection linear;
     if (!camera.area().Contains(observation.pixel) ||
-        !camera.Linearize(turned + pose.translation, &observation.pixel,
+        !camera.Linearize(rotated + pose.translation, &observation.pixel,
                           kAdjustmentMarginPx, &linear))
       continue;
     Eigen::Matrix<double, 3, 6> J_update;  // update as in UpdatedPose()
-    J_update << 0, turned.z(), -turned.y(), 1, 0, 0,  //
-        -turned.z(), 0, turned.x(), 0, 1, 0,          //
-        turned.y(), -turned.x(), 0, 0, 0, 1;
+    J_update << 0, rotated.z(), -rotated.y(), 1, 0, 0,  //
+        -rotated.z(), 0, rotated.x(), 0, 1, 0,          //
+        rotated.y(), -rotated.x(), 0, 0, 0, 1;
     const Feature feature = problem.GetFeature(pattern, view, observation);
     projected.push_back({observation.pixel, observation.pixel - linear.pixel,
                          linear.J_point * J_update, feature.column,
@@ -94,7 +94,7 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
   // Different photographs of the same view differ by more than this due to
   // noise.
   constexpr double kCopyPx = 0.01;
-  const ReferenceCamera known = Known(file);
+  const ReferenceCamera known = MakeReferenceCamera(file);
   CameraCheck check;
   const std::vector<NearDuplicates> copies =
       FindNearDuplicates({dataset}, {}, kCopyPx);
@@ -110,7 +110,8 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     const std::string& image = problem.images[v];
     ProjectedView view;
-    if (poses[v]) view = Place(*file.camera, *poses[v], problem, v, pattern);
+    if (poses[v])
+      view = ProjectFeatures(*file.camera, *poses[v], problem, v, pattern);
     if (view.size() < kMinViewFeatures) {
       check.rejected_images.push_back({image, "pose estimation failed"});
       continue;
@@ -130,17 +131,18 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
 MovementErrors EstimateExcessErrors(
     const CameraFile& file, const std::vector<FeatureResidual>& held_out,
     double training_share, const Pattern& pattern, int num_threads) {
-  constexpr size_t kAtATime = 5;    // typical number of images for `check`
+  constexpr size_t kTypicalNumImages =
+      5;                            // typical number of images for `check`
   constexpr size_t kMinImages = 8;  // minimum for a standard deviation
   PredictionErrors errors;
   const Dataset dataset =
       MakeFeatureDataset(held_out, file.camera->image_size(), &errors);
-  if (!IsKnown(file) || dataset.images.size() < kMinImages) return {};
-  ReferenceCamera known = Known(file);
+  if (!HasUncertainty(file) || dataset.images.size() < kMinImages) return {};
+  ReferenceCamera known = MakeReferenceCamera(file);
   for (auto& mode : known.modes.displacements_px)
     for (Eigen::Vector2d& displacement : mode)
       displacement /= std::sqrt(training_share);
-  known.modes.rest_px /= std::sqrt(training_share);
+  known.modes.residual_px /= std::sqrt(training_share);
   std::vector<RejectedImage> ignored;
   const CalibrationProblem problem = BuildProblem({dataset}, pattern, &ignored);
   const std::vector<std::optional<Pose>> poses =
@@ -149,14 +151,15 @@ MovementErrors EstimateExcessErrors(
   std::set<std::string> images;
   for (int v = 0; v < static_cast<int>(problem.views.size()); ++v) {
     if (!poses[v]) continue;
-    ProjectedView view = Place(*file.camera, *poses[v], problem, v, pattern);
+    ProjectedView view =
+        ProjectFeatures(*file.camera, *poses[v], problem, v, pattern);
     if (view.size() < kMinViewFeatures) continue;
     const int board = pattern.boards[problem.boards[v]].id;
     for (ProjectedFeature& feature : view)
       feature.error_px =
           -errors.at({problem.images[v], board, feature.column, feature.row});
     const bool is_new = images.insert(problem.images[v]).second;
-    if (groups.empty() || (is_new && images.size() % kAtATime == 1))
+    if (groups.empty() || (is_new && images.size() % kTypicalNumImages == 1))
       groups.emplace_back();
     groups.back().push_back(std::move(view));
   }

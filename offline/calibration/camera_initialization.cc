@@ -39,8 +39,9 @@ double MedianError(const AdjustmentState& state, const View& view,
 
 // Returns the views whose poses can be estimated with a camera, and their
 // poses.
-AdjustmentResult Localized(const CameraModel& lens, const AdjustmentResult& all,
-                           int num_threads) {
+AdjustmentResult LocalizeWithCamera(const CameraModel& lens,
+                                    const AdjustmentResult& all,
+                                    int num_threads) {
   AdjustmentResult localized = all;
   CalibrationProblem& problem = localized.problem;
   AdjustmentState& state = localized.state;
@@ -76,8 +77,8 @@ int NumImages(const CalibrationProblem& problem) {
 // few of them distort the model despite the Huber loss. Uses the criterion of
 // the paper's supplement with a much larger limit, since the model is still
 // rough.
-void RemoveGrossOutliers(const Pattern& pattern, int num_threads,
-                         AdjustmentResult* adjusted) {
+void RemoveOutlierViews(const Pattern& pattern, int num_threads,
+                        AdjustmentResult* adjusted) {
   constexpr double kRanges = 30;
   CalibrationProblem& problem = adjusted->problem;
   const std::vector<Residual> residuals =
@@ -124,10 +125,10 @@ AdjustmentResult Subsample(const AdjustmentResult& all) {
 
 // Estimates poses and refines the camera in two rounds: with a better camera,
 // more poses can be estimated, and with higher accuracy.
-std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
-                                           const Pattern& pattern,
-                                           const AdjustmentResult& all,
-                                           const AdjustmentOptions& options) {
+std::optional<AdjustmentResult> OptimizeFrom(const CameraModel& start,
+                                             const Pattern& pattern,
+                                             const AdjustmentResult& all,
+                                             const AdjustmentOptions& options) {
   constexpr int kRounds = 2;
   AdjustmentOptions rough = options;
   rough.max_iterations = 0;  // stop after estimating the prior
@@ -135,9 +136,9 @@ std::optional<AdjustmentResult> AdjustFrom(const CameraModel& start,
   for (int round = 0; round < kRounds; ++round) {
     const std::unique_ptr<CameraModel> lens =
         adjusted ? adjusted->state.camera().Clone() : start.Clone();
-    adjusted = Localized(*lens, all, options.num_threads);
+    adjusted = LocalizeWithCamera(*lens, all, options.num_threads);
     if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
-    RemoveGrossOutliers(pattern, options.num_threads, &*adjusted);
+    RemoveOutlierViews(pattern, options.num_threads, &*adjusted);
     adjusted->summary =
         RefineCameras(adjusted->problem, rough, &adjusted->state);
   }
@@ -185,11 +186,11 @@ double GetComplexityPenalty(const CameraModel& start) {
   // beyond the outermost features, in the image corners, it extrapolates better
   // than a polynomial in the angle of incidence (simulated lens with a field of
   // view of 62 degrees: 0.10 px instead of 0.21 px in the worst corner).
-  constexpr double kPinholeFavour = 0.8;
+  constexpr double kPinholeErrorFactor = 0.8;
   // A grid can represent any lens, but extrapolates poorly.
-  constexpr double kGridHandicap = 2;
-  if (start.Name() == models::kOpenCv) return kPinholeFavour;
-  return IsParametricModel(start.Name()) ? 1 : kGridHandicap;
+  constexpr double kGridErrorFactor = 2;
+  if (start.Name() == models::kOpenCv) return kPinholeErrorFactor;
+  return IsParametricModel(start.Name()) ? 1 : kGridErrorFactor;
 }
 
 size_t NumFeatures(const CalibrationProblem& problem) {
@@ -200,7 +201,7 @@ size_t NumFeatures(const CalibrationProblem& problem) {
 
 // Estimates initial cameras by linear methods: pinholes, and radially symmetric
 // lenses with any field of view.
-std::vector<std::unique_ptr<CameraModel>> ParametricStarts(
+std::vector<std::unique_ptr<CameraModel>> ListParametricInitialValues(
     const Dataset& dataset, const Pattern& pattern) {
   std::vector<std::unique_ptr<CameraModel>> starts;
   if (const auto radial = InitializeFromRadialLines(dataset, pattern))
@@ -225,10 +226,10 @@ std::optional<CentralGeneric> MakeInitialGenericGrid(
 
 // Optimizes initial cameras with a subset of the features, and keeps the best
 // one.
-class StartTrials {
+class InitializationTrials {
  public:
-  StartTrials(const Pattern& pattern, const AdjustmentResult& all,
-              const AdjustmentOptions& options)
+  InitializationTrials(const Pattern& pattern, const AdjustmentResult& all,
+                       const AdjustmentOptions& options)
       : pattern_(pattern),
         thinned_(Subsample(all)),
         num_features_(NumFeatures(thinned_.problem)),
@@ -237,7 +238,7 @@ class StartTrials {
   }
 
   void Try(const CameraModel& start) {
-    const auto adjusted = AdjustFrom(start, pattern_, thinned_, options_);
+    const auto adjusted = OptimizeFrom(start, pattern_, thinned_, options_);
     if (!adjusted) return;
     const Misfit misfit = ComputeMisfit(*adjusted, num_features_);
     const double weighted =
@@ -249,7 +250,7 @@ class StartTrials {
   }
 
   // Whether the error is small enough for a lens with local distortion.
-  bool IsNear() const {
+  bool HasSmallError() const {
     return best_ && best_misfit_.mean_px < ComputePixelScale(thinned_.problem);
   }
 
@@ -261,7 +262,7 @@ class StartTrials {
   }
 
   // Returns the best initial camera; throws if it is not good enough.
-  const AdjustmentResult& Best() const {
+  const AdjustmentResult& GetBest() const {
     if (HasAcceptableCamera()) return *best_;
     if (!best_)
       throw Error(
@@ -290,10 +291,10 @@ class StartTrials {
 // Tries all initializations that do not depend on a previous camera.
 void TryAll(const Dataset& dataset, const Pattern& pattern,
             const CalibrationProblem& problem, int num_threads,
-            StartTrials* trials) {
-  for (const auto& start : ParametricStarts(dataset, pattern))
+            InitializationTrials* trials) {
+  for (const auto& start : ListParametricInitialValues(dataset, pattern))
     trials->Try(*start);
-  if (trials->IsNear()) return;
+  if (trials->HasSmallError()) return;
   const auto grid =
       MakeInitialGenericGrid(dataset, pattern, problem, num_threads);
   if (!grid) return;
@@ -325,13 +326,13 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
   all.problem.area = area;
   all.rejected_features.resize(1);  // single camera
   RequireImages(all.problem);
-  StartTrials trials(pattern, all, options);
+  InitializationTrials trials(pattern, all, options);
   if (known) trials.Try(*known);
   if (!trials.HasAcceptableCamera())
     TryAll(dataset, pattern, all.problem, options.num_threads, &trials);
-  AdjustmentResult adjusted =
-      Localized(trials.Best().state.camera(), all, options.num_threads);
-  RemoveGrossOutliers(pattern, options.num_threads, &adjusted);
+  AdjustmentResult adjusted = LocalizeWithCamera(
+      trials.GetBest().state.camera(), all, options.num_threads);
+  RemoveOutlierViews(pattern, options.num_threads, &adjusted);
   return adjusted;
 }
 

@@ -177,7 +177,7 @@ bool HaveSamePose(const ObservedBoard& a, const ObservedBoard& b,
 }
 
 // Counts the board views that differ from all previous views.
-int CountDifferent(const CalibrationResult& result) {
+int CountDistinctPoses(const CalibrationResult& result) {
   std::vector<ObservedBoard> different;
   for (const ObservedBoard& seen : CollectObservedBoards(result)) {
     const auto is_indistinguishable = [&](const ObservedBoard& before) {
@@ -211,20 +211,20 @@ std::vector<FeatureResidual> FilterOutImages(
 // the camera's uncertainty. A camera that is calibrated from few images has
 // smooth errors; they appear in its predictions, but not in its training
 // residuals.
-std::optional<double> SharedCorrelation(const CalibrationResult& result,
-                                        const std::set<std::string>& apart) {
+std::optional<double> ComputeSharedCorrelation(
+    const CalibrationResult& result, const std::set<std::string>& outlying) {
   const auto held_out = ComputeNeighborCorrelation(
-      FilterOutImages(GetAssessedResiduals(result), apart));
+      FilterOutImages(GetAssessedResiduals(result), outlying));
   const auto training =
-      ComputeNeighborCorrelation(FilterOutImages(result.training, apart));
+      ComputeNeighborCorrelation(FilterOutImages(result.training, outlying));
   if (!held_out || !training) return held_out;
   return std::min(*held_out, *training);
 }
 
-bool PredictsBetter(const ModelMetrics& other,
-                    const CalibrationResult& result) {
+bool HasLowerHeldOutError(const ModelMetrics& other,
+                          const CalibrationResult& result) {
   return ComparePredictions(result.held_out, other.held_out_residuals)
-             .Better() == std::string("second");
+             .NameBetterCamera() == std::string("second");
 }
 
 // Describes a position as one of nine image regions.
@@ -265,13 +265,13 @@ void FindMisreadImages(const CalibrationResult& result,
 // Separates images with unique coverage from outlier images, and finds the
 // image regions that contain most of their largest errors.
 void SeparateOutlierImages(const CalibrationResult& result,
-                           const std::set<std::string>& apart,
+                           const std::set<std::string>& outlying,
                            CalibrationMetrics* metrics) {
   constexpr double kWorst = 0.75;
   metrics->unique_coverage_images = result.unique_coverage_images;
   std::set<std::string> alone(result.unique_coverage_images.begin(),
                               result.unique_coverage_images.end());
-  for (const std::string& image : apart)
+  for (const std::string& image : outlying)
     if (alone.count(image) == 0) metrics->outlier_images.push_back(image);
   std::set<std::string> places;
   for (const std::string& image : alone) {
@@ -304,10 +304,11 @@ void AddTriedAlternatives(const CalibrationResult& result,
       result.camera.held_out ? result.camera.held_out->median_px : 0;
   double best_px = kMaxErrorRatio * current_error_px;
   for (const ModelMetrics& other : result.parametric_models) {
-    tried.tried_noncentral |= other.model == models::kNonCentralGeneric;
-    tried.tried_generic |= other.model == models::kCentralGeneric;
+    tried.has_tried_noncentral_model |=
+        other.model == models::kNonCentralGeneric;
+    tried.has_tried_generic_model |= other.model == models::kCentralGeneric;
     if (!other.held_out || other.held_out->median_px >= best_px ||
-        !PredictsBetter(other, result))
+        !HasLowerHeldOutError(other, result))
       continue;
     best_px = other.held_out->median_px;
     metrics->better_model = {other.model, best_px, current_error_px};
@@ -367,11 +368,12 @@ CalibrationMetrics ComputeMetrics(const CalibrationResult& result,
   metrics.per_view_deformation = result.bends.has_value();
   metrics.held_out = metrics.per_view_deformation ? result.held_out_deformed
                                                   : result.camera.held_out;
-  metrics.neighbor_correlation = SharedCorrelation(result, outlier_images);
+  metrics.neighbor_correlation =
+      ComputeSharedCorrelation(result, outlier_images);
   SeparateOutlierImages(result, outlier_images, &metrics);
   metrics.mixed_cameras = result.mixed_cameras;
   metrics.transformed_images = result.transformed_images;
-  metrics.different_views = CountDifferent(result);
+  metrics.different_views = CountDistinctPoses(result);
   const std::vector<Eigen::Vector3d> normals = CollectBoardNormals(result);
   if (normals.size() == result.poses.size())
     metrics.tilt_rad = ComputeTilt(normals);
@@ -494,18 +496,18 @@ void FindUniqueCoverageImages(const AdjustmentResult& adjusted, int camera,
                               int num_threads, CalibrationResult* result) {
   // Three standard deviations, doubled because lenses are less smooth beyond
   // the features than the prior assumes.
-  constexpr double kMuchMore = 6;
-  std::set<std::string> apart = FindOutlierImages(result->held_out);
+  constexpr double kMinOutlierSigmas = 6;
+  std::set<std::string> outlying = FindOutlierImages(result->held_out);
   for (const std::string& image : FindOutlierImages(result->training))
-    apart.erase(image);
-  if (apart.empty() || !result->cross_validated) return;
+    outlying.erase(image);
+  if (outlying.empty() || !result->cross_validated) return;
   const auto stddevs =
-      PredictHeldOutStdDevs(adjusted, camera, apart, num_threads);
+      PredictHeldOutStdDevs(adjusted, camera, outlying, num_threads);
   for (const auto& [image, stddev_px] : stddevs) {
     std::vector<double> norms;
     for (const FeatureResidual& r : result->held_out)
       if (r.image == image) norms.push_back(r.error_px.norm());
-    if (Quantile(norms, 0.5) <= kMuchMore * stddev_px)
+    if (Quantile(norms, 0.5) <= kMinOutlierSigmas * stddev_px)
       result->unique_coverage_images.push_back(image);
   }
 }
@@ -536,16 +538,16 @@ void AssessResult(int num_threads, CalibrationResult* result) {
   if (!result->held_out.empty())
     result->camera.held_out = ComputeErrorMetrics(result->held_out);
   const std::vector<FeatureResidual>& residuals = GetAssessedResiduals(*result);
-  const std::set<std::string> apart = FindOutlierImages(residuals);
+  const std::set<std::string> outlying = FindOutlierImages(residuals);
   result->residual_autocorrelation =
-      ComputeNeighborCorrelation(FilterOutImages(residuals, apart));
+      ComputeNeighborCorrelation(FilterOutImages(residuals, outlying));
   if (result->camera.uncertainty && !result->held_out.empty() &&
       !result->has_known_intrinsics)
-    result->camera.uncertainty->modes.beyond = EstimateExcessErrors(
-        result->camera, FilterOutImages(result->held_out, apart),
+    result->camera.uncertainty->modes.excess_errors = EstimateExcessErrors(
+        result->camera, FilterOutImages(result->held_out, outlying),
         result->cross_validated ? kTrainingFraction : 1, result->pattern,
         num_threads);
-  CalibrationMetrics metrics = ComputeMetrics(*result, apart);
+  CalibrationMetrics metrics = ComputeMetrics(*result, outlying);
   if (result->budget) {
     result->budget->facts = metrics.tried;
     metrics.limit = AssessBudget(*result->budget);
@@ -557,7 +559,8 @@ bool HasSystematicErrors(const CalibrationResult& result) {
   const std::vector<FeatureResidual>& residuals = GetAssessedResiduals(result);
   if (residuals.empty()) return false;
   return HasCorrelatedErrors(
-      SharedCorrelation(result, FindOutlierImages(residuals)).value_or(0),
+      ComputeSharedCorrelation(result, FindOutlierImages(residuals))
+          .value_or(0),
       ComputeErrorMetrics(residuals));
 }
 

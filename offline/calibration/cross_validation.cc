@@ -25,9 +25,9 @@ namespace {
 constexpr size_t kFolds = 4;
 static_assert(kTrainingFraction == 1 - 1.0 / kFolds);
 
-const Trial* Find(const std::vector<Trial>& trials, int fold,
-                  const std::vector<double>& knot_spacings_px,
-                  bool rigid_boards, bool has_rigid_targets) {
+const Trial* FindTrial(const std::vector<Trial>& trials, int fold,
+                       const std::vector<double>& knot_spacings_px,
+                       bool rigid_boards, bool has_rigid_targets) {
   for (const Trial& trial : trials)
     if (trial.fold == fold && trial.knot_spacings_px == knot_spacings_px &&
         trial.rigid_boards == rigid_boards &&
@@ -38,7 +38,7 @@ const Trial* Find(const std::vector<Trial>& trials, int fold,
 
 // Returns the unique names of the cameras' training images: in image order for
 // one camera, sorted for a rig.
-std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
+std::vector<std::string> ListTrainingFrames(const std::vector<Split>& cameras) {
   std::vector<std::string> frames;
   for (const Split& camera : cameras)
     for (const ImageFeatures& image : camera.training.images)
@@ -50,7 +50,8 @@ std::vector<std::string> CollectFrameSets(const std::vector<Split>& cameras) {
 
 // Groups frames by near-duplicates, which even a poor camera predicts well from
 // each other. Groups are sorted by their first frame.
-std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
+std::vector<std::vector<std::string>> GroupFrames(
+    const std::vector<Split>& cameras) {
   std::vector<Dataset> datasets;
   double near_px = 0;
   for (const Split& camera : cameras) {
@@ -63,7 +64,7 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
       view_by_image[other] = group.image;
   std::vector<std::vector<std::string>> views;
   std::map<std::string, size_t> index;
-  for (const std::string& frame : CollectFrameSets(cameras)) {
+  for (const std::string& frame : ListTrainingFrames(cameras)) {
     const auto found = view_by_image.find(frame);
     const std::string& view =
         found == view_by_image.end() ? frame : found->second;
@@ -74,25 +75,27 @@ std::vector<std::vector<std::string>> Views(const std::vector<Split>& cameras) {
   return views;
 }
 
-std::vector<Trial> MissingTrials(
+std::vector<Trial> ListMissingTrials(
     int num_folds, const std::vector<std::vector<double>>& candidates,
     bool rigid_boards, bool has_rigid_targets, const std::vector<Trial>& done) {
   std::vector<Trial> missing;
   for (int fold = 0; fold < num_folds; ++fold)
     for (const std::vector<double>& knot_spacings_px : candidates)
-      if (!Find(done, fold, knot_spacings_px, rigid_boards, has_rigid_targets))
+      if (!FindTrial(done, fold, knot_spacings_px, rigid_boards,
+                     has_rigid_targets))
         missing.push_back(
             {fold, knot_spacings_px, rigid_boards, {}, has_rigid_targets});
   return missing;
 }
 
-using KnownLenses = std::vector<std::shared_ptr<const CameraModel>>;
+using KnownModels = std::vector<std::shared_ptr<const CameraModel>>;
 
-AdjustmentResult StartCameras(const std::vector<Split>& cameras,
-                              const KnownLenses& known, const Pattern& pattern,
-                              const RigidTargets& rigid_targets,
-                              AreaChoice area,
-                              const AdjustmentOptions& options) {
+AdjustmentResult InitializeCameras(const std::vector<Split>& cameras,
+                                   const KnownModels& known,
+                                   const Pattern& pattern,
+                                   const RigidTargets& rigid_targets,
+                                   AreaChoice area,
+                                   const AdjustmentOptions& options) {
   std::vector<std::string> names;
   std::vector<AdjustmentResult> lenses;
   for (size_t c = 0; c < cameras.size(); ++c) {
@@ -142,8 +145,8 @@ Folds SplitIntoFolds(const std::vector<std::vector<std::string>>& views,
 
 // Returns the adjustment options for one of several concurrent adjustments,
 // which share the threads.
-AdjustmentOptions AdjustmentOptionsFor(int num_adjustments,
-                                       const ValidationOptions& options) {
+AdjustmentOptions MakeFoldOptions(int num_adjustments,
+                                  const ValidationOptions& options) {
   AdjustmentOptions adjustment;
   adjustment.num_threads = std::max(
       1, NumThreads(options.num_threads) / std::max(1, num_adjustments));
@@ -164,15 +167,15 @@ void StartFolds(const std::vector<Trial>& trials, const Pattern& pattern,
       needed.push_back(&fold);
   }
   const int count = static_cast<int>(needed.size());
-  const AdjustmentOptions adjustment = AdjustmentOptionsFor(count, options);
+  const AdjustmentOptions adjustment = MakeFoldOptions(count, options);
   ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
     Folds::Fold& fold = *needed[i];
     if (options.should_stop && options.should_stop()) return;
     SkipIfDisconnected(fold.cameras.size(), [&] {
       if (!fold.start)
         fold.start =
-            StartCameras(fold.cameras, folds->known, pattern,
-                         options.rigid_targets, options.area, adjustment);
+            InitializeCameras(fold.cameras, folds->known, pattern,
+                              options.rigid_targets, options.area, adjustment);
       fold.start->problem.base_model = folds->base_model;
       fold.start->problem.like = options.like;
       fold.start->problem.prior_population = options.prior_population;
@@ -252,7 +255,7 @@ std::optional<AdjustmentResult> OptimizeFoldRigidly(
 void OptimizeWholeFor(const std::vector<Trial>& trials, const Pattern& pattern,
                       const ValidationOptions& options, Folds* folds) {
   if (!folds->whole || options.model == models::kNonCentralGeneric) return;
-  AdjustmentOptions adjustment = AdjustmentOptionsFor(1, options);
+  AdjustmentOptions adjustment = MakeFoldOptions(1, options);
   adjustment.should_stop = options.should_stop;
   for (const Trial& trial : trials) {
     double knot_spacing_px = trial.knot_spacings_px.front();
@@ -284,7 +287,7 @@ HeldOutResiduals TestCameras(const AdjustmentResult& adjusted,
         EvaluateCamera(*rig.cameras[c], test[c], adjusted_pattern, num_threads)
             .residuals);
   }
-  held_out.flexed =
+  held_out.with_deformation =
       EvaluateWithDeformation(rig, test, adjusted_pattern, num_threads);
   if (cameras.size() < 2) return held_out;
   for (Evaluation& evaluation :
@@ -309,7 +312,7 @@ Split SplitImages(const std::string& camera, const Dataset& dataset,
 Folds MakeFolds(const std::vector<Split>& cameras,
                 const std::vector<const CameraModel*>& known) {
   constexpr size_t kManyViews = 40;
-  const auto views = Views(cameras);
+  const auto views = GroupFrames(cameras);
   if (views.size() < 2 * kFolds)
     return SplitIntoFolds(views, cameras, known, 0, 1);
   return SplitIntoFolds(views, cameras, known,
@@ -319,7 +322,7 @@ Folds MakeFolds(const std::vector<Split>& cameras,
 Folds MakeLeaveOneOutFolds(const std::vector<Split>& cameras,
                            const std::vector<const CameraModel*>& known) {
   constexpr size_t kMinViews = 4;
-  const auto views = Views(cameras);
+  const auto views = GroupFrames(cameras);
   const size_t count = views.size() < kMinViews ? 0 : views.size();
   return SplitIntoFolds(views, cameras, known, count, count);
 }
@@ -355,7 +358,7 @@ AdjustmentResult OptimizeWholeModel(const Pattern& pattern,
 
 void InitializeFolds(const Pattern& pattern, const ValidationOptions& options,
                      Folds* folds) {
-  StartFolds(MissingTrials(folds->count(), {{}}, true, false, {}), pattern,
+  StartFolds(ListMissingTrials(folds->count(), {{}}, true, false, {}), pattern,
              options, folds);
 }
 
@@ -365,7 +368,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   const auto should_stop = [&options] {
     return options.should_stop && options.should_stop();
   };
-  std::vector<Trial> missing = MissingTrials(
+  std::vector<Trial> missing = ListMissingTrials(
       options.num_folds > 0 ? options.num_folds : folds->count(), candidates,
       options.rigid_boards, !options.rigid_targets.empty(), *done);
   OptimizeWholeFor(missing, pattern, options, folds);
@@ -373,7 +376,7 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
 
   const int num_trials = static_cast<int>(missing.size());
   const int num_threads = NumThreads(options.num_threads);
-  AdjustmentOptions adjustment = AdjustmentOptionsFor(num_trials, options);
+  AdjustmentOptions adjustment = MakeFoldOptions(num_trials, options);
   adjustment.should_stop = options.should_stop;
   adjustment.rigid_boards = options.rigid_boards;
   std::vector<std::optional<AdjustmentResult>> rigid(missing.size());
@@ -443,12 +446,12 @@ HeldOutResiduals JoinFolds(const std::vector<Trial>& done, int num_folds,
   };
   HeldOutResiduals joined;
   for (int fold = 0; fold < num_folds; ++fold) {
-    const Trial* trial =
-        Find(done, fold, knot_spacings_px, rigid_boards, has_rigid_targets);
+    const Trial* trial = FindTrial(done, fold, knot_spacings_px, rigid_boards,
+                                   has_rigid_targets);
     if (!trial) return {};
     append(trial->held_out.alone, &joined.alone);
     append(trial->held_out.together, &joined.together);
-    append(trial->held_out.flexed, &joined.flexed);
+    append(trial->held_out.with_deformation, &joined.with_deformation);
   }
   return joined;
 }

@@ -16,7 +16,7 @@ bool IsEven(const Feature& feature) {
 }
 
 // Selects the features at even or odd lattice positions.
-Dataset Half(const Dataset& dataset, bool is_even) {
+Dataset SelectAlternateFeatures(const Dataset& dataset, bool is_even) {
   Dataset half;
   half.image_size = dataset.image_size;
   for (const ImageFeatures& image : dataset.images) {
@@ -30,11 +30,11 @@ Dataset Half(const Dataset& dataset, bool is_even) {
   return half;
 }
 
-std::vector<Dataset> SelectHalves(const std::vector<Dataset>& datasets,
-                                  bool is_even) {
+std::vector<Dataset> SplitFeatures(const std::vector<Dataset>& datasets,
+                                   bool is_even) {
   std::vector<Dataset> halves;
   for (const Dataset& dataset : datasets)
-    halves.push_back(Half(dataset, is_even));
+    halves.push_back(SelectAlternateFeatures(dataset, is_even));
   return halves;
 }
 
@@ -57,7 +57,7 @@ std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
   std::vector<std::vector<FeatureResidual>> residuals(rig.cameras.size());
   std::vector<RejectedImage> rejected;
   CalibrationProblem determined =
-      BuildProblem(SelectHalves(datasets, true), pattern, &rejected);
+      BuildProblem(SplitFeatures(datasets, true), pattern, &rejected);
   AdjustmentState state = LocalizeRigViews(rig, &determined, num_threads);
   state.SetModes(GetDeformationModes(determined), DeformationScope::kPose);
   if (determined.views.empty() || state.modes.count() == 0) return residuals;
@@ -70,7 +70,7 @@ std::vector<std::vector<FeatureResidual>> EvaluateWithDeformation(
 
   const Places places = CollectFeaturePositions(determined);
   const CalibrationProblem view_problem =
-      BuildProblem(SelectHalves(datasets, false), pattern, &rejected);
+      BuildProblem(SplitFeatures(datasets, false), pattern, &rejected);
   for (size_t v = 0; v < view_problem.views.size(); ++v) {
     const auto place =
         places.find({view_problem.images[v], view_problem.boards[v]});

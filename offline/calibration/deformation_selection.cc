@@ -26,30 +26,33 @@ bool CanDeform(const std::vector<Trial>& trials, double knot_spacing_px,
 
 // Gains from estimating deformation, in standard deviations; 1 if a single
 // image causes the entire gain.
-struct HeldOutGains {
-  double alone, flexed;
-  double Sum() const { return alone + flexed; }
+struct HeldOutZScores {
+  double alone, with_deformation;
+  double Sum() const { return alone + with_deformation; }
 };
 
-HeldOutGains ComputeGains(const HeldOutResiduals& deformed_residuals,
-                          const HeldOutResiduals& rigid) {
+HeldOutZScores ComputeZScores(const HeldOutResiduals& deformed_residuals,
+                              const HeldOutResiduals& rigid) {
   return {
-      ComputeLossGain(rigid.alone.front(), deformed_residuals.alone.front()),
-      ComputeLossGain(rigid.flexed.front(), deformed_residuals.flexed.front())};
+      ComputeLossZScore(rigid.alone.front(), deformed_residuals.alone.front()),
+      ComputeLossZScore(rigid.with_deformation.front(),
+                        deformed_residuals.with_deformation.front())};
 }
 
 // Keeps a knot spacing that is coarser than the medium one only if it also
 // predicts deformed boards significantly better; with rigid boards, deformation
 // acts as noise and favours coarse grids.
-void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
-                     const ValidationOptions& validation,
-                     CameraInProgress* camera) {
+void ReselectKnotSpacing(const Pattern& pattern,
+                         const CalibrationOptions& options,
+                         const ValidationOptions& validation,
+                         CameraInProgress* camera) {
   if (options.knot_spacing_px > 0) return;
   Folds& folds = camera->folds;
   std::vector<Trial>& trials = camera->checkpoint.trials;
-  const auto flexed_with = [&](double knot_spacing_px) {
+  const auto evaluate_deformed = [&](double knot_spacing_px) {
     CrossValidate(pattern, validation, {{knot_spacing_px}}, &folds, &trials);
-    return JoinFolds(trials, folds.count(), {knot_spacing_px}, false).flexed;
+    return JoinFolds(trials, folds.count(), {knot_spacing_px}, false)
+        .with_deformation;
   };
   const Dataset& images = camera->split.training;
   double& chosen_px = camera->result.knot_spacing_px;
@@ -57,9 +60,10 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
     if (finer_px >= chosen_px ||
         finer_px < MediumKnotSpacingPx(images, options.model))
       continue;
-    const auto coarser = flexed_with(chosen_px), finer = flexed_with(finer_px);
+    const auto coarser = evaluate_deformed(chosen_px),
+               finer = evaluate_deformed(finer_px);
     if (coarser.empty() || finer.empty() ||
-        ComputeLossGain(finer.front(), coarser.front()) >= kMinCoarserGain)
+        ComputeLossZScore(finer.front(), coarser.front()) >= kMinCoarserZScore)
       return;
     chosen_px = finer_px;
   }
@@ -69,9 +73,10 @@ void ChooseGridAgain(const Pattern& pattern, const CalibrationOptions& options,
 
 bool IsDeformationBetter(const HeldOutResiduals& deformed_residuals,
                          const HeldOutResiduals& rigid) {
-  constexpr double kWorse = -1.5, kBetter = 1;
-  const HeldOutGains gains = ComputeGains(deformed_residuals, rigid);
-  return gains.flexed > 0 && gains.alone > kWorse && gains.Sum() > kBetter;
+  constexpr double kMinZScore = -1.5, kMinZScoreSum = 1;
+  const HeldOutZScores z_scores = ComputeZScores(deformed_residuals, rigid);
+  return z_scores.with_deformation > 0 && z_scores.alone > kMinZScore &&
+         z_scores.Sum() > kMinZScoreSum;
 }
 
 void SelectDeformation(const Pattern& pattern,
@@ -99,18 +104,18 @@ void SelectDeformation(const Pattern& pattern,
   const int all = folds.count(), half = (all + 1) / 2;
   const HeldOutResiduals rigid = held_out(all, true);
   if (!CanDeform(trials, knot_spacing_px, kMinDeformationShare) ||
-      rigid.flexed.empty())
+      rigid.with_deformation.empty())
     return;
   const HeldOutResiduals part = held_out(half, false);
-  if (part.flexed.empty() ||
-      ComputeGains(part, JoinFolds(trials, half, {knot_spacing_px}, true))
+  if (part.with_deformation.empty() ||
+      ComputeZScores(part, JoinFolds(trials, half, {knot_spacing_px}, true))
               .Sum() <= 0)
     return;
   const HeldOutResiduals deformed_residuals = held_out(all, false);
-  if (deformed_residuals.flexed.empty()) return;
+  if (deformed_residuals.with_deformation.empty()) return;
   camera->per_view_deformation = IsDeformationBetter(deformed_residuals, rigid);
   if (camera->per_view_deformation)
-    ChooseGridAgain(pattern, options, validation, camera);
+    ReselectKnotSpacing(pattern, options, validation, camera);
 }
 
 }  // namespace raygrid

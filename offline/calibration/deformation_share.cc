@@ -18,7 +18,8 @@ struct PoseDeformationEquations {
 
 // Returns the reduction of the sum of squared residuals by a Gauss-Newton step
 // in the first `count` parameters.
-double Decrease(const PoseDeformationEquations& equations, Eigen::Index count) {
+double ComputeCostDecrease(const PoseDeformationEquations& equations,
+                           Eigen::Index count) {
   const Eigen::VectorXd gradient = equations.gradient.head(count);
   return gradient.dot(
       equations.matrix.topLeftCorner(count, count).ldlt().solve(gradient));
@@ -52,7 +53,7 @@ double ComputeDeformationShare(const AdjustmentResult& adjusted,
     if (pose.num_features < size) continue;
     squares += pose.squares;
     degrees += 2 * pose.num_features - 6;
-    taken += Decrease(pose, size) - Decrease(pose, 6);
+    taken += ComputeCostDecrease(pose, size) - ComputeCostDecrease(pose, 6);
     num_bends += static_cast<double>(
         (pose.matrix.diagonal().tail(size - 6).array() > 0).count());
   }

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-size_t NumFeatures(const AdjustmentResult& adjusted) {
+size_t CountFeatures(const AdjustmentResult& adjusted) {
   size_t count = 0;
   for (const View& view : adjusted.problem.views)
     count += view.observations.size();
@@ -26,19 +26,19 @@ double ErrorCapPx(const ImageSize& size) {
 double ComputeMeanErrorPx(const AdjustmentResult& adjusted,
                           const AdjustmentResult& start) {
   const double cap_px = ErrorCapPx(start.problem.image_sizes.front());
-  double less = 0;  // sum of cap_px - error
+  double reduction_px = 0;  // sum of cap_px - error
   for (const Residual& residual :
        ComputeResiduals(adjusted.state, adjusted.problem.views, 1))
     if (residual.valid)
-      less += cap_px - std::min(residual.error_px.norm(), cap_px);
+      reduction_px += cap_px - std::min(residual.error_px.norm(), cap_px);
   // The error of rejected features that could not be projected is stored as
   // zero.
   for (const auto& rejected : adjusted.rejected_features)
     for (const FeatureResidual& residual : rejected)
       if (!residual.error_px.isZero(0))
-        less += cap_px - std::min(residual.error_px.norm(), cap_px);
-  const auto count = static_cast<double>(NumFeatures(start));
-  return cap_px - less / std::max(1.0, count);
+        reduction_px += cap_px - std::min(residual.error_px.norm(), cap_px);
+  const auto count = static_cast<double>(CountFeatures(start));
+  return cap_px - reduction_px / std::max(1.0, count);
 }
 
 bool ExceedsDivergenceRatio(double error_px, double other_px) {

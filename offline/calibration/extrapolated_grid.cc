@@ -17,9 +17,9 @@ double AngleFromAxis(const Eigen::Vector3d& ray) {
 
 // Extrapolates the radial projection curve of a lens beyond its valid angle of
 // incidence.
-class Continuation {
+class RadialContinuation {
  public:
-  explicit Continuation(const CameraModel& lens)
+  explicit RadialContinuation(const CameraModel& lens)
       : lens_(lens), center_(lens.Project({0, 0, 1})) {}
 
   std::optional<Eigen::Vector3d> Direction(const Eigen::Vector2d& pixel) const {
@@ -27,21 +27,24 @@ class Continuation {
     const Eigen::Vector2d side = pixel - *center_;
     // Largest valid angle of incidence on this side of the image.
     double end = kMaxAngleRad;
-    while (end > kStep && !RadiusPx(end, side)) end -= kStep;
-    const auto radius = RadiusPx(end, side);
-    const auto before = RadiusPx(end - kStep, side);
+    while (end > kStep && !ComputeRadiusPx(end, side)) end -= kStep;
+    const auto radius = ComputeRadiusPx(end, side);
+    const auto before = ComputeRadiusPx(end - kStep, side);
     if (!radius || !before || !(*radius > *before) || side.norm() < *radius)
       return std::nullopt;
     // The slope tends to infinity near a fold of the projection.
     const double slope =
         std::min(kStep / (*radius - *before), kMaxSlope * end / *radius);
-    const double room = kLargest - end;
+    const double remaining_angle_rad = kMaxContinuedAngleRad - end;
     const double linear_extrapolation = slope * (side.norm() - *radius);
-    return At(end - room * std::expm1(-linear_extrapolation / room), side);
+    return At(end - remaining_angle_rad *
+                        std::expm1(-linear_extrapolation / remaining_angle_rad),
+              side);
   }
 
  private:
-  static constexpr double kStep = 0.02, kLargest = kMaxAngleRad + kStep;
+  static constexpr double kStep = 0.02,
+                          kMaxContinuedAngleRad = kMaxAngleRad + kStep;
   static constexpr double kMaxSlope = 2;  // relative to the mean slope
 
   // Returns the direction at an angle from the optical axis, towards an image
@@ -53,10 +56,11 @@ class Continuation {
 
   // Returns the distance in pixels of that direction's projection from the
   // centre.
-  std::optional<double> RadiusPx(double angle_rad,
-                                 const Eigen::Vector2d& side) const {
-    constexpr double kAnywherePx = 1e9;
-    const auto pixel = lens_.Project(At(angle_rad, side), nullptr, kAnywherePx);
+  std::optional<double> ComputeRadiusPx(double angle_rad,
+                                        const Eigen::Vector2d& side) const {
+    constexpr double kUnlimitedMarginPx = 1e9;
+    const auto pixel =
+        lens_.Project(At(angle_rad, side), nullptr, kUnlimitedMarginPx);
     if (!pixel) return std::nullopt;
     return (*pixel - *center_).norm();
   }
@@ -71,7 +75,7 @@ CentralGeneric FitExtrapolatedGrid(const CameraModel& lens, const Area& area,
                                    int columns, int rows) {
   constexpr int kSamplesPerCell = 4;
   constexpr double kContinuedWeight = 1e-4;
-  const Continuation continuation(lens);
+  const RadialContinuation continuation(lens);
   std::vector<SurfaceSample> samples;
   for (const Eigen::Vector2d& pixel :
        BSplineSurface(area, columns, rows).SamplePixels(kSamplesPerCell)) {

@@ -13,7 +13,7 @@ namespace raygrid {
 namespace {
 
 // Rotations below 1/50 of the maximum acceptable frame rotation are negligible.
-constexpr double kStillRad = kMaxFrameRotationRad / 50;
+constexpr double kMinRotationRad = kMaxFrameRotationRad / 50;
 
 // Rotates the prior of a grid: the mean is rotated and the precision is kept.
 // The points of observation lines have the prior mean 0 in any frame.
@@ -25,19 +25,19 @@ CameraPrior MakeRotatedPrior(const CameraPrior& prior,
   const std::unique_ptr<CameraModel> mean = camera.Clone();
   mean->SetParameters(prior.mean);
   const CentralGeneric base = MakeCentral(*Rotated(*mean, rotated_from_camera));
-  CameraPrior turned;
+  CameraPrior rotated;
   if (camera.IsCentral()) {
-    turned =
+    rotated =
         MakeSmoothnessPrior(base, observed_px, prior.base_lens, prior.spread);
   } else {
-    constexpr double kAnyDistanceM = 1;
-    turned =
-        MakeNonCentralPrior(base, observed_px, kAnyDistanceM, prior.base_lens);
-    turned.groups.back() = prior.groups.back();
+    constexpr double kArbitraryDistanceM = 1;
+    rotated = MakeNonCentralPrior(base, observed_px, kArbitraryDistanceM,
+                                  prior.base_lens);
+    rotated.groups.back() = prior.groups.back();
   }
-  for (size_t g = 0; g < turned.groups.size(); ++g)
-    turned.groups[g].SetPrecision(prior.groups[g].weight, residual_variance);
-  return turned;
+  for (size_t g = 0; g < rotated.groups.size(); ++g)
+    rotated.groups[g].SetPrecision(prior.groups[g].weight, residual_variance);
+  return rotated;
 }
 
 // Rotates a camera and its prior. The rotated surfaces are refitted, which
@@ -66,8 +66,9 @@ bool RotateCameras(AdjustmentResult* adjusted) {
   bool have_rotated = false;
   for (size_t c = 0; c < adjusted->state.cameras.size(); ++c) {
     if (IsFixed(*adjusted->state.cameras[c])) continue;
-    const CameraFrame frame = ComputeCameraFrame(*adjusted->state.cameras[c]);
-    if (frame.AngleRad() < kStillRad) continue;
+    const CanonicalFrame frame =
+        ComputeCanonicalFrame(*adjusted->state.cameras[c]);
+    if (frame.AngleRad() < kMinRotationRad) continue;
     RotateCamera(c, frame.frame_from_camera, adjusted);
     have_rotated = true;
   }

@@ -13,17 +13,17 @@ namespace raygrid {
 namespace {
 
 // Removes the digits from a name.
-std::string Stem(const std::string& name) {
+std::string RemoveDigits(const std::string& name) {
   std::string stem;
   for (const char c : name)
     if (!std::isdigit(static_cast<unsigned char>(c))) stem += c;
   return stem;
 }
 
-std::optional<ImageNames> FirstOfTwoStems(const Dataset& dataset) {
+std::optional<ImageNames> SelectFirstStem(const Dataset& dataset) {
   std::map<std::string, ImageNames> by_stem;
   for (const ImageFeatures& image : dataset.images)
-    by_stem[Stem(image.image)].insert(image.image);
+    by_stem[RemoveDigits(image.image)].insert(image.image);
   if (by_stem.size() != 2) return std::nullopt;
   return by_stem.begin()->second;
 }
@@ -71,7 +71,7 @@ std::vector<ImageNames> SplitsByResiduals(
 }
 
 // The first half of the sorted images, for files of two cameras in one folder.
-ImageNames FirstHalf(const Dataset& dataset) {
+ImageNames SelectFirstHalf(const Dataset& dataset) {
   ImageNames all;
   for (const ImageFeatures& image : dataset.images) all.insert(image.image);
   return {all.begin(), std::next(all.begin(), all.size() / 2)};
@@ -79,7 +79,7 @@ ImageNames FirstHalf(const Dataset& dataset) {
 
 }  // namespace
 
-std::vector<std::string> NamesOf(const Dataset& dataset) {
+std::vector<std::string> ListImageNames(const Dataset& dataset) {
   std::vector<std::string> names;
   for (const ImageFeatures& image : dataset.images)
     names.push_back(image.image);
@@ -88,10 +88,10 @@ std::vector<std::string> NamesOf(const Dataset& dataset) {
 
 std::vector<ImageNames> ListSplitsToTry(
     const Dataset& dataset, const std::vector<FeatureResidual>& residuals) {
-  if (const auto stems = FirstOfTwoStems(dataset)) return {*stems};
+  if (const auto stems = SelectFirstStem(dataset)) return {*stems};
   std::vector<ImageNames> splits =
       SplitsByResiduals(residuals, dataset.image_size);
-  splits.push_back(FirstHalf(dataset));
+  splits.push_back(SelectFirstHalf(dataset));
   return splits;
 }
 

@@ -13,7 +13,7 @@ namespace raygrid {
 using ImageNames = std::set<std::string>;
 
 /// Returns the names of the images of a dataset, in its order.
-std::vector<std::string> NamesOf(const Dataset& dataset);
+std::vector<std::string> ListImageNames(const Dataset& dataset);
 
 /// Proposes splits of the images into two groups that differ systematically,
 /// each by the names of one group: two kinds of names (left01.jpg,

@@ -96,14 +96,14 @@ void Calibration::DetectNearDuplicates() {
   }
 }
 
-std::vector<Split> Calibration::Splits() const {
+std::vector<Split> Calibration::GetSplits() const {
   std::vector<Split> splits;
   for (const CameraInProgress& camera : cameras_)
     splits.push_back(camera.split);
   return splits;
 }
 
-std::vector<const CameraModel*> Calibration::InitialCameras() const {
+std::vector<const CameraModel*> Calibration::GetInitialCameras() const {
   std::vector<const CameraModel*> lenses;
   for (const CameraInProgress& camera : cameras_)
     lenses.push_back(&camera.lens.state.camera());
@@ -126,7 +126,7 @@ bool Calibration::DoBoardsDeform() const {
 
 // ---- Initialization --------------------------------------------------------
 
-void Calibration::StartFromImages(CameraInProgress* camera) const {
+void Calibration::InitializeFromImages(CameraInProgress* camera) const {
   // Camera from before the feature refinement, if any.
   const auto& known = camera->lens.state.cameras;
   const std::string base_model = camera->lens.problem.base_model;
@@ -156,7 +156,7 @@ void Calibration::Start() {
   const Stopwatch stopwatch(&result_.seconds["start"]);
   ForEachCamera(
       {"initialization", 0, 0.05}, [&](CameraInProgress* camera, auto) {
-        StartFromImages(camera);
+        InitializeFromImages(camera);
         if (!IsParametricModel(options_.model) && !camera->HasKnownIntrinsics())
           camera->lens.problem.base_model =
               ChooseBaseModel(MakeAdjustmentOptions(options_), camera->lens);
@@ -183,7 +183,7 @@ void Calibration::RefineFeatures() {
     camera->result.refinement_rms_px =
         ComputeRmsShiftPx(camera->dataset, *again);
     camera->split = SplitImages(camera->input->name, *again, options_.hold_out);
-    StartFromImages(camera);
+    InitializeFromImages(camera);
   });
 }
 
@@ -204,7 +204,7 @@ void Calibration::RotateBoards(const BoardRotations& turns,
   camera->dataset = Rotated(camera->dataset, pattern_, own);
   camera->split.training = Rotated(camera->split.training, pattern_, own);
   camera->split.test = Rotated(camera->split.test, pattern_, own);
-  StartFromImages(camera);
+  InitializeFromImages(camera);
 }
 
 void Calibration::RotateBoardsAcrossCameras() {
@@ -240,14 +240,14 @@ void Calibration::RotateBoardsByGeometry() {
   if (turns.empty()) return;
   // Model errors may resemble board errors, so that rotations are kept only if
   // the estimated points support them.
-  struct AsBefore {
+  struct PreviousState {
     BoardRotations turns;
     Dataset dataset;
     Split split;
     AdjustmentResult lens;
   };
-  constexpr double kBetter = 0.98;
-  std::vector<AsBefore> as_before;
+  constexpr double kMinImprovementRatio = 0.98;
+  std::vector<PreviousState> previous;
   double before_px = 0, after_px = 0;
   const auto error_px = [this](const CameraInProgress& camera,
                                const AdjustmentResult& start) {
@@ -256,17 +256,18 @@ void Calibration::RotateBoardsByGeometry() {
   };
   for (CameraInProgress& camera : cameras_) {
     before_px += error_px(camera, camera.lens);
-    as_before.push_back(
+    previous.push_back(
         {camera.turns, camera.dataset, camera.split, camera.lens});
     RotateBoards(turns, &camera);
-    after_px += error_px(camera, as_before.back().lens);
+    after_px += error_px(camera, previous.back().lens);
   }
-  if (after_px < kBetter * before_px && !options_.ShouldStop()) return;
+  if (after_px < kMinImprovementRatio * before_px && !options_.ShouldStop())
+    return;
   for (size_t c = 0; c < cameras_.size(); ++c) {
-    cameras_[c].turns = std::move(as_before[c].turns);
-    cameras_[c].dataset = std::move(as_before[c].dataset);
-    cameras_[c].split = std::move(as_before[c].split);
-    cameras_[c].lens = std::move(as_before[c].lens);
+    cameras_[c].turns = std::move(previous[c].turns);
+    cameras_[c].dataset = std::move(previous[c].dataset);
+    cameras_[c].split = std::move(previous[c].split);
+    cameras_[c].lens = std::move(previous[c].lens);
     cameras_[c].result.ambiguous_rotation_images.clear();
   }
 }
@@ -311,7 +312,7 @@ void Calibration::CompensateRollingShutter(CameraInProgress* camera) const {
         camera->input->name,
         RemoveDuplicates(*camera->still, camera->result.near_duplicates),
         options_.hold_out);
-    StartFromImages(camera);
+    InitializeFromImages(camera);
     const LineDelay& now = still->line_delay;
     if (std::abs(now.seconds - before_s) < now.stddev_s / 2) return;
     before_s = now.seconds;

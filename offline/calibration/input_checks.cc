@@ -88,8 +88,8 @@ void RequireDistinctImages(const std::vector<CalibrationInput>& cameras) {
     }
 }
 
-void RequireLikeCameraFits(const std::vector<CalibrationInput>& cameras,
-                           const CalibrationOptions& options) {
+void RequirePriorCameraFits(const std::vector<CalibrationInput>& cameras,
+                            const CalibrationOptions& options) {
   if (!options.like) return;
   if ((options.model != models::kCentralGeneric &&
        options.model != kAutoModel) ||
@@ -136,7 +136,7 @@ void RequireValidInput(const std::vector<CalibrationInput>& cameras,
   if (cameras.empty()) throw Error(ExitCode::kUsage, "no camera specified");
   RequireKnownModel(options.model);
   RequireImagesExist(cameras, options.hold_out);
-  RequireLikeCameraFits(cameras, options);
+  RequirePriorCameraFits(cameras, options);
   RequireKnownCamerasFit(cameras);
   RequireDistinctImages(cameras);
   if (cameras.size() > 1)

@@ -12,7 +12,7 @@ namespace raygrid {
 namespace {
 
 // Minimum gain of a finer grid, in standard deviations; finer grids are slower.
-constexpr double kMinFinerGain = 2;
+constexpr double kMinFinerZScore = 2;
 
 bool Try(std::vector<int> resolutions,
          const KnotSpacingSearch::Measure& measure, KnotSpacingSearch* search) {
@@ -30,10 +30,10 @@ bool Try(std::vector<int> resolutions,
 
 // Selects the residuals in images that also occur in `others`.
 std::vector<FeatureResidual> SelectResidualsInImages(
-    const std::vector<FeatureResidual>& others,
+    const std::vector<FeatureResidual>& reference,
     const std::vector<FeatureResidual>& residuals) {
   std::set<std::string> images;
-  for (const FeatureResidual& other : others) images.insert(other.image);
+  for (const FeatureResidual& other : reference) images.insert(other.image);
   std::vector<FeatureResidual> in_images;
   for (const FeatureResidual& residual : residuals)
     if (images.count(residual.image) > 0) in_images.push_back(residual);
@@ -42,13 +42,13 @@ std::vector<FeatureResidual> SelectResidualsInImages(
 
 }  // namespace
 
-double ComputeLossGain(const std::vector<FeatureResidual>& others,
-                       const std::vector<FeatureResidual>& residuals,
-                       double huber_px) {
+double ComputeLossZScore(const std::vector<FeatureResidual>& reference,
+                         const std::vector<FeatureResidual>& residuals,
+                         double huber_px) {
   // A feature that is missing in one of the sets counts with an error of
   // huber_px.
   struct Losses {
-    double others, ours;
+    double reference, candidate;
   };
   const double unknown = HuberLoss(huber_px, huber_px);
   std::map<std::tuple<std::string, int, int, int>, Losses> features;
@@ -58,27 +58,28 @@ double ComputeLossGain(const std::vector<FeatureResidual>& others,
                              residual.row);
     return features.emplace(feature, Losses{unknown, unknown}).first->second;
   };
-  for (const FeatureResidual& residual : others)
-    of(residual).others = HuberLoss(residual.error_px.norm(), huber_px);
+  for (const FeatureResidual& residual : reference)
+    of(residual).reference = HuberLoss(residual.error_px.norm(), huber_px);
   for (const FeatureResidual& residual : residuals)
-    of(residual).ours = HuberLoss(residual.error_px.norm(), huber_px);
+    of(residual).candidate = HuberLoss(residual.error_px.norm(), huber_px);
   struct Sum {
-    double gain = 0, count = 0;
+    double improvement = 0, count = 0;
   };
   std::map<std::string, Sum> images;
   Sum all;
   for (const auto& [feature, losses] : features)
     for (Sum* sum : {&images[std::get<std::string>(feature)], &all}) {
-      sum->gain += losses.others - losses.ours;
+      sum->improvement += losses.reference - losses.candidate;
       ++sum->count;
     }
   if (images.size() < 2) return 0;
   double squares = 0;
   for (const auto& [name, image] : images)
-    squares += std::pow(image.gain - all.gain / all.count * image.count, 2);
+    squares += std::pow(
+        image.improvement - all.improvement / all.count * image.count, 2);
   const double num_images = static_cast<double>(images.size());
   const double stddev = std::sqrt(squares * num_images / (num_images - 1));
-  return stddev > 0 ? all.gain / stddev : 0;
+  return stddev > 0 ? all.improvement / stddev : 0;
 }
 
 std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
@@ -86,14 +87,15 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
                                                         const Measure& measure,
                                                         const Probe& probe) {
   KnotSpacingSearch search;
-  const auto gain = [&search](int to) {
-    return ComputeLossGain(search.tried.at(search.chosen), search.tried.at(to));
+  const auto improvement = [&search](int to) {
+    return ComputeLossZScore(search.tried.at(search.chosen),
+                             search.tried.at(to));
   };
   const auto can_improve = [&](int to) {
     if (!probe || search.tried.count(to) > 0) return true;
     const std::vector<FeatureResidual> part = probe(to);
     if (part.empty()) return true;  // cancelled
-    return ComputeLossGain(
+    return ComputeLossZScore(
                SelectResidualsInImages(part, search.tried.at(search.chosen)),
                part) > 0;
   };
@@ -103,14 +105,14 @@ std::optional<KnotSpacingSearch> KnotSpacingSearch::Run(int num_resolutions,
   for (int coarser = medium - 1; coarser >= 0; --coarser) {
     if (coarser < medium - 1 && !can_improve(coarser)) break;
     if (!Try({coarser}, measure, &search)) return std::nullopt;
-    if (gain(coarser) < kMinCoarserGain) break;
+    if (improvement(coarser) < kMinCoarserZScore) break;
     search.chosen = coarser;
   }
   if (search.chosen < medium) return search;
   for (int finer = medium + 1; finer < num_resolutions; ++finer) {
     if (!can_improve(finer)) break;
     if (!Try({finer}, measure, &search)) return std::nullopt;
-    if (gain(finer) < kMinFinerGain) break;
+    if (improvement(finer) < kMinFinerZScore) break;
     search.chosen = finer;
   }
   return search;

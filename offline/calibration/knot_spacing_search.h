@@ -14,14 +14,14 @@ namespace raygrid {
 /// `residuals`: the decrease divided by its standard deviation, which is
 /// estimated from the variation between images. Features missing in one of the
 /// lists have an error of huber_px there. 0 for fewer than two images.
-double ComputeLossGain(const std::vector<FeatureResidual>& others,
-                       const std::vector<FeatureResidual>& residuals,
-                       double huber_px = 1);
+double ComputeLossZScore(const std::vector<FeatureResidual>& others,
+                         const std::vector<FeatureResidual>& residuals,
+                         double huber_px = 1);
 
-/// Minimum z-score (ComputeLossGain()) of a coarser grid over a finer one.
+/// Minimum z-score (ComputeLossZScore()) of a coarser grid over a finer one.
 /// Superfluous control points cost little, as the prior constrains them;
 /// missing ones cannot be compensated.
-constexpr double kMinCoarserGain = 1;
+constexpr double kMinCoarserZScore = 1;
 
 /// Search over the resolutions of a grid, from coarse to fine.
 struct KnotSpacingSearch {

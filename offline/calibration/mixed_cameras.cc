@@ -22,7 +22,7 @@ constexpr size_t kMaxFeatures = 60;     // per image, for the search
 // Maximum ratio of the RMS residuals of two cameras to those of one. Random
 // splits, or a single lens with local distortion, reduce the residuals much
 // less.
-constexpr double kMuchBetter = 0.8;
+constexpr double kMaxSplitRatio = 0.8;
 constexpr size_t kNumRandomSplits = 2;
 
 using Names = ImageNames;
@@ -40,21 +40,21 @@ DatasetSplit SplitDataset(const Dataset& dataset, const Names& first) {
   return parts;
 }
 
-double SquareSum(const std::vector<FeatureResidual>& residuals) {
+double SumSquaredResiduals(const std::vector<FeatureResidual>& residuals) {
   double sum = 0;
   for (const FeatureResidual& r : residuals) sum += r.error_px.squaredNorm();
   return sum;
 }
 
-double MeanSquare(const std::vector<FeatureResidual>& residuals) {
-  return residuals.empty()
-             ? INFINITY
-             : SquareSum(residuals) / static_cast<double>(residuals.size());
+double ComputeMeanSquare(const std::vector<FeatureResidual>& residuals) {
+  return residuals.empty() ? INFINITY
+                           : SumSquaredResiduals(residuals) /
+                                 static_cast<double>(residuals.size());
 }
 
 double ComputePooledMeanSquare(const std::vector<FeatureResidual>& a,
                                const std::vector<FeatureResidual>& b) {
-  return (SquareSum(a) + SquareSum(b)) /
+  return (SumSquaredResiduals(a) + SumSquaredResiduals(b)) /
          static_cast<double>(a.size() + b.size());
 }
 
@@ -74,10 +74,10 @@ double GetKnotSpacingPx(const CameraModel& lens) {
 
 // Returns the residuals of a separate camera with board deformation,
 // initialized from the joint camera; empty if the adjustment fails.
-std::vector<FeatureResidual> OptimizeFully(const Dataset& dataset,
-                                           const Pattern& pattern,
-                                           const CameraModel& joint,
-                                           const AdjustmentOptions& options) {
+std::vector<FeatureResidual> OptimizeAll(const Dataset& dataset,
+                                         const Pattern& pattern,
+                                         const CameraModel& joint,
+                                         const AdjustmentOptions& options) {
   try {
     AdjustmentResult adjusted = InitializeCamera(
         dataset, pattern, options, AreaChoice::kWholeImage, &joint);
@@ -101,31 +101,31 @@ AdjustmentResult SelectImages(const AdjustmentResult& joint, const Names& names,
 
 // Two cameras, each optimized on its own views and initialized from the joint
 // camera.
-class TwoFits {
+class SubsetFits {
  public:
-  TwoFits(const AdjustmentResult& joint, const Pattern& pattern,
-          const Names& names, const AdjustmentOptions& options)
+  SubsetFits(const AdjustmentResult& joint, const Pattern& pattern,
+             const Names& names, const AdjustmentOptions& options)
       : pattern_(pattern), options_(options) {
     for (const bool is_first : {true, false}) {
-      AdjustmentResult part = SelectImages(joint, names, is_first);
-      if (part.problem.views.size() < kMinSubsetImages) return;
-      RefineCameras(part.problem, options, &part.state);
+      AdjustmentResult subset = SelectImages(joint, names, is_first);
+      if (subset.problem.views.size() < kMinSubsetImages) return;
+      RefineCameras(subset.problem, options, &subset.state);
       residuals_.push_back(
-          ComputeTrainingResiduals(pattern, part, 0, options.num_threads));
+          ComputeTrainingResiduals(pattern, subset, 0, options.num_threads));
       if (residuals_.back().empty()) return;
-      fits_.push_back(std::move(part));
+      fits_.push_back(std::move(subset));
     }
   }
 
   bool AreFitted() const { return fits_.size() == 2; }
 
-  double MeanSquare() const {
+  double ComputeMeanSquare() const {
     return ComputePooledMeanSquare(residuals_[0], residuals_[1]);
   }
 
   // Returns the images that the first camera predicts better than the second
   // one.
-  Names PreferringFirst(const Dataset& dataset) const {
+  Names ListImagesFittingFirst(const Dataset& dataset) const {
     std::map<std::string, double> better;
     for (int k = 0; k < 2; ++k) {
       std::map<std::string, std::vector<FeatureResidual>> residuals_by_image;
@@ -138,7 +138,8 @@ class TwoFits {
       for (const ImageFeatures& image : dataset.images)
         better[image.image] +=
             (k == 0 ? -1 : 1) *
-            std::min(1e6, raygrid::MeanSquare(residuals_by_image[image.image]));
+            std::min(1e6, raygrid::ComputeMeanSquare(
+                              residuals_by_image[image.image]));
     }
     Names first;
     for (const auto& [image, value] : better)
@@ -186,25 +187,25 @@ std::optional<Names> FindBestSplit(
   // One linear step predicts the residual ratio of a full adjustment to within
   // 0.003.
   constexpr double kMaxPredictedRatio = 0.92;
-  double best = kMaxMeanSquareRatio * MeanSquare(residuals);
+  double best = kMaxMeanSquareRatio * ComputeMeanSquare(residuals);
   std::optional<Names> best_split;
   const Dataset training = Subsample(all);
   const AdjustmentResult thinned = SelectSubsampledViews(joint, training);
   const SplitGain gain(thinned, options.huber_px, options.num_threads);
   for (Names first : ListSplitsToTry(all, residuals)) {
     if (gain.ComputeRemainingShare(first) > kMaxPredictedRatio) continue;
-    double before = MeanSquare(residuals);
+    double before = ComputeMeanSquare(residuals);
     for (int round = 0; round < kMaxRounds; ++round) {
-      const TwoFits fits(thinned, pattern, first, options);
+      const SubsetFits fits(thinned, pattern, first, options);
       if (!fits.AreFitted()) break;
-      const double mean_square = fits.MeanSquare();
+      const double mean_square = fits.ComputeMeanSquare();
       if (mean_square < best) {
         best = mean_square;
-        best_split = fits.PreferringFirst(all);
+        best_split = fits.ListImagesFittingFirst(all);
       }
       if (mean_square > kMaxMeanSquareRatio * before) break;
       before = mean_square;
-      const Names again = fits.PreferringFirst(training);
+      const Names again = fits.ListImagesFittingFirst(training);
       if (again == first) break;
       first = again;
     }
@@ -218,13 +219,13 @@ std::optional<Names> FindBestSplit(
 double ComputeSplitMeanSquare(const DatasetSplit& parts, const Pattern& pattern,
                               const CameraModel& joint,
                               const AdjustmentOptions& options,
-                              bool may_err_alike) {
+                              bool may_share_errors) {
   std::vector<FeatureResidual> residuals[2];
   for (const int k : {0, 1}) {
-    residuals[k] = OptimizeFully(k == 0 ? parts.first : parts.second, pattern,
-                                 joint, options);
+    residuals[k] = OptimizeAll(k == 0 ? parts.first : parts.second, pattern,
+                               joint, options);
     if (residuals[k].empty() ||
-        (!may_err_alike && HasCorrelatedErrors(residuals[k])))
+        (!may_share_errors && HasCorrelatedErrors(residuals[k])))
       return INFINITY;
   }
   return ComputePooledMeanSquare(residuals[0], residuals[1]);
@@ -269,12 +270,12 @@ std::optional<MixedCameras> DetectMixedCameras(
   const DatasetSplit parts = SplitDataset(training, *first);
   const CameraModel& lens = joint.state.camera();
   const std::vector<FeatureResidual> all_residuals =
-      OptimizeFully(training, pattern, lens, options);
+      OptimizeAll(training, pattern, lens, options);
   if (!HasCorrelatedErrors(all_residuals)) return std::nullopt;
-  const double bound = kMuchBetter * kMuchBetter;
+  const double bound = kMaxSplitRatio * kMaxSplitRatio;
   const double split_mean_square =
       ComputeSplitMeanSquare(parts, pattern, lens, options, false);
-  if (split_mean_square > bound * MeanSquare(all_residuals) ||
+  if (split_mean_square > bound * ComputeMeanSquare(all_residuals) ||
       split_mean_square > bound * ComputeRandomSplitMeanSquare(
                                       training, parts.first.images.size(),
                                       pattern, lens, options))

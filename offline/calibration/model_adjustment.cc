@@ -129,7 +129,7 @@ void AdjustFromWarmStart(const Pattern& pattern, const std::string& model,
   problem.views = warm.problem.views;
   const CameraModels lenses = CopyCameras(adjusted->state);
   adjusted->summary = OptimizeCameras(
-      model, problem, {lenses, knot_spacings_px, adjusted->base_lenses, &warm},
+      model, problem, {lenses, knot_spacings_px, adjusted->base_models, &warm},
       brief, &adjusted->prior, &adjusted->state);
   std::vector<View> kept = std::exchange(problem.views, std::move(all));
   std::vector<Residual> kept_residuals = std::exchange(
@@ -152,7 +152,7 @@ void AdjustFromModels(const Pattern& pattern, const std::string& model,
   const auto adjust = [&](const AdjustmentOptions& with) {
     adjusted->summary =
         OptimizeCameras(model, adjusted->problem,
-                        {lenses, knot_spacings_px, adjusted->base_lenses}, with,
+                        {lenses, knot_spacings_px, adjusted->base_models}, with,
                         &adjusted->prior, &adjusted->state);
   };
   // Stops the first stage early if there are outliers, which are then removed.
@@ -192,7 +192,7 @@ void AdjustFromOtherModels(const Pattern& pattern, const std::string& model,
   for (const std::string& other : ListModelNames(ModelUse::kCompare)) {
     if (options.should_stop && options.should_stop()) break;
     AdjustmentResult from = start;
-    from.base_lenses.clear();
+    from.base_models.clear();
     OptimizeParametricCameras(other, from.problem, CopyCameras(start.state),
                               MakeInitializationOptions(options), &from.prior,
                               &from.state);
@@ -220,7 +220,8 @@ bool HasSameViews(const CalibrationProblem& a, const CalibrationProblem& b) {
 
 // Whether divergence can be assessed: only if the initial cameras had the same
 // model, since other models may fit the lens better than this one can.
-bool CanJudge(const AdjustmentState& start, const std::string& model) {
+bool CanAssessDivergence(const AdjustmentState& start,
+                         const std::string& model) {
   return !IsParametricModel(model) ||
          std::all_of(
              start.cameras.begin(), start.cameras.end(),
@@ -242,7 +243,7 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
     *adjusted = start;
   }
   AdjustFromModels(pattern, model, knot_spacings_px, options, adjusted);
-  if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
+  if (CanAssessDivergence(start.state, model) && HasDiverged(*adjusted, start))
     AdjustFromOtherModels(pattern, model, knot_spacings_px, options, start,
                           adjusted);
 }

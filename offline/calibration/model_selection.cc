@@ -16,7 +16,7 @@ using models::kCentralGeneric;
 using models::kNonCentralGeneric;
 
 // Minimum gains over the central grid, in standard errors.
-constexpr double kMinParametricGain = 1, kMinNoncentralGain = 2;
+constexpr double kMinParametricZScore = 1, kMinNoncentralZScore = 2;
 
 // Cross-validates several models of one camera.
 class ModelComparison {
@@ -58,14 +58,14 @@ class ModelComparison {
 
   // Returns the gain over the central grid in standard errors; minus infinity
   // if the model fails.
-  double ComputeGain(const std::string& model, double knot_spacing_px) {
+  double ComputeZScore(const std::string& model, double knot_spacing_px) {
     const HeldOutResiduals held_out = CrossValidated(model, knot_spacing_px);
     if (!HasResiduals(held_out))
       return -std::numeric_limits<double>::infinity();
-    const double gain = ComputeLossGain(
+    const double z_score = ComputeLossZScore(
         grid_.alone.front(), held_out.alone.front(), grid_median_px_);
-    AddCandidate(model, held_out, gain);
-    return gain;
+    AddCandidate(model, held_out, z_score);
+    return z_score;
   }
 
  private:
@@ -93,12 +93,12 @@ class ModelComparison {
   }
 
   void AddCandidate(const std::string& model, const HeldOutResiduals& held_out,
-                    double gain) {
+                    double z_score) {
     if (!HasResiduals(held_out)) return;
     const KnotSpacingCandidate summary =
         SummarizeCandidate(0, held_out.alone.front());
     camera_->result.model_candidates.push_back(
-        {model, summary.loss, summary.median_px, gain});
+        {model, summary.loss, summary.median_px, z_score});
   }
 
   const Pattern& pattern_;
@@ -138,7 +138,7 @@ ModelSelection SelectModel(const Pattern& pattern,
       comparison.FixTargetGeometry();
   }
   // The smallest gain over all cameras decides.
-  const auto compute_gain = [&](const std::string& model, bool is_grid) {
+  const auto compute_z_score = [&](const std::string& model, bool is_grid) {
     double min_error = std::numeric_limits<double>::infinity();
     for (size_t k = 0; k < estimated.size(); ++k) {
       const CameraInProgress& camera = (*cameras)[estimated[k]];
@@ -146,25 +146,25 @@ ModelSelection SelectModel(const Pattern& pattern,
           is_grid ? std::max(camera.result.knot_spacing_px,
                              MediumKnotSpacingPx(camera.split.training, model))
                   : 0;
-      min_error = std::min(min_error,
-                           comparisons[k].ComputeGain(model, knot_spacing_px));
+      min_error = std::min(
+          min_error, comparisons[k].ComputeZScore(model, knot_spacing_px));
     }
     return min_error;
   };
   std::string& best = selection.model;
-  double best_gain = kMinParametricGain;
+  double best_z_score = kMinParametricZScore;
   for (const std::string& model : ListModelNames(ModelUse::kAuto)) {
     if (options.ShouldStop())
       return {kCentralGeneric, std::move(selection.trials),
               selection.fix_target_geometry};
-    const double gain = compute_gain(model, false);
-    if (gain <= best_gain) continue;
+    const double z_score = compute_z_score(model, false);
+    if (z_score <= best_z_score) continue;
     best = model;
-    best_gain = gain;
+    best_z_score = z_score;
   }
   if (options.allow_noncentral && best == kCentralGeneric &&
       !options.ShouldStop() &&
-      compute_gain(kNonCentralGeneric, true) >= kMinNoncentralGain)
+      compute_z_score(kNonCentralGeneric, true) >= kMinNoncentralZScore)
     best = kNonCentralGeneric;
   for (size_t k = 0; k < estimated.size(); ++k)
     selection.trials[estimated[k]] = comparisons[k].trials();

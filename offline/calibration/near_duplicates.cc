@@ -21,22 +21,22 @@ struct FrameSet {
   std::string name;
   bool is_held_out = false;
   size_t num_features = 0;
-  std::vector<ObservedBoard> parts;  // one per camera and board; those with few
-                                     // features are omitted
+  std::vector<ObservedBoard> boards;  // one per camera and board; those with
+                                      // few features are omitted
 };
 
 void AddImage(const ImageFeatures& image, size_t camera, FrameSet* frame_set) {
-  std::map<int, ObservedBoard> parts;
+  std::map<int, ObservedBoard> boards;
   for (const Feature& f : image.features) {
-    ObservedBoard& part = parts[f.board];
+    ObservedBoard& part = boards[f.board];
     part.camera = camera;
     part.board = f.board;
     part.pixels[{f.row, f.column}] = f.pixel;
   }
-  for (auto& [board, part] : parts) {
+  for (auto& [board, part] : boards) {
     if (part.pixels.size() < kMinViewFeatures) continue;
     frame_set->num_features += part.pixels.size();
-    frame_set->parts.push_back(std::move(part));
+    frame_set->boards.push_back(std::move(part));
   }
 }
 
@@ -61,7 +61,7 @@ std::vector<FrameSet> SortFrames(const std::vector<Dataset>& cameras,
   }
   frame_sets.erase(
       std::remove_if(frame_sets.begin(), frame_sets.end(),
-                     [](const FrameSet& i) { return i.parts.empty(); }),
+                     [](const FrameSet& i) { return i.boards.empty(); }),
       frame_sets.end());
   std::stable_sort(frame_sets.begin(), frame_sets.end(),
                    [](const FrameSet& a, const FrameSet& b) {
@@ -94,10 +94,10 @@ bool IsDetermined(const ObservedBoard& part, const ObservedBoard& other,
 bool IsDetermined(const FrameSet& frame_set, const FrameSet& other,
                   const std::vector<double>& duplicate_px) {
   return std::all_of(
-      frame_set.parts.begin(), frame_set.parts.end(),
+      frame_set.boards.begin(), frame_set.boards.end(),
       [&](const ObservedBoard& part) {
         return std::any_of(
-            other.parts.begin(), other.parts.end(),
+            other.boards.begin(), other.boards.end(),
             [&](const ObservedBoard& seen) {
               return seen.camera == part.camera && seen.board == part.board &&
                      IsDetermined(part, seen, duplicate_px[part.camera]);
@@ -105,8 +105,8 @@ bool IsDetermined(const FrameSet& frame_set, const FrameSet& other,
       });
 }
 
-std::vector<double> DistancesPx(const std::vector<Dataset>& cameras,
-                                std::optional<double> duplicate_px) {
+std::vector<double> ComputeDistancesPx(const std::vector<Dataset>& cameras,
+                                       std::optional<double> duplicate_px) {
   std::vector<double> distances_px;
   for (const Dataset& dataset : cameras)
     distances_px.push_back(
@@ -126,8 +126,9 @@ std::set<std::string> CollectDuplicateNames(
   return names;
 }
 
-Dataset Selected(const Dataset& dataset,
-                 const std::vector<NearDuplicates>& groups, bool others) {
+Dataset KeepSelectedImages(const Dataset& dataset,
+                           const std::vector<NearDuplicates>& groups,
+                           bool others) {
   const std::set<std::string> names = CollectDuplicateNames(groups);
   Dataset selected = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images)
@@ -153,7 +154,8 @@ std::vector<NearDuplicates> FindNearDuplicates(
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px) {
   if (AreAllImagesViews(duplicate_px)) return {};
-  const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
+  const std::vector<double> distances_px =
+      ComputeDistancesPx(cameras, duplicate_px);
   std::vector<FrameSet> different;
   std::vector<NearDuplicates> groups;
   for (FrameSet& frame_set : SortFrames(cameras, held_out)) {
@@ -185,7 +187,8 @@ std::vector<std::string> FindHeldOutDuplicates(
     const std::vector<std::string>& held_out,
     std::optional<double> duplicate_px) {
   if (AreAllImagesViews(duplicate_px)) return {};
-  const std::vector<double> distances_px = DistancesPx(cameras, duplicate_px);
+  const std::vector<double> distances_px =
+      ComputeDistancesPx(cameras, duplicate_px);
   const std::vector<FrameSet> frame_sets = SortFrames(cameras, held_out);
   std::vector<std::string> copies;
   for (const FrameSet& frame_set : frame_sets)
@@ -222,12 +225,12 @@ size_t CountDuplicates(const std::vector<NearDuplicates>& groups) {
 
 Dataset RemoveDuplicates(const Dataset& dataset,
                          const std::vector<NearDuplicates>& groups) {
-  return Selected(dataset, groups, false);
+  return KeepSelectedImages(dataset, groups, false);
 }
 
 Dataset SelectDuplicates(const Dataset& dataset,
                          const std::vector<NearDuplicates>& groups) {
-  return Selected(dataset, groups, true);
+  return KeepSelectedImages(dataset, groups, true);
 }
 
 }  // namespace raygrid

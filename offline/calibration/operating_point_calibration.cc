@@ -86,8 +86,8 @@ void RequireDistinctValues(const ImageOperatingPoints& conditions,
 constexpr double kMaxValue = 1024;
 
 // Requires equal operating points for duplicate images.
-void RequireEqualValuesOfDuplicates(const Dataset& dataset,
-                                    const ImageOperatingPoints& conditions) {
+void RequireDuplicatesHaveEqualValues(const Dataset& dataset,
+                                      const ImageOperatingPoints& conditions) {
   const std::vector<std::optional<size_t>> repeated = RepeatedImages(dataset);
   for (size_t i = 0; i < repeated.size(); ++i)
     if (repeated[i])
@@ -126,7 +126,7 @@ void RequireOperatingPoints(const Dataset& dataset,
     values.push_back(found->second);
   }
   RequireDistinctValues(conditions, values);
-  RequireEqualValuesOfDuplicates(dataset, conditions);
+  RequireDuplicatesHaveEqualValues(dataset, conditions);
 }
 
 using FeatureKey = std::tuple<std::string, int, int, int>;
@@ -153,10 +153,11 @@ Dataset SelectUsedImages(const Dataset& given,
 
 // Sets up the problem of all images at their operating points, starting from
 // the poses and boards of the mid-range camera.
-AdjustmentResult StartFrom(const CalibrationResult& result, const Dataset& used,
-                           const ImageOperatingPoints& conditions,
-                           const Pattern& pattern,
-                           const OperatingPointModel& stack) {
+AdjustmentResult InitializeFrom(const CalibrationResult& result,
+                                const Dataset& used,
+                                const ImageOperatingPoints& conditions,
+                                const Pattern& pattern,
+                                const OperatingPointModel& stack) {
   AdjustmentResult adjusted;
   std::vector<RejectedImage> rejected;
   adjusted.problem = BuildProblem({used}, pattern, &rejected);
@@ -220,7 +221,8 @@ void OptimizeOperatingPointModel(const CalibrationResult& result,
 
 // Returns the Cartesian product of evenly spaced values over the ranges, in
 // ascending order.
-std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
+std::vector<OperatingPoint> ListSampledValues(
+    const OperatingPointModel& stack) {
   // The second parameter changes the camera little, and each value costs
   // computation time and storage.
   constexpr int kNumFirst = 5, kNumSecond = 3;
@@ -229,7 +231,7 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
     std::vector<OperatingPoint> longer;
     for (const OperatingPoint& values : all)
       for (const double value :
-           range.Spread(values.empty() ? kNumFirst : kNumSecond)) {
+           range.SampleValues(values.empty() ? kNumFirst : kNumSecond)) {
         longer.push_back(values);
         longer.back().push_back(value);
       }
@@ -241,10 +243,11 @@ std::vector<OperatingPoint> ValuesOver(const OperatingPointModel& stack) {
 // Computes the standard deviations of the model at values over its ranges.
 std::vector<OperatingPointUncertainty> ComputeOperatingPointStdDevs(
     const AdjustmentResult& adjusted, int num_threads) {
-  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
+  const OperatingPointModel& stack =
+      *adjusted.state.camera().GetOperatingPointModel();
   std::vector<OperatingPointGrid> cameras;
   std::vector<const CameraModel*> as;
-  for (const OperatingPoint& values : ValuesOver(stack))
+  for (const OperatingPoint& values : ListSampledValues(stack))
     cameras.emplace_back(stack, values);
   for (const OperatingPointGrid& camera : cameras) as.push_back(&camera);
   std::vector<OperatingPointUncertainty> deviations;
@@ -339,7 +342,7 @@ void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
                           AdjustmentResult* adjusted) {
   CalibrationProblem& problem = adjusted->problem;
   AdjustmentState& state = adjusted->state;
-  const OperatingPointModel& before = *state.camera().Stack();
+  const OperatingPointModel& before = *state.camera().GetOperatingPointModel();
   const BSplineSurface& grid = before.terms().front();
   Dataset dataset = {before.image_size(), {}};
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -354,7 +357,7 @@ void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
       InitializeOperatingPointModel(dataset, conditions, pattern, options);
   const CentralGeneric center = FitCentralGeneric(
       start.At(start.Center()), grid.area(), grid.columns(), grid.rows());
-  const OperatingPointModel stack = TransferChanges(start, center);
+  const OperatingPointModel stack = TransferTermsBetweenGrids(start, center);
   for (const View& view : problem.views)
     if (const auto pose = Localize(stack.At(view.conditions),
                                    MakeMatches(view, problem.nominal)))
@@ -370,11 +373,14 @@ void OptimizeFromFeatures(const ImageOperatingPoints& conditions,
 
 // Replaces the result of the mid-range camera by that of the operating-point
 // model.
-void PutResult(const CalibrationInput& input,
-               const ImageOperatingPoints& conditions, const Pattern& pattern,
-               const CalibrationOptions& options,
-               const AdjustmentResult& adjusted, CalibrationResult* result) {
-  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
+void FillOperatingPointResult(const CalibrationInput& input,
+                              const ImageOperatingPoints& conditions,
+                              const Pattern& pattern,
+                              const CalibrationOptions& options,
+                              const AdjustmentResult& adjusted,
+                              CalibrationResult* result) {
+  const OperatingPointModel& stack =
+      *adjusted.state.camera().GetOperatingPointModel();
   result->poses.clear();
   FillResult(pattern, adjusted, 0, input.image_circle, options.num_threads,
              result);
@@ -385,15 +391,15 @@ void PutResult(const CalibrationInput& input,
   result->camera.camera = center.Clone();
   result->camera.stack = OperatingPointCalibration{
       stack, ComputeOperatingPointStdDevs(adjusted, options.num_threads)};
-  const auto readjust = [&](AdjustmentResult* fewer) {
+  const auto reoptimize = [&](AdjustmentResult* subset) {
     try {
-      OptimizeFromFeatures(conditions, pattern, options, fewer);
+      OptimizeFromFeatures(conditions, pattern, options, subset);
     } catch (const Error&) {  // not solvable: keeps the model
     }
   };
   std::vector<RejectedImage> rejected;
   const OperatingPointCheck check = CheckOperatingPoints(
-      adjusted, BuildProblem({input.dataset}, pattern, &rejected), readjust,
+      adjusted, BuildProblem({input.dataset}, pattern, &rejected), reoptimize,
       options.num_threads);
   if (!check.unexplained.empty()) {
     // Residuals due to wrong values resemble deformation, motion or focus
@@ -444,16 +450,16 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
     start = InitializeOperatingPointModel(input.dataset, conditions, pattern,
                                           options);
   }
-  CalibrationInput in_middle = input;
-  in_middle.dataset = MapFeaturesToReference(input.dataset, conditions, *start);
+  CalibrationInput at_center = input;
+  at_center.dataset = MapFeaturesToReference(input.dataset, conditions, *start);
   // Refinement would search at the mapped, not at the observed feature
   // positions.
-  in_middle.refine_features = nullptr;
+  at_center.refine_features = nullptr;
   CalibrationOptions mean_options = options;
   mean_options.progress = [&](const std::string& stage, double done) {
     if (options.progress) options.progress(stage, 0.1 + 0.7 * done);
   };
-  RigResult result = Calibrate({in_middle}, pattern, mean_options);
+  RigResult result = Calibrate({at_center}, pattern, mean_options);
   CalibrationResult& camera = result.cameras.front();
   // The observed features, with boards rotated according to their poses.
   const Dataset turned = Rotated(input.dataset, pattern, camera.turns);
@@ -464,8 +470,8 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   }
   report("bundle adjustment over the range", 0.8);
   const OperatingPointModel stack =
-      TransferChanges(*start, MakeCentral(*camera.camera.camera));
-  AdjustmentResult adjusted = StartFrom(
+      TransferTermsBetweenGrids(*start, MakeCentral(*camera.camera.camera));
+  AdjustmentResult adjusted = InitializeFrom(
       camera, SelectUsedImages(turned, camera), conditions, pattern, stack);
   adjusted.problem.area = options.area;
   {
@@ -474,7 +480,8 @@ RigResult CalibrateOperatingPoints(const CalibrationInput& input,
   }
   {
     const Stopwatch stopwatch(&seconds["stack_figures"]);
-    PutResult(input, conditions, pattern, options, adjusted, &camera);
+    FillOperatingPointResult(input, conditions, pattern, options, adjusted,
+                             &camera);
   }
   result.seconds.merge(seconds);
   result.pattern = camera.pattern;

@@ -16,8 +16,8 @@ namespace {
 
 // Minimum error to report, as a fraction of the range.
 constexpr double kMinFraction = 0.05;
-constexpr double kDisplayedFraction = 0.02;  // displayed resolution
-constexpr double kPerMedian = 1.4826;        // standard deviation / median
+constexpr double kDisplayedFraction = 0.02;       // displayed resolution
+constexpr double kStdDevPerMedianScore = 1.4826;  // standard deviation / median
 // Probability of reporting any image in a calibration without wrong values.
 constexpr double kFalseAlarmProbability = 1e-3;
 // A parameter is reported if errors up to this fraction of its range are
@@ -29,7 +29,7 @@ constexpr double kMaxExcludedFraction = 1.0 / 3;
 
 const std::vector<OperatingRange>& GetOperatingRanges(
     const AdjustmentResult& adjusted) {
-  return adjusted.state.camera().Stack()->ranges();
+  return adjusted.state.camera().GetOperatingPointModel()->ranges();
 }
 
 double GetWidth(const OperatingRange& range) { return range.high - range.low; }
@@ -37,30 +37,32 @@ double GetWidth(const OperatingRange& range) { return range.high - range.low; }
 // Converts a quantile of Student's t-distribution to the normal distribution
 // (Wallace, "Bounds on normal approximations to Student's and the chi-square
 // distributions", 1959).
-double NormalScore(double student, double freedom) {
-  return (8 * freedom + 1) / (8 * freedom + 3) *
-         std::sqrt(freedom * std::log1p(student * student / freedom));
+double NormalScoreFromStudent(double t, double degrees_of_freedom) {
+  return (8 * degrees_of_freedom + 1) / (8 * degrees_of_freedom + 3) *
+         std::sqrt(degrees_of_freedom * std::log1p(t * t / degrees_of_freedom));
 }
 
 // Whether a score significantly exceeds the maximum of `count` random scores
 // (Bonferroni correction).
-bool IsSignificant(double score, double freedom, Eigen::Index count) {
+bool IsSignificant(double score, double degrees_of_freedom,
+                   Eigen::Index count) {
   return static_cast<double>(count) *
-             std::erfc(NormalScore(score, freedom) / std::sqrt(2.0)) <
+             std::erfc(NormalScoreFromStudent(score, degrees_of_freedom) /
+                       std::sqrt(2.0)) <
          kFalseAlarmProbability;
 }
 
 // Detects wrong values from the steps that the normal equations suggest for
 // them.
-class StepOutlierTest {
+class ValueOutlierTest {
  public:
-  StepOutlierTest(const AdjustmentResult& adjusted,
-                  const ValueEquations& equations)
+  ValueOutlierTest(const AdjustmentResult& adjusted,
+                   const ValueEquations& equations)
       : ranges_(GetOperatingRanges(adjusted)),
         num_images_(static_cast<double>(equations.images.size())),
         count_(equations.count()) {
     for (int r = 0; r < equations.num_ranges; ++r)
-      scatter_scales_.push_back(ComputeScatter(r, equations));
+      stddev_scales_.push_back(ComputeStdDevScale(r, equations));
   }
 
   // Returns the smallest detectable error of a value with the given standard
@@ -74,23 +76,23 @@ class StepOutlierTest {
 
   bool IsDoubtful(const ValueStep& step, int range) const {
     return std::abs(step.step) >= kMinFraction * GetWidth(ranges_[range]) &&
-           IsSignificant(step.Score() / scatter_scales_[range], num_images_,
+           IsSignificant(step.Score() / stddev_scales_[range], num_images_,
                          count_);
   }
 
  private:
   // Returns the ratio of the actual scatter of the steps of a range to their
   // standard deviations: other model errors shift values as well.
-  static double ComputeScatter(int range, const ValueEquations& equations) {
+  static double ComputeStdDevScale(int range, const ValueEquations& equations) {
     std::vector<double> scores;
     for (Eigen::Index i = range; i < equations.count();
          i += equations.num_ranges)
       scores.push_back(equations.ComputeStep(i).Score());
-    return std::max(1.0, kPerMedian * Quantile(scores, 0.5));
+    return std::max(1.0, kStdDevPerMedianScore * Quantile(scores, 0.5));
   }
 
   std::vector<OperatingRange> ranges_;
-  std::vector<double> scatter_scales_;
+  std::vector<double> stddev_scales_;
   double num_images_;
   Eigen::Index count_;
 };
@@ -98,10 +100,11 @@ class StepOutlierTest {
 // Returns the images whose values are inconsistent with the normal equations.
 std::set<std::string> FindImagesWithDoubtfulValues(
     const AdjustmentResult& adjusted, const ValueEquations& equations) {
-  const StepOutlierTest judge(adjusted, equations);
+  const ValueOutlierTest outlier_test(adjusted, equations);
   std::set<std::string> images;
   for (Eigen::Index i = 0; i < equations.count(); ++i)
-    if (judge.IsDoubtful(equations.ComputeStep(i), equations.RangeIndex(i)))
+    if (outlier_test.IsDoubtful(equations.ComputeStep(i),
+                                equations.RangeIndex(i)))
       images.insert(equations.images[equations.GetImageIndex(i)]);
   return images;
 }
@@ -148,8 +151,8 @@ bool AreUnexplained(const ValueRegression& regression,
                     const OperatingRange& range) {
   constexpr double kScatterLimitSigmas = 3, kMinPValue = 0.01,
                    kMaxRemainingFraction = 0.15;
-  return (regression.scatter_without > kScatterLimitSigmas &&
-          regression.chance > kMinPValue) ||
+  return (regression.scatter_around_constant > kScatterLimitSigmas &&
+          regression.p_value > kMinPValue) ||
          (regression.scatter > kScatterLimitSigmas &&
           regression.left > kMaxRemainingFraction * GetWidth(range));
 }
@@ -172,7 +175,7 @@ std::set<std::string> FindInconsistentImages(
 // detected.
 UncertainOperatingParameter MakeUncertainParameter(
     const std::vector<FittedValue>& values, const OperatingRange& range,
-    int index, const StepOutlierTest& judge) {
+    int index, const ValueOutlierTest& outlier_test) {
   UncertainOperatingParameter uncertainty = {range.condition, GetWidth(range)};
   if (values.empty()) return uncertainty;
   std::vector<double> deviations;
@@ -184,8 +187,8 @@ UncertainOperatingParameter MakeUncertainParameter(
   for (const FittedValue& value : values)
     squares += std::pow((value.stated - mean) / value.deviation, 2);
   uncertainty.deviation = Quantile(deviations, 0.5);
-  uncertainty.noticed =
-      judge.ComputeMinDetectableError(uncertainty.deviation, index);
+  uncertainty.min_detectable_error =
+      outlier_test.ComputeMinDetectableError(uncertainty.deviation, index);
   uncertainty.change_score = std::sqrt(squares);
   return uncertainty;
 }
@@ -193,20 +196,20 @@ UncertainOperatingParameter MakeUncertainParameter(
 // Estimates the values of images with a model that was adjusted without them.
 std::vector<SuspectOperatingPoint> PredictValues(
     const std::set<std::string>& images, const AdjustmentResult& all,
-    const CalibrationProblem& given, const AdjustmentResult& without,
+    const CalibrationProblem& given, const AdjustmentResult& remaining,
     int num_threads) {
   std::vector<SuspectOperatingPoint> doubtful;
-  const ValueEquations equations = MakeValueEquations(without, num_threads);
+  const ValueEquations equations = MakeValueEquations(remaining, num_threads);
   if (equations.count() == 0) return doubtful;
-  const StepOutlierTest judge(without, equations);
+  const ValueOutlierTest outlier_test(remaining, equations);
   const std::vector<OperatingRange>& ranges = GetOperatingRanges(all);
   AdjustmentState state = all.state;
-  state.cameras[0] = without.state.camera().Clone();
+  state.cameras[0] = remaining.state.camera().Clone();
   for (const std::string& image : images) {
     const std::vector<View> views = SelectViews(image, all.problem, given);
     for (size_t r = 0; r < ranges.size(); ++r) {
       const ValueStep step = FitValue(state, views, r, ranges[r]);
-      if (!judge.IsDoubtful(step, static_cast<int>(r))) continue;
+      if (!outlier_test.IsDoubtful(step, static_cast<int>(r))) continue;
       const double stated = views.front().conditions[r];
       const int num_decimals = std::clamp(
           static_cast<int>(
@@ -237,8 +240,8 @@ std::string UnexplainedOperatingParameter::Text() const {
 }
 
 bool UncertainOperatingParameter::IsUnobservable() const {
-  constexpr double kSurely = 6;
-  return change_score < kSurely;
+  constexpr double kOutlierSigmas = 6;
+  return change_score < kOutlierSigmas;
 }
 
 std::string UncertainOperatingParameter::Text() const {
@@ -252,12 +255,12 @@ std::string UncertainOperatingParameter::Text() const {
         "to these images: check them, or calibrate without {}",
         name, deviation, unit, width, name);
   const std::string detection =
-      noticed > width
+      min_detectable_error > width
           ? "single wrong values cannot be detected"
           : fmt::format(
                 "a single wrong value is detected only if its error "
                 "exceeds {:.2g} {}",
-                noticed, unit);
+                min_detectable_error, unit);
   return fmt::format(
       "the camera changes little with {}: the value estimated from a single "
       "image has a standard deviation of {:.2g} {} over a range of {:.2g}, so "
@@ -279,13 +282,13 @@ OperatingPointCheck CheckOperatingPoints(
   // Wrong values distort the model, which masks them and makes correct values
   // suspect. The model is therefore adjusted without the suspect images,
   // repeatedly if this reveals more of them.
-  AdjustmentResult without = adjusted;
+  AdjustmentResult remaining = adjusted;
   std::set<std::string> left_out;
   for (int round = 0; round < kMaxRounds; ++round) {
     std::set<std::string> found;
     for (size_t r = 0; r < ranges.size(); ++r) {
       const std::vector<FittedValue> values =
-          FitValues(without, r, num_threads);
+          FitValues(remaining, r, num_threads);
       const ValueRegression regression = RegressValues(values);
       found.merge(FindInconsistentImages(values, regression));
       if (AreUnexplained(regression, ranges[r]) ||
@@ -294,25 +297,26 @@ OperatingPointCheck CheckOperatingPoints(
         check.unexplained.push_back({ranges[r].condition});
     }
     if (!check.unexplained.empty()) return check;
-    const ValueEquations equations = MakeValueEquations(without, num_threads);
+    const ValueEquations equations = MakeValueEquations(remaining, num_threads);
     if (equations.count() == 0) return check;
     check.uncertain.clear();
     for (size_t r = 0; r < ranges.size(); ++r) {
       const UncertainOperatingParameter uncertainty = MakeUncertainParameter(
-          FitValues(without, r, num_threads), ranges[r], static_cast<int>(r),
-          StepOutlierTest(without, equations));
-      if (uncertainty.noticed > kMaxUndetectableFraction * GetWidth(ranges[r]))
+          FitValues(remaining, r, num_threads), ranges[r], static_cast<int>(r),
+          ValueOutlierTest(remaining, equations));
+      if (uncertainty.min_detectable_error >
+          kMaxUndetectableFraction * GetWidth(ranges[r]))
         check.uncertain.push_back(uncertainty);
     }
-    found.merge(FindImagesWithDoubtfulValues(without, equations));
+    found.merge(FindImagesWithDoubtfulValues(remaining, equations));
     if (found.empty()) break;
     left_out.insert(found.begin(), found.end());
-    RemoveImages(found, &without);
-    readjust(&without);
+    RemoveImages(found, &remaining);
+    readjust(&remaining);
   }
   if (!left_out.empty())
     check.doubtful =
-        PredictValues(left_out, adjusted, given, without, num_threads);
+        PredictValues(left_out, adjusted, given, remaining, num_threads);
   return check;
 }
 

@@ -36,7 +36,8 @@ struct UncertainOperatingParameter {
   OperatingParameter condition = OperatingParameter::kLensPosition;
   double width = 0;      ///< width of the range
   double deviation = 0;  ///< 1 σ of the value fitted to one image's features
-  double noticed = 0;    ///< smallest detectable error of one image's value
+  double min_detectable_error =
+      0;  ///< smallest detectable error of one image's value
   /// Significance of the change over the stated values, in standard deviations.
   double change_score = 0;
 

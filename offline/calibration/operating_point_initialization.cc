@@ -39,12 +39,12 @@ Dataset SelectImagesOfSimilarValue(const Dataset& dataset,
       high = to;
     }
   }
-  Dataset like = {dataset.image_size, {}};
+  Dataset similar = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
     const double value = conditions.values.at(image.image).front();
-    if (value >= low && value <= high) like.images.push_back(image);
+    if (value >= low && value <= high) similar.images.push_back(image);
   }
-  return like;
+  return similar;
 }
 
 // Returns the distinct values of a parameter in ascending order.
@@ -60,14 +60,14 @@ std::set<double> ReadParameterValues(const Dataset& dataset,
 // Adds polynomial terms of one parameter after another, beginning with linear
 // ones, as long as Akaike's information criterion improves. The penalty of a
 // term counts the parameters that its prior leaves unpenalized.
-class OrderChoice {
+class OrderSelection {
  public:
-  OrderChoice(const CentralGeneric& base, const CalibrationProblem& problem,
-              const AdjustmentOptions& options, AdjustmentState* state)
+  OrderSelection(const CentralGeneric& base, const CalibrationProblem& problem,
+                 const AdjustmentOptions& options, AdjustmentState* state)
       : base_(base), problem_(problem), options_(options), state_(state) {}
 
-  OperatingPointModel Choose(OperatingPointModel best,
-                             const std::vector<int>& max_orders) {
+  OperatingPointModel SelectOrders(OperatingPointModel best,
+                                   const std::vector<int>& max_orders) {
     double needed = 0;
     double best_cost = OptimizeCameras(&best, &needed);
     for (size_t r = 0; r < max_orders.size(); ++r) {
@@ -95,7 +95,7 @@ class OrderChoice {
     const auto num_free =
         static_cast<double>(prior.cameras[0].groups[0].free.cols());
     *needed = num_free * summary.noise_px * summary.noise_px;
-    *stack = *state_->camera().Stack();
+    *stack = *state_->camera().GetOperatingPointModel();
     return summary.final_cost;
   }
 
@@ -154,28 +154,28 @@ OperatingPointModel InitializeOperatingPointModel(
   adjustment.fix_points = true;
   const OperatingPointModel linear(ranges, std::vector<int>(ranges.size(), 1),
                                    base);
-  return OrderChoice(base, problem, adjustment, &state)
-      .Choose(linear, max_orders);
+  return OrderSelection(base, problem, adjustment, &state)
+      .SelectOrders(linear, max_orders);
 }
 
 Dataset MapFeaturesToReference(const Dataset& dataset,
                                const ImageOperatingPoints& conditions,
                                const OperatingPointModel& stack) {
   const CentralGeneric center = stack.At(stack.Center());
-  Dataset brought = {dataset.image_size, {}};
+  Dataset mapped = {dataset.image_size, {}};
   for (const ImageFeatures& image : dataset.images) {
     const CentralGeneric camera = stack.At(conditions.values.at(image.image));
-    brought.images.push_back({image.image, {}});
+    mapped.images.push_back({image.image, {}});
     for (Feature feature : image.features) {
       const auto direction = camera.Unproject(feature.pixel);
       if (!direction) continue;
       const auto pixel = center.Project(*direction, &feature.pixel, 0);
       if (!pixel) continue;
       feature.pixel = *pixel;
-      brought.images.back().features.push_back(feature);
+      mapped.images.back().features.push_back(feature);
     }
   }
-  return brought;
+  return mapped;
 }
 
 namespace {
@@ -198,13 +198,13 @@ void TransferTermsToGrid(const OperatingPointModel& stack, size_t range,
     const std::vector<double> row = along.EvaluateBasis({value});
     powers.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), count);
   }
-  const Eigen::MatrixXd to_terms = powers.inverse();
+  const Eigen::MatrixXd terms_from_powers = powers.inverse();
   std::vector<std::vector<SurfaceSample>> samples(count);
   for (const Eigen::Vector2d& pixel : pixels) {
     Eigen::MatrixXd charts(count, 2);
     for (int i = 0; i < count; ++i)
       charts.row(i) = ToChart(turn * *cameras[i].Unproject(pixel)).transpose();
-    const Eigen::MatrixXd terms = to_terms * charts;
+    const Eigen::MatrixXd terms = terms_from_powers * charts;
     for (int j = 1; j < count; ++j)
       samples[j].push_back({pixel, terms.row(j).transpose()});
   }
@@ -216,8 +216,8 @@ void TransferTermsToGrid(const OperatingPointModel& stack, size_t range,
 
 }  // namespace
 
-OperatingPointModel TransferChanges(const OperatingPointModel& stack,
-                                    const CentralGeneric& camera) {
+OperatingPointModel TransferTermsBetweenGrids(const OperatingPointModel& stack,
+                                              const CentralGeneric& camera) {
   constexpr int kPerCell = 3;
   OperatingPointModel moved(stack.ranges(), stack.orders(), camera);
   const std::vector<Eigen::Vector2d> pixels =

@@ -20,8 +20,8 @@ Dataset MapFeaturesToReference(const Dataset& dataset,
 
 /// Returns a model on the grid and in the frame of `camera`, with the
 /// operating-point dependence of `stack`; it equals `camera` at the mid-range.
-OperatingPointModel TransferChanges(const OperatingPointModel& stack,
-                                    const CentralGeneric& camera);
+OperatingPointModel TransferTermsBetweenGrids(const OperatingPointModel& stack,
+                                              const CentralGeneric& camera);
 
 }  // namespace raygrid
 

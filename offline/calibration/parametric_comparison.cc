@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-using Beside = std::function<void(int num_threads)>;
+using ConcurrentTask = std::function<void(int num_threads)>;
 
 struct Candidate {
   std::string model;
@@ -21,7 +21,7 @@ struct Candidate {
 };
 
 // Evaluation of a model.
-struct Measurement {
+struct ModelEvaluation {
   Candidate candidate;
   ModelMetrics metrics;  // metrics over all training images
   HeldOutResiduals held_out;
@@ -32,7 +32,7 @@ struct Measurement {
 void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
                      const ValidationOptions& validation,
                      const AdjustmentOptions& options, Folds* folds,
-                     Measurement* measurement) {
+                     ModelEvaluation* measurement) {
   const std::vector<double> knot_spacings_px = {
       measurement->candidate.knot_spacing_px};
   AdjustmentResult adjusted = camera.lens;
@@ -61,7 +61,7 @@ void MeasureTraining(const CameraInProgress& camera, const Pattern& pattern,
 void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
                     const ValidationOptions& validation,
                     const ModelTrials& done, Folds* folds,
-                    Measurement* measurement) {
+                    ModelEvaluation* measurement) {
   if (!camera.split.test.images.empty()) return;
   const std::vector<double> knot_spacings_px = {
       measurement->candidate.knot_spacing_px};
@@ -73,12 +73,13 @@ void MeasureHeldOut(const CameraInProgress& camera, const Pattern& pattern,
                                     validation.rigid_boards);
 }
 
-ModelMetrics ComputeModelMetrics(Measurement measurement) {
+ModelMetrics ComputeModelMetrics(ModelEvaluation measurement) {
   ModelMetrics metrics = std::move(measurement.metrics);
   HeldOutResiduals& held_out = measurement.held_out;
   if (held_out.alone.empty() || held_out.alone.front().empty()) return metrics;
-  if (!held_out.flexed.front().empty())
-    metrics.held_out_deformed = ComputeErrorMetrics(held_out.flexed.front());
+  if (!held_out.with_deformation.front().empty())
+    metrics.held_out_deformed =
+        ComputeErrorMetrics(held_out.with_deformation.front());
   metrics.held_out_residuals = std::move(held_out.alone.front());
   metrics.held_out = ComputeErrorMetrics(metrics.held_out_residuals);
   return metrics;
@@ -89,8 +90,8 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
                                   const Pattern& pattern,
                                   const CalibrationOptions& options,
                                   const ModelTrials& done,
-                                  const Beside& beside) {
-  std::vector<Measurement> measurements;
+                                  const ConcurrentTask& beside) {
+  std::vector<ModelEvaluation> measurements;
   for (const Candidate& candidate : candidates)
     measurements.push_back({candidate, {}, {}});
   const int num_threads = NumThreads(options.num_threads);
@@ -103,7 +104,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
     if (i < num_extra_tasks) return beside(std::max(1, num_threads / 2));
     // The last models have the most parameters; starting the slowest ones first
     // balances the load.
-    Measurement& measurement =
+    ModelEvaluation& measurement =
         measurements[num_models - 1 - (i - num_extra_tasks)];
     ValidationOptions validation = MakeValidationOptions(options);
     validation.model = measurement.candidate.model;
@@ -121,7 +122,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
   });
   std::vector<ModelMetrics> metrics;
   if (options.ShouldStop()) return metrics;
-  for (Measurement& measurement : measurements)
+  for (ModelEvaluation& measurement : measurements)
     if (measurement.is_done)
       metrics.push_back(ComputeModelMetrics(std::move(measurement)));
   return metrics;
@@ -132,7 +133,7 @@ std::vector<ModelMetrics> Measure(const std::vector<Candidate>& candidates,
 std::vector<ModelMetrics> CompareParametricModels(
     const CameraInProgress& camera, const Pattern& pattern,
     const CalibrationOptions& options, const ModelTrials& done,
-    const Beside& beside) {
+    const ConcurrentTask& beside) {
   std::vector<Candidate> candidates;
   for (const std::string& model : ListModelNames(ModelUse::kCompare))
     if (model != options.model) candidates.push_back({model});
@@ -143,20 +144,20 @@ std::vector<ModelMetrics> CompareParametricModels(
 }
 
 std::optional<double> EstimateModelErrorPx(const CalibrationResult& result) {
-  constexpr double kSurely = 2;
+  constexpr double kMinSigmas = 2;
   const std::string own = result.camera.camera->Name();
   std::optional<double> error_px;
   if (result.held_out.empty()) return error_px;
   const double current_error_px =
       ComputeErrorMetrics(result.held_out).median_px;
   for (const ModelMetrics& other : result.parametric_models) {
-    const bool is_richer =
+    const bool has_more_parameters =
         (other.model == models::kNonCentralGeneric && own != other.model) ||
         (other.model == models::kCentralGeneric && IsParametricModel(own));
-    if (!is_richer || !other.held_out ||
+    if (!has_more_parameters || !other.held_out ||
         other.held_out->median_px >= current_error_px ||
-        ComputeLossGain(result.held_out, other.held_out_residuals,
-                        current_error_px) < kSurely)
+        ComputeLossZScore(result.held_out, other.held_out_residuals,
+                          current_error_px) < kMinSigmas)
       continue;
     const double other_px = other.held_out->median_px;
     error_px = std::max(

@@ -7,11 +7,11 @@
 namespace raygrid {
 
 CentralGeneric FitGridToPrior(const CameraModel& like,
-                              const CameraModel& first_lens, const Area& area,
+                              const CameraModel& first_model, const Area& area,
                               int columns, int rows) {
   return FitExtrapolatedGrid(
-      RotatedCamera(like, ComputeNearestRotation(first_lens, like, area)), area,
-      columns, rows);
+      RotatedCamera(like, ComputeNearestRotation(first_model, like, area)),
+      area, columns, rows);
 }
 
 }  // namespace raygrid

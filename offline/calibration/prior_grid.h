@@ -10,7 +10,7 @@ namespace raygrid {
 /// first camera. Beyond the prior camera's area the grid is extrapolated as by
 /// FitExtrapolatedGrid().
 CentralGeneric FitGridToPrior(const CameraModel& like,
-                              const CameraModel& first_lens, const Area& area,
+                              const CameraModel& first_model, const Area& area,
                               int columns, int rows);
 
 }  // namespace raygrid

@@ -30,47 +30,49 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-RelativeBoardPose ComputeRelation(const std::string& image, int first_pose,
-                                  int second_pose, const AdjustmentState& state,
-                                  const Eigen::Vector3d& center,
-                                  bool scale_is_free) {
+RelativeBoardPose ComputeRelativeBoardPose(const std::string& image,
+                                           int first_pose, int second_pose,
+                                           const AdjustmentState& state,
+                                           const Eigen::Vector3d& center,
+                                           bool scale_is_free) {
   const Pose& first = state.rig_from_pattern[first_pose];
   const Pose& second = state.rig_from_pattern[second_pose];
-  RelativeBoardPose relation;
-  relation.image = image;
-  relation.first_pose = first_pose;
-  relation.second_pose = second_pose;
-  relation.rig_from_first = first;
+  RelativeBoardPose relative_pose;
+  relative_pose.image = image;
+  relative_pose.first_pose = first_pose;
+  relative_pose.second_pose = second_pose;
+  relative_pose.rig_from_first = first;
   const Eigen::Matrix3d back = first.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d turned = second.rotation * center;
-  const Eigen::Vector3d in_rig = turned + second.translation;
-  const Eigen::Vector3d apart = in_rig - first.translation;
-  relation.turn = first.rotation.conjugate() * second.rotation;
-  relation.center = back * apart;
-  if (scale_is_free) relation.J_scale.tail<3>() = back * in_rig;
-  relation.J_first.topLeftCorner<3, 3>() = -back;
-  relation.J_first.bottomLeftCorner<3, 3>() = back * CrossMatrix(apart);
-  relation.J_first.bottomRightCorner<3, 3>() = -back;
-  relation.J_second.topLeftCorner<3, 3>() = back;
-  relation.J_second.bottomLeftCorner<3, 3>() = -back * CrossMatrix(turned);
-  relation.J_second.bottomRightCorner<3, 3>() = back;
-  return relation;
+  const Eigen::Vector3d center_in_rig = turned + second.translation;
+  const Eigen::Vector3d offset = center_in_rig - first.translation;
+  relative_pose.relative_rotation =
+      first.rotation.conjugate() * second.rotation;
+  relative_pose.center = back * offset;
+  if (scale_is_free) relative_pose.J_scale.tail<3>() = back * center_in_rig;
+  relative_pose.J_first.topLeftCorner<3, 3>() = -back;
+  relative_pose.J_first.bottomLeftCorner<3, 3>() = back * CrossMatrix(offset);
+  relative_pose.J_first.bottomRightCorner<3, 3>() = -back;
+  relative_pose.J_second.topLeftCorner<3, 3>() = back;
+  relative_pose.J_second.bottomLeftCorner<3, 3>() = -back * CrossMatrix(turned);
+  relative_pose.J_second.bottomRightCorner<3, 3>() = back;
+  return relative_pose;
 }
 
 // Returns the relative pose of the frame that is most consistent with all
 // frames.
 MeanRelativePose EstimateConsensusPose(
-    const std::vector<RelativeBoardPose>& relations) {
+    const std::vector<RelativeBoardPose>& relative_poses) {
   constexpr size_t kMaxCandidates = 100;
-  const size_t step = relations.size() / kMaxCandidates + 1;
+  const size_t step = relative_poses.size() / kMaxCandidates + 1;
   MeanRelativePose best;
   double least = std::numeric_limits<double>::infinity();
-  for (size_t i = 0; i < relations.size(); i += step) {
-    const MeanRelativePose candidate = {relations[i].turn, relations[i].center,
-                                        0};
+  for (size_t i = 0; i < relative_poses.size(); i += step) {
+    const MeanRelativePose candidate = {relative_poses[i].relative_rotation,
+                                        relative_poses[i].center, 0};
     std::vector<double> squares;
-    for (const RelativeBoardPose& relation : relations)
-      squares.push_back(SquaredMahalanobis(candidate, relation));
+    for (const RelativeBoardPose& relative_pose : relative_poses)
+      squares.push_back(SquaredMahalanobis(candidate, relative_pose));
     const double median = Quantile(squares, 0.5);
     if (!(median < least)) continue;
     least = median;
@@ -79,8 +81,8 @@ MeanRelativePose EstimateConsensusPose(
   return best;
 }
 
-AdjustmentOptions OptionsFor(const AdjustmentResult& adjusted,
-                             int num_threads) {
+AdjustmentOptions MakeFrameOptions(const AdjustmentResult& adjusted,
+                                   int num_threads) {
   AdjustmentOptions options;
   options.fix_points = !HavePointsMoved(adjusted);
   options.num_threads = num_threads;
@@ -89,63 +91,69 @@ AdjustmentOptions OptionsFor(const AdjustmentResult& adjusted,
 
 }  // namespace
 
-RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
-                                           const RelativeBoardPose& relation) {
-  Eigen::Quaterniond turn = relation.turn * mean.turn.conjugate();
-  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
-  const Eigen::AngleAxisd angle_axis(turn);
+RelativeBoardPose::Vector ComputeDeviation(
+    const MeanRelativePose& mean, const RelativeBoardPose& relative_pose) {
+  Eigen::Quaterniond relative_rotation =
+      relative_pose.relative_rotation * mean.relative_rotation.conjugate();
+  if (relative_rotation.w() < 0)
+    relative_rotation.coeffs() = -relative_rotation.coeffs();
+  const Eigen::AngleAxisd angle_axis(relative_rotation);
   RelativeBoardPose::Vector deviation;
   deviation << angle_axis.angle() * angle_axis.axis(),
-      relation.center - mean.center;
-  return deviation + mean.scale * relation.J_scale;
+      relative_pose.center - mean.center;
+  return deviation + mean.scale * relative_pose.J_scale;
 }
 
 double SquaredMahalanobis(const MeanRelativePose& mean,
-                          const RelativeBoardPose& relation) {
-  const RelativeBoardPose::Vector deviation = ComputeDeviation(mean, relation);
-  return deviation.dot(relation.information * deviation);
+                          const RelativeBoardPose& relative_pose) {
+  const RelativeBoardPose::Vector deviation =
+      ComputeDeviation(mean, relative_pose);
+  return deviation.dot(relative_pose.information * deviation);
 }
 
 MeanRelativePose ComputeRobustMean(
-    const std::vector<RelativeBoardPose>& relations) {
+    const std::vector<RelativeBoardPose>& relative_poses) {
   constexpr int kRounds = 20;
-  MeanRelativePose mean = EstimateConsensusPose(relations);
-  const bool has_scale = !relations.front().J_scale.isZero();
+  MeanRelativePose mean = EstimateConsensusPose(relative_poses);
+  const bool has_scale = !relative_poses.front().J_scale.isZero();
   const int size = has_scale ? kDimensions + 1 : kDimensions;
   for (int round = 0; round < kRounds; ++round) {
     Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
-    for (const RelativeBoardPose& relation : relations) {
+    for (const RelativeBoardPose& relative_pose : relative_poses) {
       const RelativeBoardPose::Vector deviation =
-          ComputeDeviation(mean, relation);
-      const double square = deviation.dot(relation.information * deviation);
+          ComputeDeviation(mean, relative_pose);
+      const double square =
+          deviation.dot(relative_pose.information * deviation);
       const double weight = std::min(1.0, kMaxSquaredMahalanobis / square);
       Eigen::MatrixXd by(kDimensions, size);
       by.leftCols<kDimensions>() = -RelativeBoardPose::Matrix::Identity();
-      if (has_scale) by.col(kDimensions) = relation.J_scale;
-      h += weight * by.transpose() * relation.information * by;
-      g += weight * by.transpose() * relation.information * deviation;
+      if (has_scale) by.col(kDimensions) = relative_pose.J_scale;
+      h += weight * by.transpose() * relative_pose.information * by;
+      g += weight * by.transpose() * relative_pose.information * deviation;
     }
     const Eigen::VectorXd step = -h.ldlt().solve(g);
-    mean.turn = (RotationFromVector(step.head<3>()) * mean.turn).normalized();
+    mean.relative_rotation =
+        (RotationFromVector(step.head<3>()) * mean.relative_rotation)
+            .normalized();
     mean.center += step.segment<3>(3);
     if (has_scale) mean.scale += step[kDimensions];
   }
   return mean;
 }
 
-void RemoveUndetermined(std::vector<RelativeBoardPose>* relations) {
-  constexpr double kVagueRad = 5 * M_PI / 180;
-  relations->erase(
-      std::remove_if(relations->begin(), relations->end(),
-                     [](const RelativeBoardPose& relation) {
-                       const double square =
-                           relation.covariance.topLeftCorner<3, 3>().trace();
-                       return !(square <= kVagueRad * kVagueRad) ||
-                              relation.covariance.llt().info() !=
-                                  Eigen::Success;
-                     }),
-      relations->end());
+void RemoveUndetermined(std::vector<RelativeBoardPose>* relative_poses) {
+  constexpr double kMaxRotationStdDevRad = 5 * M_PI / 180;
+  relative_poses->erase(
+      std::remove_if(
+          relative_poses->begin(), relative_poses->end(),
+          [](const RelativeBoardPose& relative_pose) {
+            const double square =
+                relative_pose.covariance.topLeftCorner<3, 3>().trace();
+            return !(square <= kMaxRotationStdDevRad * kMaxRotationStdDevRad) ||
+                   relative_pose.covariance.llt().info() != Eigen::Success;
+          }),
+      relative_poses->end());
 }
 
 std::vector<RelativeBoardPose> ComputeRelativePoses(
@@ -153,20 +161,20 @@ std::vector<RelativeBoardPose> ComputeRelativePoses(
     const Eigen::Vector3d& center, size_t max_count) {
   const bool scale_is_free =
       HavePointsMoved(adjusted) && adjusted.state.cameras.size() == 1;
-  std::vector<RelativeBoardPose> relations;
+  std::vector<RelativeBoardPose> relative_poses;
   for (const auto& [image, poses] : GroupPosesByImage(adjusted.problem)) {
     const auto a = poses.find(first), b = poses.find(second);
     if (a != poses.end() && b != poses.end())
-      relations.push_back(ComputeRelation(
+      relative_poses.push_back(ComputeRelativeBoardPose(
           image, a->second, b->second, adjusted.state, center, scale_is_free));
   }
-  return SelectEvenly(relations, max_count);
+  return SelectEvenly(relative_poses, max_count);
 }
 
 PoseEquations::PoseEquations(const AdjustmentResult& adjusted,
                              const Pattern& pattern, int num_threads)
     : response_(adjusted.problem.views, adjusted.prior,
-                OptionsFor(adjusted, num_threads), adjusted.state) {
+                MakeFrameOptions(adjusted, num_threads), adjusted.state) {
   // Camera models have errors of at least this size, even with exact features.
   constexpr double kMinNoisePx = 0.01;
   variance_ = std::pow(std::max(adjusted.summary.noise_px, kMinNoisePx), 2);
@@ -183,32 +191,32 @@ PoseEquations::PoseEquations(const AdjustmentResult& adjusted,
 }
 
 bool PoseEquations::AddCovariances(
-    std::vector<RelativeBoardPose>* relations) const {
+    std::vector<RelativeBoardPose>* relative_poses) const {
   const ParameterLayout& layout = response_.layout();
-  const auto count = static_cast<Eigen::Index>(relations->size());
+  const auto count = static_cast<Eigen::Index>(relative_poses->size());
   Eigen::MatrixXd right =
       Eigen::MatrixXd::Zero(layout.num_all(), kDimensions * count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const auto& relation = (*relations)[i];
+    const auto& relative_pose = (*relative_poses)[i];
     auto columns = right.middleCols<kDimensions>(kDimensions * i);
-    columns.middleRows<kDimensions>(layout.Pose(relation.first_pose)) =
-        relation.J_first.transpose();
-    columns.middleRows<kDimensions>(layout.Pose(relation.second_pose)) =
-        relation.J_second.transpose();
+    columns.middleRows<kDimensions>(layout.Pose(relative_pose.first_pose)) =
+        relative_pose.J_first.transpose();
+    columns.middleRows<kDimensions>(layout.Pose(relative_pose.second_pose)) =
+        relative_pose.J_second.transpose();
   }
   Eigen::MatrixXd solution;
   if (!response_.Solve(right, &solution)) return false;
   for (Eigen::Index i = 0; i < count; ++i) {
-    auto& relation = (*relations)[i];
+    auto& relative_pose = (*relative_poses)[i];
     const RelativeBoardPose::Matrix inverse =
         right.middleCols<kDimensions>(kDimensions * i).transpose() *
         solution.middleCols<kDimensions>(kDimensions * i);
-    const double features = std::min(num_features_[relation.first_pose],
-                                     num_features_[relation.second_pose]);
-    relation.covariance = variance_ * (1 + features / 3 * correlation_) *
-                          (inverse + inverse.transpose()) / 2;
-    relation.information =
-        relation.covariance.ldlt().solve(RelativeBoardPose::Matrix::Identity());
+    const double features = std::min(num_features_[relative_pose.first_pose],
+                                     num_features_[relative_pose.second_pose]);
+    relative_pose.covariance = variance_ * (1 + features / 3 * correlation_) *
+                               (inverse + inverse.transpose()) / 2;
+    relative_pose.information = relative_pose.covariance.ldlt().solve(
+        RelativeBoardPose::Matrix::Identity());
   }
   return true;
 }

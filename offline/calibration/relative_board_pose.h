@@ -21,7 +21,7 @@ struct RelativeBoardPose {
   std::string image;
   int first_pose = 0, second_pose = 0;
   Pose rig_from_first;
-  Eigen::Quaterniond turn;
+  Eigen::Quaterniond relative_rotation;
   Eigen::Vector3d center;           ///< centre of the second board
   Vector J_scale = Vector::Zero();  ///< Jacobian with respect to the second
                                     ///< board's scale, if it is free
@@ -33,7 +33,7 @@ struct RelativeBoardPose {
 /// Mean pose of the second board; scale of the first board relative to the
 /// second board's.
 struct MeanRelativePose {
-  Eigen::Quaterniond turn;
+  Eigen::Quaterniond relative_rotation;
   Eigen::Vector3d center;
   double scale = 0;
 };
@@ -41,20 +41,21 @@ struct MeanRelativePose {
 /// Squared Mahalanobis distance beyond which a relative pose is an outlier: the
 /// 99.9 % quantile of chi-square with six degrees of freedom, times two, since
 /// covariances are only approximate, e.g. if a grid is too coarse for its lens.
-constexpr double kRoughly = 2, kMaxSquaredMahalanobis = kRoughly * 22.458;
+constexpr double kCovarianceMargin = 2,
+                 kMaxSquaredMahalanobis = kCovarianceMargin * 22.458;
 
-RelativeBoardPose::Vector ComputeDeviation(const MeanRelativePose& mean,
-                                           const RelativeBoardPose& relation);
+RelativeBoardPose::Vector ComputeDeviation(
+    const MeanRelativePose& mean, const RelativeBoardPose& relative_pose);
 double SquaredMahalanobis(const MeanRelativePose& mean,
-                          const RelativeBoardPose& relation);
+                          const RelativeBoardPose& relative_pose);
 
 /// Computes the mean weighted by information; outliers have less weight.
 MeanRelativePose ComputeRobustMean(
-    const std::vector<RelativeBoardPose>& relations);
+    const std::vector<RelativeBoardPose>& relative_poses);
 
 /// Removes relative poses with a poorly determined rotation: a single row of
 /// features does not determine the rotation about the row.
-void RemoveUndetermined(std::vector<RelativeBoardPose>* relations);
+void RemoveUndetermined(std::vector<RelativeBoardPose>* relative_poses);
 
 /// Computes the relative poses of two boards in an adjustment, without
 /// covariances; at most max_count, evenly selected.
@@ -72,12 +73,12 @@ class PoseEquations {
 
   /// Returns the maximum number of relative poses per pair of boards, which
   /// limits the run time.
-  size_t MaxNumRelations() const { return response_.IsExact() ? 60 : 16; }
+  size_t MaxNumRelativePoses() const { return response_.IsExact() ? 60 : 16; }
 
   /// Computes the covariances of relative poses. Correlated noise is not
   /// averaged: n features with residual correlation c multiply covariances by 1
   /// + c n / 3. Returns false if the equations are singular.
-  bool AddCovariances(std::vector<RelativeBoardPose>* relations) const;
+  bool AddCovariances(std::vector<RelativeBoardPose>* relative_poses) const;
 
  private:
   LinearResponse response_;

@@ -23,7 +23,7 @@ AdjustmentResult AdjustAround(const std::string& other, const Pattern& pattern,
   AdjustmentOptions options = MakeStoppableOptions(calibration);
   options.fix_points = true;
   OptimizeModel(pattern, other, {0}, options, &adjusted);
-  adjusted.base_lenses.clear();
+  adjusted.base_models.clear();
   options.fix_points = calibration.fix_target_geometry;
   options.rigid_boards = are_boards_rigid;
   OptimizeWithRigidBoards(pattern, calibration.model, {knot_spacing_px},

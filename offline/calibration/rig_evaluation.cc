@@ -35,12 +35,13 @@ AdjustmentState LocalizeRigViews(const RigModel& rig,
                                  CalibrationProblem* problem, int num_threads) {
   AdjustmentState state = MakeAdjustmentState(rig, *problem);
   const auto poses = LocalizeProblem(rig, *problem, num_threads);
-  std::vector<bool> is_lost;
-  for (const View& view : problem->views) is_lost.push_back(!poses[view.pose]);
+  std::vector<bool> is_not_localized;
+  for (const View& view : problem->views)
+    is_not_localized.push_back(!poses[view.pose]);
   std::vector<Pose> found;
   for (const auto& pose : poses)
     if (pose) found.push_back(*pose);
-  RemoveViews(is_lost, problem);
+  RemoveViews(is_not_localized, problem);
   state.rig_from_pattern = std::move(found);
   return state;
 }

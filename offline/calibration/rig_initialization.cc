@@ -20,7 +20,8 @@ namespace {
 // A relative pose is invalid if its error in half of the shared views exceeds
 // this fraction of the image width.
 constexpr double kMaxRelativeDisagreement = 0.05;
-constexpr double kUnseenPx = 1e4;  // error of a point without a projection
+constexpr double kMissingErrorPx =
+    1e4;  // error of a point without a projection
 constexpr int kMaxCandidates = 40;
 // Outlier removal handles views with smaller errors.
 constexpr double kMinViewErrorPx = 1;
@@ -29,7 +30,7 @@ using Views = std::vector<int>;
 
 // The problem of a rig, and camera_from_pattern of each view as estimated by
 // its camera alone, in the frame of the rigid target.
-struct Joined {
+struct JoinedProblem {
   CalibrationProblem problem;
   std::vector<Pose> camera_from_pattern;
   std::vector<Pose> target_from_board;
@@ -37,9 +38,9 @@ struct Joined {
 
 // Joins the problems of single cameras. Views of a rigid target in images of
 // the same name share a pose.
-Joined Join(const std::vector<AdjustmentResult>& cameras,
-            const RigidTargets& rigid_targets) {
-  Joined joined;
+JoinedProblem JoinProblems(const std::vector<AdjustmentResult>& cameras,
+                           const RigidTargets& rigid_targets) {
+  JoinedProblem joined;
   CalibrationProblem& problem = joined.problem;
   problem.first_points = cameras.front().problem.first_points;
   problem.nominal = cameras.front().problem.nominal;
@@ -84,8 +85,8 @@ std::vector<Views> GroupViewsByPose(const CalibrationProblem& problem) {
 
 // Returns the pairs of views in which two cameras observe a target in the same
 // frame.
-std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
-                                             int first, int second) {
+std::vector<std::pair<int, int>> FindSharedViews(
+    const CalibrationProblem& problem, int first, int second) {
   std::vector<std::pair<int, int>> shared;
   for (const Views& views : GroupViewsByPose(problem))
     for (const int a : views)
@@ -97,22 +98,23 @@ std::vector<std::pair<int, int>> SharedViews(const CalibrationProblem& problem,
 }
 
 // Returns the median reprojection error of a view.
-double ViewErrorPx(const CameraModel& camera, const Pose& camera_from_board,
-                   const View& view,
-                   const std::vector<Eigen::Vector3d>& points) {
+double ComputeViewErrorPx(const CameraModel& camera,
+                          const Pose& camera_from_board, const View& view,
+                          const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> errors;
   for (const Observation& observation : view.observations) {
     const auto pixel =
         camera.Project(camera_from_board * points[observation.point],
                        &observation.pixel, kAdjustmentMarginPx);
-    errors.push_back(pixel ? (*pixel - observation.pixel).norm() : kUnseenPx);
+    errors.push_back(pixel ? (*pixel - observation.pixel).norm()
+                           : kMissingErrorPx);
   }
   return Quantile(errors, 0.5);
 }
 
 // Returns camera_from_board of a view for a given pose of its target.
-Pose OnRigidTarget(const Joined& joined, int view,
-                   const Pose& camera_from_target) {
+Pose ComputeBoardPoseOnTarget(const JoinedProblem& joined, int view,
+                              const Pose& camera_from_target) {
   return ComputeBoardPose(joined.problem.views[view], camera_from_target,
                           joined.target_from_board);
 }
@@ -129,22 +131,22 @@ struct RotatedViewError {
   int turn = 0;
 };
 
-RotatedViewError FindBestRotation(const Joined& joined,
+RotatedViewError FindBestRotation(const JoinedProblem& joined,
                                   const CameraModel& camera, int view,
                                   const Pose& camera_from_target,
                                   const Pattern* turned) {
   const CalibrationProblem& problem = joined.problem;
   const Pose camera_from_board =
-      OnRigidTarget(joined, view, camera_from_target);
+      ComputeBoardPoseOnTarget(joined, view, camera_from_target);
   RotatedViewError best;
-  best.error_px = ViewErrorPx(camera, camera_from_board, problem.views[view],
-                              problem.nominal);
+  best.error_px = ComputeViewErrorPx(camera, camera_from_board,
+                                     problem.views[view], problem.nominal);
   if (!turned) return best;
   const Board& board = turned->boards[problem.boards[view]];
   for (int turn = 1; turn < board.NumRotations(); ++turn) {
-    const double error_px =
-        ViewErrorPx(camera, camera_from_board * ComputeRotation(board, turn),
-                    problem.views[view], problem.nominal);
+    const double error_px = ComputeViewErrorPx(
+        camera, camera_from_board * ComputeRotation(board, turn),
+        problem.views[view], problem.nominal);
     if (error_px < best.error_px) best = {error_px, turn};
   }
   return best;
@@ -152,8 +154,8 @@ RotatedViewError FindBestRotation(const Joined& joined,
 
 // Returns the relative poses estimated from single shared views, for each board
 // rotation that is to be resolved.
-std::vector<RelativePose> RelativePoses(
-    const Joined& joined, const CameraModel& second,
+std::vector<RelativePose> ListRelativePoses(
+    const JoinedProblem& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads,
     const Pattern* turned) {
   const int num_shared = static_cast<int>(shared.size());
@@ -195,16 +197,17 @@ const RelativePose& SelectBest(const std::vector<RelativePose>& candidates) {
 // Returns the best of the relative poses that are estimated from single shared
 // views.
 RelativePose EstimateBestRelativePose(
-    const Joined& joined, const CameraModel& second,
+    const JoinedProblem& joined, const CameraModel& second,
     const std::vector<std::pair<int, int>>& shared, int num_threads) {
   return SelectBest(
-      RelativePoses(joined, second, shared, num_threads, nullptr));
+      ListRelativePoses(joined, second, shared, num_threads, nullptr));
 }
 
 // Whether another relative pose has a comparable error.
-bool IsAsGood(const RelativePose& other, const RelativePose& best) {
-  constexpr double kMuchWorse = 3;
-  return other.error_px < kMuchWorse * best.error_px + kMinViewErrorPx;
+bool HasSimilarError(const RelativePose& other, const RelativePose& best) {
+  constexpr double kComparableErrorRatio = 3;
+  return other.error_px <
+         kComparableErrorRatio * best.error_px + kMinViewErrorPx;
 }
 
 bool IsAmbiguous(const std::vector<RelativePose>& candidates,
@@ -214,14 +217,15 @@ bool IsAmbiguous(const std::vector<RelativePose>& candidates,
       candidates.begin(), candidates.end(), [&](const RelativePose& other) {
         return other.second_from_first.rotation.angularDistance(
                    best.second_from_first.rotation) > kMaxRotationRad &&
-               IsAsGood(other, best);
+               HasSimilarError(other, best);
       });
 }
 
 // Returns the pair of a connected and an unconnected camera with the most
 // shared views.
-std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
-                             const std::vector<bool>& reached) {
+std::pair<int, int> FindNextPair(
+    const std::vector<std::vector<int>>& num_shared,
+    const std::vector<bool>& reached) {
   std::pair<int, int> best = {-1, -1};
   int most = 0;
   for (size_t a = 0; a < reached.size(); ++a)
@@ -234,11 +238,11 @@ std::pair<int, int> NextPair(const std::vector<std::vector<int>>& num_shared,
 }
 
 // Returns the cameras that shared views connect to the first one.
-std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
-                          int first) {
+std::vector<bool> FindConnectedCameras(
+    const std::vector<std::vector<int>>& num_shared, int first) {
   std::vector<bool> reached(num_shared.size());
   reached[first] = true;
-  for (int next; (next = NextPair(num_shared, reached).second) >= 0;)
+  for (int next; (next = FindNextPair(num_shared, reached).second) >= 0;)
     reached[next] = true;
   return reached;
 }
@@ -247,21 +251,23 @@ std::vector<bool> Reached(const std::vector<std::vector<int>>& num_shared,
 class LocalizedCameras {
  public:
   explicit LocalizedCameras(size_t count)
-      : tree_(count, -1), from_first_(count) {}
+      : tree_by_camera_(count, -1), from_first_(count) {}
 
   void AddFirst(size_t camera) {
-    tree_[camera] = static_cast<int>(camera);
+    tree_by_camera_[camera] = static_cast<int>(camera);
     order_.push_back(camera);
   }
   // Leaves the second camera unconnected if the first one is unconnected.
   void Add(size_t first, size_t second, const Pose& second_from_first) {
-    if (tree_[first] < 0) return;
-    tree_[second] = tree_[first];
+    if (tree_by_camera_[first] < 0) return;
+    tree_by_camera_[second] = tree_by_camera_[first];
     from_first_[second] = second_from_first * from_first_[first];
     order_.push_back(second);
   }
-  std::optional<Pose> Between(int from, int to) const {
-    if (tree_[from] < 0 || tree_[from] != tree_[to]) return std::nullopt;
+  std::optional<Pose> GetRelativePose(int from, int to) const {
+    if (tree_by_camera_[from] < 0 ||
+        tree_by_camera_[from] != tree_by_camera_[to])
+      return std::nullopt;
     return from_first_[to] * from_first_[from].Inverse();
   }
   // Returns the view of the camera that was added first.
@@ -274,7 +280,7 @@ class LocalizedCameras {
   }
 
  private:
-  std::vector<int> tree_;  // index of its first camera
+  std::vector<int> tree_by_camera_;  // index of its first camera
   std::vector<Pose> from_first_;
   std::vector<size_t> order_;
 };
@@ -293,7 +299,7 @@ void RequireAgreement(const std::vector<std::string>& names, int first,
 
 // Computes camera_from_rig by chaining relative poses along the spanning tree.
 std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
-                                   const Joined& joined,
+                                   const JoinedProblem& joined,
                                    const AdjustmentState& state,
                                    int num_threads) {
   const auto num_shared = CountSharedViews(joined.problem);
@@ -301,9 +307,9 @@ std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
   std::vector<bool> reached(names.size());
   reached[0] = true;
   for (;;) {
-    const auto [first, second] = NextPair(num_shared, reached);
+    const auto [first, second] = FindNextPair(num_shared, reached);
     if (second < 0) return camera_from_rig;
-    const auto shared = SharedViews(joined.problem, first, second);
+    const auto shared = FindSharedViews(joined.problem, first, second);
     const RelativePose best = EstimateBestRelativePose(
         joined, *state.cameras[second], shared, num_threads);
     RequireAgreement(names, first, second, best, shared.size(),
@@ -315,7 +321,7 @@ std::vector<Pose> ChainCameraPoses(const std::vector<std::string>& names,
 
 // Initializes the rig's poses, each from the view that best explains all views
 // of the pose.
-std::vector<Pose> InitializeRigPoses(const Joined& joined,
+std::vector<Pose> InitializeRigPoses(const JoinedProblem& joined,
                                      const AdjustmentState& state) {
   std::vector<Pose> rig_from_pattern;
   for (const Views& views : GroupViewsByPose(joined.problem)) {
@@ -328,10 +334,10 @@ std::vector<Pose> InitializeRigPoses(const Joined& joined,
       double error_px = 0;
       for (const int w : views) {
         const View& view = joined.problem.views[w];
-        error_px += ViewErrorPx(
+        error_px += ComputeViewErrorPx(
             *state.cameras[view.camera],
-            OnRigidTarget(joined, w,
-                          state.camera_from_rig[view.camera] * candidate),
+            ComputeBoardPoseOnTarget(
+                joined, w, state.camera_from_rig[view.camera] * candidate),
             view, joined.problem.nominal);
       }
       if (error_px >= best_error_px) continue;
@@ -352,17 +358,17 @@ std::vector<bool> FindInconsistentViews(const CalibrationProblem& problem,
   for (size_t v = 0; v < problem.views.size(); ++v) {
     const View& view = problem.views[v];
     if (views_by_pose[view.pose].size() < 2) continue;
-    errors_px[v] = ViewErrorPx(*state.cameras[view.camera],
-                               state.ComputeCameraFromPattern(view), view,
-                               problem.nominal);
+    errors_px[v] = ComputeViewErrorPx(*state.cameras[view.camera],
+                                      state.ComputeCameraFromPattern(view),
+                                      view, problem.nominal);
     shared_px.push_back(errors_px[v]);
   }
   const double q1 = Quantile(shared_px, 0.25), q3 = Quantile(shared_px, 0.75);
   const double threshold = std::max(q3 + 6 * (q3 - q1), kMinViewErrorPx);
-  std::vector<bool> disagreeing;
+  std::vector<bool> inconsistent;
   for (const double error_px : errors_px)
-    disagreeing.push_back(error_px > threshold);
-  return disagreeing;
+    inconsistent.push_back(error_px > threshold);
+  return inconsistent;
 }
 
 // Removes views from the problem, and poses without remaining views from the
@@ -405,7 +411,7 @@ std::vector<std::vector<int>> ConnectedGroups(
   for (size_t first = 0; first < num_shared.size(); ++first) {
     if (is_known[first]) continue;
     const std::vector<bool> reached =
-        Reached(num_shared, static_cast<int>(first));
+        FindConnectedCameras(num_shared, static_cast<int>(first));
     groups.emplace_back();
     for (size_t c = 0; c < reached.size(); ++c) {
       if (!reached[c]) continue;
@@ -418,7 +424,7 @@ std::vector<std::vector<int>> ConnectedGroups(
 
 std::vector<std::vector<int>> ConnectedGroups(
     const std::vector<AdjustmentResult>& cameras) {
-  return ConnectedGroups(Join(cameras, {}).problem);
+  return ConnectedGroups(JoinProblems(cameras, {}).problem);
 }
 
 RigRotations ResolveRotationsAcrossCameras(
@@ -426,7 +432,7 @@ RigRotations ResolveRotationsAcrossCameras(
     int num_threads) {
   RigRotations result;
   result.by_camera.resize(cameras.size());
-  const Joined joined = Join(cameras, {});
+  const JoinedProblem joined = JoinProblems(cameras, {});
   const CalibrationProblem& problem = joined.problem;
   const auto num_shared = CountSharedViews(problem);
   LocalizedCameras placed(cameras.size());
@@ -436,13 +442,13 @@ RigRotations ResolveRotationsAcrossCameras(
     reached[root] = true;
     placed.AddFirst(root);
     for (;;) {
-      const auto [first, second] = NextPair(num_shared, reached);
+      const auto [first, second] = FindNextPair(num_shared, reached);
       if (second < 0) break;
       reached[second] = true;
       const CameraModel& camera = cameras[second].state.camera();
-      const auto shared = SharedViews(problem, first, second);
+      const auto shared = FindSharedViews(problem, first, second);
       const auto candidates =
-          RelativePoses(joined, camera, shared, num_threads, &pattern);
+          ListRelativePoses(joined, camera, shared, num_threads, &pattern);
       RelativePose best = SelectBest(candidates);
       // InitializeRig() reports inconsistent views.
       if (best.error_px >
@@ -454,9 +460,9 @@ RigRotations ResolveRotationsAcrossCameras(
                                     static_cast<int>(shared.size())});
         // Ambiguous rotations: prefers boards that are upright in the images,
         // as detected.
-        const RelativePose upright =
+        const RelativePose unrotated =
             EstimateBestRelativePose(joined, camera, shared, num_threads);
-        if (IsAsGood(upright, best)) best = upright;
+        if (HasSimilarError(unrotated, best)) best = unrotated;
       }
       placed.Add(first, second, best.second_from_first);
     }
@@ -466,7 +472,7 @@ RigRotations ResolveRotationsAcrossCameras(
     for (const int v : views) {
       const View& view = problem.views[v];
       const auto from_reference =
-          placed.Between(problem.views[reference].camera, view.camera);
+          placed.GetRelativePose(problem.views[reference].camera, view.camera);
       if (v == reference || !from_reference) continue;
       const int turn =
           FindBestRotation(
@@ -508,7 +514,7 @@ AdjustmentResult InitializeRig(
     std::vector<std::vector<RejectedImage>>* rejected) {
   rejected->resize(cameras.size());
   if (cameras.size() == 1 && rigid_targets.empty()) return cameras.front();
-  Joined joined = Join(cameras, rigid_targets);
+  JoinedProblem joined = JoinProblems(cameras, rigid_targets);
   RequireConnected(names, joined.problem);
   AdjustmentResult rig;
   for (const AdjustmentResult& camera : cameras) {

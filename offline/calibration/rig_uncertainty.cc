@@ -32,22 +32,23 @@ Eigen::MatrixXd ComputeJacobianOfRelativePose(
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(
       6, 6 * (static_cast<Eigen::Index>(camera_from_rig.size()) - 1));
   if (baseline.first > 0) {
-    auto by_first = jacobian.middleCols<6>(
+    auto J_first_pose = jacobian.middleCols<6>(
         6 * static_cast<Eigen::Index>(baseline.first - 1));
-    by_first << -R, Eigen::Matrix3d::Zero(), -lever * R, -R;
+    J_first_pose << -R, Eigen::Matrix3d::Zero(), -lever * R, -R;
   }
   if (baseline.second > 0) {
-    auto by_second = jacobian.middleCols<6>(
+    auto J_second_pose = jacobian.middleCols<6>(
         6 * static_cast<Eigen::Index>(baseline.second - 1));
-    by_second << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), lever,
-        Eigen::Matrix3d::Identity();
+    J_second_pose << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(),
+        lever, Eigen::Matrix3d::Identity();
   }
   return jacobian;
 }
 
 // Unit vectors by which a relative pose is scaled to the jackknife: the axes
 // for the rotation; along the baseline and across it for the translation.
-Eigen::Matrix<double, 6, 6> ScaledDirections(const Eigen::Vector3d& baseline) {
+Eigen::Matrix<double, 6, 6> ListScaledDirections(
+    const Eigen::Vector3d& baseline) {
   Eigen::Matrix<double, 6, 6> directions =
       Eigen::Matrix<double, 6, 6>::Identity();
   if (!(baseline.norm() > 0)) return directions;
@@ -115,7 +116,7 @@ void AddCovariances(const AdjustmentResult& adjusted, AdjustmentOptions options,
   for (Baseline& baseline : *baselines) {
     const Pose relative = camera_from_rig[baseline.second] *
                           camera_from_rig[baseline.first].Inverse();
-    const auto directions = ScaledDirections(relative.translation);
+    const auto directions = ListScaledDirections(relative.translation);
     const Eigen::MatrixXd jacobian =
         directions.transpose() *
         ComputeJacobianOfRelativePose(camera_from_rig, baseline);

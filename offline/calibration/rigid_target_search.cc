@@ -20,10 +20,11 @@ constexpr double kMaxInconsistentFraction = 0.1;
 
 // Returns the 99.9 % quantile of the chi-square distribution (E. Wilson, M.
 // Hilferty, "The Distribution of Chi-Square", 1931).
-double ComputeChiSquareLimit(double degrees) {
+double ComputeChiSquareLimit(double degrees_of_freedom) {
   constexpr double kNormalQuantile = 3.090232;
-  const double part = 2 / (9 * degrees);
-  return degrees * std::pow(1 - part + kNormalQuantile * std::sqrt(part), 3);
+  const double part = 2 / (9 * degrees_of_freedom);
+  return degrees_of_freedom *
+         std::pow(1 - part + kNormalQuantile * std::sqrt(part), 3);
 }
 
 Eigen::Vector3d ComputeBoardCenter(const Board& board) {
@@ -33,20 +34,21 @@ Eigen::Vector3d ComputeBoardCenter(const Board& board) {
 }
 
 // Counts the frames with distinct poses of the first board.
-size_t NumDifferent(const std::vector<const RelativeBoardPose*>& relations) {
+size_t CountDiffering(
+    const std::vector<const RelativeBoardPose*>& relative_poses) {
   constexpr double kMaxRotationRad = 2 * M_PI / 180,
                    kMaxRelativeDistance = 0.02;
-  std::vector<const Pose*> different;
-  for (const RelativeBoardPose* relation : relations) {
-    const Pose& pose = relation->rig_from_first;
-    if (std::none_of(different.begin(), different.end(), [&](const Pose* p) {
+  std::vector<const Pose*> differing;
+  for (const RelativeBoardPose* relative_pose : relative_poses) {
+    const Pose& pose = relative_pose->rig_from_first;
+    if (std::none_of(differing.begin(), differing.end(), [&](const Pose* p) {
           return p->rotation.angularDistance(pose.rotation) < kMaxRotationRad &&
                  (p->translation - pose.translation).norm() <
                      kMaxRelativeDistance * pose.translation.norm();
         }))
-      different.push_back(&pose);
+      differing.push_back(&pose);
   }
-  return different.size();
+  return differing.size();
 }
 
 // Test result for a pair of boards.
@@ -59,49 +61,53 @@ struct PairFinding {
 };
 
 std::optional<PairFinding> AnalysePair(
-    const std::vector<RelativeBoardPose>& relations,
+    const std::vector<RelativeBoardPose>& relative_poses,
     const Eigen::Vector3d& center) {
-  const MeanRelativePose mean = ComputeRobustMean(relations);
+  const MeanRelativePose mean = ComputeRobustMean(relative_poses);
   PairFinding finding;
   BoardPair& board_pair = finding.board_pair;
-  finding.first_from_second = {mean.turn, mean.center - mean.turn * center};
+  finding.first_from_second = {mean.relative_rotation,
+                               mean.center - mean.relative_rotation * center};
   std::vector<const RelativeBoardPose*> near;
   double square_sum = 0;
-  for (const RelativeBoardPose& relation : relations) {
-    const double square = SquaredMahalanobis(mean, relation);
+  for (const RelativeBoardPose& relative_pose : relative_poses) {
+    const double square = SquaredMahalanobis(mean, relative_pose);
     const bool is_inconsistent = !(square <= kMaxSquaredMahalanobis);
     if (is_inconsistent)
-      finding.inconsistent_images.push_back(relation.image);
+      finding.inconsistent_images.push_back(relative_pose.image);
     else
-      near.push_back(&relation);
+      near.push_back(&relative_pose);
     square_sum += is_inconsistent ? 0 : square;
   }
   const double count = static_cast<double>(near.size());
-  board_pair.num_frames = static_cast<int>(relations.size());
-  const double degrees = RelativeBoardPose::kDimensions * (count - 1) -
-                         (relations.front().J_scale.isZero() ? 0 : 1);
-  const bool is_observed = NumDifferent(near) >= kMinFrames;
+  board_pair.num_frames = static_cast<int>(relative_poses.size());
+  const double degrees_of_freedom =
+      RelativeBoardPose::kDimensions * (count - 1) -
+      (relative_poses.front().J_scale.isZero() ? 0 : 1);
+  const bool is_observed = CountDiffering(near) >= kMinFrames;
   board_pair.fixed =
       is_observed &&
       static_cast<double>(finding.inconsistent_images.size()) <=
-          kMaxInconsistentFraction * static_cast<double>(relations.size()) &&
-      square_sum <=
-          std::max(ComputeChiSquareLimit(degrees), kRoughly * degrees);
-  if (!is_observed && finding.inconsistent_images.size() * 2 < relations.size())
+          kMaxInconsistentFraction *
+              static_cast<double>(relative_poses.size()) &&
+      square_sum <= std::max(ComputeChiSquareLimit(degrees_of_freedom),
+                             kCovarianceMargin * degrees_of_freedom);
+  if (!is_observed &&
+      finding.inconsistent_images.size() * 2 < relative_poses.size())
     return std::nullopt;  // not observable: all poses are alike
   double number = 0;
-  for (const RelativeBoardPose& relation : relations) {
+  for (const RelativeBoardPose& relative_pose : relative_poses) {
     if (board_pair.fixed &&
-        !(SquaredMahalanobis(mean, relation) <= kMaxSquaredMahalanobis))
+        !(SquaredMahalanobis(mean, relative_pose) <= kMaxSquaredMahalanobis))
       continue;
     const RelativeBoardPose::Vector deviation =
-        ComputeDeviation(mean, relation);
+        ComputeDeviation(mean, relative_pose);
     board_pair.deviation_rad += deviation.head<3>().squaredNorm();
     board_pair.deviation_m += deviation.tail<3>().squaredNorm();
     board_pair.expected_rad +=
-        relation.covariance.topLeftCorner<3, 3>().trace();
+        relative_pose.covariance.topLeftCorner<3, 3>().trace();
     board_pair.expected_m +=
-        relation.covariance.bottomRightCorner<3, 3>().trace();
+        relative_pose.covariance.bottomRightCorner<3, 3>().trace();
     ++number;
   }
   for (double* square : {&board_pair.deviation_rad, &board_pair.deviation_m,
@@ -123,21 +129,22 @@ std::vector<PairFinding> Findings(const std::vector<AdjustmentResult>& adjusted,
       const Eigen::Vector3d center = ComputeBoardCenter(pattern.boards[second]);
       // Unconnected groups of cameras have separate scales, so only the group
       // with the most views of both boards is used.
-      std::vector<RelativeBoardPose> most;
-      size_t teller = 0;
+      std::vector<RelativeBoardPose> largest_group;
+      size_t best_group = 0;
       for (size_t g = 0; g < adjusted.size(); ++g) {
-        std::vector<RelativeBoardPose> relations =
+        std::vector<RelativeBoardPose> relative_poses =
             ComputeRelativePoses(adjusted[g], first, second, center,
-                                 equations[g]->MaxNumRelations());
-        if (relations.size() <= most.size()) continue;
-        most = std::move(relations);
-        teller = g;
+                                 equations[g]->MaxNumRelativePoses());
+        if (relative_poses.size() <= largest_group.size()) continue;
+        largest_group = std::move(relative_poses);
+        best_group = g;
       }
-      if (most.size() < kMinFrames || !equations[teller]->AddCovariances(&most))
+      if (largest_group.size() < kMinFrames ||
+          !equations[best_group]->AddCovariances(&largest_group))
         continue;
-      RemoveUndetermined(&most);
-      if (most.size() < kMinFrames) continue;
-      auto finding = AnalysePair(most, center);
+      RemoveUndetermined(&largest_group);
+      if (largest_group.size() < kMinFrames) continue;
+      auto finding = AnalysePair(largest_group, center);
       if (!finding) continue;
       finding->first = first;
       finding->second = second;
@@ -193,7 +200,7 @@ void ExcludeInconsistentBoards(const std::vector<PairFinding>& findings,
 }
 
 // Counts the images that show each pair of boards.
-std::map<std::pair<int, int>, size_t> CountTogether(
+std::map<std::pair<int, int>, size_t> CountCommonFrames(
     const CalibrationProblem& problem) {
   std::map<std::pair<std::string, int>, std::vector<int>> boards;
   for (size_t v = 0; v < problem.views.size(); ++v)
@@ -226,7 +233,8 @@ RigidTargets ProposeRigidTargets(const std::vector<Dataset>& cameras,
                                  const Pattern& pattern) {
   RigidTargets rigid_targets = SeparateTargets(pattern.boards.size());
   std::vector<RejectedImage> rejected;
-  const auto counts = CountTogether(BuildProblem(cameras, pattern, &rejected));
+  const auto counts =
+      CountCommonFrames(BuildProblem(cameras, pattern, &rejected));
   for (const auto& [pair, count] : counts)
     if (count >= kMinFrames)
       UniteTargets(pair.first, pair.second, Pose(), &rigid_targets);

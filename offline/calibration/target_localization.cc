@@ -57,12 +57,12 @@ std::vector<PoseInformation> GatherInformation(const LocalizedFrames& frames,
 }
 
 double PooledVariance(const std::vector<PoseInformation>& information) {
-  double sum = 0, degrees = 0;
+  double sum = 0, degrees_of_freedom = 0;
   for (const PoseInformation& pose : information) {
     sum += pose.sum;
-    degrees += pose.DegreesOfFreedom();
+    degrees_of_freedom += pose.DegreesOfFreedom();
   }
-  return degrees > 0 ? sum / degrees : 0;
+  return degrees_of_freedom > 0 ? sum / degrees_of_freedom : 0;
 }
 
 // Returns the noise variance of one pose. Images differ in sharpness, but a few
@@ -76,13 +76,14 @@ double ComputeResidualVariance(const PoseInformation& pose, double pooled) {
 
 // Inverts an information matrix; nullopt if it is numerically singular.
 // Parameters are scaled, so that rotations and translations are comparable.
-std::optional<PoseCovariance> Invert(const PoseCovariance& information) {
-  constexpr double kSingular = 1e-12;
+std::optional<PoseCovariance> InvertInformation(
+    const PoseCovariance& information) {
+  constexpr double kMinEigenvalueRatio = 1e-12;
   const Eigen::Matrix<double, 6, 1> scale =
       information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<PoseCovariance> solver(
       scale.asDiagonal() * information * scale.asDiagonal());
-  if (!(solver.eigenvalues()[0] > kSingular)) return std::nullopt;
+  if (!(solver.eigenvalues()[0] > kMinEigenvalueRatio)) return std::nullopt;
   const PoseCovariance vectors = scale.asDiagonal() * solver.eigenvectors();
   return PoseCovariance(vectors *
                         solver.eigenvalues().cwiseInverse().asDiagonal() *
@@ -97,7 +98,8 @@ int FrameBoard(const CalibrationProblem& problem, int view) {
 
 // Converts estimated poses to an adjustment result, and drops views without a
 // pose.
-AdjustmentResult ToAdjustment(const RigModel& rig, LocalizedFrames frames) {
+AdjustmentResult MakeAdjustmentProblem(const RigModel& rig,
+                                       LocalizedFrames frames) {
   AdjustmentResult adjusted;
   std::vector<bool> is_lost;
   for (const View& view : frames.problem.views)
@@ -166,7 +168,7 @@ TargetLocalization LocalizeTargets(const RigModel& rig,
     const PoseInformation& own = information[p];
     if (own.view < 0) continue;
     const std::string& image = problem.images[own.view];
-    const auto inverse = Invert(own.matrix);
+    const auto inverse = InvertInformation(own.matrix);
     if (!inverse) {
       result.cameras[problem.views[own.view].camera].rejected_images.push_back(
           {image, "the features do not determine the pose"});
@@ -185,8 +187,8 @@ TargetLocalization LocalizeTargets(const RigModel& rig,
 Pattern EstimateTargetGeometry(const RigModel& rig,
                                const std::vector<Dataset>& datasets,
                                const Pattern& pattern, int num_threads) {
-  AdjustmentResult adjusted =
-      ToAdjustment(rig, LocalizeFrames(rig, datasets, pattern, num_threads));
+  AdjustmentResult adjusted = MakeAdjustmentProblem(
+      rig, LocalizeFrames(rig, datasets, pattern, num_threads));
   AdjustmentState& state = adjusted.state;
   if (static_cast<int>(state.rig_from_pattern.size()) < kMinTargetPoses)
     throw Error(ExitCode::kTooFew,

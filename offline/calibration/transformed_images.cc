@@ -27,20 +27,21 @@ struct PixelTransform {
   double scale = 1;  // of the group, relative to the other images
 
   // Returns the pixel coordinates before the transformation.
-  Eigen::Vector2d Undo(const Eigen::Vector2d& pixel,
-                       const ImageSize& size) const {
+  Eigen::Vector2d UndoTransform(const Eigen::Vector2d& pixel,
+                                const ImageSize& size) const {
     if (kind == Kind::kRotated)
       return {size.width - 1 - pixel.x(), size.height - 1 - pixel.y()};
     return (pixel.array() + 0.5) / scale - 0.5;
   }
 };
 
-Dataset Undo(const PixelTransform& transform, const ImageNames& group,
-             Dataset dataset) {
+Dataset UndoTransform(const PixelTransform& transform, const ImageNames& group,
+                      Dataset dataset) {
   for (ImageFeatures& image : dataset.images)
     if (group.count(image.image) > 0)
       for (Feature& feature : image.features)
-        feature.pixel = transform.Undo(feature.pixel, dataset.image_size);
+        feature.pixel =
+            transform.UndoTransform(feature.pixel, dataset.image_size);
   return dataset;
 }
 
@@ -61,21 +62,21 @@ std::map<std::string, double> ComputeCosts(const CameraModel& camera,
 }
 
 // The costs of images as given, and with the transformation undone.
-struct CostsOfImages {
-  std::map<std::string, double> given, undone;
+struct CostsByImage {
+  std::map<std::string, double> original, untransformed;
 
   // Images that fit better with the transformation undone.
   ImageNames Transformed(double ratio = 1) const {
-    return ImagesBelow(ratio, undone, given);
+    return ListImagesBelowRatio(ratio, untransformed, original);
   }
   ImageNames NotTransformed(double ratio) const {
-    return ImagesBelow(ratio, given, undone);
+    return ListImagesBelowRatio(ratio, original, untransformed);
   }
 
  private:
-  static ImageNames ImagesBelow(double ratio,
-                                const std::map<std::string, double>& costs,
-                                const std::map<std::string, double>& others) {
+  static ImageNames ListImagesBelowRatio(
+      double ratio, const std::map<std::string, double>& costs,
+      const std::map<std::string, double>& others) {
     ImageNames names;
     for (const auto& [name, cost] : costs)
       if (cost < ratio * others.at(name)) names.insert(name);
@@ -85,26 +86,27 @@ struct CostsOfImages {
 
 // Selects enough images and features for a parametric model. A constant stride
 // could select the transformed images only.
-Dataset ThinOut(const Dataset& all) {
-  constexpr size_t kManyImages = 30, kManyFeatures = 40;
-  const size_t count = std::min(kManyImages, all.images.size());
-  Dataset thinned = {all.image_size, {}};
+Dataset SubsampleFeatures(const Dataset& all) {
+  constexpr size_t kMaxSearchImages = 30, kMaxFeaturesPerImage = 40;
+  const size_t count = std::min(kMaxSearchImages, all.images.size());
+  Dataset subsampled = {all.image_size, {}};
   for (size_t k = 0; k < count; ++k) {
-    thinned.images.push_back(all.images[k * all.images.size() / count]);
-    std::vector<Feature>& features = thinned.images.back().features;
-    features = SelectEvenly(features, kManyFeatures);
+    subsampled.images.push_back(all.images[k * all.images.size() / count]);
+    std::vector<Feature>& features = subsampled.images.back().features;
+    features = SelectEvenly(features, kMaxFeaturesPerImage);
   }
-  return thinned;
+  return subsampled;
 }
 
 std::vector<FeatureResidual> SelectImages(
     const std::vector<FeatureResidual>& residuals, const Dataset& images) {
-  const std::vector<std::string> names = NamesOf(images);
+  const std::vector<std::string> names = ListImageNames(images);
   const ImageNames selected(names.begin(), names.end());
-  std::vector<FeatureResidual> of_images;
+  std::vector<FeatureResidual> residuals_of_images;
   for (const FeatureResidual& residual : residuals)
-    if (selected.count(residual.image) > 0) of_images.push_back(residual);
-  return of_images;
+    if (selected.count(residual.image) > 0)
+      residuals_of_images.push_back(residual);
+  return residuals_of_images;
 }
 
 // A group of images, and the camera for which it is transformed back.
@@ -125,53 +127,55 @@ class GroupSearch {
   }
 
   // The cost without any transformation; infinite if no camera fits.
-  double cost() const { return CostFrom(joint_.state.camera()); }
+  double cost() const { return ComputeCostFrom(joint_.state.camera()); }
 
   // The same, with the camera of a hypothesis as the initial value: it may be
   // better for reasons other than the transformation.
-  double CostFrom(const Hypothesis& hypothesis) const {
+  double ComputeCostFrom(const Hypothesis& hypothesis) const {
     const auto adjusted =
-        Fit(Undo(hypothesis.transform, hypothesis.group, images_));
-    return adjusted ? CostFrom(adjusted->state.camera()) : INFINITY;
+        Fit(UndoTransform(hypothesis.transform, hypothesis.group, images_));
+    return adjusted ? ComputeCostFrom(adjusted->state.camera()) : INFINITY;
   }
 
   // Groups of images that each transformation may have changed.
   std::vector<ImageNames> ListGroups(
       const PixelTransform& transform,
       const std::vector<ImageNames>& splits) const {
-    if (transform.kind == Kind::kScaled) return {ImagesWithin(transform.scale)};
+    if (transform.kind == Kind::kScaled)
+      return {ListImagesWithinScale(transform.scale)};
     std::vector<ImageNames> groups = splits;
     groups.push_back(
         Compare(joint_.state.camera(), transform, images_).Transformed());
     return groups;
   }
 
-  CostsOfImages Compare(const CameraModel& camera,
-                        const PixelTransform& transform,
-                        const Dataset& images) const {
-    const std::vector<std::string> names = NamesOf(images);
-    const Dataset undone =
-        Undo(transform, {names.begin(), names.end()}, images);
-    return {ComputeCosts(camera, images, pattern_, options_.num_threads),
-            ComputeCosts(camera, undone, pattern_, options_.num_threads)};
+  CostsByImage Compare(const CameraModel& camera,
+                       const PixelTransform& transform,
+                       const Dataset& images) const {
+    const std::vector<std::string> names = ListImageNames(images);
+    const Dataset untransformed =
+        UndoTransform(transform, {names.begin(), names.end()}, images);
+    return {
+        ComputeCosts(camera, images, pattern_, options_.num_threads),
+        ComputeCosts(camera, untransformed, pattern_, options_.num_threads)};
   }
 
   // Classifies all images with the camera of a hypothesis. The smaller group is
   // described, since which one was transformed is unknown.
   TransformedImages Describe(const Hypothesis& hypothesis,
                              const Dataset& all) const {
-    constexpr double kClearly = 0.7;
+    constexpr double kMaxTransformedCostRatio = 0.7;
     TransformedImages found = {hypothesis.transform.kind,
                                hypothesis.transform.scale,
                                {},
                                all.images.size()};
     const auto adjusted =
-        Fit(Undo(hypothesis.transform, hypothesis.group, images_));
+        Fit(UndoTransform(hypothesis.transform, hypothesis.group, images_));
     if (!adjusted) return found;
-    const CostsOfImages costs =
+    const CostsByImage costs =
         Compare(adjusted->state.camera(), hypothesis.transform, all);
-    ImageNames group = costs.Transformed(kClearly);
-    const ImageNames others = costs.NotTransformed(kClearly);
+    ImageNames group = costs.Transformed(kMaxTransformedCostRatio);
+    const ImageNames others = costs.NotTransformed(kMaxTransformedCostRatio);
     if (others.size() < group.size()) {
       group = others;
       found.scale = 1 / found.scale;
@@ -190,10 +194,10 @@ class GroupSearch {
     for (int round = 0; round < kMaxRounds; ++round) {
       if (group.empty() || group.size() + kMinOthers > images_.images.size())
         break;
-      const Dataset undone = Undo(transform, group, images_);
-      const auto adjusted = Fit(undone);
+      const Dataset untransformed = UndoTransform(transform, group, images_);
+      const auto adjusted = Fit(untransformed);
       if (!adjusted) break;
-      Hypothesis now = Evaluate(*adjusted, undone);
+      Hypothesis now = Evaluate(*adjusted, untransformed);
       const bool is_better = now.cost < kWorthAnotherRound * best.cost;
       if (now.cost < best.cost) {
         best.cost = now.cost;
@@ -215,7 +219,7 @@ class GroupSearch {
     return Fit(dataset, joint_.state.camera());
   }
 
-  double CostFrom(const CameraModel& start) const {
+  double ComputeCostFrom(const CameraModel& start) const {
     const auto adjusted = Fit(images_, start);
     return adjusted ? Evaluate(*adjusted, images_).cost : INFINITY;
   }
@@ -247,7 +251,7 @@ class GroupSearch {
   }
 
   // Images whose features all lie within a scaled image.
-  ImageNames ImagesWithin(double scale) const {
+  ImageNames ListImagesWithinScale(double scale) const {
     ImageNames group;
     for (const ImageFeatures& image : images_.images)
       if (std::all_of(
@@ -282,11 +286,13 @@ bool MayBeScaled(double cost, const Dataset& images) {
 
 // A group of random images reduces the cost, too, if the principal point varies
 // between images, and motion with a rolling shutter reduces it to 0.6.
-bool IsExplanation(const Hypothesis& hypothesis, double cost) {
-  constexpr double kExplained = 0.4, kFullyExplained = 0.1;
-  return hypothesis.cost <
-         (hypothesis.has_correlated_errors ? kFullyExplained : kExplained) *
-             cost;
+bool ExplainsImages(const Hypothesis& hypothesis, double cost) {
+  constexpr double kMaxExplainedCostRatio = 0.4,
+                   kMaxFullyExplainedCostRatio = 0.1;
+  return hypothesis.cost < (hypothesis.has_correlated_errors
+                                ? kMaxFullyExplainedCostRatio
+                                : kMaxExplainedCostRatio) *
+                               cost;
 }
 
 }  // namespace
@@ -300,7 +306,7 @@ std::optional<TransformedImages> DetectTransformedImages(
   // Images of another scale may have been rejected.
   if (!HasCorrelatedErrors(residuals) && joint.rejected_images.empty())
     return std::nullopt;
-  const Dataset images = ThinOut(training);
+  const Dataset images = SubsampleFeatures(training);
   const GroupSearch search(images, pattern, joint, options);
   const double cost = search.cost();
   if (!std::isfinite(cost)) return std::nullopt;
@@ -314,7 +320,8 @@ std::optional<TransformedImages> DetectTransformedImages(
       if (found.cost < best.cost) best = std::move(found);
     }
   }
-  if (!IsExplanation(best, cost) || !IsExplanation(best, search.CostFrom(best)))
+  if (!ExplainsImages(best, cost) ||
+      !ExplainsImages(best, search.ComputeCostFrom(best)))
     return std::nullopt;
   TransformedImages found = search.Describe(best, training);
   if (found.images.empty()) return std::nullopt;

@@ -24,11 +24,11 @@ constexpr double kValidPx = 0.25, kValidPerNoise = 3;
 constexpr double kExtrapolationFactor = 2;
 // A cell is extrapolated unless at least this many features lie within this
 // many cells on all sides.
-constexpr int kMinFeatures = 3, kNearCells = 2;
+constexpr int kMinFeatures = 3, kNeighborhoodCells = 2;
 
 // Returns a lattice with approximately square cells, within the size limits of
 // a blob.
-UncertaintyOptions LatticeOver(const Area& area) {
+UncertaintyOptions MakeLattice(const Area& area) {
   constexpr int kIntervals = 16;
   const double longer = std::max(area.width(), area.height());
   const auto count = [longer](double extent) {
@@ -53,14 +53,14 @@ std::vector<int> CountFeatures(const AdjustmentResult& adjusted, int camera,
   return counts;
 }
 
-int CountNear(const std::vector<int>& counts, const ValidityMask& mask,
-              int cell) {
+int CountFeaturesNear(const std::vector<int>& counts, const ValidityMask& mask,
+                      int cell) {
   const int column = cell % mask.columns, row = cell / mask.columns;
   int sum = 0;
-  for (int j = std::max(row - kNearCells, 0);
-       j <= std::min(row + kNearCells, mask.rows - 1); ++j)
-    for (int i = std::max(column - kNearCells, 0);
-         i <= std::min(column + kNearCells, mask.columns - 1); ++i)
+  for (int j = std::max(row - kNeighborhoodCells, 0);
+       j <= std::min(row + kNeighborhoodCells, mask.rows - 1); ++j)
+    for (int i = std::max(column - kNeighborhoodCells, 0);
+         i <= std::min(column + kNeighborhoodCells, mask.columns - 1); ++i)
       sum += counts[j * mask.columns + i];
   return sum;
 }
@@ -71,7 +71,7 @@ ValidityMask CellsNearFeatures(const AdjustmentResult& adjusted, int camera) {
       ValidityMask::Over(adjusted.state.cameras[camera]->image_size());
   const std::vector<int> counts = CountFeatures(adjusted, camera, near);
   for (int cell = 0; cell < near.columns * near.rows; ++cell)
-    near.is_valid[cell] = CountNear(counts, near, cell) >= kMinFeatures;
+    near.is_valid[cell] = CountFeaturesNear(counts, near, cell) >= kMinFeatures;
   return near;
 }
 
@@ -87,11 +87,11 @@ ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       (joint_px2 + joint_px2.transpose()) / 2);
   const Eigen::Index last = joint_px2.rows() - 1;
-  double rest_px2 = solver.eigenvalues().cwiseMax(0.0).sum();
+  double residual_px2 = solver.eigenvalues().cwiseMax(0.0).sum();
   for (int k = 0; k < std::min<Eigen::Index>(kMaxModes, last); ++k) {
     const double variance = solver.eigenvalues()[last - k];
     if (!(variance > 0)) break;
-    rest_px2 -= variance;
+    residual_px2 -= variance;
     Eigen::VectorXd mode =
         std::sqrt(variance) * solver.eigenvectors().col(last - k);
     // Fixes the arbitrary sign of a mode.
@@ -103,8 +103,8 @@ ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
       fine.displacements_px.back().push_back(mode.segment<2>(i));
   }
   ErrorModes coarse;
-  coarse.rest_px = std::sqrt(std::max(0.0, rest_px2) /
-                             static_cast<double>(joint_px2.rows()));
+  coarse.residual_px = std::sqrt(std::max(0.0, residual_px2) /
+                                 static_cast<double>(joint_px2.rows()));
   coarse.columns = std::max(2, (size.columns + 1) / 2);
   coarse.rows = std::max(2, (size.rows + 1) / 2);
   const Area unit = {0, 0, 1, 1};
@@ -119,8 +119,8 @@ ErrorModes GetDeformationModes(const Eigen::MatrixXd& joint_px2,
   return coarse;
 }
 
-AdjustmentOptions ResponseOptions(const AdjustmentResult& adjusted,
-                                  int num_threads) {
+AdjustmentOptions MakeResponseOptions(const AdjustmentResult& adjusted,
+                                      int num_threads) {
   AdjustmentOptions options;
   options.num_threads = num_threads;
   options.fix_points = !HavePointsMoved(adjusted);
@@ -130,15 +130,16 @@ AdjustmentOptions ResponseOptions(const AdjustmentResult& adjusted,
 LinearResponse ComputeResponse(const AdjustmentResult& adjusted,
                                int num_threads) {
   return LinearResponse(adjusted.problem.views, adjusted.prior,
-                        ResponseOptions(adjusted, num_threads), adjusted.state);
+                        MakeResponseOptions(adjusted, num_threads),
+                        adjusted.state);
 }
 
 GroupJackknife ComputeJackknife(const LinearResponse& response,
                                 const AdjustmentResult& adjusted,
                                 int num_threads) {
   return GroupJackknife(response, adjusted.problem.views, adjusted.prior,
-                        ResponseOptions(adjusted, num_threads), adjusted.state,
-                        adjusted.summary.noise_px);
+                        MakeResponseOptions(adjusted, num_threads),
+                        adjusted.state, adjusted.summary.noise_px);
 }
 
 double GetObservedStdDev(const PixelUncertainty& pixel) {
@@ -153,7 +154,7 @@ std::vector<UncertaintyLattice> EstimateStdDevs(
     const std::vector<const CameraModel*>& as, int num_threads) {
   if (!(adjusted.summary.noise_px > 0)) return {};
   const UncertaintyOptions size =
-      LatticeOver(adjusted.state.cameras[camera]->area());
+      MakeLattice(adjusted.state.cameras[camera]->area());
   const LinearResponse response = ComputeResponse(adjusted, num_threads);
   const GroupJackknife jackknife =
       ComputeJackknife(response, adjusted, num_threads);
@@ -184,7 +185,7 @@ std::optional<EstimatedUncertainty> EstimateUncertainty(
   const double noise_px = adjusted.summary.noise_px;
   if (!(noise_px > 0)) return std::nullopt;
   const Area& area = adjusted.state.cameras[camera]->area();
-  const UncertaintyOptions size = LatticeOver(area);
+  const UncertaintyOptions size = MakeLattice(area);
   const ValidityMask near = CellsNearFeatures(adjusted, camera);
   Eigen::MatrixXd joint_px2;
   const LinearResponse response = ComputeResponse(adjusted, num_threads);

@@ -24,7 +24,7 @@ class ValueDerivatives {
       OperatingPoint below = view.conditions, above = view.conditions;
       below[r] -= step;
       above[r] += step;
-      sides_.push_back({stack.At(below), stack.At(above), 2 * step});
+      differences_.push_back({stack.At(below), stack.At(above), 2 * step});
     }
   }
 
@@ -32,25 +32,26 @@ class ValueDerivatives {
   // project the point.
   Eigen::Matrix2Xd At(const Eigen::Vector3d& point,
                       const Eigen::Vector2d& pixel) const {
-    Eigen::Matrix2Xd derivatives(2, static_cast<Eigen::Index>(sides_.size()));
-    for (size_t r = 0; r < sides_.size(); ++r) {
+    Eigen::Matrix2Xd derivatives(
+        2, static_cast<Eigen::Index>(differences_.size()));
+    for (size_t r = 0; r < differences_.size(); ++r) {
       const auto low =
-          sides_[r].below.Project(point, &pixel, kAdjustmentMarginPx);
+          differences_[r].below.Project(point, &pixel, kAdjustmentMarginPx);
       const auto high =
-          sides_[r].above.Project(point, &pixel, kAdjustmentMarginPx);
+          differences_[r].above.Project(point, &pixel, kAdjustmentMarginPx);
       if (!low || !high) return Eigen::Matrix2Xd::Zero(2, derivatives.cols());
       derivatives.col(static_cast<Eigen::Index>(r)) =
-          (*high - *low) / sides_[r].apart;
+          (*high - *low) / differences_[r].apart;
     }
     return derivatives;
   }
 
  private:
-  struct Sides {
+  struct OneSidedDifferences {
     CentralGeneric below, above;
     double apart;
   };
-  std::vector<Sides> sides_;
+  std::vector<OneSidedDifferences> differences_;
 };
 
 // The valid residuals of a view, two rows each, scaled by the square root of
@@ -73,7 +74,8 @@ struct ViewEquations {
 
 ViewEquations MakeViewEquations(const AdjustmentState& state,
                                 const View& view) {
-  const ValueDerivatives J_values(*state.camera().Stack(), view);
+  const ValueDerivatives J_values(*state.camera().GetOperatingPointModel(),
+                                  view);
   const Pose camera_from_board = state.ComputeCameraFromPattern(view);
   const std::vector<LinearizedResidual> residuals = LinearizeView(state, view);
   const double huber_px = AdjustmentOptions().huber_px;
@@ -104,9 +106,9 @@ ViewEquations MakeViewEquations(const AdjustmentState& state,
 
 // Returns the standard deviation of the residuals, corrected for the degrees of
 // freedom of poses and values.
-double NoisePx(const std::vector<ViewEquations>& views) {
+double EstimateNoisePx(const std::vector<ViewEquations>& views) {
   double squares = 0;
-  Eigen::Index freedom = 0;
+  Eigen::Index degrees_of_freedom = 0;
   const Eigen::Index num_values = views.front().J_values.cols();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num_values, num_values);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(num_values);
@@ -117,12 +119,12 @@ double NoisePx(const std::vector<ViewEquations>& views) {
     normal += J_values_without_pose.transpose() * J_values_without_pose;
     gradient += J_values_without_pose.transpose() * error;
     squares += error.squaredNorm();
-    freedom += error.size() - kNumPose;
+    degrees_of_freedom += error.size() - kNumPose;
   }
   squares -= gradient.dot(normal.ldlt().solve(gradient));
-  freedom -= num_values;
-  return freedom > 0 && squares > 0
-             ? std::sqrt(squares / static_cast<double>(freedom))
+  degrees_of_freedom -= num_values;
+  return degrees_of_freedom > 0 && squares > 0
+             ? std::sqrt(squares / static_cast<double>(degrees_of_freedom))
              : 0;
 }
 
@@ -144,9 +146,9 @@ std::vector<int> NumberImages(const CalibrationProblem& problem,
 ValueStep ValueEquations::ComputeStep(Eigen::Index unknown) const {
   // Minimum ratio of the information to that with a fixed camera; less is not
   // observable.
-  constexpr double kUndetermined = 1e-6;
+  constexpr double kMinInformationRatio = 1e-6;
   const double found = information[unknown];
-  if (!(found > kUndetermined * fixed_camera_information[unknown]))
+  if (!(found > kMinInformationRatio * fixed_camera_information[unknown]))
     return {0, INFINITY};
   return {-gradient[unknown] / found,
           noise_px[GetImageIndex(unknown)] / std::sqrt(found)};
@@ -156,9 +158,9 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
                                   int num_threads) {
   const std::vector<View>& views = adjusted.problem.views;
   ValueEquations result;
-  result.num_ranges =
-      static_cast<int>(adjusted.state.camera().Stack()->ranges().size());
-  const std::vector<int> image_of_unknown =
+  result.num_ranges = static_cast<int>(
+      adjusted.state.camera().GetOperatingPointModel()->ranges().size());
+  const std::vector<int> image_index_by_unknown =
       NumberImages(adjusted.problem, &result.images);
   const int num_images = static_cast<int>(result.images.size());
 
@@ -180,7 +182,8 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
   for (size_t v = 0; v < views.size(); ++v) {
     const ViewEquations equations = MakeViewEquations(adjusted.state, views[v]);
     const Eigen::Index first =
-        static_cast<Eigen::Index>(image_of_unknown[v]) * result.num_ranges;
+        static_cast<Eigen::Index>(image_index_by_unknown[v]) *
+        result.num_ranges;
     // The pose is eliminated per view, since it absorbs most of the change.
     const Eigen::MatrixXd J_values_without_pose =
         equations.EliminatePose(equations.J_values);
@@ -195,7 +198,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
       right.col(first + r) += response.Gradient(none);
       none[v].setZero();
     }
-    by_image[image_of_unknown[v]].push_back(equations);
+    by_image[image_index_by_unknown[v]].push_back(equations);
   }
   Eigen::MatrixXd moves;
   if (!response.Solve(right, &moves)) return {};
@@ -203,7 +206,7 @@ ValueEquations MakeValueEquations(const AdjustmentResult& adjusted,
                        right.cwiseProduct(moves).colwise().sum().transpose();
   for (const auto& of_image : by_image)
     result.noise_px.push_back(
-        std::max(NoisePx(of_image), adjusted.summary.noise_px));
+        std::max(EstimateNoisePx(of_image), adjusted.summary.noise_px));
   return result;
 }
 
@@ -231,7 +234,8 @@ ValueStep FitValue(AdjustmentState state, const std::vector<View>& views,
     const double before = value;
     value =
         std::clamp(before - gradient / information, limits.low, limits.high);
-    found = {value - stated, NoisePx(equations) / std::sqrt(information)};
+    found = {value - stated,
+             EstimateNoisePx(equations) / std::sqrt(information)};
     for (size_t k = 0; k < views.size(); ++k) {
       Pose& pose = state.rig_from_pattern[views[k].pose];
       pose = UpdatedPose(

@@ -133,7 +133,7 @@ TrimmedFit FitTrimmed(const Equations& equations, int num_trials,
 }
 
 // Returns the robust standard deviation of residuals, from their median.
-double ComputeScatter(const TrimmedFit& fit) {
+double ComputeResidualStdDev(const TrimmedFit& fit) {
   const Eigen::VectorXd sizes = fit.residuals.cwiseAbs();
   return kStdDevPerMedian *
          Quantile({sizes.data(), sizes.data() + sizes.size()}, 0.5);
@@ -150,7 +150,8 @@ double TruncatedSquares(const TrimmedFit& fit, double scatter) {
 
 std::vector<FittedValue> FitValues(const AdjustmentResult& adjusted,
                                    size_t range, int num_threads) {
-  const OperatingPointModel& stack = *adjusted.state.camera().Stack();
+  const OperatingPointModel& stack =
+      *adjusted.state.camera().GetOperatingPointModel();
   const std::vector<View>& views = adjusted.problem.views;
   AdjustmentState state = adjusted.state;
   const OperatingPointModel straight = MakeLinearModel(stack, views);
@@ -198,27 +199,28 @@ ValueRegression RegressValues(const std::vector<FittedValue>& values) {
     equations.weight[i] = 1 / value.deviation;
   }
   std::mt19937 random_bits;  // default seed: reproducible
-  regression.scatter_without =
-      ComputeScatter(FitTrimmed(equations, kNumTrials, &random_bits));
+  regression.scatter_around_constant =
+      ComputeResidualStdDev(FitTrimmed(equations, kNumTrials, &random_bits));
   equations.powers = ComputePowers(stated);
   const TrimmedFit fit = FitTrimmed(equations, kNumTrials, &random_bits);
-  regression.scatter = ComputeScatter(fit);
+  regression.scatter = ComputeResidualStdDev(fit);
   regression.left =
-      ComputeScatter({0, fit.residuals.cwiseQuotient(equations.weight)});
+      ComputeResidualStdDev({0, fit.residuals.cwiseQuotient(equations.weight)});
   const double scatter = std::max(1.0, regression.scatter);
   for (const double residual : fit.residuals)
     regression.scores.push_back(std::abs(residual) / scatter);
   const double explained = TruncatedSquares(fit, scatter);
-  int num_as_good = 0;
+  int num_permutations_as_good = 0;
   for (int k = 0; k < kNumPermutations; ++k) {
     for (size_t i = stated.size(); i > 1; --i)
       std::swap(stated[i - 1], stated[random_bits() % i]);
     equations.powers = ComputePowers(stated);
-    num_as_good +=
+    num_permutations_as_good +=
         TruncatedSquares(FitTrimmed(equations, kFewTrials, &random_bits),
                          scatter) <= explained;
   }
-  regression.chance = (1.0 + num_as_good) / (1.0 + kNumPermutations);
+  regression.p_value =
+      (1.0 + num_permutations_as_good) / (1.0 + kNumPermutations);
   return regression;
 }
 

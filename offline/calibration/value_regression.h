@@ -32,10 +32,10 @@ struct ValueRegression {
   /// Robust standard deviation of the fitted values around the curve and around
   /// a constant, in units of their predicted standard deviations; and around
   /// the curve in units of the values.
-  double scatter = 0, scatter_without = 0, left = 0;
+  double scatter = 0, scatter_around_constant = 0, left = 0;
   /// Fraction of random permutations of the stated values that explain the
   /// fitted values as well.
-  double chance = 0;
+  double p_value = 0;
 };
 
 /// Returns no scores if there are too few images.

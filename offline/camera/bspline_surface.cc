@@ -41,8 +41,8 @@ std::array<double, 4> WeightDerivatives(double t, double cell_size) {
 class SurfaceNormalMatrix {
  public:
   SurfaceNormalMatrix(int columns, int rows)
-      : columns_(columns), rows_(rows), partners_(columns * rows) {
-    for (auto& partners : partners_) partners.fill(0);
+      : columns_(columns), rows_(rows), neighbor_blocks_(columns * rows) {
+    for (auto& block : neighbor_blocks_) block.fill(0);
   }
 
   // Adds weight * row^T row for a sparse row, indexed by control point.
@@ -51,7 +51,7 @@ class SurfaceNormalMatrix {
                   const std::array<double, N>& row, double weight) {
     for (size_t a = 0; a < N; ++a)
       for (size_t b = 0; b < N; ++b)
-        Partner(point[a], point[b]) += weight * row[a] * row[b];
+        NeighborBlock(point[a], point[b]) += weight * row[a] * row[b];
   }
 
   Eigen::SparseMatrix<double> ToSparse() const {
@@ -60,8 +60,9 @@ class SurfaceNormalMatrix {
       for (int k = 0; k < 49; ++k) {
         const int column = p % columns_ + k % 7 - 3;
         const int row = p / columns_ + k / 7 - 3;
-        if (partners_[p][k] != 0)
-          triplets.emplace_back(p, row * columns_ + column, partners_[p][k]);
+        if (neighbor_blocks_[p][k] != 0)
+          triplets.emplace_back(p, row * columns_ + column,
+                                neighbor_blocks_[p][k]);
       }
     }
     Eigen::SparseMatrix<double> matrix(columns_ * rows_, columns_ * rows_);
@@ -70,14 +71,14 @@ class SurfaceNormalMatrix {
   }
 
  private:
-  double& Partner(int p, int q) {
+  double& NeighborBlock(int p, int q) {
     const int dx = q % columns_ - p % columns_;
     const int dy = q / columns_ - p / columns_;
-    return partners_[p][(dy + 3) * 7 + dx + 3];
+    return neighbor_blocks_[p][(dy + 3) * 7 + dx + 3];
   }
 
   int columns_, rows_;
-  std::vector<std::array<double, 49>> partners_;
+  std::vector<std::array<double, 49>> neighbor_blocks_;
 };
 
 // Adds a penalty on second differences along both axes.

@@ -7,21 +7,21 @@
 
 namespace raygrid {
 
-CameraFrame ComputeCameraFrame(const CameraModel& camera,
-                               const std::string& lens) {
-  constexpr double kNearer = 0.98;
+CanonicalFrame ComputeCanonicalFrame(const CameraModel& camera,
+                                     const std::string& lens) {
+  constexpr double kMaxErrorRatio = 0.98;
   if (camera.Parametric())
     return {camera.Name(), Eigen::Quaterniond::Identity()};
   const std::vector<std::string> lenses =
       lens.empty() ? ListModelNames(ModelUse::kCompare)
                    : std::vector<std::string>{lens};
-  CameraFrame frame;
-  double least_px = INFINITY;
+  CanonicalFrame frame;
+  double min_error_px = INFINITY;
   for (const std::string& name : lenses) {
     const FittedModel fit =
         FitParametricModel(name, camera, camera.area(), {true});
-    if (!(fit.rms_px < kNearer * least_px)) continue;
-    least_px = fit.rms_px;
+    if (!(fit.rms_px < kMaxErrorRatio * min_error_px)) continue;
+    min_error_px = fit.rms_px;
     frame = {name, fit.model_from_camera};
   }
   return frame;
@@ -35,11 +35,11 @@ std::unique_ptr<CameraModel> Rotated(
   return turned;
 }
 
-std::optional<Eigen::Quaterniond> AlignToCameraFrame(
+std::optional<Eigen::Quaterniond> AlignToCanonicalFrame(
     std::shared_ptr<const CameraModel>* camera) {
-  constexpr double kAstrayRad = 1 * M_PI / 180;
-  const CameraFrame frame = ComputeCameraFrame(**camera);
-  if (frame.AngleRad() <= kAstrayRad) return std::nullopt;
+  constexpr double kMinMisalignmentRad = 1 * M_PI / 180;
+  const CanonicalFrame frame = ComputeCanonicalFrame(**camera);
+  if (frame.AngleRad() <= kMinMisalignmentRad) return std::nullopt;
   if ((*camera)->IsCentral())
     *camera =
         std::make_shared<RotatedCamera>(**camera, frame.frame_from_camera);

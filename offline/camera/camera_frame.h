@@ -15,7 +15,7 @@ namespace raygrid {
 /// parametric model nearest to the grid, so that z is the optical axis, near
 /// the image centre, and x points along the rows. The equations of a parametric
 /// model define its frame.
-struct CameraFrame {
+struct CanonicalFrame {
   std::string lens;  ///< name of the nearest parametric model
   Eigen::Quaterniond frame_from_camera = Eigen::Quaterniond::Identity();
 
@@ -31,8 +31,8 @@ constexpr double kMaxFrameRotationRad = 0.02 * M_PI / 180;
 /// the models that are compared (camera/model_registry.h), a later one is
 /// chosen only if its RMS error is at least 2 % smaller. If `lens` is given,
 /// only this model is fitted.
-CameraFrame ComputeCameraFrame(const CameraModel& camera,
-                               const std::string& lens = "");
+CanonicalFrame ComputeCanonicalFrame(const CameraModel& camera,
+                                     const std::string& lens = "");
 
 /// Returns a grid in a rotated frame, with the same number of control points.
 /// Rotation is not linear in the chart, so the grid is fitted anew, which
@@ -45,7 +45,7 @@ std::unique_ptr<CameraModel> Rotated(
 /// after some earlier calibrations. Local distortion rotates that frame by
 /// less, so other calibrated cameras are unchanged. Returns new_from_old, or
 /// nullopt if the camera is unchanged.
-std::optional<Eigen::Quaterniond> AlignToCameraFrame(
+std::optional<Eigen::Quaterniond> AlignToCanonicalFrame(
     std::shared_ptr<const CameraModel>* camera);
 
 }  // namespace raygrid

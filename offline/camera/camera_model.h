@@ -61,7 +61,9 @@ class CameraModel {
   virtual const ParametricModel* Parametric() const { return nullptr; }
   /// Returns the model over focus or temperature that this camera evaluates at
   /// an operating point; null for other cameras.
-  virtual const OperatingPointModel* Stack() const { return nullptr; }
+  virtual const OperatingPointModel* GetOperatingPointModel() const {
+    return nullptr;
+  }
 
   /// Returns the generic model with the same area and number of control points
   /// that is closest to `other`; parametric models return a copy of `other`.

@@ -68,8 +68,8 @@ struct MovementErrors {
 struct ErrorModes {
   int columns = 0, rows = 0;
   std::vector<std::vector<Eigen::Vector2d>> displacements_px;
-  double rest_px = 0;     ///< 1 σ of the residual error, per axis
-  MovementErrors beyond;  ///< additional errors in held-out images
+  double residual_px = 0;        ///< 1 σ of the residual error, per axis
+  MovementErrors excess_errors;  ///< additional errors in held-out images
 
   Eigen::Vector2d At(size_t mode, const Area& area,
                      const Eigen::Vector2d& pixel) const;

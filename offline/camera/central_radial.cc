@@ -52,7 +52,7 @@ T RadialFactor(const T& theta, double cell_rad,
 
 template <typename T>
 PlanarDistortion<T> MakePlanarDistortion(
-    const std::array<T, Radial::kNumOthers>& p) {
+    const std::array<T, Radial::kNumPlanarParameters>& p) {
   return {p[Radial::kFx], p[Radial::kFy], p[Radial::kCx],  p[Radial::kCy],
           p[Radial::kP1], p[Radial::kP2], p[Radial::kSx1], p[Radial::kSy1]};
 }
@@ -70,11 +70,11 @@ T Length(const Eigen::Matrix<T, 2, 1>& uv) {
 
 CentralRadial::CentralRadial(const ImageSize& image_size, const Area& area,
                              double max_angle_rad, std::vector<double> spline,
-                             const OtherParameters& others)
+                             const PlanarParameters& others)
     : ParametricModel(image_size, area),
       max_angle_rad_(max_angle_rad),
       spline_(std::move(spline)),
-      others_(others),
+      planar_parameters_(others),
       max_theta_(MaxTheta()) {}
 
 double CentralRadial::MaxTheta() const {
@@ -93,11 +93,13 @@ std::optional<Eigen::Vector3d> CentralRadial::Unproject(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
   using Jet = ceres::Jet<double, 2>;
-  std::array<Jet, kNumOthers> constants;
-  for (int k = 0; k < kNumOthers; ++k) constants[k] = Jet(others_[k]);
+  std::array<Jet, kNumPlanarParameters> constants;
+  for (int k = 0; k < kNumPlanarParameters; ++k)
+    constants[k] = Jet(planar_parameters_[k]);
   const PlanarDistortion<Jet> planar = MakePlanarDistortion(constants);
-  const Eigen::Vector2d start((pixel.x() - others_[kCx]) / others_[kFx],
-                              (pixel.y() - others_[kCy]) / others_[kFy]);
+  const Eigen::Vector2d start(
+      (pixel.x() - planar_parameters_[kCx]) / planar_parameters_[kFx],
+      (pixel.y() - planar_parameters_[kCy]) / planar_parameters_[kFy]);
   const auto uv = InvertDistortion(
       [&](const Eigen::Matrix<Jet, 2, 1>& at) {
         return planar.ToPixel(at,
@@ -113,8 +115,10 @@ std::optional<Eigen::Vector2d> CentralRadial::Project(
     double margin_px) const {
   const double theta = std::atan2(point.head<2>().norm(), point.z());
   if (!(theta <= max_theta_) || point.isZero(0)) return std::nullopt;
-  const Eigen::Vector2d pixel = MakePlanarDistortion(others_).ToPixel(
-      ToEquidistant<double>(point), RadialFactor(theta, cell_rad(), spline_));
+  const Eigen::Vector2d pixel =
+      MakePlanarDistortion(planar_parameters_)
+          .ToPixel(ToEquidistant<double>(point),
+                   RadialFactor(theta, cell_rad(), spline_));
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
 }
@@ -124,23 +128,24 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
                               LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  using Jet = PairedJet<kNumOthers + 3>;
-  std::array<Jet, kNumOthers> others;
-  for (int k = 0; k < kNumOthers; ++k) others[k] = Jet(others_[k], k);
-  const Eigen::Matrix<Jet, 3, 1> at(Jet(point.x(), kNumOthers),
-                                    Jet(point.y(), kNumOthers + 1),
-                                    Jet(point.z(), kNumOthers + 2));
+  using Jet = PairedJet<kNumPlanarParameters + 3>;
+  std::array<Jet, kNumPlanarParameters> others;
+  for (int k = 0; k < kNumPlanarParameters; ++k)
+    others[k] = Jet(planar_parameters_[k], k);
+  const Eigen::Matrix<Jet, 3, 1> at(Jet(point.x(), kNumPlanarParameters),
+                                    Jet(point.y(), kNumPlanarParameters + 1),
+                                    Jet(point.z(), kNumPlanarParameters + 2));
   const Eigen::Matrix<Jet, 2, 1> uv = ToEquidistant<Jet>(at);
   const Eigen::Matrix<Jet, 2, 1> value = MakePlanarDistortion(others).ToPixel(
       uv, RadialFactor<Jet>(Length(uv), cell_rad(), spline_));
   projection->pixel = *pixel;
   projection->first_global = static_cast<int>(spline_.size());
-  projection->num_global = kNumOthers;
+  projection->num_global = kNumPlanarParameters;
   for (int row = 0; row < 2; ++row) {
-    projection->J_global.row(row).head<kNumOthers>() =
-        value[row].v.head<kNumOthers>().transpose();
+    projection->J_global.row(row).head<kNumPlanarParameters>() =
+        value[row].v.head<kNumPlanarParameters>().transpose();
     projection->J_point.row(row) =
-        value[row].v.segment<3>(kNumOthers).transpose();
+        value[row].v.segment<3>(kNumPlanarParameters).transpose();
   }
   const Eigen::Vector2d at_uv(uv[0].a, uv[1].a);
   const RadialSupport<double> support = ComputeSupport(
@@ -152,22 +157,23 @@ bool CentralRadial::Linearize(const Eigen::Vector3d& point,
     projection->node_parameter[k] = support.first + (is_used ? k : 0);
     projection->node_weight[k] = is_used ? support.weight[k] : 0;
   }
-  projection->J_node.col(0) << others_[kFx] * at_uv.x(),
-      others_[kFy] * at_uv.y();
+  projection->J_node.col(0) << planar_parameters_[kFx] * at_uv.x(),
+      planar_parameters_[kFy] * at_uv.y();
   return true;
 }
 
 Eigen::VectorXd CentralRadial::Parameters() const {
-  Eigen::VectorXd parameters(spline_.size() + kNumOthers);
+  Eigen::VectorXd parameters(spline_.size() + kNumPlanarParameters);
   std::copy(spline_.begin(), spline_.end(), parameters.data());
-  std::copy(others_.begin(), others_.end(), parameters.data() + spline_.size());
+  std::copy(planar_parameters_.begin(), planar_parameters_.end(),
+            parameters.data() + spline_.size());
   return parameters;
 }
 
 void CentralRadial::SetParameters(const Eigen::VectorXd& parameters) {
   const double* others = parameters.data() + spline_.size();
   std::copy(parameters.data(), others, spline_.begin());
-  std::copy(others, others + kNumOthers, others_.begin());
+  std::copy(others, others + kNumPlanarParameters, planar_parameters_.begin());
   max_theta_ = MaxTheta();
 }
 

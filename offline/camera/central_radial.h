@@ -19,13 +19,13 @@ namespace raygrid {
 class CentralRadial : public ParametricModel {
  public:
   /// The parameters that follow the spline's control points.
-  enum { kFx, kFy, kCx, kCy, kP1, kP2, kSx1, kSy1, kNumOthers };
-  using OtherParameters = std::array<double, kNumOthers>;
+  enum { kFx, kFy, kCx, kCy, kP1, kP2, kSx1, kSy1, kNumPlanarParameters };
+  using PlanarParameters = std::array<double, kNumPlanarParameters>;
 
   /// spline: s_1 .. s_n, n >= 3; max_angle up to 3.1 radians.
   CentralRadial(const ImageSize& image_size, const Area& area,
                 double max_angle_rad, std::vector<double> spline,
-                const OtherParameters& others);
+                const PlanarParameters& others);
 
   std::string Name() const override { return models::kCentralRadial; }
   std::unique_ptr<CameraModel> Clone() const override {
@@ -52,12 +52,12 @@ class CentralRadial : public ParametricModel {
   std::unique_ptr<ParametricModel> CloneWithArea(
       const Area& area) const override {
     return std::make_unique<CentralRadial>(image_size(), area, max_angle_rad_,
-                                           spline_, others_);
+                                           spline_, planar_parameters_);
   }
 
   double max_angle_rad() const { return max_angle_rad_; }
   const std::vector<double>& spline() const { return spline_; }
-  const OtherParameters& others() const { return others_; }
+  const PlanarParameters& others() const { return planar_parameters_; }
   /// Returns the angle between adjacent control points.
   double cell_rad() const {
     return max_angle_rad_ / (static_cast<double>(spline_.size()) - 1);
@@ -68,7 +68,7 @@ class CentralRadial : public ParametricModel {
 
   double max_angle_rad_;
   std::vector<double> spline_;
-  OtherParameters others_;
+  PlanarParameters planar_parameters_;
   double max_theta_ = 0;
 };
 

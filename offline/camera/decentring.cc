@@ -11,10 +11,10 @@ namespace {
 // Returns the displacement in pixels of the farthest corner per unit of each
 // parameter whose order has this sign: positive for radial, negative for
 // decentring parameters.
-Eigen::VectorXd CornerPixels(const ParametricModel& lens, const Area& area,
-                             int sign) {
+Eigen::VectorXd ListCornerPixels(const ParametricModel& lens, const Area& area,
+                                 int sign) {
   const int first = FirstCommonParameter(lens);
-  const double radius = CornerRadius(lens, area);
+  const double radius = ComputeCornerRadius(lens, area);
   const std::vector<int> orders = lens.DistortionOrders();
   Eigen::VectorXd pixels = Eigen::VectorXd::Zero(lens.NumParameters());
   for (size_t k = 0; k < orders.size(); ++k)
@@ -30,7 +30,7 @@ int FirstCommonParameter(const ParametricModel& lens) {
   return lens.NumParameters() - static_cast<int>(lens.ParameterNames().size());
 }
 
-double CornerRadius(const ParametricModel& lens, const Area& area) {
+double ComputeCornerRadius(const ParametricModel& lens, const Area& area) {
   const Eigen::Vector4d common =
       lens.Parameters().segment<4>(FirstCommonParameter(lens));
   double radius = 0;
@@ -42,13 +42,14 @@ double CornerRadius(const ParametricModel& lens, const Area& area) {
   return radius;
 }
 
-Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area) {
-  return CornerPixels(lens, area, 1);
+Eigen::VectorXd ComputeRadialDisplacement(const ParametricModel& lens,
+                                          const Area& area) {
+  return ListCornerPixels(lens, area, 1);
 }
 
-Eigen::VectorXd DecentringPixels(const ParametricModel& lens,
-                                 const Area& area) {
-  return CornerPixels(lens, area, -1);
+Eigen::VectorXd ComputeDecentringDisplacement(const ParametricModel& lens,
+                                              const Area& area) {
+  return ListCornerPixels(lens, area, -1);
 }
 
 }  // namespace raygrid

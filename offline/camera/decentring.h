@@ -17,15 +17,17 @@ constexpr double kMaxDecentringFraction = 0.03;
 
 /// Returns the displacement of the area's farthest corner per unit of each tilt
 /// or tangential parameter, in pixels; zero for all other parameters.
-Eigen::VectorXd DecentringPixels(const ParametricModel& lens, const Area& area);
+Eigen::VectorXd ComputeDecentringDisplacement(const ParametricModel& lens,
+                                              const Area& area);
 
 /// Returns the displacement of the area's farthest corner per unit of each
 /// radial distortion parameter, in pixels; zero for all other parameters,
 /// including spline control points.
-Eigen::VectorXd RadialPixels(const ParametricModel& lens, const Area& area);
+Eigen::VectorXd ComputeRadialDisplacement(const ParametricModel& lens,
+                                          const Area& area);
 
 /// Returns the farthest corner's distance from (cx, cy) in focal lengths.
-double CornerRadius(const ParametricModel& lens, const Area& area);
+double ComputeCornerRadius(const ParametricModel& lens, const Area& area);
 
 /// Returns the index of fx; fy, cx, cy follow.
 int FirstCommonParameter(const ParametricModel& lens);

@@ -7,8 +7,8 @@ namespace {
 
 // Returns the distance along an observation line to the scene surface; for a
 // sphere, to the far intersection.
-std::optional<double> SliceAlong(const ObservationLine& line,
-                                 const SceneSurface& scene) {
+std::optional<double> FindDistanceOnLine(const ObservationLine& line,
+                                         const SceneSurface& scene) {
   if (scene.normal) {
     const double rise = scene.normal->dot(line.direction);
     const double t = (scene.distance_m - scene.normal->dot(line.origin)) / rise;
@@ -26,7 +26,7 @@ std::optional<double> SliceAlong(const ObservationLine& line,
 std::optional<Eigen::Vector3d> EquivalentCentralCamera::Unproject(
     const Eigen::Vector2d& pixel) const {
   const auto line = camera().Line(pixel);
-  const auto t = line ? SliceAlong(*line, scene_) : std::nullopt;
+  const auto t = line ? FindDistanceOnLine(*line, scene_) : std::nullopt;
   if (!t) return std::nullopt;
   return (line->origin + *t * line->direction).normalized();
 }

@@ -13,8 +13,10 @@
 namespace raygrid {
 namespace {
 
-constexpr double kAnywherePx = 1e9;  // margin that accepts any projection
-constexpr double kLostPx = 100;      // error of samples without a projection
+constexpr double kUnlimitedMarginPx =
+    1e9;  // margin that accepts any projection
+constexpr double kMissingErrorPx =
+    100;  // error of samples without a projection
 
 struct Sample {
   Eigen::Vector2d pixel;
@@ -43,19 +45,20 @@ void AddRays(const CameraModel& camera, const Area& area, int across,
   }
 }
 
-size_t CountValid(const std::vector<Sample>& samples) {
+size_t CountValidSamples(const std::vector<Sample>& samples) {
   return std::count_if(samples.begin(), samples.end(),
                        [](const Sample& sample) { return sample.is_valid; });
 }
 
 std::vector<Sample> SampleRays(const CameraModel& camera, const Area& area,
                                const ValidityMask* valid_region) {
-  constexpr int kAcross = 40, kMostAcross = 320;
+  constexpr int kSamplesAcross = 40, kMaxAcross = 320;
   constexpr size_t kEnough = 400;
   std::vector<Sample> samples;
-  AddRays(camera, area, kAcross, valid_region, false, &samples);
-  for (int across = 2 * kAcross;
-       across <= kMostAcross && CountValid(samples) < kEnough; across *= 2)
+  AddRays(camera, area, kSamplesAcross, valid_region, false, &samples);
+  for (int across = 2 * kSamplesAcross;
+       across <= kMaxAcross && CountValidSamples(samples) < kEnough;
+       across *= 2)
     AddRays(camera, area, across, valid_region, true, &samples);
   return samples;
 }
@@ -124,7 +127,7 @@ std::vector<std::unique_ptr<ParametricModel>> MakeInitialModels(
     starts.push_back(std::make_unique<CentralRadial>(
         size, area, std::min(1.05 * widest, 3.1),
         std::vector<double>(num_knots, 0),
-        CentralRadial::OtherParameters{f, f, cx, cy, 0, 0, 0, 0}));
+        CentralRadial::PlanarParameters{f, f, cx, cy, 0, 0, 0, 0}));
   }
   return starts;
 }
@@ -135,7 +138,7 @@ struct Target {
   std::vector<Sample> samples;
   Eigen::VectorXd start;
   Eigen::VectorXd distortion_weights;
-  double lost_px = kLostPx;  // larger errors are truncated
+  double missing_error_px = kMissingErrorPx;  // larger errors are truncated
 };
 
 double DistortionCost(const CameraModel& model, const Target& target) {
@@ -152,16 +155,16 @@ struct Equations {
 };
 
 // Returns the reprojection errors of all samples that have a projection.
-std::vector<double> ErrorsPx(const CameraModel& model,
-                             const Eigen::Quaterniond& rotation,
-                             const Target& target) {
+std::vector<double> ComputeErrorsPx(const CameraModel& model,
+                                    const Eigen::Quaterniond& rotation,
+                                    const Target& target) {
   std::vector<double> errors;
   for (const Sample& sample : target.samples) {
     const auto pixel =
-        model.Project(rotation * sample.ray, nullptr, kAnywherePx);
-    errors.push_back(
-        pixel ? std::min((*pixel - sample.pixel).norm(), target.lost_px)
-              : target.lost_px);
+        model.Project(rotation * sample.ray, nullptr, kUnlimitedMarginPx);
+    errors.push_back(pixel ? std::min((*pixel - sample.pixel).norm(),
+                                      target.missing_error_px)
+                           : target.missing_error_px);
   }
   return errors;
 }
@@ -169,7 +172,7 @@ std::vector<double> ErrorsPx(const CameraModel& model,
 double ComputeCost(const CameraModel& model, const Eigen::Quaterniond& rotation,
                    const Target& target) {
   double cost = DistortionCost(model, target);
-  const std::vector<double> errors = ErrorsPx(model, rotation, target);
+  const std::vector<double> errors = ComputeErrorsPx(model, rotation, target);
   for (size_t k = 0; k < errors.size(); ++k)
     cost += target.samples[k].Weight() * errors[k] * errors[k];
   return cost;
@@ -219,9 +222,9 @@ Equations Linearize(const ParametricModel& model,
   for (const Sample& sample : target.samples) {
     const Eigen::Vector3d ray = rotation * sample.ray;
     LinearizedProjection linear;
-    if (!model.Linearize(ray, nullptr, kAnywherePx, &linear)) continue;
+    if (!model.Linearize(ray, nullptr, kUnlimitedMarginPx, &linear)) continue;
     const Eigen::Vector2d error = linear.pixel - sample.pixel;
-    if (error.norm() > target.lost_px) continue;
+    if (error.norm() > target.missing_error_px) continue;
     for (int k = 0; k < linear.num_nodes; ++k) {
       by_parameters.row(linear.node_parameter[k]) +=
           linear.node_weight[k] * linear.J_node.col(0);
@@ -260,24 +263,25 @@ Equations Linearize(const ParametricModel& model,
 }
 
 // Parameters that are optimized in a fit.
-struct Freedom {
+struct FreeParameterSet {
   std::vector<Eigen::Index> parameters;  // the rotation follows them
   bool ties_focal_lengths = false;       // fy equals fx and is not a free
                                          // parameter
   bool rotation = false;
 };
 
-Freedom SelectFreedom(const ParametricModel& model, const FitOptions& options) {
-  Freedom freedom;
+FreeParameterSet SelectFreeParameters(const ParametricModel& model,
+                                      const FitOptions& options) {
+  FreeParameterSet freedom;
   freedom.ties_focal_lengths = options.ties_focal_lengths;
   freedom.rotation = options.free_rotation;
   const int first = FirstCommonParameter(model);
   const std::vector<std::string>& names = model.ParameterNames();
   for (int k = 0; k < model.NumParameters(); ++k) {
     const std::string name = k < first ? "" : names[k - first];
-    const bool is_held = std::find(options.held.begin(), options.held.end(),
-                                   name) != options.held.end();
-    if (is_held || (name == "fy" && freedom.ties_focal_lengths)) continue;
+    const bool is_fixed = std::find(options.held.begin(), options.held.end(),
+                                    name) != options.held.end();
+    if (is_fixed || (name == "fy" && freedom.ties_focal_lengths)) continue;
     freedom.parameters.push_back(k);
   }
   if (freedom.rotation)
@@ -287,7 +291,8 @@ Freedom SelectFreedom(const ParametricModel& model, const FitOptions& options) {
 }
 
 // Computes the damped step of the free parameters and the rotation.
-Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
+Eigen::VectorXd Step(const ParametricModel& model,
+                     const FreeParameterSet& freedom,
                      const Equations& equations, double lambda) {
   const std::vector<Eigen::Index>& free = freedom.parameters;
   const Eigen::Index fx = FirstCommonParameter(model), fy = fx + 1;
@@ -309,7 +314,7 @@ Eigen::VectorXd Step(const ParametricModel& model, const Freedom& freedom,
 
 // Runs Levenberg-Marquardt until a step reduces the cost by less than this
 // fraction. Returns the cost.
-double Refine(const Target& target, const Freedom& freedom,
+double Refine(const Target& target, const FreeParameterSet& freedom,
               double converged_fraction, FittedModel* fit) {
   constexpr int kMaxIterations = 100;
   ParametricModel& model = *fit->model;
@@ -346,7 +351,7 @@ double Refine(const Target& target, const Freedom& freedom,
 std::vector<double> SelectSmallestErrors(const FittedModel& fit,
                                          const Target& target, double part) {
   const std::vector<double> all =
-      ErrorsPx(*fit.model, fit.model_from_camera, target);
+      ComputeErrorsPx(*fit.model, fit.model_from_camera, target);
   std::vector<double> errors;
   for (size_t k = 0; k < all.size(); ++k)
     if (target.samples[k].is_valid) errors.push_back(all[k]);
@@ -371,8 +376,9 @@ double RmsPx(const FittedModel& fit, const Target& target) {
 Eigen::VectorXd DistortionWeights(const ParametricModel& start,
                                   const Area& area, double num_samples,
                                   double bend_px, double tilt_px) {
-  const Eigen::VectorXd parts = bend_px * RadialPixels(start, area) +
-                                tilt_px * DecentringPixels(start, area);
+  const Eigen::VectorXd parts =
+      bend_px * ComputeRadialDisplacement(start, area) +
+      tilt_px * ComputeDecentringDisplacement(start, area);
   return num_samples * parts.cwiseAbs2();
 }
 
@@ -382,34 +388,36 @@ Eigen::VectorXd DistortionWeights(const ParametricModel& start,
 // weight. Radial parameters are almost free in the first round and then weakly
 // regularized, because coefficients of numerator and denominator can compensate
 // each other. Returns the cost without the regularization.
-double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
-                      FittedModel* fit) {
+double RefineInRounds(const Area& area, const FreeParameterSet& freedom,
+                      Target* target, FittedModel* fit) {
   constexpr int kRounds = 4;
-  constexpr double kFirstRmsPx = 1.0 / 3, kFarOff = 10, kNeverFarOffPx = 1;
-  constexpr double kNearlyConverged = 1e-6, kConverged = 1e-10;
+  constexpr double kFirstRmsPx = 1.0 / 3, kMissingErrorPerMedian = 10,
+                   kMinMissingErrorPx = 1;
+  constexpr double kRoundTolerance = 1e-6, kConverged = 1e-10;
   constexpr double kRelativeRadialTolerance = 3e-4, kMinRadialFraction = 1e-7;
   double num_samples = 0;
   for (const Sample& sample : target->samples) num_samples += sample.Weight();
   const std::unique_ptr<ParametricModel> start =
       fit->model->CloneWithArea(fit->model->area());
   target->start = start->Parameters();
-  target->lost_px = kLostPx;
+  target->missing_error_px = kMissingErrorPx;
   double rms_px = kFirstRmsPx, bend_px = kMinRadialFraction;
   for (int round = 0; round < kRounds; ++round) {
     target->distortion_weights = DistortionWeights(
         *start, area, num_samples, bend_px,
         freedom.rotation ? kMaxDecentringFraction * rms_px : 0);
-    Refine(*target, freedom,
-           round + 1 < kRounds ? kNearlyConverged : kConverged, fit);
+    Refine(*target, freedom, round + 1 < kRounds ? kRoundTolerance : kConverged,
+           fit);
     rms_px = RmsPx(*fit, *target);
     bend_px = std::max(kRelativeRadialTolerance * std::min(rms_px, kFirstRmsPx),
                        kMinRadialFraction);
     const std::vector<double> half = SelectSmallestErrors(*fit, *target, 0.5);
     if (!half.empty() && freedom.rotation)
-      target->lost_px =
-          std::clamp(kFarOff * half.back(), kNeverFarOffPx, kLostPx);
+      target->missing_error_px =
+          std::clamp(kMissingErrorPerMedian * half.back(), kMinMissingErrorPx,
+                     kMissingErrorPx);
   }
-  target->lost_px = kLostPx;
+  target->missing_error_px = kMissingErrorPx;
   target->distortion_weights.setZero();
   return freedom.rotation
              ? RmsPx(*fit, *target)
@@ -417,8 +425,8 @@ double RefineInRounds(const Area& area, const Freedom& freedom, Target* target,
 }
 
 // Whether the parameters to be held constant are 0 in a model.
-bool HasNoHeldTerms(const ParametricModel& lens,
-                    const std::vector<std::string>& held) {
+bool HasNoFixedTerms(const ParametricModel& lens,
+                     const std::vector<std::string>& held) {
   const std::vector<std::string>& names = lens.ParameterNames();
   const Eigen::VectorXd named = lens.Parameters().tail(names.size());
   for (size_t k = 0; k < names.size(); ++k)
@@ -430,12 +438,12 @@ bool HasNoHeldTerms(const ParametricModel& lens,
 
 // Returns the initial values in which the fixed parameters are 0; if there are
 // none, all initial values, with these parameters set to 0.
-std::vector<std::unique_ptr<ParametricModel>> RemoveHeldTerms(
+std::vector<std::unique_ptr<ParametricModel>> RemoveFixedTerms(
     std::vector<std::unique_ptr<ParametricModel>> starts,
     const std::vector<std::string>& held) {
   std::vector<std::unique_ptr<ParametricModel>> without;
   for (auto& start : starts)
-    if (HasNoHeldTerms(*start, held)) without.push_back(std::move(start));
+    if (HasNoFixedTerms(*start, held)) without.push_back(std::move(start));
   if (!without.empty()) return without;
   for (auto& start : starts) {
     Eigen::VectorXd parameters = start->Parameters();
@@ -468,13 +476,13 @@ FittedModel FitParametricModel(const std::string& name,
   FittedModel best;
   double best_cost = INFINITY;
   for (auto& start :
-       RemoveHeldTerms(MakeInitialModels(name, camera, center, target.samples,
-                                         options.num_knots),
-                       options.held)) {
+       RemoveFixedTerms(MakeInitialModels(name, camera, center, target.samples,
+                                          options.num_knots),
+                        options.held)) {
     FittedModel fit;
     fit.model = std::move(start);
-    const double cost =
-        RefineInRounds(area, SelectFreedom(*fit.model, options), &target, &fit);
+    const double cost = RefineInRounds(
+        area, SelectFreeParameters(*fit.model, options), &target, &fit);
     if (best.model && !(cost < best_cost)) continue;
     best = std::move(fit);
     best_cost = cost;

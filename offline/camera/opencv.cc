@@ -32,9 +32,9 @@ Eigen::Matrix<T, 2, 1> DistortOpenCv(const T& x, const T& y, const T* p) {
 // Returns the radius up to which r g(r) increases and the denominator of g is
 // positive.
 double ComputeMaxRadius(const OpenCv::ParameterArray& p) {
-  constexpr double kStep = 0.01, kLargest = 20;  // tan(87 degrees)
+  constexpr double kStep = 0.01, kMaxRadius = 20;  // tan(87 degrees)
   double previous = 0;
-  for (double r = kStep; r < kLargest; r += kStep) {
+  for (double r = kStep; r < kMaxRadius; r += kStep) {
     const double r2 = r * r;
     const double denominator =
         1 + r2 * (p[OpenCv::kK4] + r2 * (p[OpenCv::kK5] + r2 * p[OpenCv::kK6]));
@@ -44,15 +44,14 @@ double ComputeMaxRadius(const OpenCv::ParameterArray& p) {
     if (denominator <= 0 || distorted <= previous) return r - kStep;
     previous = distorted;
   }
-  return kLargest;
+  return kMaxRadius;
 }
 
 // Inverts the distortion by Newton's method; with damping, steps never increase
 // the error.
-std::optional<Eigen::Vector2d> UndistortFrom(Eigen::Vector2d at, bool is_damped,
-                                             const Eigen::Vector2d& pixel,
-                                             const OpenCv::ParameterArray& p,
-                                             double max_radius) {
+std::optional<Eigen::Vector2d> UndistortFromStart(
+    Eigen::Vector2d at, bool is_damped, const Eigen::Vector2d& pixel,
+    const OpenCv::ParameterArray& p, double max_radius) {
   using Jet = ceres::Jet<double, 2>;
   std::array<Jet, OpenCv::kCount> constants;
   for (int k = 0; k < OpenCv::kCount; ++k) constants[k] = Jet(p[k]);
@@ -110,10 +109,10 @@ std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& pixel,
       (pixel.y() - p[OpenCv::kCy]) / p[OpenCv::kFy]);
   Eigen::Vector2d start = distorted;
   if (start.norm() > 0.9 * max_radius) start *= 0.9 * max_radius / start.norm();
-  if (const auto found = UndistortFrom(start, false, pixel, p, max_radius))
+  if (const auto found = UndistortFromStart(start, false, pixel, p, max_radius))
     return found;
-  return UndistortFrom(UndistortRadially(distorted, p, max_radius), true, pixel,
-                       p, max_radius);
+  return UndistortFromStart(UndistortRadially(distorted, p, max_radius), true,
+                            pixel, p, max_radius);
 }
 
 }  // namespace

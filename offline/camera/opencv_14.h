@@ -53,8 +53,8 @@ struct OpenCv14Formula {
 
   /// Rotates (x, y, 1) and projects it along the sensor's axis.
   template <typename T>
-  static Eigen::Matrix<T, 2, 1> OnTiltedSensor(const T& x, const T& y,
-                                               const T* p) {
+  static Eigen::Matrix<T, 2, 1> ProjectOntoTiltedSensor(const T& x, const T& y,
+                                                        const T* p) {
     using std::cos;
     using std::sin;
     const T cos_x = cos(p[kTx]), sin_x = sin(p[kTx]);
@@ -78,7 +78,7 @@ struct OpenCv14Formula {
                  r2 * (p[kS1] + r2 * p[kS2]);
     const T yd = y * g + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y +
                  r2 * (p[kS3] + r2 * p[kS4]);
-    const Eigen::Matrix<T, 2, 1> at = OnTiltedSensor(xd, yd, p);
+    const Eigen::Matrix<T, 2, 1> at = ProjectOntoTiltedSensor(xd, yd, p);
     return {p[kFx] * at.x() + p[kCx], p[kFy] * at.y() + p[kCy]};
   }
 

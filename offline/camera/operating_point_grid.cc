@@ -11,10 +11,10 @@ static_assert(2 * (1 + OperatingPointModel::kMaxConditions *
 OperatingPointGrid::OperatingPointGrid(OperatingPointModel stack,
                                        OperatingPoint values)
     : CameraModel(stack.image_size(), stack.terms().front().area()),
-      stack_(std::move(stack)),
+      model_(std::move(stack)),
       values_(std::move(values)),
-      factors_(stack_.EvaluateBasis(values_)),
-      camera_(stack_.At(values_)) {}
+      factors_(model_.EvaluateBasis(values_)),
+      camera_(model_.At(values_)) {}
 
 bool OperatingPointGrid::Linearize(const Eigen::Vector3d& point,
                                    const Eigen::Vector2d* start,
@@ -38,7 +38,7 @@ Eigen::VectorXd OperatingPointGrid::Parameters() const {
   for (int k = 0; k < num_points; ++k)
     for (int j = 0; j < count; ++j)
       parameters.segment<2>(2 * (count * k + j)) =
-          stack_.terms()[j].points()[k];
+          model_.terms()[j].points()[k];
   return parameters;
 }
 
@@ -46,15 +46,15 @@ void OperatingPointGrid::SetParameters(const Eigen::VectorXd& parameters) {
   const int count = static_cast<int>(factors_.size());
   for (int k = 0; k < camera_.surface().num_points(); ++k)
     for (int j = 0; j < count; ++j)
-      stack_.terms()[j].points()[k] =
+      model_.terms()[j].points()[k] =
           parameters.segment<2>(2 * (count * k + j));
   SetValues(values_);
 }
 
 void OperatingPointGrid::SetValues(OperatingPoint values) {
   values_ = std::move(values);
-  factors_ = stack_.EvaluateBasis(values_);
-  camera_ = stack_.At(values_);
+  factors_ = model_.EvaluateBasis(values_);
+  camera_ = model_.At(values_);
 }
 
 }  // namespace raygrid

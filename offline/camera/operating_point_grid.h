@@ -32,15 +32,17 @@ class OperatingPointGrid : public CameraModel {
   Eigen::VectorXd Parameters() const override;
   void SetParameters(const Eigen::VectorXd& parameters) override;
 
-  const OperatingPointModel& stack() const { return stack_; }
-  const OperatingPointModel* Stack() const override { return &stack_; }
+  const OperatingPointModel& stack() const { return model_; }
+  const OperatingPointModel* GetOperatingPointModel() const override {
+    return &model_;
+  }
   const OperatingPoint& values() const { return values_; }
   /// Changes the operating point.
   void SetValues(OperatingPoint values);
   const CentralGeneric& camera() const { return camera_; }
 
  private:
-  OperatingPointModel stack_;
+  OperatingPointModel model_;
   OperatingPoint values_;
   std::vector<double> factors_;
   CentralGeneric camera_;

@@ -34,7 +34,7 @@ std::optional<OperatingParameter> FindOperatingParameter(
   return std::nullopt;
 }
 
-std::vector<double> OperatingRange::Spread(int count) const {
+std::vector<double> OperatingRange::SampleValues(int count) const {
   std::vector<double> values;
   for (int k = 0; k < count; ++k)
     values.push_back(low + (high - low) * k / (count - 1));
@@ -92,7 +92,7 @@ CentralGeneric OperatingPointModel::At(const OperatingPoint& values) const {
   return CentralGeneric(image_size_, std::move(surface));
 }
 
-OperatingPointModel OperatingPointModel::Hold(
+OperatingPointModel OperatingPointModel::FixValues(
     const FixedOperatingPoint& at) const {
   OperatingPoint values = Center();
   OperatingPointModel rest = *this;
@@ -121,7 +121,7 @@ OperatingPointModel OperatingPointModel::SliceAlong(size_t range) const {
   FixedOperatingPoint at;
   for (const OperatingRange& other : ranges_) at.emplace_back(other.Center());
   at[range].reset();
-  return Hold(at);
+  return FixValues(at);
 }
 
 OperatingPointModel OperatingPointModel::AddOrder(size_t range) const {

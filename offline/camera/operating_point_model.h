@@ -31,7 +31,7 @@ struct OperatingRange {
   double Center() const { return (low + high) / 2; }
   bool Contains(double value) const { return value >= low && value <= high; }
   /// Returns `count` evenly spaced values from low to high.
-  std::vector<double> Spread(int count) const;
+  std::vector<double> SampleValues(int count) const;
   /// Formats the range: "0 to 10 dioptres".
   std::string Text() const;
 };
@@ -75,7 +75,7 @@ class OperatingPointModel {
   CentralGeneric At(const OperatingPoint& values) const;
 
   /// Returns the model over the variables that are not fixed.
-  OperatingPointModel Hold(const FixedOperatingPoint& at) const;
+  OperatingPointModel FixValues(const FixedOperatingPoint& at) const;
   /// Returns the model over one range, with the other at its mid-range.
   OperatingPointModel SliceAlong(size_t range) const;
 

@@ -2,7 +2,7 @@
 
 namespace raygrid {
 
-std::vector<Eigen::Vector2d> PopulationCovariance::Places(
+std::vector<Eigen::Vector2d> PopulationCovariance::GetPositions(
     const Area& area) const {
   std::vector<Eigen::Vector2d> positions;
   for (int j = 0; j < rows; ++j)
@@ -12,9 +12,9 @@ std::vector<Eigen::Vector2d> PopulationCovariance::Places(
   return positions;
 }
 
-std::vector<BSplineSurface> PopulationCovariance::Surfaces(
+std::vector<BSplineSurface> PopulationCovariance::FitSurfaces(
     const Area& area) const {
-  const std::vector<Eigen::Vector2d> positions = Places(area);
+  const std::vector<Eigen::Vector2d> positions = GetPositions(area);
   std::vector<BSplineSurface> surfaces;
   for (const std::vector<Eigen::Vector2d>& field : displacements_px) {
     std::vector<SurfaceSample> samples;

@@ -19,9 +19,9 @@ struct PopulationCovariance {
   std::vector<std::vector<Eigen::Vector2d>> displacements_px;
 
   /// Returns the lattice's pixels, row by row.
-  std::vector<Eigen::Vector2d> Places(const Area& area) const;
+  std::vector<Eigen::Vector2d> GetPositions(const Area& area) const;
   /// Returns each displacement field as a surface over the area, in pixels.
-  std::vector<BSplineSurface> Surfaces(const Area& area) const;
+  std::vector<BSplineSurface> FitSurfaces(const Area& area) const;
 };
 
 }  // namespace raygrid

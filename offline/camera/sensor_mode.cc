@@ -6,7 +6,7 @@ namespace raygrid {
 namespace {
 
 // Returns the area of a mode's frames that the calibrated area covers.
-Area AreaInMode(const Area& area, const SensorMode& mode) {
+Area TransformAreaToMode(const Area& area, const SensorMode& mode) {
   const Eigen::Vector2d a = mode.FromCalibrated({area.x0, area.y0});
   const Eigen::Vector2d b = mode.FromCalibrated({area.x1, area.y1});
   const Area image = WholeImage(mode.size);
@@ -17,7 +17,7 @@ Area AreaInMode(const Area& area, const SensorMode& mode) {
 }
 
 // Returns the image circle in a mode's frames.
-std::optional<ImageCircle> CircleInMode(
+std::optional<ImageCircle> TransformCircleToMode(
     const std::optional<ImageCircle>& circle, const SensorMode& mode) {
   if (!circle) return std::nullopt;
   return ImageCircle{mode.FromCalibrated(circle->center),
@@ -41,9 +41,10 @@ Eigen::Vector2d SensorMode::FromCalibrated(const Eigen::Vector2d& pixel) const {
 }
 
 ModeCamera::ModeCamera(const CameraModel& camera, const SensorMode& mode)
-    : CameraWrapper(camera, mode.size, AreaInMode(camera.area(), mode)),
+    : CameraWrapper(camera, mode.size,
+                    TransformAreaToMode(camera.area(), mode)),
       mode_(mode) {
-  SetImageCircle(CircleInMode(camera.image_circle(), mode));
+  SetImageCircle(TransformCircleToMode(camera.image_circle(), mode));
 }
 
 std::optional<Eigen::Vector3d> ModeCamera::Unproject(

@@ -12,14 +12,14 @@ namespace {
 
 using SplineGrid = SplinedStereographic::Grid;
 
-Eigen::Vector2d ToPlane(const Eigen::Vector3d& direction) {
+Eigen::Vector2d ProjectToPlane(const Eigen::Vector3d& direction) {
   return 2 * ToChart(direction);
 }
 
 // Returns u + d(u), and its derivative with respect to u.
-Eigen::Vector2d Corrected(const BSplineSurface& surface,
-                          const Eigen::Vector2d& u,
-                          Eigen::Matrix2d* derivative) {
+Eigen::Vector2d ApplyCorrection(const BSplineSurface& surface,
+                                const Eigen::Vector2d& u,
+                                Eigen::Matrix2d* derivative) {
   const Eigen::Vector2d d = surface.Evaluate(u, derivative);
   *derivative += Eigen::Matrix2d::Identity();
   return u + d;
@@ -27,8 +27,8 @@ Eigen::Vector2d Corrected(const BSplineSurface& surface,
 
 // Returns the control point whose corrected position is nearest to a target: an
 // initial value if Newton's method diverges.
-Eigen::Vector2d FindNearestPosition(const BSplineSurface& surface,
-                                    const Eigen::Vector2d& target) {
+Eigen::Vector2d FindNearestGridPosition(const BSplineSurface& surface,
+                                        const Eigen::Vector2d& target) {
   Eigen::Vector2d nearest = surface.area().center();
   double least = INFINITY;
   for (int k = 0; k < surface.num_points(); ++k) {
@@ -55,7 +55,7 @@ struct PlaneSample {
 std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
                                      const ValidityMask* valid_region,
                                      double across) {
-  constexpr double kInvalidWeight = 1e-6, kFarthest = 8;
+  constexpr double kInvalidWeight = 1e-6, kMaxPlaneRadius = 8;
   const Area& area = camera.area();
   const double step_px = std::max(area.width(), area.height()) / across;
   const int columns = static_cast<int>(area.width() / step_px + 1e-9);
@@ -69,8 +69,8 @@ std::vector<PlaneSample> SamplePlane(const CameraModel& camera,
       if (!camera.IsInImageCircle(pixel)) continue;
       const auto ray = camera.Unproject(pixel);
       if (!ray) continue;
-      const Eigen::Vector2d u = ToPlane(*ray);
-      if (!(u.norm() < kFarthest)) continue;
+      const Eigen::Vector2d u = ProjectToPlane(*ray);
+      if (!(u.norm() < kMaxPlaneRadius)) continue;
       const bool is_valid = !valid_region || valid_region->IsValidAt(pixel);
       samples.push_back({u, pixel, is_valid ? 1 : kInvalidWeight});
     }
@@ -225,13 +225,13 @@ std::optional<Eigen::Vector3d> SplinedStereographic::Unproject(
   const Eigen::Vector2d target = (pixel.array() - center_px_) / focal_px_;
   const auto error = [&](const Eigen::Vector2d& u,
                          Eigen::Matrix2d* derivative) -> Eigen::Vector2d {
-    return target - Corrected(surface_, u, derivative);
+    return target - ApplyCorrection(surface_, u, derivative);
   };
   const Area& domain = surface_.area();
   auto solution = FindPixel(domain, target, 0, error);
   if (!solution)
     solution =
-        FindPixel(domain, FindNearestPosition(surface_, target), 0, error);
+        FindPixel(domain, FindNearestGridPosition(surface_, target), 0, error);
   if (!solution || !(solution->derivative.determinant() > 0))
     return std::nullopt;
   // Adds a final Newton step: the search ends at steps of 1e-9, in units of the
@@ -247,11 +247,11 @@ std::optional<Eigen::Vector2d> SplinedStereographic::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
   constexpr double kRounding = 1e-9;
-  const Eigen::Vector2d u = ToPlane(point);
+  const Eigen::Vector2d u = ProjectToPlane(point);
   if (!u.allFinite() || !surface_.area().Contains(u, kRounding))
     return std::nullopt;
   Eigen::Matrix2d derivative;
-  const Eigen::Vector2d corrected = Corrected(surface_, u, &derivative);
+  const Eigen::Vector2d corrected = ApplyCorrection(surface_, u, &derivative);
   const Eigen::Vector2d pixel = focal_px_ * corrected.array() + center_px_;
   if (!(derivative.determinant() > 0) || !area().Contains(pixel, margin_px))
     return std::nullopt;
@@ -264,9 +264,9 @@ bool SplinedStereographic::Linearize(const Eigen::Vector3d& point,
                                      LinearizedProjection* projection) const {
   const auto pixel = Project(point, start, margin_px);
   if (!pixel) return false;
-  const Eigen::Vector2d u = ToPlane(point);
+  const Eigen::Vector2d u = ProjectToPlane(point);
   Eigen::Matrix2d derivative;
-  const Eigen::Vector2d corrected = Corrected(surface_, u, &derivative);
+  const Eigen::Vector2d corrected = ApplyCorrection(surface_, u, &derivative);
   const auto focal = focal_px_.matrix().asDiagonal();
   projection->pixel = *pixel;
   projection->J_point = focal * derivative * 2 * ToChartDerivative(point);

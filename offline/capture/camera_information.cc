@@ -107,8 +107,8 @@ std::optional<CameraInformation> CameraInformation::Of(
     const AdjustmentResult& adjusted) {
   constexpr UncertaintyOptions kLattice;
   const AdjustmentState& state = adjusted.state;
-  CameraInformation knowledge;
-  knowledge.camera_ = state.camera().Clone();
+  CameraInformation information;
+  information.camera_ = state.camera().Clone();
   const ParameterLayout layout(state, {false, true});
   const PriorEquations prior(adjusted.prior, state, layout);
   const int size = layout.size;
@@ -121,33 +121,33 @@ std::optional<CameraInformation> CameraInformation::Of(
       pixels.push_back(o.pixel);
     }
     h += PoseFreeSquare(
-        ComputeViewJacobian(*knowledge.camera_, size, points, pixels,
+        ComputeViewJacobian(*information.camera_, size, points, pixels,
                             state.ComputeCameraFromPattern(view)));
   }
   const Eigen::LLT<Eigen::MatrixXd> factor(h);
   if (factor.info() != Eigen::Success) return std::nullopt;
-  knowledge.inverse_ = factor.solve(Eigen::MatrixXd::Identity(size, size));
+  information.inverse_ = factor.solve(Eigen::MatrixXd::Identity(size, size));
   std::vector<PixelUncertainty> pixels;
   std::vector<bool> is_known;
   const Eigen::MatrixXd moves = ComputeLatticeJacobian(
       adjusted.problem.views, state, 0, kLattice, &pixels, &is_known);
-  const Eigen::MatrixXd projected_motions = moves * knowledge.inverse_;
+  const Eigen::MatrixXd projected_motions = moves * information.inverse_;
   double trace = 0;
   for (size_t i = 0; i < pixels.size(); ++i) {
-    if (!is_known[i] || !knowledge.camera_->IsInImageCircle(pixels[i].pixel))
+    if (!is_known[i] || !information.camera_->IsInImageCircle(pixels[i].pixel))
       continue;
     const auto row = 2 * static_cast<Eigen::Index>(i);
     const double sum = projected_motions.middleRows<2>(row)
                            .cwiseProduct(moves.middleRows<2>(row))
                            .sum();
     trace += sum;
-    knowledge.positions_.push_back(
+    information.positions_.push_back(
         {pixels[i].pixel, adjusted.summary.noise_px * std::sqrt(sum)});
   }
   if (!(trace > 0)) return std::nullopt;
-  knowledge.weighing_ =
+  information.weighing_ =
       projected_motions.transpose() * projected_motions / trace;
-  return knowledge;
+  return information;
 }
 
 double CameraInformation::RmsPx() const {

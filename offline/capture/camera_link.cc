@@ -15,12 +15,12 @@ namespace {
 // A board in an image, with its pose estimated by a calibrated camera.
 struct AdjustedView {
   Pose camera_from_board;
-  std::vector<PointPixelMatch> seen;
+  std::vector<PointPixelMatch> matches;
 };
 
 using ViewsByFrame = std::map<std::pair<std::string, int>, AdjustedView>;
 
-ViewsByFrame ViewsOf(const AdjustmentResult& adjusted) {
+ViewsByFrame GroupViewsByFrame(const AdjustmentResult& adjusted) {
   ViewsByFrame views;
   const CalibrationProblem& problem = adjusted.problem;
   for (size_t v = 0; v < problem.views.size(); ++v) {
@@ -28,7 +28,7 @@ ViewsByFrame ViewsOf(const AdjustmentResult& adjusted) {
     view.camera_from_board =
         adjusted.state.ComputeCameraFromPattern(problem.views[v]);
     for (const Observation& o : problem.views[v].observations)
-      view.seen.push_back({adjusted.state.points[o.point], o.pixel});
+      view.matches.push_back({adjusted.state.points[o.point], o.pixel});
   }
   return views;
 }
@@ -92,17 +92,17 @@ std::optional<CameraLink> CameraLink::Of(const LiveCamera& first,
   CameraLink link;
   link.first_ = make_camera(*first.adjusted());
   link.second_ = make_camera(*second.adjusted());
-  const ViewsByFrame in_second = ViewsOf(*second.adjusted());
+  const ViewsByFrame in_second = GroupViewsByFrame(*second.adjusted());
   std::vector<SharedBoard> boards;
-  for (const auto& [frame, view] : ViewsOf(*first.adjusted())) {
+  for (const auto& [frame, view] : GroupViewsByFrame(*first.adjusted())) {
     const auto other = in_second.find(frame);
     if (other == in_second.end()) continue;
     boards.push_back({view.camera_from_board, other->second.camera_from_board,
-                      view.seen, other->second.seen});
+                      view.matches, other->second.matches});
   }
   if (boards.empty()) return std::nullopt;
   link.EstimateRelativePose(boards);
-  link.EstimateScatter(boards);
+  link.EstimateVarianceFactor(boards);
   double num_features = 0;
   for (const SharedBoard& board : boards) {
     link.information_ += link.ComputeInformation(board);
@@ -123,22 +123,25 @@ void CameraLink::EstimateRelativePose(const std::vector<SharedBoard>& boards) {
   constexpr int kSteps = 5;
   for (int step = 0; step < kSteps; ++step) {
     MotionMatrix sum = MotionMatrix::Zero();
-    Eigen::Matrix<double, 6, 1> weighed = Eigen::Matrix<double, 6, 1>::Zero();
+    Eigen::Matrix<double, 6, 1> weighted_motion =
+        Eigen::Matrix<double, 6, 1>::Zero();
     for (const SharedBoard& board : boards) {
       const MotionMatrix information = ComputeInformation(board);
       sum += information;
-      weighed +=
+      weighted_motion +=
           information * MotionBetween(second_from_first_,
                                       board.second_from_board *
                                           board.first_from_board.Inverse());
     }
-    const Eigen::Matrix<double, 6, 1> motion = InvertMotion(sum) * weighed;
+    const Eigen::Matrix<double, 6, 1> motion =
+        InvertMotion(sum) * weighted_motion;
     const Pose moved{RotationFromVector(motion.head<3>()), motion.tail<3>()};
     second_from_first_ = moved * second_from_first_;
   }
 }
 
-void CameraLink::EstimateScatter(const std::vector<SharedBoard>& boards) {
+void CameraLink::EstimateVarianceFactor(
+    const std::vector<SharedBoard>& boards) {
   if (boards.size() < 2) return;
   double sum = 0;
   for (const SharedBoard& board : boards) {
@@ -148,7 +151,7 @@ void CameraLink::EstimateScatter(const std::vector<SharedBoard>& boards) {
     sum += motion.dot(ComputeInformation(board) * motion);
   }
   constexpr double kPoseSize = 6;
-  scatter_ =
+  variance_factor_ =
       std::max(1.0, sum / (kPoseSize * static_cast<double>(boards.size() - 1)));
 }
 
@@ -166,7 +169,8 @@ MotionMatrix CameraLink::ComputeInformation(const SharedBoard& shared) const {
 }
 
 double CameraLink::RmsPx() const {
-  return std::sqrt(scatter_ * (weighing_ * InvertMotion(information_)).trace());
+  return std::sqrt(variance_factor_ *
+                   (weighing_ * InvertMotion(information_)).trace());
 }
 
 double CameraLink::ComputeGain(const SharedBoard& shared) const {

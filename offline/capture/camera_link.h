@@ -55,11 +55,11 @@ class CameraLink {
 
   MotionMatrix ComputeInformation(const SharedBoard& shared) const;
   void EstimateRelativePose(const std::vector<SharedBoard>& boards);
-  void EstimateScatter(const std::vector<SharedBoard>& boards);
+  void EstimateVarianceFactor(const std::vector<SharedBoard>& boards);
 
   Camera first_, second_;
   Pose second_from_first_;
-  double scatter_ = 1;  ///< ratio of observed to predicted variance
+  double variance_factor_ = 1;  ///< ratio of observed to predicted variance
   MotionMatrix information_ = MotionMatrix::Zero();
   MotionMatrix weighing_ = MotionMatrix::Zero();  // mean D^T D of pixels
 };

@@ -13,7 +13,7 @@ namespace {
 
 // Minimum angle between tilts that count as distinct before a first
 // calibration.
-constexpr double kOtherTiltRad = 0.25;
+constexpr double kMinTiltDifferenceRad = 0.25;
 
 std::shared_ptr<const CameraModel> AssumedCamera(const ImageSize& size) {
   constexpr double kHalfWidthRad = 0.57;
@@ -78,16 +78,16 @@ CaptureGuide::CaptureGuide(const LiveCamera& live, const Pattern& pattern,
       num_images_(static_cast<int>(live.images().images.size())),
       assumed_(AssumedCamera(live.images().image_size)) {
   for (const ImageFeatures& image : live.images().images)
-    kept_.push_back(CollectFeaturePositions(image));
-  if (live.adjusted()) knowledge_ = CameraInformation::Of(*live.adjusted());
-  if (knowledge_)
+    kept_views_.push_back(CollectFeaturePositions(image));
+  if (live.adjusted()) information_ = CameraInformation::Of(*live.adjusted());
+  if (information_)
     ChooseNext();
   else
     ChooseFirst(live);
 }
 
 const CameraModel& CaptureGuide::camera() const {
-  return knowledge_ ? knowledge_->camera() : *assumed_;
+  return information_ ? information_->camera() : *assumed_;
 }
 
 std::vector<LocatedBoard> CaptureGuide::Locate(
@@ -112,7 +112,7 @@ void CaptureGuide::ChooseFirst(const LiveCamera& live) {
     if (!pose) continue;
     next_ = GuidedView{&board, *pose, 1};
     const auto is_other = [&](const LocatedBoard& before) {
-      return AngleBetween({&board, *pose}, before) > kOtherTiltRad;
+      return AngleBetween({&board, *pose}, before) > kMinTiltDifferenceRad;
     };
     if (std::all_of(first_views_.begin(), first_views_.end(), is_other)) return;
   }
@@ -124,8 +124,9 @@ std::optional<NextView> CaptureGuide::FindBestNewView(
   std::vector<Pose> avoided = options_.avoided;
   constexpr int kTries = 4;
   for (int k = 0; k < kTries; ++k) {
-    const auto view = FindBestNextView(*knowledge_, board, avoided);
-    if (!view || !IsDuplicateView(ImageOf(board, view->camera_from_board)))
+    const auto view = FindBestNextView(*information_, board, avoided);
+    if (!view ||
+        !IsDuplicateView(SimulateImageFeatures(board, view->camera_from_board)))
       return view;
     avoided.push_back(view->camera_from_board);
   }
@@ -133,8 +134,8 @@ std::optional<NextView> CaptureGuide::FindBestNewView(
 }
 
 // Simulates the features of a board that the camera would observe at a pose.
-ImageFeatures CaptureGuide::ImageOf(const Board& board,
-                                    const Pose& camera_from_board) const {
+ImageFeatures CaptureGuide::SimulateImageFeatures(
+    const Board& board, const Pose& camera_from_board) const {
   ImageFeatures image;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column)
@@ -150,7 +151,7 @@ void CaptureGuide::ChooseNext() {
       if (!next_ || view->gain > next_->gain)
         next_ = GuidedView{&board, view->camera_from_board, view->gain};
   const bool is_known = options_.target_px > 0 &&
-                        knowledge_->Percentile95Px() <= options_.target_px;
+                        information_->Percentile95Px() <= options_.target_px;
   is_done_ =
       !is_floor() && (is_known || !next_ || next_->gain < options_.min_gain);
   if (is_done_) next_.reset();
@@ -162,21 +163,24 @@ bool CaptureGuide::IsDuplicateView(const ImageFeatures& image) const {
   constexpr double kMaxRelativeShift = 0.01;
   const ImageSize& size = camera().image_size();
   const FeaturePositions places = CollectFeaturePositions(image);
-  return std::any_of(kept_.begin(), kept_.end(), [&](const auto& kept) {
-    const auto distance_px = DistancePx(places, kept);
-    return distance_px &&
-           *distance_px < kMaxRelativeShift * std::max(size.width, size.height);
-  });
+  return std::any_of(
+      kept_views_.begin(), kept_views_.end(), [&](const auto& kept) {
+        const auto distance_px = DistancePx(places, kept);
+        return distance_px &&
+               *distance_px <
+                   kMaxRelativeShift * std::max(size.width, size.height);
+      });
 }
 
 double CaptureGuide::ComputeGain(const ImageFeatures& image) const {
   if (IsDuplicateView(image)) return 0;
   const std::vector<LocatedBoard> located = Locate(image);
-  if (!knowledge_) {
+  if (!information_) {
     const auto is_other = [&](const LocatedBoard& board) {
       return std::all_of(first_views_.begin(), first_views_.end(),
                          [&](const LocatedBoard& before) {
-                           return AngleBetween(board, before) > kOtherTiltRad;
+                           return AngleBetween(board, before) >
+                                  kMinTiltDifferenceRad;
                          });
     };
     return std::any_of(located.begin(), located.end(), is_other) ? 1 : 0;
@@ -190,13 +194,13 @@ double CaptureGuide::ComputeGain(const ImageFeatures& image) const {
       pixels.push_back(match.pixel);
     }
     left *=
-        1 - knowledge_->ComputeGain(points, pixels, board.camera_from_board);
+        1 - information_->ComputeGain(points, pixels, board.camera_from_board);
   }
   return 1 - left;
 }
 
 bool CaptureGuide::ShouldKeep(double gain, bool is_next_view) const {
-  if (!knowledge_) return gain > 0.5;
+  if (!information_) return gain > 0.5;
   const double wanted =
       next_ && !is_next_view ? options_.min_gain_ratio * next_->gain : 0;
   // Before the smoothness prior is determined, any image with a positive gain
@@ -210,8 +214,8 @@ bool CaptureGuide::IsNextView(const ImageFeatures& image) const {
   const std::vector<LocatedBoard> located = Locate(image);
   return std::any_of(located.begin(), located.end(), [&](const auto& seen) {
     return seen.board->id == next_->board->id &&
-           IsAtTarget(camera(), *seen.board, seen.camera_from_board,
-                      next_->camera_from_board);
+           HasReachedView(camera(), *seen.board, seen.camera_from_board,
+                          next_->camera_from_board);
   });
 }
 
@@ -220,7 +224,7 @@ std::optional<int> CaptureGuide::num_expected() const {
   // Initially, standard deviations decrease faster than predicted.
   constexpr int kMinImages = 6;
   const int num_missing = std::max(1, kMinReliableImages - num_images_);
-  if (!knowledge_ || !next_ || num_images_ < kMinImages) return std::nullopt;
+  if (!information_ || !next_ || num_images_ < kMinImages) return std::nullopt;
   // After n images, the mean variance decreases as n^(-n gain): fast at first,
   // finally as 1 / n.
   const double n = num_images_, power = n * next_->gain;
@@ -229,7 +233,7 @@ std::optional<int> CaptureGuide::num_expected() const {
   // reached.
   double most = std::min(1.0, power) / options_.min_gain;
   if (options_.target_px > 0) {
-    const double ratio = knowledge_->Percentile95Px() / options_.target_px;
+    const double ratio = information_->Percentile95Px() / options_.target_px;
     most = std::min(most, n * std::pow(std::max(1.0, ratio), 2 / power));
   }
   constexpr double kMaxImages = 999;

@@ -28,7 +28,7 @@ struct GuideOptions {
   std::vector<Pose> avoided = {};
   /// If no board can be observed by two cameras at once: skips connecting views
   /// and continues with views of single cameras.
-  bool leaves_connecting = false;
+  bool skip_connecting_views = false;
 };
 
 /// Pairs the features of one board in an image with their points in the board
@@ -69,8 +69,8 @@ class CaptureGuide {
   /// Returns the current estimate of the camera, or the assumed camera.
   const CameraModel& camera() const;
   /// Returns NULL before a first calibration.
-  const CameraInformation* knowledge() const {
-    return knowledge_ ? &*knowledge_ : nullptr;
+  const CameraInformation* information() const {
+    return information_ ? &*information_ : nullptr;
   }
   int num_images() const { return num_images_; }
 
@@ -102,17 +102,17 @@ class CaptureGuide {
  private:
   bool IsDuplicateView(const ImageFeatures& image) const;
   std::optional<NextView> FindBestNewView(const Board& board) const;
-  ImageFeatures ImageOf(const Board& board,
-                        const Pose& camera_from_board) const;
+  ImageFeatures SimulateImageFeatures(const Board& board,
+                                      const Pose& camera_from_board) const;
   void ChooseFirst(const LiveCamera& live);
   void ChooseNext();
 
   std::shared_ptr<const Pattern> pattern_;
   GuideOptions options_;
   int num_images_ = 0;
-  std::vector<FeaturePositions> kept_;
+  std::vector<FeaturePositions> kept_views_;
   std::shared_ptr<const CameraModel> assumed_;
-  std::optional<CameraInformation> knowledge_;
+  std::optional<CameraInformation> information_;
   std::vector<LocatedBoard> first_views_;  // candidates before calibration
   std::optional<GuidedView> next_;
   bool is_done_ = false;

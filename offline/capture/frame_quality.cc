@@ -11,7 +11,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kMeasuredFeatures = 48;  // maximum per image
+constexpr int kMaxMeasuredFeatures = 48;  // maximum per image
 constexpr double kMinHalfPx = 2.5, kMaxHalfPx = 6;
 constexpr double kMinContrast = 15;  // grey levels
 
@@ -157,7 +157,7 @@ QualityMeter::QualityMeter(const Board& board)
       }
       const Eigen::Vector2d direction = along((low + high) / 2);
       const Eigen::Vector2d across(-direction.y(), direction.x());
-      const auto add_longest = [&] {
+      const auto add_longest_edge = [&] {
         for (const double radius : kRadii)
           for (const double half : kHalfLengths) {
             const Edge edge = {radius * board.square_m * direction,
@@ -167,7 +167,7 @@ QualityMeter::QualityMeter(const Board& board)
             return;
           }
       };
-      add_longest();
+      add_longest_edge();
     }
   }
 }
@@ -198,7 +198,7 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
            (points[behind] - points[before]).norm();
   };
   std::vector<MeasuredEdge> seen;
-  const size_t count = std::min<size_t>(features.size(), kMeasuredFeatures);
+  const size_t count = std::min<size_t>(features.size(), kMaxMeasuredFeatures);
   for (size_t k = 0; k < count; ++k) {
     const Feature& feature = features[k * features.size() / count];
     const auto J_x = slope(feature, 1, 0), J_y = slope(feature, 0, 1);
@@ -221,18 +221,18 @@ FrameQuality QualityMeter::Measure(const ImageSize& size,
   FrameQuality quality;
   constexpr size_t kFewest = 6;
   if (seen.size() < kFewest) return quality;
-  std::vector<double> whites, blacks;
+  std::vector<double> white_levels, black_levels;
   double clipped = 0;
   constexpr double kFull = 254;
   for (const MeasuredEdge& edge : seen) {
-    whites.push_back(edge.high);
-    blacks.push_back(edge.low);
+    white_levels.push_back(edge.high);
+    black_levels.push_back(edge.low);
     clipped += edge.high >= kFull;
   }
   // Quantiles, because near other edges a profile does not attain both levels.
   constexpr double kWhiteQuantile = 0.75;
-  quality.white = Quantile(whites, kWhiteQuantile);
-  quality.black = Quantile(blacks, 1 - kWhiteQuantile);
+  quality.white = Quantile(white_levels, kWhiteQuantile);
+  quality.black = Quantile(black_levels, 1 - kWhiteQuantile);
   quality.clipped = clipped / static_cast<double>(seen.size());
   for (MeasuredEdge& edge : seen)
     edge.spread_px =

@@ -26,12 +26,12 @@ constexpr StatusText kStatusTexts[] = {
     {"blurred", "focus, or move the board into focus"},
     {"known", ""}};
 
-bool IsDark(const FrameQuality& quality) {
+bool IsTooDark(const FrameQuality& quality) {
   constexpr double kMinContrast = 30;
   return quality.white > 0 && quality.white - quality.black < kMinContrast;
 }
 
-bool IsBright(const FrameQuality& quality) {
+bool IsTooBright(const FrameQuality& quality) {
   constexpr double kMaxClippedFraction = 0.3;
   return quality.clipped > kMaxClippedFraction;
 }
@@ -58,12 +58,12 @@ bool KeyframeSelector::IsMoving(const DetectedFrame& frame,
   if (!frame.time_s || !last_time_s_) return false;
   const auto moved_px = DistancePx(places, last_positions_);
   if (!moved_px) return true;  // the target was not visible before
-  const double passed_s = *frame.time_s - *last_time_s_;
-  if (!(passed_s > 0)) return *moved_px > options_.still_px;
+  const double elapsed_s = *frame.time_s - *last_time_s_;
+  if (!(elapsed_s > 0)) return *moved_px > options_.still_px;
   constexpr double kFrameS = 1 / 30.0;
-  double shown_s = std::min(passed_s, kFrameS);
+  double shown_s = std::min(elapsed_s, kFrameS);
   if (frame.exposure_s) shown_s = std::min(shown_s, *frame.exposure_s);
-  return *moved_px / passed_s * shown_s > options_.still_px;
+  return *moved_px / elapsed_s * shown_s > options_.still_px;
 }
 
 bool KeyframeSelector::IsBlurred(const FrameQuality& quality) {
@@ -91,8 +91,8 @@ FrameStatus KeyframeSelector::Assess(const DetectedFrame& frame,
   const size_t count = frame.features.features.size();
   if (count == 0) return FrameStatus::kAbsent;
   if (count < kMinFeatures) return FrameStatus::kFew;
-  if (IsDark(frame.quality)) return FrameStatus::kDark;
-  if (IsBright(frame.quality)) return FrameStatus::kBright;
+  if (IsTooDark(frame.quality)) return FrameStatus::kDark;
+  if (IsTooBright(frame.quality)) return FrameStatus::kBright;
   if (options_.every_frame) return FrameStatus::kKept;
   if (is_moving) return FrameStatus::kMoving;
   if (IsBlurred(frame.quality)) return FrameStatus::kBlurred;

@@ -20,7 +20,7 @@ LiveCamera::LiveCamera(const Pattern& pattern, const ImageSize& size,
   images_.image_size = size;
 }
 
-AdjustmentOptions LiveCamera::Options() const {
+AdjustmentOptions LiveCamera::MakeAdjustmentOptions() const {
   AdjustmentOptions options;
   options.fix_points = true;
   options.num_threads = num_threads_;
@@ -31,10 +31,10 @@ void LiveCamera::Add(const ImageFeatures& image) {
   images_.images.push_back(image);
   const size_t count = images_.images.size();
   if (count < kNumFirstViews) return;
-  if (!adjusted_ || 2 * count >= 3 * num_at_anew_)
+  if (!adjusted_ || 2 * count >= 3 * num_images_at_full_adjustment_)
     OptimizeFromScratch();
   else
-    GoOn();
+    ContinueOptimization();
 }
 
 void LiveCamera::Add(const std::vector<ImageFeatures>& images) {
@@ -57,18 +57,20 @@ void LiveCamera::OptimizeFromScratch() {
   const double knot_spacing_px =
       std::max(images_.image_size.width, images_.image_size.height) / kCells;
   try {
-    AdjustmentResult adjusted = InitializeCamera(images_, pattern_, Options());
+    AdjustmentResult adjusted =
+        InitializeCamera(images_, pattern_, MakeAdjustmentOptions());
     OptimizeWithRigidBoards(pattern_, models::kCentralGeneric,
-                            {knot_spacing_px}, Options(), &adjusted);
+                            {knot_spacing_px}, MakeAdjustmentOptions(),
+                            &adjusted);
     adjusted_ = std::move(adjusted);
-    num_at_anew_ = images_.images.size();
+    num_images_at_full_adjustment_ = images_.images.size();
   } catch (const Error&) {
     // Not enough images: later ones may determine the missing parameters.
-    if (adjusted_) GoOn();
+    if (adjusted_) ContinueOptimization();
   }
 }
 
-void LiveCamera::GoOn() {
+void LiveCamera::ContinueOptimization() {
   std::map<std::pair<std::string, int>, Pose> poses;
   const CalibrationProblem& before = adjusted_->problem;
   for (size_t v = 0; v < before.views.size(); ++v)
@@ -101,8 +103,8 @@ void LiveCamera::GoOn() {
   next.state.rig_from_pattern = kept;
   next.state.SetModes({}, DeformationScope::kBoard);
   const double noise_px = next.summary.noise_px;
-  next.summary = RunBundleAdjustment(next.problem.views, next.prior, Options(),
-                                     &next.state);
+  next.summary = RunBundleAdjustment(next.problem.views, next.prior,
+                                     MakeAdjustmentOptions(), &next.state);
   next.summary.noise_px = noise_px;
   adjusted_ = std::move(next);
 }

@@ -33,13 +33,13 @@ class LiveCamera {
 
  private:
   void OptimizeFromScratch();
-  void GoOn();
-  AdjustmentOptions Options() const;
+  void ContinueOptimization();
+  AdjustmentOptions MakeAdjustmentOptions() const;
 
   Pattern pattern_;
   Dataset images_;
   int num_threads_;
-  size_t num_at_anew_ = 0;
+  size_t num_images_at_full_adjustment_ = 0;
   std::optional<AdjustmentResult> adjusted_;
 };
 

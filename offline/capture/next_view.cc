@@ -18,13 +18,13 @@ class Search {
          const std::vector<Pose>& avoided)
       : camera_(camera), board_(board), gain_(gain), avoided_(avoided) {}
 
-  void Try(const BoardView& view) {
+  void EvaluateView(const BoardView& view) {
     const auto pose = ComputePose(view, board_, camera_);
-    if (!pose || !ShowsHalfBoard(*pose) || IsAvoided(*pose)) return;
+    if (!pose || !ContainsHalfBoard(*pose) || IsAvoided(*pose)) return;
     found_.push_back({view, *pose, gain_(*pose)});
   }
   /// Keeps only the `count` candidates with the largest gain.
-  void Save(size_t count) {
+  void KeepBest(size_t count) {
     std::stable_sort(
         found_.begin(), found_.end(),
         [](const NextView& a, const NextView& b) { return a.gain > b.gain; });
@@ -33,7 +33,7 @@ class Search {
   const std::vector<NextView>& found() const { return found_; }
 
  private:
-  bool ShowsHalfBoard(const Pose& pose) const {
+  bool ContainsHalfBoard(const Pose& pose) const {
     const Area image = WholeImage(camera_.image_size());
     int num_seen = 0, num_all = 0;
     for (int row = 0; row < board_.rows; ++row)
@@ -51,7 +51,7 @@ class Search {
   bool IsAvoided(const Pose& pose) const {
     return std::any_of(avoided_.begin(), avoided_.end(),
                        [&](const Pose& other) {
-                         return IsAtTarget(camera_, board_, pose, other);
+                         return HasReachedView(camera_, board_, pose, other);
                        });
   }
 
@@ -76,29 +76,29 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
   for (int j = 0; j < kRows; ++j)
     for (int i = 0; i < kColumns; ++i)
       for (const double width : kWidths)
-        search.Try({{(i + 0.5) / kColumns * size.width,
-                     (j + 0.5) / kRows * size.height},
-                    width * size.width,
-                    0.5,
-                    (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
-                    0});
+        search.EvaluateView({{(i + 0.5) / kColumns * size.width,
+                              (j + 0.5) / kRows * size.height},
+                             width * size.width,
+                             0.5,
+                             (turn++ % kNumAxes) * 2 * M_PI / kNumAxes,
+                             0});
   // Varies tilt, and rotates by 90 degrees, around each of the best candidates.
-  search.Save(3);
+  search.KeepBest(3);
   for (const NextView& start : std::vector<NextView>(search.found())) {
     for (const double turn_rad : {0.0, M_PI / 2}) {
       BoardView view = start.view;
       view.turn_rad = turn_rad;
       view.tilt_rad = 0;
-      search.Try(view);
+      search.EvaluateView(view);
       for (const double tilt_rad : kTiltsRad)
         for (int axis = 0; axis < kNumAxes; ++axis) {
           view.tilt_rad = tilt_rad;
           view.axis_rad = axis * 2 * M_PI / kNumAxes;
-          search.Try(view);
+          search.EvaluateView(view);
         }
     }
   }
-  search.Save(1);
+  search.KeepBest(1);
   if (search.found().empty()) return std::nullopt;
   // Refines position and width around the best candidate.
   const BoardView best = search.found().front().view;
@@ -109,18 +109,20 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
         view.pixel +=
             Eigen::Vector2d(x / kColumns * size.width, y / kRows * size.height);
         view.width_px *= factor;
-        search.Try(view);
+        search.EvaluateView(view);
       }
-  search.Save(1);
+  search.KeepBest(1);
   return search.found().front();
 }
 
-std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
+std::optional<NextView> FindBestNextView(const CameraInformation& information,
                                          const Board& board,
                                          const std::vector<Pose>& avoided) {
   return FindBestNextView(
-      knowledge.camera(), board,
-      [&](const Pose& pose) { return knowledge.PredictViewGain(board, pose); },
+      information.camera(), board,
+      [&](const Pose& pose) {
+        return information.PredictViewGain(board, pose);
+      },
       avoided);
 }
 

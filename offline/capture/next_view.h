@@ -30,7 +30,7 @@ std::optional<NextView> FindBestNextView(const CameraModel& camera,
                                          const ViewGain& gain,
                                          const std::vector<Pose>& avoided = {});
 /// Finds the view with the highest CameraInformation::PredictViewGain().
-std::optional<NextView> FindBestNextView(const CameraInformation& knowledge,
+std::optional<NextView> FindBestNextView(const CameraInformation& information,
                                          const Board& board,
                                          const std::vector<Pose>& avoided = {});
 

@@ -45,8 +45,8 @@ RigGuide::RigGuide(const std::vector<GuidedCamera>& cameras,
   for (GuidedCamera& camera : cameras_) camera.live = nullptr;
 }
 
-bool RigGuide::IsKnown(size_t camera) const {
-  return guide(camera) && guide(camera)->knowledge();
+bool RigGuide::IsCalibrated(size_t camera) const {
+  return guide(camera) && guide(camera)->information();
 }
 
 // Builds the minimum-variance spanning tree of links (Kruskal's algorithm).
@@ -54,7 +54,7 @@ void RigGuide::UpdateLinks() {
   std::vector<Link> all;
   for (size_t a = 0; a < num_cameras(); ++a)
     for (size_t b = a + 1; b < num_cameras(); ++b)
-      if (IsKnown(a) && IsKnown(b))
+      if (IsCalibrated(a) && IsCalibrated(b))
         if (auto link = CameraLink::Of(*cameras_[a].live, *cameras_[b].live))
           all.push_back({a, b, std::move(*link), std::nullopt});
   std::stable_sort(all.begin(), all.end(), [](const Link& a, const Link& b) {
@@ -67,7 +67,7 @@ void RigGuide::UpdateLinks() {
     links_.push_back(std::move(link));
   }
   for (size_t c = 0; c < num_cameras(); ++c)
-    if (!IsKnown(c)) return;
+    if (!IsCalibrated(c)) return;
   for (size_t c = 1; c < num_cameras() && !to_connect_; ++c)
     if (!connected.AreConnected(0, c)) to_connect_ = {0, c};
 }
@@ -90,7 +90,8 @@ void RigGuide::ChooseLinkViews() {
   }
 }
 
-std::optional<Pose> RigGuide::FromCamera(size_t to, size_t from) const {
+std::optional<Pose> RigGuide::ComputeRelativePose(size_t to,
+                                                  size_t from) const {
   if (to == from) return Pose();
   // Links form a tree, so each camera is visited only once.
   std::vector<std::optional<Pose>> from_start(num_cameras());
@@ -110,24 +111,25 @@ double RigGuide::ComputeTotalGain(size_t camera, const Board& board,
                                   const Pose& camera_from_board) const {
   double total = 0;
   for (size_t c = 0; c < num_cameras(); ++c) {
-    const auto pose = FromCamera(c, camera);
-    if (!pose || !IsKnown(c) || guide(c)->is_done()) continue;
-    total += guide(c)->knowledge()->PredictViewGain(board,
-                                                    *pose * camera_from_board);
+    const auto pose = ComputeRelativePose(c, camera);
+    if (!pose || !IsCalibrated(c) || guide(c)->is_done()) continue;
+    total += guide(c)->information()->PredictViewGain(
+        board, *pose * camera_from_board);
   }
   for (const Link& link : links_)
-    if (const auto pose = FromCamera(link.first, camera); pose && link.next)
+    if (const auto pose = ComputeRelativePose(link.first, camera);
+        pose && link.next)
       total += link.link.PredictViewGain(board, *pose * camera_from_board);
   return total;
 }
 
 void RigGuide::ChooseNext() {
   for (size_t c = 0; c < num_cameras(); ++c) {
-    if (!guide(c) || IsKnown(c) || !guide(c)->next()) continue;
+    if (!guide(c) || IsCalibrated(c) || !guide(c)->next()) continue;
     next_ = RigView{c, *guide(c)->next()};
     return;
   }
-  if (to_connect_ && !options_.leaves_connecting) return;
+  if (to_connect_ && !options_.skip_connecting_views) return;
   std::vector<RigView> candidates;
   for (size_t c = 0; c < num_cameras(); ++c)
     if (guide(c) && guide(c)->next())
@@ -184,8 +186,8 @@ bool RigGuide::IsInformativeForLink(
                                         MakeMatches(*board.board, in_second)});
     is_next |=
         link->next && link->next->board->id == board.board->id &&
-        IsAtTarget(guide(first)->camera(), *board.board,
-                   board.camera_from_board, link->next->camera_from_board);
+        HasReachedView(guide(first)->camera(), *board.board,
+                       board.camera_from_board, link->next->camera_from_board);
   }
   if (!link) return is_shared;
   if (!link->next) return false;
@@ -196,7 +198,7 @@ bool RigGuide::IsInformativeForLink(
 
 bool RigGuide::IsInformativeForLinks(
     const std::vector<const ImageFeatures*>& images) const {
-  const auto is_usable = [&](size_t c) { return images[c] && IsKnown(c); };
+  const auto is_usable = [&](size_t c) { return images[c] && IsCalibrated(c); };
   for (const Link& link : links_)
     if (is_usable(link.first) && is_usable(link.second) &&
         IsInformativeForLink(&link, link.first, link.second, images))
@@ -204,7 +206,7 @@ bool RigGuide::IsInformativeForLinks(
   if (!to_connect_) return false;
   for (size_t a = 0; a < num_cameras(); ++a)
     for (size_t b = a + 1; b < num_cameras(); ++b)
-      if (is_usable(a) && is_usable(b) && !FromCamera(b, a) &&
+      if (is_usable(a) && is_usable(b) && !ComputeRelativePose(b, a) &&
           IsInformativeForLink(nullptr, a, b, images))
         return true;
   return false;

@@ -71,11 +71,11 @@ class RigGuide {
       const std::vector<const ImageFeatures*>& images) const;
 
  private:
-  bool IsKnown(size_t camera) const;
+  bool IsCalibrated(size_t camera) const;
   void UpdateLinks();
   void ChooseLinkViews();
   void ChooseNext();
-  std::optional<Pose> FromCamera(size_t to, size_t from) const;
+  std::optional<Pose> ComputeRelativePose(size_t to, size_t from) const;
   double ComputeTotalGain(size_t camera, const Board& board,
                           const Pose& camera_from_board) const;
   bool IsInformativeForLink(

@@ -11,15 +11,16 @@ namespace raygrid {
 namespace {
 
 // A motion component; its size is 1 at the threshold for a hint.
-struct Move {
+struct MotionComponent {
   double size = 0;
-  std::string words;
+  std::string direction_text;
 };
 
 // Returns the rotation of a board relative to the line of sight to its centre.
-Eigen::Matrix3d FacingFrom(const Board& board, const Pose& pose) {
-  const Eigen::Vector3d sight = pose * ComputeBoardCenter(board);
-  return Eigen::Quaterniond::FromTwoVectors(sight, Eigen::Vector3d::UnitZ())
+Eigen::Matrix3d ComputeBoardRotation(const Board& board, const Pose& pose) {
+  const Eigen::Vector3d line_of_sight = pose * ComputeBoardCenter(board);
+  return Eigen::Quaterniond::FromTwoVectors(line_of_sight,
+                                            Eigen::Vector3d::UnitZ())
              .toRotationMatrix() *
          pose.rotation.toRotationMatrix();
 }
@@ -38,18 +39,20 @@ double ComputeRotation(const Eigen::Matrix3d& facing) {
   return std::atan2(facing(1, 0), facing(0, 0));
 }
 
-Move Tilt(double change_rad, const char* plus, const char* minus) {
+MotionComponent MakeTiltComponent(double change_rad, const char* plus,
+                                  const char* minus) {
   constexpr double kMinTiltRad = 0.2;
   return {std::abs(change_rad) / kMinTiltRad,
           std::string("tilt the ") + (change_rad > 0 ? plus : minus) + " away"};
 }
 
 // Returns the motion components between two poses, largest first.
-std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
-                                          const Board& board, const Pose& from,
-                                          const Pose& to) {
+std::vector<MotionComponent> ComputeMotionComponents(const CameraModel& camera,
+                                                     const Board& board,
+                                                     const Pose& from,
+                                                     const Pose& to) {
   const Eigen::Vector3d center = ComputeBoardCenter(board);
-  std::vector<Move> moves;
+  std::vector<MotionComponent> moves;
   const auto seen = camera.Project(from * center);
   const auto wanted = camera.Project(to * center);
   if (seen && wanted) {
@@ -59,25 +62,27 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
     moves.push_back({std::abs(shift.x()), shift.x() > 0 ? "right" : "left"});
     moves.push_back({std::abs(shift.y()), shift.y() > 0 ? "down" : "up"});
   }
-  const double nearer = (from * center).norm() / (to * center).norm();
+  const double distance_ratio = (from * center).norm() / (to * center).norm();
   constexpr double kMinDistanceRatio = 1.2;
-  moves.push_back({std::abs(std::log(nearer)) / std::log(kMinDistanceRatio),
-                   nearer > 1 ? "closer" : "farther"});
-  const Eigen::Matrix3d now = FacingFrom(board, from);
-  const Eigen::Matrix3d then = FacingFrom(board, to);
-  const Eigen::Vector2d tilt = ComputeTilt(then) - ComputeTilt(now);
-  moves.push_back(Tilt(tilt.x(), "right", "left"));
-  moves.push_back(Tilt(tilt.y(), "bottom", "top"));
+  moves.push_back(
+      {std::abs(std::log(distance_ratio)) / std::log(kMinDistanceRatio),
+       distance_ratio > 1 ? "closer" : "farther"});
+  const Eigen::Matrix3d current = ComputeBoardRotation(board, from);
+  const Eigen::Matrix3d required = ComputeBoardRotation(board, to);
+  const Eigen::Vector2d tilt = ComputeTilt(required) - ComputeTilt(current);
+  moves.push_back(MakeTiltComponent(tilt.x(), "right", "left"));
+  moves.push_back(MakeTiltComponent(tilt.y(), "bottom", "top"));
   // Rotations by 180 degrees are ignored, since boards look the same after
   // them.
   constexpr double kMinRotationRad = 0.5;
-  const double turn =
-      std::remainder(ComputeRotation(then) - ComputeRotation(now), M_PI);
+  const double turn = std::remainder(
+      ComputeRotation(required) - ComputeRotation(current), M_PI);
   moves.push_back({std::abs(turn) / kMinRotationRad,
                    turn > 0 ? "rotate clockwise" : "rotate anticlockwise"});
-  std::stable_sort(
-      moves.begin(), moves.end(),
-      [](const Move& a, const Move& b) { return a.size > b.size; });
+  std::stable_sort(moves.begin(), moves.end(),
+                   [](const MotionComponent& a, const MotionComponent& b) {
+                     return a.size > b.size;
+                   });
   return moves;
 }
 
@@ -85,17 +90,17 @@ std::vector<Move> ComputeMotionComponents(const CameraModel& camera,
 
 std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to) {
-  const std::vector<Move> moves =
+  const std::vector<MotionComponent> moves =
       ComputeMotionComponents(camera, board, from, to);
   std::string text;
   constexpr size_t kMaxMoves = 3;
   for (size_t k = 0; k < kMaxMoves && moves[k].size >= 1; ++k)
-    text += (k == 0 ? "" : ", ") + moves[k].words;
+    text += (k == 0 ? "" : ", ") + moves[k].direction_text;
   return text.empty() ? "hold still" : text;
 }
 
-bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
-                const Pose& to) {
+bool HasReachedView(const CameraModel& camera, const Board& board,
+                    const Pose& from, const Pose& to) {
   return ComputeMotionComponents(camera, board, from, to).front().size < 1;
 }
 

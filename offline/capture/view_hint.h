@@ -16,8 +16,8 @@ std::string DescribeMove(const CameraModel& camera, const Board& board,
                          const Pose& from, const Pose& to);
 
 /// Returns whether the motion between two poses is negligible.
-bool IsAtTarget(const CameraModel& camera, const Board& board, const Pose& from,
-                const Pose& to);
+bool HasReachedView(const CameraModel& camera, const Board& board,
+                    const Pose& from, const Pose& to);
 
 }  // namespace raygrid
 

@@ -120,7 +120,7 @@ std::shared_ptr<CameraModel> ParseCentralRadial(const YAML::Node& root,
     throw InputError("radial: max_angle_rad must be in (0, 3.1]");
   if (spline.size() < 3 || spline.size() > 1000)
     throw InputError("radial: spline must have 3 to 1000 numbers");
-  CentralRadial::OtherParameters others = {};
+  CentralRadial::PlanarParameters others = {};
   ParseParameters(
       root,
       CentralRadial(size, area, max_angle_rad, spline, others).ParameterNames(),
@@ -170,16 +170,17 @@ std::optional<ErrorMetrics> ParseMetrics(const YAML::Node& node) {
 // Files of earlier versions lack this section.
 MovementErrors ParseResidualMovement(const YAML::Node& node) {
   if (!node) return {};
-  const MovementErrors beyond = {
+  const MovementErrors excess_errors = {
       node["scale"].as<double>(), node["shift_px"].as<double>(),
       node["tilt_rad"].as<double>(), node["local_px"].as<double>()};
   for (const double deviation :
-       {beyond.scale, beyond.shift_px, beyond.tilt_rad, beyond.local_px})
+       {excess_errors.scale, excess_errors.shift_px, excess_errors.tilt_rad,
+        excess_errors.local_px})
     if (!(deviation >= 0 && std::isfinite(deviation)))
       throw InputError(
           "uncertainty modes: the values of 'beyond' must be finite and "
           "non-negative");
-  return beyond;
+  return excess_errors;
 }
 
 // Files of earlier versions lack modes.
@@ -189,10 +190,10 @@ ErrorModes ParseModes(const YAML::Node& node) {
   const LatticeSize size = ParseLatticeSize(node, "uncertainty modes", 2, 65);
   modes.columns = size.columns;
   modes.rows = size.rows;
-  modes.rest_px = node["rest_px"].as<double>();
-  if (!(modes.rest_px >= 0))
+  modes.residual_px = node["rest_px"].as<double>();
+  if (!(modes.residual_px >= 0))
     throw InputError("uncertainty modes: 'rest_px' must not be negative");
-  modes.beyond = ParseResidualMovement(node["beyond"]);
+  modes.excess_errors = ParseResidualMovement(node["beyond"]);
   modes.displacements_px =
       ParseDisplacements(node["displacements_px"], "uncertainty modes",
                          modes.columns * modes.rows);
@@ -343,15 +344,15 @@ void EmitModes(const ErrorModes& modes, YAML::Emitter* out) {
   *out << YAML::Key << "modes" << YAML::Value << YAML::BeginMap << YAML::Key
        << "columns" << YAML::Value << modes.columns << YAML::Key << "rows"
        << YAML::Value << modes.rows << YAML::Key << "rest_px" << YAML::Value
-       << fmt::format("{:.6f}", modes.rest_px) << YAML::Key << "beyond"
+       << fmt::format("{:.6f}", modes.residual_px) << YAML::Key << "beyond"
        << YAML::Value << YAML::Flow << YAML::BeginMap << YAML::Key << "scale"
-       << YAML::Value << fmt::format("{:.8f}", modes.beyond.scale) << YAML::Key
-       << "shift_px" << YAML::Value
-       << fmt::format("{:.6f}", modes.beyond.shift_px) << YAML::Key
+       << YAML::Value << fmt::format("{:.8f}", modes.excess_errors.scale)
+       << YAML::Key << "shift_px" << YAML::Value
+       << fmt::format("{:.6f}", modes.excess_errors.shift_px) << YAML::Key
        << "tilt_rad" << YAML::Value
-       << fmt::format("{:.8f}", modes.beyond.tilt_rad) << YAML::Key
+       << fmt::format("{:.8f}", modes.excess_errors.tilt_rad) << YAML::Key
        << "local_px" << YAML::Value
-       << fmt::format("{:.6f}", modes.beyond.local_px) << YAML::EndMap;
+       << fmt::format("{:.6f}", modes.excess_errors.local_px) << YAML::EndMap;
   EmitDisplacements(modes.displacements_px, out);
   *out << YAML::EndMap;
 }

@@ -8,7 +8,7 @@ namespace {
 
 // Limits of formats/SPEC.md.
 constexpr double kMaxDioptres = 1024, kMaxZoom = 1024;
-constexpr double kHottestC = 1024, kLongestUs = 1 << 30;
+constexpr double kMaxTemperatureC = 1024, kMaxExposureUs = 1 << 30;
 constexpr double kMinGain = 1 / 65536.0, kMaxGain = 1024;
 constexpr int kMaxCrop = 65536, kMaxScale = 64;
 
@@ -41,9 +41,9 @@ const char* FindInvalidValue(const Capture& capture, const ImageSize& size) {
                         double most) {
     return !value || (*value >= least && *value <= most);
   };
-  if (!is_in(capture.sensor_temperature_c, -kHottestC, kHottestC))
+  if (!is_in(capture.sensor_temperature_c, -kMaxTemperatureC, kMaxTemperatureC))
     return "temperature: must be -1024 to 1024 degrees Celsius";
-  if (!is_in(capture.exposure_us, 1, kLongestUs))
+  if (!is_in(capture.exposure_us, 1, kMaxExposureUs))
     return "exposure: must be 1 to 2^30 microseconds";
   if (!is_in(capture.analogue_gain, kMinGain, kMaxGain))
     return "gain: must be a factor of 1/65536 to 1024";

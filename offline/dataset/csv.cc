@@ -60,8 +60,9 @@ class RecordReader {
     for (;;) {
       place_ = std::min(text_.find_first_not_of(" \t", place_), text_.size());
       if (fields->size() == kMaxFields) Fail("more than 1000 fields");
-      fields->push_back(Now() == '"' ? QuotedField() : PlainField());
-      if (Now() != ',') break;
+      fields->push_back(CurrentCharacter() == '"' ? QuotedField()
+                                                  : PlainField());
+      if (CurrentCharacter() != ',') break;
       ++place_;
     }
     Skip(place_);
@@ -73,7 +74,7 @@ class RecordReader {
     const std::string field(
         Trim(std::string_view(text_).substr(place_, end - place_)));
     place_ = end;
-    if (Now() == '"')
+    if (CurrentCharacter() == '"')
       Fail(
           "quote within an unquoted field; quote the field and double the "
           "quotes in it");
@@ -89,11 +90,12 @@ class RecordReader {
       line_ += static_cast<int>(std::count(
           text_.begin() + Offset(place_), text_.begin() + Offset(quote), '\n'));
       place_ = quote + 1;
-      if (Now() != '"') break;
+      if (CurrentCharacter() != '"') break;
       field += '"';
     }
     place_ = std::min(text_.find_first_not_of(" \t\r", place_), text_.size());
-    if (place_ < text_.size() && Now() != ',' && Now() != '\n')
+    if (place_ < text_.size() && CurrentCharacter() != ',' &&
+        CurrentCharacter() != '\n')
       Fail("text after a closing quote; double quotes within a field");
     return field;
   }
@@ -104,7 +106,9 @@ class RecordReader {
     ++line_;
   }
 
-  char Now() const { return place_ < text_.size() ? text_[place_] : '\n'; }
+  char CurrentCharacter() const {
+    return place_ < text_.size() ? text_[place_] : '\n';
+  }
 
   static std::ptrdiff_t Offset(size_t place) {
     return static_cast<std::ptrdiff_t>(place);

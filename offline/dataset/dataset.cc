@@ -31,7 +31,7 @@ class FeatureCollector {
   void Add(const CsvReader& table, const std::string& camera,
            const std::string& image, const Feature& feature) {
     if (!image_ || camera != camera_ || image != image_->image)
-      GoTo(table, camera, image);
+      SelectImage(table, camera, image);
     std::vector<Feature>& features = image_->features;
     if (features.size() == kMaxPatternPoints)
       throw InputError(fmt::format(
@@ -49,8 +49,8 @@ class FeatureCollector {
   }
 
  private:
-  void GoTo(const CsvReader& table, const std::string& camera,
-            const std::string& image) {
+  void SelectImage(const CsvReader& table, const std::string& camera,
+                   const std::string& image) {
     Dataset& dataset = (*datasets_)[camera];
     const auto [entry, is_new] =
         index_[camera].try_emplace(image, dataset.images.size());
@@ -98,9 +98,9 @@ std::string ReadCameraName(const CsvReader& table, bool has_camera) {
 }
 
 // Throws InputError with the line number of the duplicate feature.
-void RefuseSecond(const std::string& path, const std::string& text,
-                  const std::string& camera, const std::string& image,
-                  const FeatureKey& key) {
+void ThrowDuplicateFeature(const std::string& path, const std::string& text,
+                           const std::string& camera, const std::string& image,
+                           const FeatureKey& key) {
   CsvReader table = FeatureTable(path, text);
   const bool has_camera = table.HasColumn("camera");
   int count = 0;
@@ -180,7 +180,7 @@ std::map<std::string, Dataset> ParseFeatures(const std::string& path,
   for (const auto& [camera, dataset] : datasets)
     for (const ImageFeatures& image : dataset.images)
       if (const auto repeated = FindRepeatedFeature(image))
-        RefuseSecond(path, text, camera, image.image, *repeated);
+        ThrowDuplicateFeature(path, text, camera, image.image, *repeated);
   if (datasets.empty())
     throw InputError(path + ": contains no features; run raygrid detect first");
   return datasets;

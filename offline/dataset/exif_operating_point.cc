@@ -13,10 +13,10 @@ namespace {
 // Tag of EXIF 2.31 that libexif 0.6.24 does not define.
 constexpr auto kAmbientTemperature = static_cast<ExifTag>(0x9400);
 
-struct FreeExif {
+struct ExifDeleter {
   void operator()(ExifData* data) const { exif_data_unref(data); }
 };
-using Exif = std::unique_ptr<ExifData, FreeExif>;
+using Exif = std::unique_ptr<ExifData, ExifDeleter>;
 
 // Returns null if the file has no EXIF data.
 Exif LoadExif(const std::string& name, const std::string& bytes) {

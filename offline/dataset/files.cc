@@ -65,7 +65,7 @@ std::string TemporaryName(const std::string& path) {
 
 // Whether a path is a pipe or a device, which is written to instead of being
 // replaced.
-bool IsStream(const std::string& path, Links links) {
+bool IsPipeOrDevice(const std::string& path, Links links) {
   std::error_code ignored;
   const fs::file_status status = links == Links::kFollow
                                      ? fs::status(path, ignored)
@@ -99,11 +99,11 @@ int WriteTo(int file, const std::string& contents) {
 }
 
 // Timeout for opening the other end of a pipe.
-constexpr auto kPatience = std::chrono::seconds(5);
+constexpr auto kWriterTimeout = std::chrono::seconds(5);
 
 // Polls is_there until it returns true; returns false on timeout.
 bool WaitFor(const std::function<bool()>& is_there) {
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kWriterTimeout;
   while (!is_there()) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -240,14 +240,14 @@ void OutputFiles::Commit() {
       ThrowWriteError(file.path, EISDIR);
   }
   for (const File& file : files_) {
-    if (IsStream(file.path, file.links)) continue;
+    if (IsPipeOrDevice(file.path, file.links)) continue;
     const int error = WriteNew(TemporaryName(file.path), file.contents);
     if (error == 0) continue;
     remove_temporaries();
     ThrowWriteError(file.path, error);
   }
   for (const File& file : files_) {
-    const int error = IsStream(file.path, file.links)
+    const int error = IsPipeOrDevice(file.path, file.links)
                           ? WriteStream(file.path, file.contents)
                           : Rename(TemporaryName(file.path), file.path);
     if (error == 0) continue;

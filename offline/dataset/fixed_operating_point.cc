@@ -46,7 +46,7 @@ std::vector<OperatingPointUncertainty> FixParameter(
   return held;
 }
 
-std::vector<OperatingPointUncertainty> FixInStdDevs(
+std::vector<OperatingPointUncertainty> FixParameterInStdDevs(
     std::vector<OperatingPointUncertainty> known,
     const FixedOperatingPoint& at) {
   for (size_t r = at.size(); r-- > 0;)
@@ -70,7 +70,8 @@ void ReplaceStdDevs(const UncertaintyLattice& lattice, const Area& area,
 
 OperatingPointCalibration FixOperatingPoint(
     const OperatingPointCalibration& stack, const FixedOperatingPoint& at) {
-  return {stack.cameras.Hold(at), FixInStdDevs(stack.deviations, at)};
+  return {stack.cameras.FixValues(at),
+          FixParameterInStdDevs(stack.deviations, at)};
 }
 
 OperatingPointCalibration SliceOperatingPointModel(
@@ -91,7 +92,7 @@ CameraFile MakeCameraFileAt(const CameraFile& stack,
   file.camera = std::make_shared<CentralGeneric>(std::move(camera));
   if (file.uncertainty) {
     const std::vector<OperatingPointUncertainty> known =
-        FixInStdDevs(rest.deviations, FixAllParameters(center));
+        FixParameterInStdDevs(rest.deviations, FixAllParameters(center));
     if (known.size() == 1)
       ReplaceStdDevs(known[0].lattice, file.camera->area(), &*file.uncertainty);
   }

@@ -85,7 +85,7 @@ cv::Mat DecodePnm(const std::string& bytes, PixelConversion conversion) {
 
 // ---- BMP, only the common variants without compression
 
-uint32_t Little(const std::string& bytes, size_t at, int count) {
+uint32_t ReadLittleEndian(const std::string& bytes, size_t at, int count) {
   uint32_t value = 0;
   for (int i = count - 1; i >= 0; --i)
     value = value << 8 | uint8_t(bytes[at + i]);
@@ -94,20 +94,21 @@ uint32_t Little(const std::string& bytes, size_t at, int count) {
 
 cv::Mat DecodeBmp(const std::string& bytes, PixelConversion conversion) {
   constexpr size_t kHeaders = 54;
-  if (bytes.size() < kHeaders || Little(bytes, 14, 4) < 40) return {};
-  const size_t begin = Little(bytes, 10, 4),
-               palette = 14 + Little(bytes, 14, 4);
-  const int columns = static_cast<int32_t>(Little(bytes, 18, 4));
-  const int64_t signed_rows = static_cast<int32_t>(Little(bytes, 22, 4));
+  if (bytes.size() < kHeaders || ReadLittleEndian(bytes, 14, 4) < 40) return {};
+  const size_t begin = ReadLittleEndian(bytes, 10, 4),
+               palette = 14 + ReadLittleEndian(bytes, 14, 4);
+  const int columns = static_cast<int32_t>(ReadLittleEndian(bytes, 18, 4));
+  const int64_t signed_rows =
+      static_cast<int32_t>(ReadLittleEndian(bytes, 22, 4));
   const int64_t rows = std::abs(signed_rows);
-  const uint32_t bits = Little(bytes, 28, 2),
-                 compression = Little(bytes, 30, 4);
+  const uint32_t bits = ReadLittleEndian(bytes, 28, 2),
+                 compression = ReadLittleEndian(bytes, 30, 4);
   if (columns <= 0 || rows == 0 || (bits != 8 && bits != 24 && bits != 32) ||
       compression != 0)
     return {};
   const size_t stride = (size_t(columns) * bits / 8 + 3) / 4 * 4;
   if (begin > bytes.size() || bytes.size() - begin < stride * rows) return {};
-  size_t num_colors = Little(bytes, 46, 4);
+  size_t num_colors = ReadLittleEndian(bytes, 46, 4);
   if (num_colors == 0) num_colors = 256;
   if (bits == 8 &&
       (num_colors > 256 || palette > begin || begin - palette < 4 * num_colors))

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 // How a JPEG file ends: with a marker, after its only scan, or truncated. The
 // decoder fills missing parts with grey and warns only about sequential scans
 // with all components.
-enum class JpegEnd { kMarked, kAfterOnlyScan, kCut };
+enum class JpegEnd { kWithEndMarker, kAfterSingleScan, kTruncated };
 
 // Bytes after the end-of-image marker are ignored: phones append megabytes of
 // metadata and video. Thumbnails with end markers are within segments, which
@@ -41,13 +41,13 @@ JpegEnd FindJpegEnd(const std::string& bytes) {
   bool is_any_scan = false, is_only_scan = false;
   for (size_t at = 2; at + 1 < bytes.size();) {
     const int marker = byte(at + 1);
-    const bool stands_alone =
+    const bool has_no_length =
         marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
     if (byte(at) != 0xff || marker == 0 || marker == 0xff) {
       ++at;  // scan data or padding
     } else if (marker == 0xd9) {
-      return is_any_scan ? JpegEnd::kMarked : JpegEnd::kCut;
-    } else if (stands_alone) {
+      return is_any_scan ? JpegEnd::kWithEndMarker : JpegEnd::kTruncated;
+    } else if (has_no_length) {
       at += 2;
     } else {
       const bool is_sequential = marker == 0xc0 || marker == 0xc1;
@@ -59,7 +59,7 @@ JpegEnd FindJpegEnd(const std::string& bytes) {
       at += 2 + (byte(at + 2) << 8 | byte(at + 3));
     }
   }
-  return is_only_scan ? JpegEnd::kAfterOnlyScan : JpegEnd::kCut;
+  return is_only_scan ? JpegEnd::kAfterSingleScan : JpegEnd::kTruncated;
 }
 
 std::string LowerExtension(const fs::path& path) {
@@ -69,9 +69,9 @@ std::string LowerExtension(const fs::path& path) {
   return extension;
 }
 
-const std::set<std::string> kReadKinds = {
+const std::set<std::string> kSupportedExtensions = {
     ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".webp"};
-const std::set<std::string> kOtherKinds = {
+const std::set<std::string> kUnsupportedExtensions = {
     ".arw",  ".avif", ".cr2", ".cr3", ".dng", ".exr", ".gif",
     ".heic", ".heif", ".jp2", ".jxl", ".nef", ".raf"};
 
@@ -94,9 +94,9 @@ void AddImagesInFolder(const std::string& folder, FoundImages* found) {
     if (kOutputImages.count(fs::path(path).filename().string()))
       found->left_out.push_back(
           {path, "an output image of raygrid, not a camera image"});
-    else if (kReadKinds.count(extension))
+    else if (kSupportedExtensions.count(extension))
       found->paths.push_back(path);
-    else if (kOtherKinds.count(extension))
+    else if (kUnsupportedExtensions.count(extension))
       found->left_out.push_back(
           {path, "unsupported image format; convert it to PNG"});
   }
@@ -122,13 +122,13 @@ cv::Mat Decode(const std::string& name, const std::string& file,
   if (header.orientation > 1 && header.orientation_bytes > 0)
     changed = RemoveOrientation(file, header);
   const bool is_jpeg = file.compare(0, 2, "\xff\xd8") == 0;
-  const JpegEnd end = is_jpeg ? FindJpegEnd(file) : JpegEnd::kMarked;
+  const JpegEnd end = is_jpeg ? FindJpegEnd(file) : JpegEnd::kWithEndMarker;
   // With an end marker, the decoder reports missing scan data instead of the
   // missing marker.
-  if (end == JpegEnd::kAfterOnlyScan) changed = file + "\xff\xd9";
+  if (end == JpegEnd::kAfterSingleScan) changed = file + "\xff\xd9";
   const std::string& bytes = changed.empty() ? file : changed;
   cv::Mat decoded;
-  if (end != JpegEnd::kCut) decoded = DecodeImage(bytes, conversion);
+  if (end != JpegEnd::kTruncated) decoded = DecodeImage(bytes, conversion);
   if (decoded.empty())
     throw InputError(name +
                      ": not an image, corrupt, or of an unsupported kind "
@@ -138,17 +138,17 @@ cv::Mat Decode(const std::string& name, const std::string& file,
 }
 
 // Returns the full-scale value of a camera by the maximum of its 16-bit values.
-double FullScale(double brightest) {
+double GetFullScale(double brightest) {
   for (const int bits : {8, 10, 12, 14})
     if (brightest < 1 << bits) return (1 << bits) - 1;
   return 65535;
 }
 
-double FullScale(const cv::Mat& image) {
+double GetFullScale(const cv::Mat& image) {
   if (image.depth() == CV_8U) return 255;
   double brightest = 0;
   cv::minMaxIdx(image, nullptr, &brightest);
-  return FullScale(brightest);
+  return GetFullScale(brightest);
 }
 
 // Decodes an image with 8 or 16 bits per channel; throws for others.
@@ -162,7 +162,7 @@ cv::Mat DecodeIntegers(const std::string& name, const std::string& bytes,
   return decoded;
 }
 
-Image ReadWith(PixelConversion conversion, const std::string& path) {
+Image ReadWithDecoder(PixelConversion conversion, const std::string& path) {
   const std::string bytes = ReadImageFile(path);
   const cv::Mat decoded = DecodeIntegers(path, bytes, conversion);
   Image image;
@@ -189,16 +189,16 @@ std::string ReadImageFile(const std::string& path) {
 }
 
 Image ReadImage(const std::string& path, bool grey) {
-  return ReadWith(grey ? PixelConversion::kGrey : PixelConversion::kColor,
-                  path);
+  return ReadWithDecoder(
+      grey ? PixelConversion::kGrey : PixelConversion::kColor, path);
 }
 
 Image ReadImageAsStored(const std::string& path) {
-  return ReadWith(PixelConversion::kNone, path);
+  return ReadWithDecoder(PixelConversion::kNone, path);
 }
 
 Image ReadGreyAsStored(const std::string& path) {
-  return ReadWith(PixelConversion::kGreyAnyDepth, path);
+  return ReadWithDecoder(PixelConversion::kGreyAnyDepth, path);
 }
 
 GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
@@ -208,7 +208,7 @@ GreyLevels DecodeGreyLevels(const std::string& name, const std::string& bytes) {
   grey.size = {decoded.cols, decoded.rows};
   grey.levels.resize(decoded.total());
   cv::Mat levels(decoded.size(), CV_32F, grey.levels.data());
-  const double level_step = 255 / FullScale(decoded);
+  const double level_step = 255 / GetFullScale(decoded);
   decoded.convertTo(levels, CV_32F, level_step);
   grey.level_step = static_cast<float>(level_step);
   grey.was_mosaic = BalanceMosaic(&grey);

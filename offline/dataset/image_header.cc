@@ -21,7 +21,7 @@ class Bytes {
  public:
   Bytes(const std::string& bytes, Order order) : bytes_(bytes), order_(order) {}
 
-  uint64_t Number(size_t at, size_t count) const {
+  uint64_t ReadNumber(size_t at, size_t count) const {
     uint64_t number = 0;
     for (size_t i = 0; i < count; ++i) {
       const size_t k = order_ == Order::kBigEndian ? i : count - 1 - i;
@@ -29,7 +29,7 @@ class Bytes {
     }
     return number;
   }
-  bool HasAt(size_t at, const char* text, size_t size) const {
+  bool HasTextAt(size_t at, const char* text, size_t size) const {
     return at <= bytes_.size() && bytes_.compare(at, size, text, size) == 0;
   }
   size_t size() const { return bytes_.size(); }
@@ -77,23 +77,24 @@ void ParseTiff(const std::string& bytes, size_t start, RawHeader* header) {
   const Order order = bytes.compare(start, 2, "II") == 0 ? Order::kLittleEndian
                                                          : Order::kBigEndian;
   const Bytes file(bytes, order);
-  const bool is_big = file.Number(start + 2, 2) == 43;  // BigTIFF
+  const bool is_big = file.ReadNumber(start + 2, 2) == 43;  // BigTIFF
   const size_t offset_bytes = is_big ? 8 : 4;
   const size_t count_bytes = is_big ? 8 : 2;
   const size_t entry_bytes = is_big ? 20 : 12;
-  const uint64_t offset = file.Number(start + (is_big ? 8 : 4), offset_bytes);
+  const uint64_t offset =
+      file.ReadNumber(start + (is_big ? 8 : 4), offset_bytes);
   if (offset > bytes.size()) throw std::out_of_range("TIFF directory");
   const size_t directory = start + offset;
-  const uint64_t num_entries = file.Number(directory, count_bytes);
+  const uint64_t num_entries = file.ReadNumber(directory, count_bytes);
   for (uint64_t i = 0; i < num_entries; ++i) {
     const size_t entry = directory + count_bytes + i * entry_bytes;
     const size_t value_at = entry + entry_bytes - offset_bytes;
-    const size_t value_bytes = GetTypeSize(file.Number(entry + 2, 2));
-    const uint64_t tag = file.Number(entry, 2);
+    const size_t value_bytes = GetTypeSize(file.ReadNumber(entry + 2, 2));
+    const uint64_t tag = file.ReadNumber(entry, 2);
     const bool is_number = value_bytes > 0 && value_bytes <= offset_bytes;
     if (!is_number && IsSizeTag(tag)) throw std::out_of_range("TIFF size");
     if (!is_number) continue;
-    const uint64_t value = file.Number(value_at, value_bytes);
+    const uint64_t value = file.ReadNumber(value_at, value_bytes);
     switch (tag) {
       case 256:
         header->width = std::max(header->width, value);
@@ -138,13 +139,13 @@ void ParseExif(const std::string& bytes, size_t start, size_t count,
 
 void ParsePng(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
-  header->width = file.Number(16, 4);
-  header->height = file.Number(20, 4);
+  header->width = file.ReadNumber(16, 4);
+  header->height = file.ReadNumber(20, 4);
   for (size_t chunk = 8; chunk + 12 <= file.size();
-       chunk += 12 + file.Number(chunk, 4)) {
-    if (file.HasAt(chunk + 4, "eXIf", 4))
-      ParseExif(bytes, chunk + 8, file.Number(chunk, 4), header);
-    if (file.HasAt(chunk + 4, "IEND", 4)) break;
+       chunk += 12 + file.ReadNumber(chunk, 4)) {
+    if (file.HasTextAt(chunk + 4, "eXIf", 4))
+      ParseExif(bytes, chunk + 8, file.ReadNumber(chunk, 4), header);
+    if (file.HasTextAt(chunk + 4, "IEND", 4)) break;
   }
 }
 
@@ -152,20 +153,20 @@ void ParsePng(const std::string& bytes, RawHeader* header) {
 void ParseJpeg(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   for (size_t at = 2;;) {
-    while (file.Number(at, 1) != 0xff) ++at;
-    while (file.Number(at, 1) == 0xff) ++at;
-    const uint64_t marker = file.Number(at++, 1);
+    while (file.ReadNumber(at, 1) != 0xff) ++at;
+    while (file.ReadNumber(at, 1) == 0xff) ++at;
+    const uint64_t marker = file.ReadNumber(at++, 1);
     const bool stands_alone = marker <= 1 || (marker >= 0xd0 && marker <= 0xd9);
     if (stands_alone) continue;
     const bool is_frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 &&
                           marker != 0xc8 && marker != 0xcc;
     if (is_frame) {
-      header->height = file.Number(at + 3, 2);
-      header->width = file.Number(at + 5, 2);
+      header->height = file.ReadNumber(at + 3, 2);
+      header->width = file.ReadNumber(at + 5, 2);
       return;
     }
-    const uint64_t length = file.Number(at, 2);
-    if (marker == 0xe1 && length >= 8 && file.HasAt(at + 2, "Exif\0\0", 6))
+    const uint64_t length = file.ReadNumber(at, 2);
+    if (marker == 0xe1 && length >= 8 && file.HasTextAt(at + 2, "Exif\0\0", 6))
       ParseExif(bytes, at + 8, length - 8, header);
     at += length;
   }
@@ -173,9 +174,9 @@ void ParseJpeg(const std::string& bytes, RawHeader* header) {
 
 void ParseBmp(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kLittleEndian);
-  const bool is_old = file.Number(14, 4) == 12;
-  header->width = is_old ? file.Number(18, 2) : file.Number(18, 4);
-  header->height = is_old ? file.Number(20, 2) : file.Number(22, 4);
+  const bool is_old = file.ReadNumber(14, 4) == 12;
+  header->width = is_old ? file.ReadNumber(18, 2) : file.ReadNumber(18, 4);
+  header->height = is_old ? file.ReadNumber(20, 2) : file.ReadNumber(22, 4);
   // A negative height indicates rows from top to bottom.
   if (!is_old && header->height >> 31)
     header->height = (uint64_t{1} << 32) - header->height;
@@ -199,21 +200,21 @@ void ParsePnm(const std::string& bytes, RawHeader* header) {
 
 void ParseWebp(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kLittleEndian);
-  if (file.HasAt(12, "VP8 ", 4)) {
-    header->width = file.Number(26, 2) & 0x3fff;
-    header->height = file.Number(28, 2) & 0x3fff;
-  } else if (file.HasAt(12, "VP8L", 4)) {
-    const uint64_t sizes = file.Number(21, 4);
+  if (file.HasTextAt(12, "VP8 ", 4)) {
+    header->width = file.ReadNumber(26, 2) & 0x3fff;
+    header->height = file.ReadNumber(28, 2) & 0x3fff;
+  } else if (file.HasTextAt(12, "VP8L", 4)) {
+    const uint64_t sizes = file.ReadNumber(21, 4);
     header->width = (sizes & 0x3fff) + 1;
     header->height = (sizes >> 14 & 0x3fff) + 1;
-  } else if (file.HasAt(12, "VP8X", 4)) {
-    header->width = file.Number(24, 3) + 1;
-    header->height = file.Number(27, 3) + 1;
+  } else if (file.HasTextAt(12, "VP8X", 4)) {
+    header->width = file.ReadNumber(24, 3) + 1;
+    header->height = file.ReadNumber(27, 3) + 1;
   }
   for (size_t chunk = 12; chunk + 8 <= file.size();) {
-    const uint64_t size = file.Number(chunk + 4, 4);
-    if (file.HasAt(chunk, "EXIF", 4)) {
-      const size_t name = file.HasAt(chunk + 8, "Exif\0\0", 6) ? 6 : 0;
+    const uint64_t size = file.ReadNumber(chunk + 4, 4);
+    if (file.HasTextAt(chunk, "EXIF", 4)) {
+      const size_t name = file.HasTextAt(chunk + 8, "Exif\0\0", 6) ? 6 : 0;
       ParseExif(bytes, chunk + 8 + name, size - name, header);
     }
     chunk += 8 + size + size % 2;
@@ -224,7 +225,7 @@ void ParseWebp(const std::string& bytes, RawHeader* header) {
 bool ParseHeader(const std::string& bytes, RawHeader* header) {
   const Bytes file(bytes, Order::kBigEndian);
   const auto starts = [&file](const char* text, size_t size) {
-    return file.HasAt(0, text, size);
+    return file.HasTextAt(0, text, size);
   };
   if (starts("\x89PNG\r\n\x1a\n", 8))
     ParsePng(bytes, header);
@@ -238,7 +239,7 @@ bool ParseHeader(const std::string& bytes, RawHeader* header) {
   else if (starts("P", 1) && bytes.size() > 2 && bytes[1] >= '1' &&
            bytes[1] <= '6')
     ParsePnm(bytes, header);
-  else if (starts("RIFF", 4) && file.HasAt(8, "WEBP", 4))
+  else if (starts("RIFF", 4) && file.HasTextAt(8, "WEBP", 4))
     ParseWebp(bytes, header);
   else
     return false;
@@ -270,7 +271,7 @@ void RequirePlausibleFileSize(const std::string& name, const RawHeader& header,
                   name, header.width, header.height, num_bytes));
 }
 
-[[noreturn]] void RefuseDamaged(const std::string& name) {
+[[noreturn]] void ThrowDamaged(const std::string& name) {
   throw InputError(name + ": not an image, or corrupt; remove or replace it");
 }
 
@@ -298,11 +299,11 @@ ImageHeader ParseImageHeader(const std::string& name,
                              const std::string& bytes) {
   RawHeader raw;
   try {
-    if (!ParseHeader(bytes, &raw)) RefuseDamaged(name);
+    if (!ParseHeader(bytes, &raw)) ThrowDamaged(name);
   } catch (const std::out_of_range&) {
-    RefuseDamaged(name);
+    ThrowDamaged(name);
   }
-  if (raw.width == 0 || raw.height == 0) RefuseDamaged(name);
+  if (raw.width == 0 || raw.height == 0) ThrowDamaged(name);
   RequireAllowed(name, raw.width, raw.height);
   RequirePlausibleFileSize(name, raw, bytes.size());
   RequireAllowed(name + ", a tile", raw.tile_width, raw.tile_height);

@@ -19,7 +19,7 @@ float At(const GreyLevels& image, int x, int y) {
 
 // Returns the local mean around a pixel with equal weights of the phases; exact
 // for linear gradients.
-float MeanAround(const GreyLevels& image, int x, int y) {
+float ComputeNeighborMean(const GreyLevels& image, int x, int y) {
   const auto row = [&](int r) {
     return At(image, x - 1, r) + 2 * At(image, x, r) + At(image, x + 1, r);
   };
@@ -54,7 +54,7 @@ std::vector<Excess> ComputeBlockExcess(const GreyLevels& image) {
       double sum = 0;
       for (int y = top; y < top + kBlockPx; ++y) {
         for (int x = left; x < left + kBlockPx; ++x) {
-          const double mean = MeanAround(image, x, y);
+          const double mean = ComputeNeighborMean(image, x, y);
           excess[GetPhase(x, y)] += At(image, x, y) - mean;
           sum += mean;
         }
@@ -97,7 +97,7 @@ struct Sample {
   double around, level;
 };
 
-std::vector<Sample> CollectSamples(const GreyLevels& image, int phase) {
+std::vector<Sample> CollectPhaseSamples(const GreyLevels& image, int phase) {
   constexpr int kMaxAcross = 300;
   constexpr float kSaturated = 254;
   const int step_x = 2 * std::max(1, image.size.width / kMaxAcross / 2);
@@ -110,7 +110,7 @@ std::vector<Sample> CollectSamples(const GreyLevels& image, int phase) {
         for (int dx = -1; dx <= 1; ++dx)
           is_saturated |= At(image, x + dx, y + dy) > kSaturated;
       if (!is_saturated)
-        samples.push_back({MeanAround(image, x, y), At(image, x, y)});
+        samples.push_back({ComputeNeighborMean(image, x, y), At(image, x, y)});
     }
   }
   return samples;
@@ -156,7 +156,7 @@ bool BalanceMosaic(GreyLevels* image) {
   std::array<Line, kNumPhases> lines;
   double brightest = kFullScale;  // maximum level that all phases can represent
   for (int phase = 0; phase < kNumPhases; ++phase) {
-    const std::vector<Sample> samples = CollectSamples(*image, phase);
+    const std::vector<Sample> samples = CollectPhaseSamples(*image, phase);
     if (samples.size() < kMinSamples) return false;
     lines[phase] = FitLine(samples);
     if (!(lines[phase].slope > kMinSlope)) return false;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 // ---- The hidden folder -----------------------------------------------------
 
 // Name prefix, before a number, of the hidden folder within the output folder.
-constexpr char kWithin[] = ".raygrid-";
+constexpr char kHiddenPrefix[] = ".raygrid-";
 
 // Locks and empties a folder; returns 0 or an errno.
 int LockEmptied(const std::string& path, int file) {
@@ -80,7 +80,7 @@ std::string HiddenPrefix(const fs::path& folder) {
   return uses_sibling_folder
              ? (parent / ("." + folder.filename().string() + ".raygrid-"))
                    .string()
-             : (folder / kWithin).string();
+             : (folder / kHiddenPrefix).string();
 }
 
 // ---- Contents --------------------------------------------------------------
@@ -94,7 +94,7 @@ struct Contents {
 
 // Lists a folder's contents except the hidden folder; symbolic links count as
 // files.
-Contents List(const std::string& folder, const std::string& hidden) {
+Contents ListContents(const std::string& folder, const std::string& hidden) {
   Contents contents;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end;
@@ -116,13 +116,13 @@ bool Has(const Paths& paths, const std::string& path) {
 }
 
 // Whether the commit removes a file: it is overwritten or stale.
-bool IsToBeRemoved(const std::string& path, const Contents& written,
-                   const Paths& stale) {
+bool IsObsolete(const std::string& path, const Contents& written,
+                const Paths& stale) {
   return Has(written.files, path) || Has(written.folders, path) ||
          Has(stale, path);
 }
 
-bool HoldsStale(const std::string& folder, const Paths& stale) {
+bool ContainsStaleFiles(const std::string& folder, const Paths& stale) {
   return std::any_of(stale.begin(), stale.end(), [&](const std::string& file) {
     return fs::path(file).parent_path() == folder;
   });
@@ -141,7 +141,7 @@ void Synchronize(const std::string& path) {
 void SynchronizeAll(const std::string& folder, const Contents& written) {
   for (const std::string& path : written.files)
     Synchronize(folder + "/" + path);
-  for (const std::string& path : List(folder, "").folders)
+  for (const std::string& path : ListContents(folder, "").folders)
     Synchronize(folder + "/" + path);
   Synchronize(folder);
 }
@@ -160,12 +160,12 @@ bool CopyOwner(const std::string& from, const std::string& to) {
 
 // Hard-links the remaining files of the old folder, which are neither replaced
 // nor stale, into the new one. On failure, removes all links and returns false.
-bool LinkOthers(const std::string& folder, const Contents& old,
-                const std::string& hidden, const Contents& written,
-                const Paths& stale) {
+bool LinkUnwrittenFiles(const std::string& folder, const Contents& old,
+                        const std::string& hidden, const Contents& written,
+                        const Paths& stale) {
   std::vector<std::string> linked;
   for (const std::string& path : old.files) {
-    if (IsToBeRemoved(path, written, stale)) continue;
+    if (IsObsolete(path, written, stale)) continue;
     const std::string link = hidden + "/" + path;
     std::error_code ignored;
     fs::create_directories(fs::path(link).parent_path(), ignored);
@@ -184,17 +184,18 @@ bool LinkOthers(const std::string& folder, const Contents& old,
 // stale files.
 bool HasForeignFolders(const Contents& old, const Contents& written,
                        const Paths& stale) {
-  return std::any_of(
-      old.folders.begin(), old.folders.end(), [&](const std::string& folder) {
-        return !Has(written.folders, folder) && !HoldsStale(folder, stale);
-      });
+  return std::any_of(old.folders.begin(), old.folders.end(),
+                     [&](const std::string& folder) {
+                       return !Has(written.folders, folder) &&
+                              !ContainsStaleFiles(folder, stale);
+                     });
 }
 
 // After the exchange, the old files are in the hidden folder: removes the
 // listed ones and moves back files that were added since.
 void RemoveOld(const std::string& hidden, const std::string& folder,
                const Contents& listed) {
-  const Contents now = List(hidden, "");
+  const Contents now = ListContents(hidden, "");
   for (const std::string& path : now.files) {
     const std::string file = hidden + "/" + path;
     if (Has(listed.files, path))
@@ -209,17 +210,17 @@ void RemoveOld(const std::string& hidden, const std::string& folder,
 
 // Replaces the folder atomically; returns false if the folders cannot be
 // exchanged.
-bool Exchange(const std::string& folder, const Contents& old,
-              const std::string& hidden, const Contents& written,
-              const Paths& stale) {
+bool ExchangeFolders(const std::string& folder, const Contents& old,
+                     const std::string& hidden, const Contents& written,
+                     const Paths& stale) {
   if (fs::path(hidden).parent_path() == folder ||
       HasForeignFolders(old, written, stale) || !CopyOwner(folder, hidden) ||
-      !LinkOthers(folder, old, hidden, written, stale))
+      !LinkUnwrittenFiles(folder, old, hidden, written, stale))
     return false;
   SynchronizeAll(hidden, written);
   if (renameat2(AT_FDCWD, hidden.c_str(), AT_FDCWD, folder.c_str(),
                 RENAME_EXCHANGE) != 0) {
-    for (const std::string& path : List(hidden, "").files)
+    for (const std::string& path : ListContents(hidden, "").files)
       if (!Has(written.files, path)) unlink((hidden + "/" + path).c_str());
     return false;
   }
@@ -237,10 +238,9 @@ void MoveFilesIndividually(const std::string& folder, const Contents& old,
                            const Paths& stale) {
   SynchronizeAll(hidden, written);
   for (const std::string& path : old.files)
-    if (IsToBeRemoved(path, written, stale))
-      unlink((folder + "/" + path).c_str());
+    if (IsObsolete(path, written, stale)) unlink((folder + "/" + path).c_str());
   for (const std::string& path : old.folders)
-    if (!Has(written.folders, path) && HoldsStale(path, stale))
+    if (!Has(written.folders, path) && ContainsStaleFiles(path, stale))
       rmdir((folder + "/" + path).c_str());  // fails if others have files there
   for (const std::string& path : written.folders) {
     const std::string made = folder + "/" + path;
@@ -281,14 +281,15 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::Commit(const std::set<std::string>& stale) {
-  const Contents old = List(folder_, hidden_), written = List(hidden_, "");
+  const Contents old = ListContents(folder_, hidden_),
+                 written = ListContents(hidden_, "");
   for (const std::string& path : written.files)
     if (Has(old.folders, path)) ThrowWriteError(folder_ + "/" + path, EISDIR);
-  if (Exchange(folder_, old, hidden_, written, stale)) {
+  if (ExchangeFolders(folder_, old, hidden_, written, stale)) {
     hidden_.clear();
     return;
   }
-  const std::string within = folder_ + "/" + kWithin;
+  const std::string within = folder_ + "/" + kHiddenPrefix;
   if (fs::path(hidden_).parent_path() != folder_) {
     std::error_code ignored;
     fs::remove_all(within, ignored);

@@ -9,7 +9,7 @@ namespace raygrid {
 
 namespace {
 
-PopulationCovariance SpreadOf(const YAML::Node& node) {
+PopulationCovariance ParsePrincipalDisplacements(const YAML::Node& node) {
   constexpr int kLeast = 4, kMost = 65;
   constexpr size_t kMaxDisplacements = 64;
   if (!node.IsMap())
@@ -29,7 +29,7 @@ std::optional<PopulationCovariance> ParsePopulationCovariance(
     const YAML::Node& node) {
   if (!node) return std::nullopt;
   try {
-    return SpreadOf(node);
+    return ParsePrincipalDisplacements(node);
   } catch (const InputError& error) {
     throw InputError(
         std::string(error.what()) +

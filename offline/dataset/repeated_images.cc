@@ -7,7 +7,8 @@
 namespace raygrid {
 namespace {
 
-constexpr double kSamePx = 1e-3, kSavedAgainPx = 0.05;
+constexpr double kMaxSameFeatureDistancePx = 1e-3,
+                 kMaxRecompressedDistancePx = 0.05;
 
 using LatticePosition = std::tuple<int, int, int>;
 using PixelsByPosition = std::map<LatticePosition, Eigen::Vector2d>;
@@ -20,9 +21,11 @@ PixelsByPosition IndexByPosition(const ImageFeatures& image) {
 }
 
 // Whether two images with equal numbers of features have the same ones.
-bool AreSame(const PixelsByPosition& first, const PixelsByPosition& second) {
+bool HaveSameFeatures(const PixelsByPosition& first,
+                      const PixelsByPosition& second) {
   for (auto a = first.begin(), b = second.begin(); a != first.end(); ++a, ++b)
-    if (a->first != b->first || (a->second - b->second).norm() > kSamePx)
+    if (a->first != b->first ||
+        (a->second - b->second).norm() > kMaxSameFeatureDistancePx)
       return false;
   return true;
 }
@@ -38,7 +41,7 @@ std::vector<std::optional<size_t>> RepeatedImages(const Dataset& dataset) {
     if (images[i].empty()) continue;
     std::vector<size_t>& originals = images_by_count[images[i].size()];
     for (const size_t original : originals)
-      if (AreSame(images[original], images[i])) {
+      if (HaveSameFeatures(images[original], images[i])) {
         repeated[i] = original;
         break;
       }
@@ -64,7 +67,7 @@ std::optional<ImagePair> FindSharedImage(const Dataset& first,
     const PixelsByPosition pixels = IndexByPosition(image);
     if (pixels.empty()) continue;
     for (const auto& [name, others] : images_by_count[pixels.size()])
-      if (AreSame(others, pixels)) return ImagePair{name, image.image};
+      if (HaveSameFeatures(others, pixels)) return ImagePair{name, image.image};
     const auto other = pixels_by_name.find(image.image);
     if (other == pixels_by_name.end()) continue;
     if (!same_name_pair) same_name_pair = {image.image, image.image};
@@ -72,7 +75,7 @@ std::optional<ImagePair> FindSharedImage(const Dataset& first,
       const auto found = other->second.find(place);
       if (found == other->second.end()) continue;
       ++num_common;
-      num_near += (found->second - pixel).norm() < kSavedAgainPx;
+      num_near += (found->second - pixel).norm() < kMaxRecompressedDistancePx;
     }
   }
   return 2 * num_near > num_common ? same_name_pair : std::nullopt;

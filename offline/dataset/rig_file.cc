@@ -67,7 +67,8 @@ PoseCovariance ParseCovariance(const YAML::Node& rows) {
 }
 
 // As ParseCameras().
-std::vector<RelativePoseCovariance> ParsePairs(const YAML::Node& root) {
+std::vector<RelativePoseCovariance> ParsePairCovariances(
+    const YAML::Node& root) {
   std::set<std::string> names;
   for (const RigFileCamera& camera : ParseCameras(root))
     names.insert(camera.name);
@@ -122,7 +123,7 @@ std::vector<RigFileCamera> ParseRigFile(const std::string& path,
   RequireYamlFile(path, text);
   return ReadNamingFile(path, [&] {
     const YAML::Node root = YAML::Load(text);
-    ParsePairs(root);
+    ParsePairCovariances(root);
     return ParseCameras(root);
   });
 }
@@ -146,7 +147,8 @@ double RelativePoseCovariance::DistanceStdDev(
 std::vector<RelativePoseCovariance> ParseRelativePoseCovariances(
     const std::string& path, const std::string& text) {
   RequireYamlFile(path, text);
-  return ReadNamingFile(path, [&] { return ParsePairs(YAML::Load(text)); });
+  return ReadNamingFile(path,
+                        [&] { return ParsePairCovariances(YAML::Load(text)); });
 }
 
 const RelativePoseCovariance* FindRelativePose(

@@ -22,7 +22,7 @@ bool ParsePlainNumber(const std::string& text, double* value) {
 }
 
 // The forms of a name: as it is, without folder, and also without extension.
-std::vector<std::string> FormsOf(const std::string& name) {
+std::vector<std::string> ListNameForms(const std::string& name) {
   double time = 0;
   if (ParsePlainNumber(name, &time)) return {name, name, name};
   const std::filesystem::path path(name);
@@ -34,7 +34,7 @@ std::map<std::string, int> IndexLabels(const RobotPoses& robot, size_t form) {
   std::map<std::string, int> index;
   for (size_t k = 0; k < robot.poses.size(); ++k) {
     const auto [entry, is_new] = index.try_emplace(
-        FormsOf(robot.poses[k].label)[form], static_cast<int>(k));
+        ListNameForms(robot.poses[k].label)[form], static_cast<int>(k));
     if (!is_new) entry->second = -1;
   }
   return index;
@@ -55,9 +55,10 @@ std::map<std::string, Pose> MatchByName(
   for (size_t form = 0; form < kForms && matched.empty(); ++form) {
     const std::map<std::string, int> index = IndexLabels(robot, form);
     std::map<std::string, int> num_images;
-    for (const std::string& image : images) ++num_images[FormsOf(image)[form]];
+    for (const std::string& image : images)
+      ++num_images[ListNameForms(image)[form]];
     for (const std::string& image : images) {
-      const std::string name = FormsOf(image)[form];
+      const std::string name = ListNameForms(image)[form];
       const auto found = index.find(name);
       if (found != index.end() && found->second >= 0 && num_images[name] == 1)
         matched[image] = robot.poses[found->second].pose;
@@ -111,8 +112,8 @@ bool HaveTimes(const RobotPoses& robot) {
 }
 
 // Times of the images that have one.
-std::map<std::string, double> TimesOf(const std::vector<std::string>& images,
-                                      const MatchingOptions& options) {
+std::map<std::string, double> ParseTimes(const std::vector<std::string>& images,
+                                         const MatchingOptions& options) {
   std::map<std::string, double> times;
   for (const std::string& image : images) {
     double time = 0;
@@ -192,7 +193,7 @@ MatchedRobotPoses MatchRobotPoses(const std::string& path,
   if (!are_labelled) return {MatchByOrder(path, robot, images), "order"};
   RequireDistinctLabels(path, robot);
   MatchedRobotPoses matched = {MatchByName(robot, images), "name"};
-  const std::map<std::string, double> times = TimesOf(images, options);
+  const std::map<std::string, double> times = ParseTimes(images, options);
   const bool use_times =
       !options.image_times.empty() || matched.by_image.size() < images.size();
   if (use_times && HaveTimes(robot) && !times.empty())

@@ -106,7 +106,7 @@ class PoseCollector {
          matrix.col(3)});
   }
 
-  RobotPoses Take() { return std::move(robot_); }
+  RobotPoses TakePoses() { return std::move(robot_); }
 
  private:
   RobotPoseOptions options_;
@@ -203,7 +203,7 @@ PoseColumns FindPoseColumns(const std::string& path, const CsvReader& table) {
   return columns;
 }
 
-std::string LabelOf(const CsvReader& table, const PoseColumns& columns) {
+std::string GetLabel(const CsvReader& table, const PoseColumns& columns) {
   if (!columns.label.empty()) return table.Text(columns.label);
   if (columns.seconds.empty()) return "";
   const double nanoseconds =
@@ -215,7 +215,7 @@ std::string LabelOf(const CsvReader& table, const PoseColumns& columns) {
 constexpr const char* kSeparators = " \t\r,;";
 
 // Whether columns name all seven numbers of a pose.
-bool NamesPose(const std::vector<std::string>& columns) {
+bool IsPoseColumnName(const std::vector<std::string>& columns) {
   std::array<bool, 7> is_named = {};
   for (const std::string& column : columns)
     if (const int index = ValueIndex(column); index >= 0)
@@ -223,8 +223,8 @@ bool NamesPose(const std::vector<std::string>& columns) {
   return std::count(is_named.begin(), is_named.end(), true) == 7;
 }
 
-std::vector<std::string> SplitAt(const std::string& line,
-                                 const char* separators) {
+std::vector<std::string> SplitLine(const std::string& line,
+                                   const char* separators) {
   std::vector<std::string> words;
   for (size_t k = line.find_first_not_of(separators); k != std::string::npos;) {
     const size_t end = std::min(line.find_first_of(separators, k), line.size());
@@ -235,11 +235,11 @@ std::vector<std::string> SplitAt(const std::string& line,
 }
 
 // Replaces white space between fields by commas.
-std::string WithCommas(const std::string& text) {
+std::string ReplaceByCommas(const std::string& text) {
   std::string result;
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
-    const auto words = SplitAt(text.substr(at, end - at), kSeparators);
+    const auto words = SplitLine(text.substr(at, end - at), kSeparators);
     result += fmt::format("{}\n", fmt::join(words, ","));
     at = end + 1;
   }
@@ -255,10 +255,10 @@ std::string FindTable(const std::string& text) {
     const std::string line =
         text.substr(at + is_comment, end - at - is_comment);
     const bool has_commas = line.find(',') != std::string::npos;
-    const auto fields = SplitAt(line, kSeparators);
-    const auto words = has_commas ? SplitAt(line, ",") : fields;
+    const auto fields = SplitLine(line, kSeparators);
+    const auto words = has_commas ? SplitLine(line, ",") : fields;
     const bool is_header = is_comment
-                               ? NamesPose(words)
+                               ? IsPoseColumnName(words)
                                : fields.size() > 1 && !IsNumber(fields.back());
     if (is_header) {
       // Empty lines keep the numbers of the lines.
@@ -268,7 +268,7 @@ std::string FindTable(const std::string& text) {
                          text.begin() + static_cast<std::ptrdiff_t>(at), '\n')),
           '\n');
       const std::string table = lines_before + line + text.substr(end);
-      return has_commas ? table : WithCommas(table);
+      return has_commas ? table : ReplaceByCommas(table);
     }
     if (!is_comment && !fields.empty()) return "";
     at = end + 1;
@@ -285,7 +285,7 @@ void ReadTable(const std::string& path, const std::string& text,
     std::array<double, 7> values;
     for (size_t k = 0; k < values.size(); ++k)
       values[k] = table.Number(columns.values[k]);
-    collector->AddQuaternion(table.Place(), LabelOf(table, columns),
+    collector->AddQuaternion(table.Place(), GetLabel(table, columns),
                              {values[0], values[1], values[2]},
                              {values[3], values[4], values[5], values[6]});
   }
@@ -319,9 +319,9 @@ std::vector<NumberLine> SplitLines(const std::string& text) {
   return lines;
 }
 
-std::vector<double> NumbersFrom(const std::string& place,
-                                const std::vector<std::string>& words,
-                                size_t first) {
+std::vector<double> ParseNumbersFrom(const std::string& place,
+                                     const std::vector<std::string>& words,
+                                     size_t first) {
   std::vector<double> values;
   for (size_t k = first; k < words.size(); ++k)
     if (!ParseFinite(words[k], &values.emplace_back()))
@@ -339,8 +339,8 @@ size_t AppendMatrixRows(const std::string& path,
   for (; k < lines.size() && k < first + kRows && lines[k].words.size() == 4;
        ++k)
     for (const double value :
-         NumbersFrom(fmt::format("{}, line {}", path, lines[k].number),
-                     lines[k].words, 0))
+         ParseNumbersFrom(fmt::format("{}, line {}", path, lines[k].number),
+                          lines[k].words, 0))
       values->push_back(value);
   return k - first;
 }
@@ -373,7 +373,7 @@ void ReadLines(const std::string& path, const std::string& text,
           "{}: {} fields; expected an image name or time and tx ty tz qx qy qz "
           "qw, or the 12 or 16 numbers of a matrix",
           place, count));
-    values = NumbersFrom(place, words, is_labelled ? 1 : 0);
+    values = ParseNumbersFrom(place, words, is_labelled ? 1 : 0);
     if (values.size() == 7)
       collector->AddQuaternion(place, label, {values[0], values[1], values[2]},
                                {values[3], values[4], values[5], values[6]});
@@ -393,7 +393,7 @@ RobotPoses ParseRobotPoses(const std::string& path, const std::string& text,
     ReadTable(path, table, &collector);
   else
     ReadLines(path, text, &collector);
-  RobotPoses robot = collector.Take();
+  RobotPoses robot = collector.TakePoses();
   if (robot.poses.empty()) throw InputError(path + ": no poses");
   return robot;
 }

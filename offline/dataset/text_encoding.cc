@@ -109,11 +109,11 @@ void RequireSmallTree(const std::string& path, std::string_view text,
              spaces.find(text[k + 1]) != std::string_view::npos)
       ++count;
   }
-  if (count > kMaxTreeMarks)
+  if (count > kMaxStructureCharacters)
     throw InputError(
         fmt::format("{}about {} values exceed the limit of {} for cameras, "
                     "patterns and sessions; check that this is the right file",
-                    prefix, count, kMaxTreeMarks));
+                    prefix, count, kMaxStructureCharacters));
 }
 
 void RequireStorableName(const std::string& what, const std::string& name) {

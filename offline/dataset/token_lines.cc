@@ -26,17 +26,17 @@ bool TokenLines::NextNonEmpty() {
 }
 
 const std::string& TokenLines::Text(size_t index) const {
-  if (index >= words_.size()) Refuse("too few fields");
+  if (index >= words_.size()) ThrowError("too few fields");
   return words_[index];
 }
 
-void TokenLines::Refuse(const std::string& why) const {
+void TokenLines::ThrowError(const std::string& why) const {
   throw InputError(fmt::format("{}, line {}: {}; expected {}", path_, number_,
                                why, expected_));
 }
 
-void TokenLines::RefuseNumber(const std::string& text) const {
-  Refuse("'" + Printable(text) + "' is not a number");
+void TokenLines::ThrowInvalidNumber(const std::string& text) const {
+  ThrowError("'" + Printable(text) + "' is not a number");
 }
 
 }  // namespace raygrid

@@ -35,14 +35,14 @@ class TokenLines {
     const auto result = std::from_chars(text.data(), end, number);
     if (result.ec != std::errc() || result.ptr != end ||
         !std::isfinite(static_cast<double>(number)))
-      RefuseNumber(text);
+      ThrowInvalidNumber(text);
     return number;
   }
   /// Throws InputError, with the path and the line.
-  [[noreturn]] void Refuse(const std::string& why) const;
+  [[noreturn]] void ThrowError(const std::string& why) const;
 
  private:
-  [[noreturn]] void RefuseNumber(const std::string& text) const;
+  [[noreturn]] void ThrowInvalidNumber(const std::string& text) const;
 
   std::string path_, expected_;
   std::istringstream stream_;

@@ -118,7 +118,7 @@ void RequireEndOfDocument(const std::string& path, YAML::Parser* parser) {
 }
 
 // Describes the position of a node; missing nodes have no line number.
-std::string InLine(const YAML::Node& node) {
+std::string FormatLineNumber(const YAML::Node& node) {
   return node.IsDefined() && !node.Mark().is_null()
              ? fmt::format(" in line {}", node.Mark().line + 1)
              : "";
@@ -140,7 +140,7 @@ void RequireYamlFile(const std::string& path, const std::string& text,
   }
   RequireEndOfDocument(path, &parser);
   RequireClosedQuote(path, text);
-  if (finder.is_map() && last_line == LastLine::kEnds)
+  if (finder.is_map() && last_line == LastLine::kIsTerminated)
     RequireTerminatedLastLine(path, text);
 }
 
@@ -164,7 +164,7 @@ double YamlNumber(const YAML::Node& node, const std::string& name) {
   if (!node.IsDefined() || !YAML::convert<double>::decode(node, number) ||
       !(std::abs(number) <= kMaxNumber))
     throw InputError(fmt::format("{}{}: not a number, or larger than {:g}",
-                                 name, InLine(node), kMaxNumber));
+                                 name, FormatLineNumber(node), kMaxNumber));
   return number;
 }
 

@@ -12,14 +12,14 @@ namespace raygrid {
 
 /// Whether the last line may lack a line end, as in other programs' files.
 /// raygrid's own files have one, so that truncation is detected.
-enum class LastLine { kEnds, kMayLackEnd };
+enum class LastLine { kIsTerminated, kMayBeUnterminated };
 
 /// Throws InputError if a YAML file is not text, exceeds the limits
 /// (RequireSmallTree()), ends within a line, has content after its end, or
 /// repeats a key in one mapping, which parsers handle differently. Syntax
 /// errors are left to the parser.
 void RequireYamlFile(const std::string& path, const std::string& text,
-                     LastLine last_line = LastLine::kEnds);
+                     LastLine last_line = LastLine::kIsTerminated);
 
 /// Throws InputError, without the file's name, if a file is not of the given
 /// kind, such as "camera" or "rig"; names the actual kind if it is one of

@@ -19,19 +19,19 @@ constexpr double kGoodMedianPx = 0.3;     // corners of a sharp chessboard
 constexpr double kUsableMedianPx = 2;
 constexpr double kOverfitRatio = 1.5;
 // Larger systematic errors cause a warning, smaller ones a note.
-constexpr double kMattersPx = 0.15;
+constexpr double kWarningErrorPx = 0.15;
 // Errors below this limit, or below a tenth of the noise, are not reported.
-constexpr double kNegligiblePx = 0.02, kNegligiblePart = 0.1;
+constexpr double kNegligiblePx = 0.02, kNegligibleFraction = 0.1;
 // Median uncertainties that cause a warning and a failure, respectively.
-constexpr double kUncertainPx = 1, kUselessPx = 5;
+constexpr double kWarningUncertaintyPx = 1, kFailureUncertaintyPx = 5;
 // Fraction of images with wrong pixel coordinates that makes a camera unusable.
-constexpr double kManyMisoriented = 0.25;
+constexpr double kMaxMisorientedFraction = 0.25;
 constexpr double kMaxAspect = 4;  // anamorphic lenses reach 2
 // Fractions of the image: minimum valid, maximum extrapolated.
 constexpr double kMinValidFraction = 0.5, kMaxExtrapolatedFraction = 0.05;
 // Correlations of neighbouring residuals: significant at five standard errors
 // for the minimum number of pairs, and dominant.
-constexpr double kCorrelated = 0.25, kNearlyAll = 0.9;
+constexpr double kSignificantCorrelation = 0.25, kDominantCorrelation = 0.9;
 
 // Severity of a finding.
 enum class Severity { kNote, kWarning, kFailure };
@@ -50,7 +50,7 @@ class Findings {
   }
 
   // Sorts the findings by severity, most serious first.
-  Assessment Conclude() const {
+  Assessment MakeAssessment() const {
     Assessment assessment = {"pass", {}};
     for (const Severity severity :
          {Severity::kFailure, Severity::kWarning, Severity::kNote})
@@ -77,7 +77,7 @@ class Findings {
 };
 
 bool IsNegligible(double error_px, const ErrorMetrics& noise) {
-  return error_px < std::max(kNegligiblePx, kNegligiblePart * noise.rms_px);
+  return error_px < std::max(kNegligiblePx, kNegligibleFraction * noise.rms_px);
 }
 
 // Names the first of several images.
@@ -86,7 +86,7 @@ std::string FormatFirstName(const std::vector<std::string>& images) {
 }
 
 // Formats images as "3 images (a.png, ...)".
-std::string Counted(const std::vector<std::string>& images) {
+std::string FormatCountAndNames(const std::vector<std::string>& images) {
   return fmt::format("{} image{} ({})", images.size(),
                      images.size() == 1 ? "" : "s", FormatFirstName(images));
 }
@@ -166,7 +166,7 @@ void AssessSides(const CalibrationMetrics& metrics, Findings* findings) {
       count, metrics.boards_seen, FormatFirstName(metrics.mirrored_images));
   if (count < boards_seen &&
       static_cast<double>(count) >=
-          kManyMisoriented * static_cast<double>(boards_seen))
+          kMaxMisorientedFraction * static_cast<double>(boards_seen))
     findings->Fail(text);
   else
     findings->Warn(text);
@@ -186,7 +186,7 @@ void AssessTransformedImages(const CalibrationMetrics& metrics,
   const size_t count = found.images.size();
   const bool are_many =
       static_cast<double>(count) >=
-      kManyMisoriented * static_cast<double>(found.num_images);
+      kMaxMisorientedFraction * static_cast<double>(found.num_images);
   findings->Add(
       are_many ? Severity::kFailure : Severity::kWarning,
       fmt::format("{} of {} images ({}) {} {} relative to the "
@@ -222,15 +222,15 @@ void AssessOutlyingImages(const CalibrationMetrics& metrics,
     findings->Warn(fmt::format(
         "these images appear to come from two cameras, or from one whose focus "
         "changed: {} and {}; calibrate each group separately",
-        Counted(metrics.mixed_cameras->first),
-        Counted(metrics.mixed_cameras->second)));
+        FormatCountAndNames(metrics.mixed_cameras->first),
+        FormatCountAndNames(metrics.mixed_cameras->second)));
     return;
   }
   if (metrics.outlier_images.empty()) return;
   findings->Warn(
       fmt::format("{} {} inconsistent with the others (another camera, focus "
                   "or target, or wrong features); calibrate without {}",
-                  Counted(metrics.outlier_images),
+                  FormatCountAndNames(metrics.outlier_images),
                   metrics.outlier_images.size() == 1 ? "is" : "are",
                   metrics.outlier_images.size() == 1 ? "it" : "them"));
 }
@@ -244,7 +244,7 @@ void AssessInfluentialImages(const CalibrationMetrics& metrics,
       "the {} of the image is covered by {} only, so the camera cannot be "
       "verified there; keep {}, and add more views of this part",
       fmt::join(metrics.unique_coverage_regions, ", "),
-      Counted(metrics.unique_coverage_images),
+      FormatCountAndNames(metrics.unique_coverage_images),
       metrics.unique_coverage_images.size() == 1 ? "it" : "them"));
 }
 
@@ -272,7 +272,7 @@ void AssessAmbiguousRotations(const CalibrationMetrics& metrics,
       fmt::format("the orientation of the symmetric target is ambiguous in {}: "
                   "printing errors may be attributed to the lens; omit these "
                   "images, or print a target with one more row of squares",
-                  Counted(metrics.ambiguous_rotation_images)));
+                  FormatCountAndNames(metrics.ambiguous_rotation_images)));
 }
 
 void AssessFlatTarget(const CalibrationMetrics& metrics, Findings* findings) {
@@ -294,12 +294,13 @@ void AssessPopulationDistance(const CalibrationMetrics& metrics,
 // Returns a sentence such as "the corners of the image are extrapolated: expect
 // errors up to 0.7 px there".
 std::string FormatExtrapolation(const ExtrapolatedRegion& region) {
-  const bool is_plural = region.where.back() == 's' ||
-                         region.where.find(" and ") != std::string::npos;
+  const bool is_plural =
+      region.image_regions.back() == 's' ||
+      region.image_regions.find(" and ") != std::string::npos;
   constexpr double kManyPx = 10;
   return fmt::format(
       "the {} of the image {} extrapolated: expect errors {} px there",
-      region.where, is_plural ? "are" : "is",
+      region.image_regions, is_plural ? "are" : "is",
       region.p95_px > kManyPx ? "of more than 10"
                               : "up to " + FormatPx(region.p95_px));
 }
@@ -333,9 +334,10 @@ void AssessUncertainty(const CalibrationMetrics& metrics, Findings* findings) {
     return;
   }
   const double median_px = *metrics.median_stddev_px;
-  if (median_px > kUncertainPx) {
+  if (median_px > kWarningUncertaintyPx) {
     findings->Add(
-        median_px > kUselessPx ? Severity::kFailure : Severity::kWarning,
+        median_px > kFailureUncertaintyPx ? Severity::kFailure
+                                          : Severity::kWarning,
         fmt::format(
             "the views constrain the camera too weakly: expect errors of {} px "
             "in half of the image; tilt the target by 30 degrees or more, in "
@@ -410,7 +412,7 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
       "are correlated: {:.2f})",
       FormatPx(systematic_px), correlation);
   const Severity severity =
-      systematic_px > kMattersPx ? Severity::kWarning : Severity::kNote;
+      systematic_px > kWarningErrorPx ? Severity::kWarning : Severity::kNote;
   if (metrics.has_known_intrinsics)
     findings->Add(severity,
                   fmt::format("{}, caused by known intrinsics that do not fit "
@@ -425,10 +427,11 @@ void AssessCorrelation(const CalibrationMetrics& metrics, Findings* findings) {
   else
     findings->Add(
         severity,
-        fmt::format(
-            "{}, caused by the model or the detector{}; {}", found,
-            correlation > kNearlyAll ? ", or by images of several cameras" : "",
-            AdviseOnCorrelatedErrors(metrics.tried)));
+        fmt::format("{}, caused by the model or the detector{}; {}", found,
+                    correlation > kDominantCorrelation
+                        ? ", or by images of several cameras"
+                        : "",
+                    AdviseOnCorrelatedErrors(metrics.tried)));
 }
 
 // Names the cause and the remedy, unless AssessCorrelation() reported them.
@@ -466,7 +469,7 @@ void AssessHeldOutCopies(const CalibrationMetrics& metrics,
       fmt::format("the held-out error is too optimistic, because the held-out "
                   "images include near-duplicates of training images: {}; hold "
                   "out all near-duplicates of an image together",
-                  Counted(copies)));
+                  FormatCountAndNames(copies)));
 }
 
 void AssessOverfit(const CalibrationMetrics& metrics, Findings* findings) {
@@ -476,8 +479,8 @@ void AssessOverfit(const CalibrationMetrics& metrics, Findings* findings) {
   if (held_out_px <= kOverfitRatio * training_px ||
       IsNegligible(held_out_px - training_px, metrics.training))
     return;
-  findings->Add(held_out_px - training_px > kMattersPx ? Severity::kWarning
-                                                       : Severity::kNote,
+  findings->Add(held_out_px - training_px > kWarningErrorPx ? Severity::kWarning
+                                                            : Severity::kNote,
                 fmt::format("too few images: the held-out error is {} px, the "
                             "training error {} px; add images",
                             FormatPx(held_out_px), FormatPx(training_px)));
@@ -491,7 +494,7 @@ std::string FormatPx(double px) {
 
 bool HasCorrelatedErrors(double neighbor_correlation,
                          const ErrorMetrics& errors) {
-  return neighbor_correlation > kCorrelated &&
+  return neighbor_correlation > kSignificantCorrelation &&
          errors.rms_px * std::sqrt(neighbor_correlation) >= kNegligiblePx;
 }
 
@@ -508,13 +511,13 @@ Assessment AssessKnownCamera(const CalibrationMetrics& metrics) {
   for (const auto assess : {AssessTransformedImages, AssessConvergence,
                             AssessSides, AssessRejectedImages})
     assess(metrics, &findings);
-  if (metrics.interrupted) return findings.Conclude();
+  if (metrics.interrupted) return findings.MakeAssessment();
   for (const auto assess :
        {AssessTimestamps, AssessOutlyingImages, AssessAmbiguousRotations,
         AssessFlatTarget, AssessCorrelation, AssessHeldOutError,
         AssessHeldOutCopies, AssessOverfit, AssessMisreadImages})
     assess(metrics, &findings);
-  return findings.Conclude();
+  return findings.MakeAssessment();
 }
 
 }  // namespace
@@ -527,7 +530,7 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
         AssessImageSize, AssessViews, AssessSides, AssessRejectedImages})
     assess(metrics, &findings);
   // Error metrics of an interrupted calibration are meaningless.
-  if (metrics.interrupted) return findings.Conclude();
+  if (metrics.interrupted) return findings.MakeAssessment();
   for (const auto assess :
        {AssessTimestamps, AssessOutlyingImages, AssessInfluentialImages,
         AssessAmbiguousRotations, AssessFlatTarget, AssessPopulationDistance,
@@ -535,7 +538,7 @@ Assessment AssessCalibration(const CalibrationMetrics& metrics) {
         AssessHeldOutError, AssessHeldOutCopies, AssessOverfit,
         AssessMisreadImages, AssessOtherModels})
     assess(metrics, &findings);
-  return findings.Conclude();
+  return findings.MakeAssessment();
 }
 
 }  // namespace raygrid

@@ -19,8 +19,8 @@ std::vector<int> FeaturePoints(const Board& board) {
   return indices;
 }
 
-Eigen::Matrix3Xd Select(const std::vector<Eigen::Vector3d>& points,
-                        const std::vector<int>& indices) {
+Eigen::Matrix3Xd SelectPoints(const std::vector<Eigen::Vector3d>& points,
+                              const std::vector<int>& indices) {
   Eigen::Matrix3Xd selected(3, indices.size());
   for (size_t i = 0; i < indices.size(); ++i)
     selected.col(static_cast<Eigen::Index>(i)) = points[indices[i]];
@@ -35,7 +35,7 @@ BoardFlatness MeasureFlatness(const Board& board) {
   shape.height_m.assign(board.num_points(),
                         std::numeric_limits<double>::quiet_NaN());
   if (indices.size() < 3) return shape;
-  const Eigen::Matrix3Xd points = Select(board.points, indices);
+  const Eigen::Matrix3Xd points = SelectPoints(board.points, indices);
   const Eigen::Vector3d center = points.rowwise().mean();
   const Eigen::Matrix3Xd centered = points.colwise() - center;
   Eigen::Vector3d normal =
@@ -51,7 +51,7 @@ BoardFlatness MeasureFlatness(const Board& board) {
   shape.max_height_m = heights.cwiseAbs().maxCoeff();
 
   if (board.IsPointSet()) return shape;  // no nominal plane
-  const Eigen::Matrix3Xd nominal = Select(board.NominalPoints(), indices);
+  const Eigen::Matrix3Xd nominal = SelectPoints(board.NominalPoints(), indices);
   const Eigen::Matrix4d similarity = Eigen::umeyama(nominal, points, true);
   const Eigen::Matrix3Xd difference =
       points - (similarity * nominal.colwise().homogeneous()).topRows<3>();

@@ -19,11 +19,11 @@ std::string AdviseOnBetterModel(const BudgetSummary& facts) {
 
 std::string AdviseOnImagePosition(const BudgetSummary& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
-  if (!facts.IsGrid() && !facts.tried_generic)
+  if (!facts.IsGrid() && !facts.has_tried_generic_model)
     return "use --model central-generic";
   if (!facts.IsGrid())
     return "add images: central-generic was tried, but requires more images";
-  if (facts.tried_finer)
+  if (facts.has_tried_finer_grid)
     return "add images: a smaller knot spacing was tried, but requires more "
            "images";
   if (facts.knot_spacing_px > 0)
@@ -38,12 +38,12 @@ std::string AdviseOnCause(ErrorCause cause, const BudgetSummary& facts) {
     case ErrorCause::kImagePosition:
       return AdviseOnImagePosition(facts);
     case ErrorCause::kBoardPosition:
-      if (!facts.points_free)
+      if (!facts.has_estimated_points)
         return "calibrate without --fix-target-geometry, to estimate the "
                "target geometry";
       return "print the target on a better printer, or add images of it";
     case ErrorCause::kDeformation:
-      if (!facts.tried_deformation && facts.IsGrid())
+      if (!facts.has_tried_deformation && facts.IsGrid())
         return "calibrate without --rigid-target and --fix-target-geometry, to "
                "estimate per-view deformation";
       return "mount the pattern on a stiffer board, of glass or aluminium, and "
@@ -109,13 +109,14 @@ std::vector<std::string> ListEquivalentCauses(const ResidualBudget& budget) {
 // be tested without new images.
 std::string AdviseOnEquivalentViewCauses(const BudgetSummary& facts) {
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
-  if (!facts.IsGrid() && !facts.tried_generic)
+  if (!facts.IsGrid() && !facts.has_tried_generic_model)
     return "first use --model central-generic, since a model error causes such "
            "residuals, too";
-  if (facts.IsGrid() && !facts.points_free)
+  if (facts.IsGrid() && !facts.has_estimated_points)
     return "first calibrate without --fix-target-geometry, since a wrong "
            "target geometry causes such residuals, too";
-  if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
+  if (facts.model == models::kCentralGeneric &&
+      !facts.has_tried_noncentral_model)
     return "first use --model noncentral-generic, since a non-central camera, "
            "for example one that looks through glass, causes such residuals, "
            "too";
@@ -203,18 +204,20 @@ std::string AdviseOnCorrelatedErrors(const BudgetSummary& facts) {
       "look for blur, glare, motion and outlier images in the report";
   if (!facts.better_model.empty()) return AdviseOnBetterModel(facts);
   if (!facts.IsGrid())
-    return facts.tried_generic ? fmt::format(
-                                     "central-generic was tried and is not "
-                                     "significantly better; {}",
-                                     kLook)
-                               : "try --model central-generic";
+    return facts.has_tried_generic_model
+               ? fmt::format(
+                     "central-generic was tried and is not "
+                     "significantly better; {}",
+                     kLook)
+               : "try --model central-generic";
   std::vector<std::string> advice;
   if (!facts.knot_spacing_selected)
     advice.emplace_back("try --knot-spacing-px auto");
-  else if (!facts.tried_finer && facts.knot_spacing_px > 0)
+  else if (!facts.has_tried_finer_grid && facts.knot_spacing_px > 0)
     advice.push_back(fmt::format("try a smaller --knot-spacing-px {:.0f}",
                                  facts.knot_spacing_px / 2));
-  if (facts.model == models::kCentralGeneric && !facts.tried_noncentral)
+  if (facts.model == models::kCentralGeneric &&
+      !facts.has_tried_noncentral_model)
     advice.emplace_back(
         "try --model noncentral-generic if the camera may be non-central, for "
         "example because it looks through glass");

@@ -12,9 +12,9 @@
 namespace raygrid {
 namespace {
 
-constexpr double kAlarmSigmas = 3.09;  // false-alarm probability 1/1000
-constexpr double kFoundSigmas = 2.33;  // detection power 99 %
-constexpr double kClipSigmas = 5;      // clips residuals of features
+constexpr double kAlarmSigmas = 3.09;      // false-alarm probability 1/1000
+constexpr double kDetectionSigmas = 2.33;  // detection power 99 %
+constexpr double kClipSigmas = 5;          // clips residuals of features
 constexpr int kScale = 0, kShift = 1, kTilt = 3, kNumSmooth = 5;
 constexpr int kLocalColumns = 6, kLocalRows = 4;
 constexpr int kNumLocal = 2 * kLocalColumns * kLocalRows;
@@ -34,8 +34,8 @@ using Displacements = Eigen::Matrix<double, 2, kNumMovements>;
 // Returns the Jacobian of a pixel with respect to a relative scale, a shift in
 // pixels, a tilt of the sensor about its vertical and horizontal axes in
 // radians, and local changes in pixels.
-Displacements DisplacementsAt(const ReferenceCamera& camera,
-                              const Eigen::Vector2d& pixel) {
+Displacements ComputeMovementJacobian(const ReferenceCamera& camera,
+                                      const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d p(pixel.x() - (camera.size.width - 1) / 2.0,
                           pixel.y() - (camera.size.height - 1) / 2.0);
   Displacements by = Displacements::Zero();
@@ -76,7 +76,7 @@ ReducedView Reduce(const ReferenceCamera& camera, const ProjectedView& view,
     for (Eigen::Index k = 0; k < num_modes; ++k)
       all.block<2, 1>(row, k) = camera.modes.At(k, camera.area, pixel);
     all.block<2, kNumMovements>(row, num_modes) =
-        DisplacementsAt(camera, pixel);
+        ComputeMovementJacobian(camera, pixel);
     const double norm = feature.error_px.norm();
     all.block<2, 1>(row, num_modes + kNumMovements) =
         feature.error_px * std::min(1.0, clip_px / std::max(norm, 1e-12));
@@ -205,7 +205,7 @@ double MovementFound(int degrees_of_freedom) {
     const double variance = 2 * (1 + squared / mean) / (9 * mean);
     const double below =
         (std::cbrt(alarm / mean) - (1 - variance)) / std::sqrt(variance);
-    (below > -kFoundSigmas ? low : high) = squared;
+    (below > -kDetectionSigmas ? low : high) = squared;
   }
   return std::sqrt(high);
 }
@@ -274,9 +274,9 @@ constexpr int kNumGroups = 4;
 using GroupTests = std::array<GroupTest, kNumGroups>;  // as in MovementErrors
 
 std::array<double, kNumGroups> EstimateStdDevs(const ErrorModes& modes) {
-  const MovementErrors& beyond = modes.beyond;
-  return {beyond.scale, beyond.shift_px, beyond.tilt_rad,
-          std::hypot(modes.rest_px, beyond.local_px)};
+  const MovementErrors& excess_errors = modes.excess_errors;
+  return {excess_errors.scale, excess_errors.shift_px, excess_errors.tilt_rad,
+          std::hypot(modes.residual_px, excess_errors.local_px)};
 }
 
 GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
@@ -294,8 +294,8 @@ GroupTests TestGroups(const Information& information, const ErrorModes& modes) {
 // ---- Noise -----------------------------------------------------------------
 
 // Returns the residuals after fitting all changes.
-std::vector<Eigen::VectorXd> Remainders(const std::vector<ReducedView>& views,
-                                        const Eigen::VectorXd& movements) {
+std::vector<Eigen::VectorXd> ComputeRemainingErrors(
+    const std::vector<ReducedView>& views, const Eigen::VectorXd& movements) {
   std::vector<Eigen::VectorXd> remainders;
   for (const ReducedView& view : views)
     remainders.push_back(view.error - view.J_movements * movements);
@@ -411,39 +411,40 @@ void ComputeMaxLocalChange(const ReferenceCamera& camera,
 
 // Errors of the views, and the information on changes, for the noise used by
 // the test.
-struct Judged {
+struct AssessedViews {
   std::vector<ReducedView> reduced;
   Information information;
   int num_features = 0;
   double noise_px = 0;
 };
 
-Judged Assess(const ReferenceCamera& camera,
-              const std::vector<ProjectedView>& views) {
+AssessedViews Assess(const ReferenceCamera& camera,
+                     const std::vector<ProjectedView>& views) {
   // The median norm of 2D normal noise is 1.18 standard deviations.
   const double clip_px =
       kClipSigmas *
       std::max(camera.noise_px, ComputeMedianErrorPx(views) / 1.18);
-  Judged judged;
+  AssessedViews assessed;
   for (const ProjectedView& view : views) {
-    judged.reduced.push_back(Reduce(camera, view, clip_px));
-    judged.num_features += static_cast<int>(view.size());
+    assessed.reduced.push_back(Reduce(camera, view, clip_px));
+    assessed.num_features += static_cast<int>(view.size());
   }
   const Estimate first = EstimateParameters(
-      Gather(judged.reduced, camera.noise_px), Range(0, kNumMovements));
+      Gather(assessed.reduced, camera.noise_px), Range(0, kNumMovements));
   const std::vector<Eigen::VectorXd> remainders =
-      Remainders(judged.reduced, first.values);
+      ComputeRemainingErrors(assessed.reduced, first.values);
   double sum = 0;
   for (const Eigen::VectorXd& remainder : remainders)
     sum += remainder.squaredNorm();
-  const double degrees_of_freedom = std::max(
-      1.0, 2.0 * judged.num_features - 6.0 * static_cast<double>(views.size()) -
-               first.degrees_of_freedom);
-  judged.noise_px =
+  const double degrees_of_freedom =
+      std::max(1.0, 2.0 * assessed.num_features -
+                        6.0 * static_cast<double>(views.size()) -
+                        first.degrees_of_freedom);
+  assessed.noise_px =
       std::max(camera.noise_px, std::sqrt(sum / degrees_of_freedom)) *
       std::sqrt(ComputeInflation(views, remainders));
-  judged.information = Gather(judged.reduced, judged.noise_px);
-  return judged;
+  assessed.information = Gather(assessed.reduced, assessed.noise_px);
+  return assessed;
 }
 
 std::vector<std::string> SelectSignificant(
@@ -478,11 +479,11 @@ double ChiSquaredSigmas(double chi_squared, int degrees_of_freedom) {
 
 CameraChange TestCameraChange(const ReferenceCamera& camera,
                               const std::vector<ProjectedView>& views) {
-  const Judged judged = Assess(camera, views);
-  const Information& information = judged.information;
+  const AssessedViews assessed = Assess(camera, views);
+  const Information& information = assessed.information;
   CameraChange change;
-  change.num_features = judged.num_features;
-  change.noise_px = judged.noise_px;
+  change.num_features = assessed.num_features;
+  change.noise_px = assessed.noise_px;
   const Estimate smooth_estimate =
       EstimateParameters(information, Range(0, kNumSmooth));
   const GroupTests tests = TestGroups(information, camera.modes);
@@ -500,7 +501,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
   const bool is_mostly_smooth =
       smooth_estimate.chi_squared > local_test.chi_squared;
   if (change.smooth_sigmas > kAlarmSigmas && (!is_local || is_mostly_smooth))
-    change.moved = camera.modes.beyond.HasSmooth()
+    change.moved = camera.modes.excess_errors.HasSmooth()
                        ? SelectSignificant(change.movements)
                        : Explain(information, smooth_estimate.chi_squared);
   if (is_local) {
@@ -517,7 +518,7 @@ CameraChange TestCameraChange(const ReferenceCamera& camera,
                : (Eigen::VectorXd(kNumMovements) << smooth_estimate.values,
                   Eigen::VectorXd::Zero(kNumLocal))
                      .finished();
-  for (const ReducedView& view : judged.reduced)
+  for (const ReducedView& view : assessed.reduced)
     change.rms_px += (view.J_movements * fitted).squaredNorm();
   change.rms_px = std::sqrt(change.rms_px / std::max(1, change.num_features));
   return change;

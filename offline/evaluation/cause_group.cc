@@ -44,7 +44,7 @@ bool IsDifferenceInsignificant(const std::vector<double>& more,
 
 }  // namespace
 
-double CauseGroup::Gain(const CrossFit& fit, const Halves& errors) const {
+double CauseGroup::Gain(const CrossFit& fit, const HalfErrors& errors) const {
   return SumLanes(
              ComputeExplainedSquares(fit, errors, PredictHalves(fit, errors))) /
          squares_;
@@ -79,14 +79,14 @@ void CauseGroup::EstimateRandomShares(const Eigen::VectorXd& errors,
 
 // Returns the cause with the largest significant share of the remaining errors.
 std::optional<size_t> CauseGroup::FindNextCause(
-    const Halves& left, const std::vector<bool>& is_removed,
+    const HalfErrors& remaining_errors, const std::vector<bool>& is_removed,
     ResidualBudget* budget) const {
   std::optional<size_t> best;
   double best_gain = 0;
   for (size_t k = 0; k < fits_.size(); ++k) {
     const CauseShare& share = budget->Of(fits_[k].cause);
     if (is_removed[k] || share.alone <= MinSignificantGain(share)) continue;
-    const double gain = Gain(fits_[k].fit, left);
+    const double gain = Gain(fits_[k].fit, remaining_errors);
     if (gain <= std::max(best_gain, MinSignificantGain(share))) continue;
     best_gain = gain;
     best = k;
@@ -98,11 +98,11 @@ std::optional<size_t> CauseGroup::FindNextCause(
 
 // Returns the remaining error of each feature, with coefficients estimated from
 // the other half.
-Eigen::VectorXd CauseGroup::Join(const Halves& left) const {
-  Eigen::VectorXd joined = left[0];
+Eigen::VectorXd CauseGroup::Join(const HalfErrors& remaining_errors) const {
+  Eigen::VectorXd joined = remaining_errors[0];
   for (Eigen::Index at = 0; !fits_.empty() && at < joined.size(); at += 2) {
     const int half = fits_.front().fit.half(static_cast<size_t>(at / 2));
-    joined.segment<2>(at) = left[1 - half].segment<2>(at);
+    joined.segment<2>(at) = remaining_errors[1 - half].segment<2>(at);
   }
   return joined;
 }
@@ -117,20 +117,23 @@ Eigen::VectorXd CauseGroup::Explain(const Eigen::VectorXd& errors,
   EstimateRandomShares(errors, budget);
   // Each half is corrected with its own coefficients, so that the halves remain
   // independent.
-  Halves left = {errors, errors};
+  HalfErrors remaining_errors = {errors, errors};
   std::vector<bool> is_removed(fits_.size(), false);
-  while (const auto next = FindNextCause(left, is_removed, budget)) {
+  while (const auto next =
+             FindNextCause(remaining_errors, is_removed, budget)) {
     is_removed[*next] = true;
-    const Halves predicted = PredictHalves(fits_[*next].fit, left);
-    for (int half = 0; half < 2; ++half) left[half] -= predicted[half];
+    const HalfErrors predicted =
+        PredictHalves(fits_[*next].fit, remaining_errors);
+    for (int half = 0; half < 2; ++half)
+      remaining_errors[half] -= predicted[half];
   }
-  return Join(left);
+  return Join(remaining_errors);
 }
 
 void CauseGroup::FindEquivalentCauses(const Eigen::VectorXd& errors,
                                       const CrossFit& control,
                                       ResidualBudget* budget) const {
-  const Halves halves = {errors, errors};
+  const HalfErrors halves = {errors, errors};
   const auto explained_by = [&](const CrossFit& fit) {
     return ComputeExplainedSquares(fit, halves, PredictHalves(fit, halves));
   };

@@ -38,15 +38,15 @@ class CauseGroup {
                             ResidualBudget* budget) const;
 
  private:
-  using Halves = std::array<Eigen::VectorXd, 2>;
+  using HalfErrors = std::array<Eigen::VectorXd, 2>;
 
-  double Gain(const CrossFit& fit, const Halves& errors) const;
+  double Gain(const CrossFit& fit, const HalfErrors& errors) const;
   void EstimateRandomShares(const Eigen::VectorXd& errors,
                             ResidualBudget* budget) const;
-  std::optional<size_t> FindNextCause(const Halves& left,
+  std::optional<size_t> FindNextCause(const HalfErrors& remaining_errors,
                                       const std::vector<bool>& is_removed,
                                       ResidualBudget* budget) const;
-  Eigen::VectorXd Join(const Halves& left) const;
+  Eigen::VectorXd Join(const HalfErrors& remaining_errors) const;
 
   std::vector<CauseFit> fits_;
   const PoseComponents* pose_;

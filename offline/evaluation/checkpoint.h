@@ -17,7 +17,7 @@ struct HeldOutResiduals {
   std::vector<std::vector<FeatureResidual>> together;
   /// With per-view deformation: residuals of half of the features, predicted
   /// from the others; in a rig, by all cameras.
-  std::vector<std::vector<FeatureResidual>> flexed;
+  std::vector<std::vector<FeatureResidual>> with_deformation;
 };
 
 /// One fold of a cross-validation: the knot spacing of each camera, and the

@@ -91,8 +91,8 @@ std::vector<BoardPlane> FitBoardPlanes(const BudgetInput& input) {
 
 // Returns the Jacobian of a point with respect to stretches along both axes of
 // its board and to a shear.
-Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
-                            const Eigen::Vector3d& point) {
+Eigen::Matrix3d ComputeStretches(const BoardPlane& plane,
+                                 const Eigen::Vector3d& point) {
   const double x = plane.x.dot(point - plane.center);
   const double y = plane.y.dot(point - plane.center);
   Eigen::Matrix3d moves;
@@ -103,8 +103,8 @@ Eigen::Matrix3d StretchesAt(const BoardPlane& plane,
 // Returns the projected position of a feature relative to the image centre. A
 // column of observed positions contains the noise, and would fit it after the
 // pose is eliminated.
-Eigen::Vector2d ProjectedFromCenter(const BudgetInput& input,
-                                    const BudgetFeature& feature) {
+Eigen::Vector2d ProjectOffsetFromCenter(const BudgetInput& input,
+                                        const BudgetFeature& feature) {
   return feature.pixel + feature.error_px -
          Eigen::Vector2d(input.image_size.width - 1,
                          input.image_size.height - 1) /
@@ -117,13 +117,14 @@ Eigen::Matrix2Xd ApplyJacobian(ErrorCause cause, const BudgetInput& input,
                                const std::vector<BoardPlane>& planes,
                                const BudgetFeature& feature) {
   const double width = input.image_size.width, height = input.image_size.height;
-  const Eigen::Vector2d from_center = ProjectedFromCenter(input, feature);
+  const Eigen::Vector2d from_center = ProjectOffsetFromCenter(input, feature);
   switch (cause) {
     case ErrorCause::kDeformation:
       return feature.J_point * input.bends[feature.point];
     case ErrorCause::kInPlane:
-      return feature.J_point * StretchesAt(planes[input.boards[feature.point]],
-                                           input.points[feature.point]);
+      return feature.J_point *
+             ComputeStretches(planes[input.boards[feature.point]],
+                              input.points[feature.point]);
     case ErrorCause::kImageAffine: {
       Eigen::Matrix<double, 2, 3> errors;
       errors << from_center / width, Eigen::Matrix2d::Identity();
@@ -266,7 +267,7 @@ LinearCause MakeColumnDelayControl(const BudgetInput& input,
   return PerViewShare(
       input, pose, [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
         return feature.J_pose *
-               (ProjectedFromCenter(input, feature).x() / width);
+               (ProjectOffsetFromCenter(input, feature).x() / width);
       });
 }
 

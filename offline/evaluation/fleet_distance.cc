@@ -29,9 +29,10 @@ Eigen::MatrixXd ComputeRotationJacobian(
   return J_rotation;
 }
 
-Eigen::MatrixXd Stacked(const PopulationCovariance& spread, const Area& area,
-                        const std::vector<Eigen::Vector2d>& positions) {
-  const std::vector<BSplineSurface> surfaces = spread.Surfaces(area);
+Eigen::MatrixXd StackVectors(const PopulationCovariance& spread,
+                             const Area& area,
+                             const std::vector<Eigen::Vector2d>& positions) {
+  const std::vector<BSplineSurface> surfaces = spread.FitSurfaces(area);
   Eigen::MatrixXd columns(2 * positions.size(), surfaces.size());
   for (size_t k = 0; k < surfaces.size(); ++k)
     for (size_t i = 0; i < positions.size(); ++i)
@@ -52,20 +53,22 @@ double SumSquaresWithoutRotation(const Eigen::MatrixXd& J_rotation,
 double SquaredDistances(const CameraModel& mean, const CameraModel& camera,
                         const std::vector<Eigen::Vector2d>& positions) {
   const PixelField field = ComputeDisplacements(mean, camera, positions);
-  std::vector<Eigen::Vector2d> seen;
+  std::vector<Eigen::Vector2d> projected;
   for (size_t i = 0; i < positions.size(); ++i)
-    if (field[i]) seen.push_back(positions[i]);
-  Eigen::VectorXd moved(2 * seen.size());
+    if (field[i]) projected.push_back(positions[i]);
+  Eigen::VectorXd moved(2 * projected.size());
   Eigen::Index row = 0;
   for (const auto& displacement : field)
     if (displacement) {
       moved.segment<2>(row) = *displacement;
       row += 2;
     }
-  const double beyond = static_cast<double>(positions.size() - seen.size()) *
-                        std::pow(kDisplacementMarginPx, 2);
-  return beyond +
-         SumSquaresWithoutRotation(ComputeRotationJacobian(mean, seen), moved);
+  const double out_of_area_cost =
+      static_cast<double>(positions.size() - projected.size()) *
+      std::pow(kDisplacementMarginPx, 2);
+  return out_of_area_cost +
+         SumSquaresWithoutRotation(ComputeRotationJacobian(mean, projected),
+                                   moved);
 }
 
 double ComputeSquaredStdDevs(const CameraModel& camera,
@@ -116,7 +119,7 @@ std::optional<FleetDistance> MeasureFleetDistance(
   const double count = static_cast<double>(positions.size());
   double population_part =
       SumSquaresWithoutRotation(ComputeRotationJacobian(mean, positions),
-                                Stacked(spread, mean.area(), positions));
+                                StackVectors(spread, mean.area(), positions));
   if (deviations)
     population_part += ComputeSquaredStdDevs(camera, *deviations, positions);
   return FleetDistance{

@@ -51,14 +51,16 @@ std::vector<LinePair> SampleLines(const CameraModel& first,
 
 // Returns the direction from the first line's origin to the point on the second
 // line, in units of its distance.
-Eigen::Vector3d Sight(const LinePair& pair, const Pose& first_from_second) {
+Eigen::Vector3d ComputeDirection(const LinePair& pair,
+                                 const Pose& first_from_second) {
   return first_from_second.rotation * pair.second.direction +
          pair.inverse_distance *
              (first_from_second * pair.second.origin - pair.first.origin);
 }
 
-Eigen::Vector2d ErrorPx(const LinePair& pair, const Pose& first_from_second) {
-  return pair.J_direction * Sight(pair, first_from_second);
+Eigen::Vector2d ComputeErrorPx(const LinePair& pair,
+                               const Pose& first_from_second) {
+  return pair.J_direction * ComputeDirection(pair, first_from_second);
 }
 
 // Solves Wahba's problem by singular value decomposition (Markley, 1988).
@@ -81,7 +83,7 @@ std::vector<double> Weights(const std::vector<LinePair>& pairs,
                             const Pose& first_from_second) {
   std::vector<double> norms;
   for (const LinePair& pair : pairs)
-    norms.push_back(ErrorPx(pair, first_from_second).norm());
+    norms.push_back(ComputeErrorPx(pair, first_from_second).norm());
   const double scale = std::max(2 * Quantile(norms, 0.5), 1e-12);
   std::vector<double> weights;
   for (const double norm : norms)
@@ -90,7 +92,7 @@ std::vector<double> Weights(const std::vector<LinePair>& pairs,
 }
 
 // Performs a Gauss-Newton step on the pixel distances.
-Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
+Pose ApplyMotion(const std::vector<LinePair>& pairs, const Pose& pose) {
   const std::vector<double> weights = Weights(pairs, pose);
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
@@ -104,7 +106,7 @@ Pose Improved(const std::vector<LinePair>& pairs, const Pose& pose) {
         turned.y(), -turned.x(), 0, 0, 0, q;
     const Eigen::Matrix<double, 2, 6> row = pairs[i].J_direction * J_update;
     matrix += weights[i] * row.transpose() * row;
-    right -= weights[i] * row.transpose() * ErrorPx(pairs[i], pose);
+    right -= weights[i] * row.transpose() * ComputeErrorPx(pairs[i], pose);
   }
   return UpdatedPose(pose, matrix.ldlt().solve(right));
 }
@@ -118,20 +120,20 @@ Pose EstimateMotion(const std::vector<LinePair>& pairs, bool are_central) {
     weights = Weights(pairs, pose);
   }
   if (are_central) return pose;
-  for (int round = 0; round < kRounds; ++round) pose = Improved(pairs, pose);
+  for (int round = 0; round < kRounds; ++round) pose = ApplyMotion(pairs, pose);
   return pose;
 }
 
-ModelDifference DifferenceAfter(const std::vector<LinePair>& pairs,
-                                const Pose& first_from_second,
-                                bool are_central) {
+ModelDifference ComputeDifference(const std::vector<LinePair>& pairs,
+                                  const Pose& first_from_second,
+                                  bool are_central) {
   ModelDifference difference;
   difference.first_from_second = first_from_second;
   double sum = 0;
   std::vector<double> norms;
   for (const LinePair& pair : pairs) {
     difference.pixels.push_back(pair.pixel);
-    difference.error_px.push_back(ErrorPx(pair, first_from_second));
+    difference.error_px.push_back(ComputeErrorPx(pair, first_from_second));
     if (!are_central)
       difference.inverse_distances.push_back(pair.inverse_distance);
     norms.push_back(difference.error_px.back().norm());
@@ -153,8 +155,8 @@ ModelDifference CompareModels(const CameraModel& first,
       SampleLines(first, second, step_px, distance_m);
   if (pairs.empty()) return {};
   const bool are_central = first.IsCentral() && second.IsCentral();
-  return DifferenceAfter(pairs, EstimateMotion(pairs, are_central),
-                         are_central);
+  return ComputeDifference(pairs, EstimateMotion(pairs, are_central),
+                           are_central);
 }
 
 ModelDifference CompareRotatedModels(
@@ -162,8 +164,8 @@ ModelDifference CompareRotatedModels(
     const Eigen::Quaterniond& first_from_second) {
   const std::vector<LinePair> pairs = SampleLines(first, second, step_px, 1);
   if (pairs.empty()) return {};
-  return DifferenceAfter(pairs, {first_from_second, Eigen::Vector3d::Zero()},
-                         true);
+  return ComputeDifference(pairs, {first_from_second, Eigen::Vector3d::Zero()},
+                           true);
 }
 
 }  // namespace raygrid

@@ -13,7 +13,7 @@ namespace {
 
 // Returns the focal length in pixels per radian at the centre of the area: the
 // geometric mean along two axes perpendicular to the line of sight.
-double FocalPx(const CentralGeneric& camera) {
+double ComputeFocalLengthPx(const CentralGeneric& camera) {
   const Eigen::Vector2d pixel = camera.area().center();
   const auto direction = camera.Unproject(pixel);
   LinearizedProjection projection;
@@ -24,7 +24,7 @@ double FocalPx(const CentralGeneric& camera) {
   return std::pow(square.determinant(), 0.25);
 }
 
-Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
+Eigen::Vector2d ComputeCenterPx(const CentralGeneric& camera) {
   FitOptions options;
   options.free_rotation = true;
   // These terms, a rotation and a shift of the centre compensate each other.
@@ -44,7 +44,7 @@ Eigen::Vector2d CenterPx(const CentralGeneric& camera) {
 
 // Returns the displacements of distant points' projections between two cameras,
 // starting from pixels of the first one; NaN where either camera is undefined.
-std::vector<Eigen::Vector2d> ComputeMoves(
+std::vector<Eigen::Vector2d> ComputePixelMotions(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {
   std::vector<Eigen::Vector2d> moves;
@@ -92,11 +92,12 @@ OperatingPointChange ComputeChange(const CentralGeneric& reference,
     for (int i = 0; i <= kSteps; ++i)
       pixels.emplace_back(area.x0 + area.width() * i / kSteps,
                           area.y0 + area.height() * j / kSteps);
-  std::vector<Eigen::Vector2d> moves = ComputeMoves(reference, camera, pixels);
+  std::vector<Eigen::Vector2d> moves =
+      ComputePixelMotions(reference, camera, pixels);
   OperatingPointChange change;
   change.value = value;
-  change.focal_px = FocalPx(camera);
-  change.center_px = CenterPx(camera);
+  change.focal_px = ComputeFocalLengthPx(camera);
+  change.center_px = ComputeCenterPx(camera);
   const auto growth = RemoveScaleAndShift(area.center(), pixels, &moves);
   if (!growth) return change;
   change.growth = *growth;
@@ -117,7 +118,7 @@ std::vector<OperatingPointChange> MeasureOperatingPointChanges(
     const OperatingPointModel& stack, int num_values) {
   const CentralGeneric reference = stack.At(stack.Center());
   std::vector<OperatingPointChange> changes;
-  for (const double value : stack.ranges()[0].Spread(num_values))
+  for (const double value : stack.ranges()[0].SampleValues(num_values))
     changes.push_back(ComputeChange(reference, stack.At({value}), value));
   return changes;
 }
@@ -135,7 +136,7 @@ std::vector<Eigen::Vector2d> SampleCellCenters(const Area& area, int columns,
 std::vector<Eigen::Vector2d> MeasureDistortion(
     const CentralGeneric& from, const CentralGeneric& to,
     const std::vector<Eigen::Vector2d>& pixels) {
-  std::vector<Eigen::Vector2d> moves = ComputeMoves(from, to, pixels);
+  std::vector<Eigen::Vector2d> moves = ComputePixelMotions(from, to, pixels);
   RemoveScaleAndShift(from.area().center(), pixels, &moves);
   return moves;
 }

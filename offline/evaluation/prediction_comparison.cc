@@ -9,11 +9,11 @@ namespace raygrid {
 namespace {
 
 constexpr double kMaxPValue = 0.01;
-constexpr size_t kMaxExact = 100;
+constexpr size_t kMaxExactCount = 100;
 
 using Key = std::tuple<std::string, int, int, int>;
 
-Key KeyOf(const FeatureResidual& residual) {
+Key MakeFeatureKey(const FeatureResidual& residual) {
   return {residual.image, residual.board, residual.column, residual.row};
 }
 
@@ -53,11 +53,12 @@ double SignedRankProbability(std::vector<double> differences) {
   for (size_t i = 0; i < n; ++i)
     if (differences[i] > 0) above += i + 1;
   const size_t lesser = std::min(above, n * (n + 1) / 2 - above);
-  return std::min(1.0, 2 * (n <= kMaxExact ? ExactProbability(n, lesser)
+  return std::min(1.0,
+                  2 * (n <= kMaxExactCount ? ExactProbability(n, lesser)
                                            : NormalProbability(n, lesser)));
 }
 
-const char* PredictionComparison::Better() const {
+const char* PredictionComparison::NameBetterCamera() const {
   if (probability > kMaxPValue) return "neither";
   return num_first_better > num_second_better ? "first" : "second";
 }
@@ -67,11 +68,11 @@ PredictionComparison ComparePredictions(
     const std::vector<FeatureResidual>& second) {
   std::map<Key, const FeatureResidual*> second_by_key;
   for (const FeatureResidual& residual : second)
-    second_by_key[KeyOf(residual)] = &residual;
+    second_by_key[MakeFeatureKey(residual)] = &residual;
   std::vector<FeatureResidual> common[2];
   std::map<std::string, ImagePrediction> images;
   for (const FeatureResidual& residual : first) {
-    const auto found = second_by_key.find(KeyOf(residual));
+    const auto found = second_by_key.find(MakeFeatureKey(residual));
     if (found == second_by_key.end()) continue;
     common[0].push_back(residual);
     common[1].push_back(*found->second);

@@ -27,7 +27,7 @@ struct PredictionComparison {
   double probability = 1;
 
   /// Returns "first", "second", or "neither" if p > 0.01.
-  const char* Better() const;
+  const char* NameBetterCamera() const;
 };
 
 /// Compares residuals of the same features, localized with each camera.

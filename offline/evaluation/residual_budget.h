@@ -32,13 +32,13 @@ struct BudgetSummary {
   std::string model;
   double knot_spacing_px = 0;  ///< knot spacing of a grid
   bool knot_spacing_selected =
-      false;                 ///< knot spacing was selected by held-out error
-  bool tried_finer = false;  ///< a finer grid did not predict better
-  bool points_free = false;  ///< target points were estimated
-  bool tried_deformation =
+      false;  ///< knot spacing was selected by held-out error
+  bool has_tried_finer_grid = false;  ///< a finer grid did not predict better
+  bool has_estimated_points = false;  ///< target points were estimated
+  bool has_tried_deformation =
       false;  ///< per-view deformation was tried or estimated
   /// Models that were compared with this one.
-  bool tried_generic = false, tried_noncentral = false;
+  bool has_tried_generic_model = false, has_tried_noncentral_model = false;
   std::string better_model;    ///< name of a model with lower held-out error
   bool mixed_cameras = false;  ///< the images seem to be from two cameras
 

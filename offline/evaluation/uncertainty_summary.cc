@@ -57,7 +57,7 @@ int GetThird(double position, int extent) {
 
 // Joins items with commas and "and": "left", "left and right", "left, top and
 // right".
-std::string Joined(const std::vector<std::string>& words) {
+std::string JoinWords(const std::vector<std::string>& words) {
   std::string text;
   for (size_t k = 0; k < words.size(); ++k)
     text += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
@@ -102,13 +102,13 @@ std::string DescribePositions(
   if (sides.size() == std::size(kSides))
     parts.emplace_back("edges");
   else if (!sides.empty())
-    parts.push_back(Joined(sides) + (sides.size() > 1 ? " edges" : " edge"));
+    parts.push_back(JoinWords(sides) + (sides.size() > 1 ? " edges" : " edge"));
   if (corners.size() == std::size(kCorners))
     parts.emplace_back("corners");
   else if (!corners.empty())
-    parts.push_back(Joined(corners) +
+    parts.push_back(JoinWords(corners) +
                     (corners.size() > 1 ? " corners" : " corner"));
-  return parts.empty() ? "parts" : Joined(parts);
+  return parts.empty() ? "parts" : JoinWords(parts);
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ ExtrapolatedRegion SummarizeExtrapolatedRegion(
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
       if (all[row][column] > 0) shares[row][column] /= all[row][column];
-  region.where = DescribePositions(shares);
+  region.image_regions = DescribePositions(shares);
   if (!uncertainties_px.empty())
     region.p95_px = Quantile(uncertainties_px, 0.95);
   return region;

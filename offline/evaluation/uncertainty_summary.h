@@ -17,7 +17,8 @@ struct ExtrapolatedRegion {
   double share = 0;  ///< fraction of the image, or of its image circle
   /// The 95 % quantile of the predicted uncertainty there, 1 sigma.
   double p95_px = 0;
-  std::string where;  ///< "corners", "left edge and top right corner", ...
+  std::string
+      image_regions;  ///< "corners", "left edge and top right corner", ...
 };
 
 /// Limits of the predicted uncertainty (px) for which shares are reported.

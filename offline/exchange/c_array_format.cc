@@ -32,7 +32,7 @@ std::string ToUpper(std::string name) {
 }
 
 // Sanitizes text for a C comment: no comment delimiters or trigraphs.
-std::string ForComment(std::string text) {
+std::string EscapeComment(std::string text) {
   for (char& c : text)
     if (!IsLetter(c) && !IsDigit(c) && c != ' ' && c != '-' && c != '.')
       c = '_';
@@ -43,10 +43,10 @@ std::string BlobComment(const BlobTable& blob) {
   std::string text =
       fmt::format("/* Camera {}, {} x {} px, as a raygrid blob.",
                   blob.camera.empty() ? "without a name"
-                                      : '"' + ForComment(blob.camera) + '"',
+                                      : '"' + EscapeComment(blob.camera) + '"',
                   blob.image_size.width, blob.image_size.height);
   if (!blob.serial.empty())
-    text += fmt::format("\n * Serial number: {}", ForComment(blob.serial));
+    text += fmt::format("\n * Serial number: {}", EscapeComment(blob.serial));
   return text +
          "\n * For rg_camera_open(). CRC-32 as in zlib, over all bytes. */\n";
 }
@@ -60,7 +60,7 @@ std::string Constants(const std::string& capitals, const BlobTable& blob) {
 }
 
 // Returns the declarator, up to and including the alignment attribute.
-std::string Declarator(const std::string& name) {
+std::string FormatDeclarator(const std::string& name) {
   return fmt::format(
       "const uint8_t {}[{}_SIZE]\n    __attribute__((aligned({})))", name,
       ToUpper(name), BlobTable::kAlignment);
@@ -94,19 +94,21 @@ TableOutput WriteCArray(const BlobTable& blob) {
   if (ending == ".h") {
     output.files.emplace_back(
         blob.path,
-        Header(name, blob, "static " + Declarator(name) + Bytes(blob.bytes)));
+        Header(name, blob,
+               "static " + FormatDeclarator(name) + Bytes(blob.bytes)));
   } else {
     const std::filesystem::path header =
         std::filesystem::path(path).replace_extension(".h");
     output.files.emplace_back(
         blob.path, fmt::format("{}#include \"{}\"\n\n{}{}", BlobComment(blob),
-                               header.filename().string(), Declarator(name),
-                               Bytes(blob.bytes)));
+                               header.filename().string(),
+                               FormatDeclarator(name), Bytes(blob.bytes)));
     output.files.emplace_back(
         header.string(),
         Header(name, blob,
                "#ifdef __cplusplus\nextern \"C\" {\n#endif\nextern " +
-                   Declarator(name) + ";\n#ifdef __cplusplus\n}\n#endif\n"));
+                   FormatDeclarator(name) +
+                   ";\n#ifdef __cplusplus\n}\n#endif\n"));
   }
   output.configuration =
       fmt::format("{}, {} bytes, alignment {}, CRC-32 {:08X}", name,

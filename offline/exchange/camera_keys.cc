@@ -22,7 +22,7 @@ bool IsIn(const std::vector<std::string>& list, const std::string& word) {
 
 // Reduces keys to lower-case letters and digits, because programs differ in
 // other characters.
-std::string Plain(const std::string& text) {
+std::string NormalizeKey(const std::string& text) {
   std::string plain;
   for (const char c : Lowercase(text))
     if (std::isalnum(static_cast<unsigned char>(c))) plain += c;
@@ -51,7 +51,7 @@ bool IsParameter(const std::string& plain) {
 }
 
 // Whether a value is null, 0, or a list or matrix of zeros.
-bool IsEmptyOrZero(const YAML::Node& value, int depth = 0) {
+bool HasNoValue(const YAML::Node& value, int depth = 0) {
   constexpr int kDeepest = 2;
   if (!value.IsDefined() || value.IsNull()) return true;
   if (depth > kDeepest) return false;
@@ -63,8 +63,8 @@ bool IsEmptyOrZero(const YAML::Node& value, int depth = 0) {
            (YAML::convert<double>::decode(value, number) && number == 0);
   }
   return std::all_of(value.begin(), value.end(), [&](const auto& entry) {
-    return IsEmptyOrZero(value.IsMap() ? entry.second : YAML::Node(entry),
-                         depth + 1);
+    return HasNoValue(value.IsMap() ? entry.second : YAML::Node(entry),
+                      depth + 1);
   });
 }
 
@@ -85,10 +85,10 @@ ModelFamily GetModelFamily(const ExternalModel& external_model) {
 
 // Whether a model selector is consistent with the external model. Kalibr also
 // uses "pinhole" for fisheye cameras and states the distortion separately.
-bool Agrees(const std::string& key, const YAML::Node& value,
-            const ExternalModel& external_model) {
-  if (IsEmptyOrZero(value) || !value.IsScalar()) return true;
-  const std::string text = Plain(value.as<std::string>());
+bool HasConsistentSize(const std::string& key, const YAML::Node& value,
+                       const ExternalModel& external_model) {
+  if (HasNoValue(value) || !value.IsScalar()) return true;
+  const std::string text = NormalizeKey(value.as<std::string>());
   const ModelFamily own = GetModelFamily(external_model);
   if (text == "true" || text == "1" || text == "yes") {
     const auto names = [&](const char* word) {
@@ -144,7 +144,7 @@ std::optional<ModelFamily> ParseModelFamily(const std::string& word) {
            "spherical stereographic equisolid equisolidangle orthographic "
            "ftheta division radialdivision cahvor cahvore thinprismfisheye "
            "fisheye62 fisheye624 radtanthinprismfisheye cylindrical")}};
-  std::string plain = Plain(word);
+  std::string plain = NormalizeKey(word);
   for (const char* before : {"distortion", "cv"})
     if (plain.rfind(before, 0) == 0) plain.erase(0, std::strlen(before));
   for (const char* behind : {"model", "camera", "lens"})
@@ -271,13 +271,13 @@ void CameraKeys::Finish(const ExternalModel& external_model,
   std::string names;
   size_t count = 0;
   for (const auto& [path, value] : unread) {
-    const std::string plain = Plain(GetLastKey(path));
+    const std::string plain = NormalizeKey(GetLastKey(path));
     if (IsValueOfModel(external_model, values, plain, value)) continue;
     const bool is_only_named = named_only_.count(path) > 0;
     const bool is_selector = IsSelector(plain) && !is_only_named,
                is_parameter = IsParameter(plain) && !is_only_named,
-               is_nothing = IsEmptyOrZero(value);
-    if (is_selector ? !Agrees(plain, value, external_model)
+               is_nothing = HasNoValue(value);
+    if (is_selector ? !HasConsistentSize(plain, value, external_model)
                     : is_parameter && !is_nothing)
       throw InputError(fmt::format(
           "{}'{}'{} contradicts {}, the camera model implied by the other "

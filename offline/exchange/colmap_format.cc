@@ -20,10 +20,10 @@ namespace raygrid {
 namespace {
 
 ExternalModel MakeColmapModel(ExternalModel external_model,
-                              bool is_explicit_only) {
+                              bool export_only_if_named) {
   external_model.origin = PixelOrigin::kImageCorner;
   external_model.max_supported_angle_rad = M_PI / 2;
-  external_model.is_explicit_only = is_explicit_only;
+  external_model.export_only_if_named = export_only_if_named;
   return external_model;
 }
 

@@ -81,7 +81,7 @@ Pose ParsePose(const TokenLines& lines, size_t first) {
   try {
     return PoseFromQuaternion(numbers);
   } catch (const InputError& error) {
-    lines.Refuse(error.what());
+    lines.ThrowError(error.what());
   }
 }
 
@@ -112,7 +112,7 @@ ColmapRig ParseRig(const TokenLines& lines) {
     at += has_pose ? 10 : 3;
     if (is_camera) rig.push_back(sensor);
   }
-  if (count > 0 && at != lines.size()) lines.Refuse("too many fields");
+  if (count > 0 && at != lines.size()) lines.ThrowError("too many fields");
   return rig;
 }
 
@@ -177,7 +177,7 @@ std::vector<ColmapImage> ParseColmapImages(const std::string& path,
     images.push_back(std::move(image));
     // The 2D points; the line may be empty.
     if (lines.Next() && lines.size() % 3 != 0)
-      lines.Refuse("points must have three fields each");
+      lines.ThrowError("points must have three fields each");
   }
   return images;
 }

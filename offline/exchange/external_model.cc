@@ -152,15 +152,17 @@ std::vector<double> ConvertedCamera::ValuesFrom(size_t first) const {
 // Samples the centres of equal tiles of the area: samples on its edges would
 // overweight edge effects such as folds.
 double ComputeUndefinedFraction(const CameraModel& lens) {
-  constexpr int kAcross = 64;
+  constexpr int kSamplesAcross = 64;
   const Area area = lens.area();
   int num_unconverted = 0;
-  for (int j = 0; j < kAcross; ++j)
-    for (int i = 0; i < kAcross; ++i)
-      if (!lens.Unproject({area.x0 + area.width() * (i + 0.5) / kAcross,
-                           area.y0 + area.height() * (j + 0.5) / kAcross}))
+  for (int j = 0; j < kSamplesAcross; ++j)
+    for (int i = 0; i < kSamplesAcross; ++i)
+      if (!lens.Unproject(
+              {area.x0 + area.width() * (i + 0.5) / kSamplesAcross,
+               area.y0 + area.height() * (j + 0.5) / kSamplesAcross}))
         ++num_unconverted;
-  return static_cast<double>(num_unconverted) / (kAcross * kAcross);
+  return static_cast<double>(num_unconverted) /
+         (kSamplesAcross * kSamplesAcross);
 }
 
 std::unique_ptr<CameraModel> MakeCameraModel(const ConvertedCamera& lens) {

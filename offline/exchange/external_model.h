@@ -32,7 +32,7 @@ struct ExternalModel {
   /// Maximum angle between ray and optical axis that the program supports.
   double max_supported_angle_rad = M_PI;
   /// Export to this model only if the user names it.
-  bool is_explicit_only = false;
+  bool export_only_if_named = false;
   /// For grids: fits the program's grid camera to a camera. Null for other
   /// models, and for puzzlepaint's grids.
   ExternalGrid (*fit_grid)(const CameraModel& camera,

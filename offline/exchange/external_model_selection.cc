@@ -97,13 +97,13 @@ ModelFit ComputeModelFit(const CameraModel& camera,
                          const ValidityMask* valid_region,
                          const CameraModel& lens,
                          const ExternalModel& external_model,
-                         const Eigen::Quaterniond& lens_from_camera) {
-  constexpr double kAnywherePx = 1e9;
+                         const Eigen::Quaterniond& fitted_from_camera) {
+  constexpr double kUnlimitedMarginPx = 1e9;
   const Area& area = camera.area();
   const double step_px =
       std::max(1.0, std::max(area.width(), area.height()) / kPixelsAcross);
   ModelFit fit;
-  fit.lens_from_camera = lens_from_camera;
+  fit.fitted_from_camera = fitted_from_camera;
   fit.has_valid_region = valid_region;
   std::vector<double> errors;
   double sum = 0;
@@ -116,11 +116,12 @@ ModelFit ComputeModelFit(const CameraModel& camera,
       const auto line = camera.Line(pixel);
       if (!line) continue;
       const Eigen::Vector3d turned =
-          lens_from_camera * (line->origin + line->direction);
+          fitted_from_camera * (line->origin + line->direction);
       const double angle = std::atan2(turned.head<2>().norm(), turned.z());
       fit.max_valid_angle_rad = std::max(fit.max_valid_angle_rad, angle);
-      const auto seen = lens.Project(
-          turned, external_model.IsGrid() ? &pixel : nullptr, kAnywherePx);
+      const auto seen =
+          lens.Project(turned, external_model.IsGrid() ? &pixel : nullptr,
+                       kUnlimitedMarginPx);
       if (!seen || !(angle < external_model.max_supported_angle_rad)) {
         ++fit.num_unrepresentable;
         continue;
@@ -195,7 +196,7 @@ std::string FormatModelFit(const ModelFit& fit) {
         "; {} pixels cannot be represented, up to {:.0f} degrees off axis",
         fit.num_unrepresentable, fit.max_valid_angle_rad * 180 / M_PI);
   if (!fit.IsTurned()) return text + "; no rotation applied";
-  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  const Eigen::Quaterniond& q = fit.fitted_from_camera;
   return text + fmt::format(
                     "; rotated by {:.2g} rad, lens_from_camera (w, x, y, z) "
                     "{:.9f}, {:.9f}, {:.9f}, {:.9f}",

@@ -20,10 +20,11 @@ struct ModelFit {
   double max_valid_angle_rad =
       0;  ///< maximum angle of valid pixels from the axis
   bool has_valid_region = false;  ///< false: the camera has no valid region
-  Eigen::Quaterniond lens_from_camera = Eigen::Quaterniond::Identity();
+  Eigen::Quaterniond fitted_from_camera = Eigen::Quaterniond::Identity();
 
   bool IsTurned() const {
-    return lens_from_camera.angularDistance(Eigen::Quaterniond::Identity()) > 0;
+    return fitted_from_camera.angularDistance(Eigen::Quaterniond::Identity()) >
+           0;
   }
 };
 
@@ -53,7 +54,7 @@ ModelFit ComputeModelFit(const CameraModel& camera,
                          const ValidityMask* valid_region,
                          const CameraModel& lens,
                          const ExternalModel& external_model,
-                         const Eigen::Quaterniond& lens_from_camera);
+                         const Eigen::Quaterniond& fitted_from_camera);
 
 /// Formats "RMS 0.0123 px, 99th percentile 0.0456 px, max 0.0789 px at 19200
 /// valid pixels; rotated by 0.0012 rad, ...".

@@ -142,7 +142,7 @@ StoredMatrix MakeMatrix(const YAML::Node& node, const std::string& name) {
   return matrix;
 }
 
-std::string Quoted(FileStorageText::Kind kind, const std::string& text) {
+std::string QuoteText(FileStorageText::Kind kind, const std::string& text) {
   if (kind != FileStorageText::Kind::kXml) return QuotedYaml(text);
   std::string quoted = "\"";
   for (const char c : Printable(text))
@@ -172,7 +172,7 @@ YAML::Node ParseFileStorage(const std::string& path, const std::string& text) {
     return MakeNode(root);
   }
   const std::string yaml = RemoveComments(StorageAsYaml(text));
-  RequireYamlFile(path, yaml, LastLine::kMayLackEnd);
+  RequireYamlFile(path, yaml, LastLine::kMayBeUnterminated);
   return YAML::Load(yaml);
 }
 
@@ -272,7 +272,7 @@ void FileStorageText::Add(const std::string& key, double number) {
 }
 
 void FileStorageText::Add(const std::string& key, const std::string& text) {
-  AddPlain(key, Quoted(kind_, text));
+  AddPlain(key, QuoteText(kind_, text));
 }
 
 void FileStorageText::Add(const std::string& key, const StoredMatrix& matrix) {
@@ -313,7 +313,7 @@ void FileStorageText::Add(const std::string& key,
     list += (list.empty()          ? ""
              : kind_ == Kind::kXml ? " "
                                    : ", ") +
-            Quoted(kind_, text);
+            QuoteText(kind_, text);
   AddPlain(key, kind_ == Kind::kXml ? list : "[ " + list + " ]");
 }
 

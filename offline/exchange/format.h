@@ -187,7 +187,7 @@ std::vector<std::pair<std::string, std::string>> WriteFolder(
 
 /// Computes poses in the frame of the first camera from R and P; none if a
 /// camera lacks them, or if no view has a baseline.
-void ComputePairPoses(std::vector<InputCamera>* cameras);
+void ComputeStereoPoses(std::vector<InputCamera>* cameras);
 
 /// Throws InputError if --model is neither the name of the file's model nor of
 /// raygrid's model that it is based on.

@@ -46,7 +46,8 @@ bool HasByteOrderMark(const std::string& text) {
 
 // Returns the distance of the principal point from the image centre, relative
 // to the image size.
-double OffCenter(const ConvertedCamera& lens, double width, double height) {
+double ComputePrincipalPointOffset(const ConvertedCamera& lens, double width,
+                                   double height) {
   const Eigen::Vector2d point =
       FromProgram(lens.external_model->origin, lens.size,
                   {lens.Value("cx"), lens.Value("cy")});
@@ -84,10 +85,12 @@ void WarnIfPrincipalPointImplausible(const std::string& name,
                    kMaxOffsetRatio = 4;
   if (!lens.external_model->Has("cx") || lens.values.empty()) return;
   const ImageSize& size = lens.size;
-  const double off = OffCenter(lens, size.width, size.height);
+  const double off = ComputePrincipalPointOffset(lens, size.width, size.height);
   if (off < kMaxCenterOffset &&
       (off < kNegligibleCenterOffset ||
-       kMaxOffsetRatio * OffCenter(lens, size.height, size.width) > off))
+       kMaxOffsetRatio *
+               ComputePrincipalPointOffset(lens, size.height, size.width) >
+           off))
     return;
   warnings->push_back(fmt::format(
       "{}the principal point ({:g}, {:g}) is far from the centre of {} x {} "
@@ -143,7 +146,7 @@ void ApplyUserOptions(const Format& format, const ReadRequest& request,
 }
 
 // Removes duplicate warnings of the cameras of a file.
-void DropRepeated(std::vector<std::string>* warnings) {
+void RemoveDuplicateWarnings(std::vector<std::string>* warnings) {
   std::vector<std::string> kept;
   for (const std::string& warning : *warnings)
     if (std::find(kept.begin(), kept.end(), warning) == kept.end())
@@ -162,7 +165,7 @@ void AddEndWarning(const std::string& text, ExchangeContents* contents) {
 
 // Throws if the companion file exists with other contents, such as those of a
 // reconstruction.
-void RequireNoOther(const CompanionFile& file) {
+void RequireNoConflictingFile(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(
         ExitCode::kOutput,
@@ -173,7 +176,7 @@ void RequireNoOther(const CompanionFile& file) {
 void AddFiles(const std::vector<CompanionFile>& written,
               std::vector<std::pair<std::string, std::string>>* files) {
   for (const CompanionFile& file : written) {
-    if (file.is_never_replaced) RequireNoOther(file);
+    if (file.is_never_replaced) RequireNoConflictingFile(file);
     files->emplace_back(file.path, file.text);
   }
 }
@@ -231,14 +234,14 @@ std::vector<const ExternalModel*> Format::FindModels(
   std::vector<const ExternalModel*> chosen;
   std::string names;
   for (const ExternalModel& external_model : external_models) {
-    if (model.empty() ? !external_model.is_explicit_only
+    if (model.empty() ? !external_model.export_only_if_named
                       : model == external_model.name)
       chosen.push_back(&external_model);
     names += (names.empty() ? "" : ", ") + external_model.name;
   }
   for (const ExternalModel& external_model : external_models)
     if (!is_named && external_model.model == model &&
-        !external_model.is_explicit_only)
+        !external_model.export_only_if_named)
       chosen.push_back(&external_model);
   if (chosen.empty())
     throw Error(ExitCode::kUsage,
@@ -308,7 +311,7 @@ ExchangeContents ReadExchangeFile(const Format* format,
     ApplyUserOptions(own, request, &contents);
     AddEndWarning(request.text, &contents);
     AddModelWarnings(&contents);
-    DropRepeated(&contents.warnings);
+    RemoveDuplicateWarnings(&contents.warnings);
     return contents;
   });
 }
@@ -373,7 +376,7 @@ bool ExchangeContents::IsRig() const {
                      });
 }
 
-void ComputePairPoses(std::vector<InputCamera>* cameras) {
+void ComputeStereoPoses(std::vector<InputCamera>* cameras) {
   bool is_pair = false;
   for (const InputCamera& camera : *cameras) {
     if (!camera.rectified) return;

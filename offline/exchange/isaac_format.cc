@@ -15,7 +15,7 @@
 namespace raygrid {
 namespace {
 
-constexpr char kAhead[] = "ahead", kBehind[] = "behind";
+constexpr char kFrontSuffix[] = "ahead", kRearSuffix[] = "behind";
 
 // Converts a direction between the renderer's axes (x right, y up, z backward)
 // and the camera's; the conversion is its own inverse.
@@ -46,16 +46,18 @@ class Octahedron {
 
   Eigen::Vector2d ProjectDirection(const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d on_it = direction / direction.lpNorm<1>();
-    return sign_ * on_it.z() < 0 ? Folded(on_it.head<2>()) : on_it.head<2>();
+    return sign_ * on_it.z() < 0 ? FoldHemisphere(on_it.head<2>())
+                                 : on_it.head<2>();
   }
   Eigen::Vector3d DirectionAt(const Eigen::Vector2d& position) const {
     const double height = 1 - position.lpNorm<1>();
-    const Eigen::Vector2d across = height < 0 ? Folded(position) : position;
+    const Eigen::Vector2d across =
+        height < 0 ? FoldHemisphere(position) : position;
     return Eigen::Vector3d(across.x(), across.y(), sign_ * height).normalized();
   }
 
  private:
-  static Eigen::Vector2d Folded(const Eigen::Vector2d& position) {
+  static Eigen::Vector2d FoldHemisphere(const Eigen::Vector2d& position) {
     return {std::copysign(1 - std::abs(position.y()), position.x()),
             std::copysign(1 - std::abs(position.x()), position.y())};
   }
@@ -100,15 +102,15 @@ bool IsValid(const ExportedCamera& table, const Eigen::Vector2d& pixel) {
 
 // ---- From pixels to directions ---------------------------------------------
 
-constexpr size_t kEnterChannels = 3, kExitChannels = 2;
+constexpr size_t kUnprojectionChannels = 3, kProjectionChannels = 2;
 
 // Marks invalid pixels: the renderer ignores rays that point backward.
 const Eigen::Vector3d kNoRay(0, 0, 1);
 
 // Returns the directions of all pixels in the renderer's axes.
-std::vector<float> EnterTable(const ExportedCamera& table) {
+std::vector<float> MakeUnprojectionTable(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
-  std::vector<float> numbers(kEnterChannels * size.width * size.height);
+  std::vector<float> numbers(kUnprojectionChannels * size.width * size.height);
   ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
     for (int x = 0; x < size.width; ++x) {
       const Eigen::Vector2d pixel(x, y);
@@ -116,18 +118,20 @@ std::vector<float> EnterTable(const ExportedCamera& table) {
                             ? table.camera->Unproject(pixel)
                             : std::nullopt;
       const Eigen::Vector3d ray = seen ? SwapAxes(seen->normalized()) : kNoRay;
-      for (size_t c = 0; c < kEnterChannels; ++c)
-        numbers[kEnterChannels * (static_cast<size_t>(y) * size.width + x) +
+      for (size_t c = 0; c < kUnprojectionChannels; ++c)
+        numbers[kUnprojectionChannels *
+                    (static_cast<size_t>(y) * size.width + x) +
                 c] = static_cast<float>(ray[c]);
     }
   });
   return numbers;
 }
 
-Eigen::Vector3d EnteringRay(const ImageSize& size,
-                            const std::vector<float>& numbers, int x, int y) {
-  const float* const at =
-      &numbers[kEnterChannels * (static_cast<size_t>(y) * size.width + x)];
+Eigen::Vector3d InterpolateUnprojection(const ImageSize& size,
+                                        const std::vector<float>& numbers,
+                                        int x, int y) {
+  const float* const at = &numbers[kUnprojectionChannels *
+                                   (static_cast<size_t>(y) * size.width + x)];
   return {at[0], at[1], at[2]};
 }
 
@@ -136,8 +140,8 @@ bool HasRay(const Eigen::Vector3d& ray) { return ray != kNoRay; }
 // Returns the interpolation error of the table: distance between the projected
 // mean ray of four neighbouring pixels and their centre, where all four are
 // valid.
-LookupError EnterError(const ExportedCamera& table,
-                       const std::vector<float>& numbers) {
+LookupError ComputeUnprojectionError(const ExportedCamera& table,
+                                     const std::vector<float>& numbers) {
   constexpr int kPixelsAcross = 160;
   const ImageSize& size = table.camera->image_size();
   const int step =
@@ -149,7 +153,8 @@ LookupError EnterError(const ExportedCamera& table,
       bool is_known = true;
       for (const auto& [i, j] :
            {std::pair(x, y), {x + 1, y}, {x, y + 1}, {x + 1, y + 1}}) {
-        const Eigen::Vector3d ray = EnteringRay(size, numbers, i, j);
+        const Eigen::Vector3d ray =
+            InterpolateUnprojection(size, numbers, i, j);
         is_known =
             is_known && HasRay(ray) && IsValid(table, Eigen::Vector2d(i, j));
         sum += ray;
@@ -200,10 +205,11 @@ double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
   double largest = 0;
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
+      const Eigen::Vector3d ray = InterpolateUnprojection(size, enter, x, y);
       for (const auto& [i, j] : {std::pair(x - 1, y), {x, y - 1}}) {
         if (std::min(i, j) < 0 || !HasRay(ray)) continue;
-        const Eigen::Vector3d other = EnteringRay(size, enter, i, j);
+        const Eigen::Vector3d other =
+            InterpolateUnprojection(size, enter, i, j);
         if (HasRay(other)) largest = std::max(largest, (ray - other).norm());
       }
     }
@@ -212,16 +218,18 @@ double ComputeMaxStep(const ImageSize& size, const std::vector<float>& enter) {
 
 // Projects directions of the renderer. Failing projections are slow, so only
 // directions near the pixels' rays are projected.
-class ExitProjection {
+class ProjectionSampler {
  public:
-  ExitProjection(const ExportedCamera& table, const std::vector<float>& enter)
+  ProjectionSampler(const ExportedCamera& table,
+                    const std::vector<float>& enter)
       : camera_(*table.camera),
-        octahedron_(table.model == kAhead),
+        octahedron_(table.model == kFrontSuffix),
         mask_side_(MaskSide(ComputeMaxStep(table.camera->image_size(), enter))),
-        is_near_(static_cast<size_t>(mask_side_) * mask_side_, false) {
-    for (size_t k = 0; k < enter.size(); k += kEnterChannels) {
+        is_near_pixel_ray_(static_cast<size_t>(mask_side_) * mask_side_,
+                           false) {
+    for (size_t k = 0; k < enter.size(); k += kUnprojectionChannels) {
       const Eigen::Vector3d ray(enter[k], enter[k + 1], enter[k + 2]);
-      if (HasRay(ray)) MarkNear(ray);
+      if (HasRay(ray)) MarkNearTexels(ray);
     }
   }
 
@@ -250,33 +258,34 @@ class ExitProjection {
     return static_cast<int>(std::clamp(1 / step_rad, kLeast, kMost));
   }
 
-  void MarkNear(const Eigen::Vector3d& ray) {
+  void MarkNearTexels(const Eigen::Vector3d& ray) {
     const TexelCell cell =
         TexelCell::At(octahedron_.ProjectDirection(ray), mask_side_);
     for (int j = std::max(cell.y - 1, 0);
          j <= std::min(cell.y + 2, mask_side_ - 1); ++j)
       for (int i = std::max(cell.x - 1, 0);
            i <= std::min(cell.x + 2, mask_side_ - 1); ++i)
-        is_near_[j * mask_side_ + i] = true;
+        is_near_pixel_ray_[j * mask_side_ + i] = true;
   }
   bool IsNear(const Eigen::Vector3d& direction) const {
     const TexelCell cell =
         TexelCell::At(octahedron_.ProjectDirection(direction), mask_side_);
     const int first = cell.y * mask_side_ + cell.x;
-    return is_near_[first] || is_near_[first + 1] ||
-           is_near_[first + mask_side_] || is_near_[first + mask_side_ + 1];
+    return is_near_pixel_ray_[first] || is_near_pixel_ray_[first + 1] ||
+           is_near_pixel_ray_[first + mask_side_] ||
+           is_near_pixel_ray_[first + mask_side_ + 1];
   }
 
   const CameraModel& camera_;
   Octahedron octahedron_;
   int mask_side_;
-  std::vector<bool> is_near_;
+  std::vector<bool> is_near_pixel_ray_;
 };
 
 // Returns an invalid position outside the image, near the corner closest to a
 // direction. Positions interpolated between it and another one outside the
 // image are outside, too.
-Eigen::Vector2d NoPosition(const Eigen::Vector3d& direction) {
+Eigen::Vector2d MakeInvalidPosition(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d seen = SwapAxes(direction);
   return {seen.x() < 0 ? -1 : 2, seen.y() < 0 ? -1 : 2};
 }
@@ -286,13 +295,14 @@ bool IsInvalidPosition(const Eigen::Vector2d& position) {
 }
 
 // A square table of image positions, one per texel.
-class ExitTexels {
+class ProjectionTexels {
  public:
-  ExitTexels(const ExitProjection& projection, const ImageSize& size, int side)
+  ProjectionTexels(const ProjectionSampler& projection, const ImageSize& size,
+                   int side)
       : projection_(projection),
         size_(size),
         side_(side),
-        numbers_(kExitChannels * side * side) {}
+        numbers_(kProjectionChannels * side * side) {}
 
   void Fill(int num_threads) {
     ParallelFor(side_, num_threads, [&](int y) {
@@ -300,7 +310,8 @@ class ExitTexels {
       for (int x = 0; x < side_; ++x) {
         const Eigen::Vector3d direction = ComputeDirection(x, y);
         last = projection_.ProjectDirection(direction, last ? &*last : nullptr);
-        Set(x, y, last ? ToUnitImage(size_, *last) : NoPosition(direction));
+        Set(x, y,
+            last ? ToUnitImage(size_, *last) : MakeInvalidPosition(direction));
       }
     });
   }
@@ -331,10 +342,10 @@ class ExitTexels {
 
  private:
   size_t IndexOf(int x, int y) const {
-    return kExitChannels * (static_cast<size_t>(y) * side_ + x);
+    return kProjectionChannels * (static_cast<size_t>(y) * side_ + x);
   }
   void Set(int x, int y, const Eigen::Vector2d& position) {
-    for (size_t c = 0; c < kExitChannels; ++c)
+    for (size_t c = 0; c < kProjectionChannels; ++c)
       numbers_[IndexOf(x, y) + c] = static_cast<float>(position[c]);
   }
   Eigen::Vector3d ComputeDirection(int x, int y) const {
@@ -348,7 +359,7 @@ class ExitTexels {
     return std::nullopt;
   }
 
-  const ExitProjection& projection_;
+  const ProjectionSampler& projection_;
   ImageSize size_;
   int side_;
   std::vector<float> numbers_;
@@ -356,18 +367,19 @@ class ExitTexels {
 
 // Two rings are extrapolated because an image corner may lie in a cell none of
 // whose texels is in the image.
-ExitTexels MakeExitTexels(const ExitProjection& projection,
-                          const ExportedCamera& table, int side) {
+ProjectionTexels MakeProjectionTexels(const ProjectionSampler& projection,
+                                      const ExportedCamera& table, int side) {
   constexpr int kRings = 2;
   const int num_threads = NumThreads(table.num_threads);
-  ExitTexels texels(projection, table.camera->image_size(), side);
+  ProjectionTexels texels(projection, table.camera->image_size(), side);
   texels.Fill(num_threads);
   for (int k = 0; k < kRings; ++k) texels.Widen(num_threads);
   return texels;
 }
 
-Eigen::Vector2d Blend(const std::array<Eigen::Vector2d, 4>& corners,
-                      const Eigen::Vector2d& part) {
+Eigen::Vector2d InterpolateBilinear(
+    const std::array<Eigen::Vector2d, 4>& corners,
+    const Eigen::Vector2d& part) {
   const Eigen::Vector2d above =
       corners[0] + part.x() * (corners[1] - corners[0]);
   const Eigen::Vector2d below =
@@ -389,17 +401,17 @@ std::optional<Eigen::Vector2d> InterpolateTable(
     corners[k] = texel(cell.x + k % 2, cell.y + k / 2);
     if (IsInvalidPosition(corners[k])) return std::nullopt;
   }
-  return Blend(corners, cell.part);
+  return InterpolateBilinear(corners, cell.part);
 }
 
 // Adds the round-trip error of one pixel: its ray, from the other table, is
 // looked up in this table and compared with the pixel.
 template <typename Texel>
-void AddLookup(const ExportedCamera& table, const ExitProjection& projection,
+void AddLookup(const ExportedCamera& table, const ProjectionSampler& projection,
                const std::vector<float>& enter, int side, int x, int y,
                const Texel& texel, LookupError* error) {
   const ImageSize& size = table.camera->image_size();
-  const Eigen::Vector3d ray = EnteringRay(size, enter, x, y);
+  const Eigen::Vector3d ray = InterpolateUnprojection(size, enter, x, y);
   const Eigen::Vector2d pixel(x, y);
   if (!HasRay(ray) || !IsValid(table, pixel)) return;
   const auto position =
@@ -412,9 +424,9 @@ void AddLookup(const ExportedCamera& table, const ExitProjection& projection,
 
 // Predicts the error of a table from a subset of pixels, without computing the
 // table.
-LookupError ExpectedExitError(const ExportedCamera& table,
-                              const ExitProjection& projection,
-                              const std::vector<float>& enter, int side) {
+LookupError PredictProjectionError(const ExportedCamera& table,
+                                   const ProjectionSampler& projection,
+                                   const std::vector<float>& enter, int side) {
   constexpr int kPixelsAcross = 40;
   const ImageSize& size = table.camera->image_size();
   const int step =
@@ -430,7 +442,7 @@ LookupError ExpectedExitError(const ExportedCamera& table,
                 projection.octahedron().DirectionAt(TexelCenter(i, j, side));
             const auto position = projection.ProjectNear(direction, start);
             return position ? ToUnitImage(size, *position)
-                            : NoPosition(direction);
+                            : MakeInvalidPosition(direction);
           },
           &error);
     }
@@ -438,10 +450,10 @@ LookupError ExpectedExitError(const ExportedCamera& table,
 }
 
 // Measures the error of a table at all valid pixels.
-LookupError ExitError(const ExportedCamera& table,
-                      const ExitProjection& projection,
-                      const std::vector<float>& enter, const ExitTexels& texels,
-                      int side) {
+LookupError ComputeProjectionError(const ExportedCamera& table,
+                                   const ProjectionSampler& projection,
+                                   const std::vector<float>& enter,
+                                   const ProjectionTexels& texels, int side) {
   const ImageSize& size = table.camera->image_size();
   std::vector<LookupError> rows(size.height);
   ParallelFor(size.height, NumThreads(table.num_threads), [&](int y) {
@@ -459,48 +471,52 @@ LookupError ExitError(const ExportedCamera& table,
 
 // Positions have kinks at the octahedron's edges, some of which lie on the
 // axes. With an odd number of texels, a row of texels lies there, too.
-constexpr std::array<int, 5> kExitSides = {257, 513, 1025, 2049, 4097};
+constexpr std::array<int, 5> kProjectionTableSides = {257, 513, 1025, 2049,
+                                                      4097};
 // The largest table is slow to compute; it is used only if it helps.
-constexpr int kUsualExitSide = 2049;
+constexpr int kDefaultProjectionTableSide = 2049;
 constexpr double kDefaultMaxErrorPx = 0.01;
 
-struct ExitChoice {
+struct ProjectionTableChoice {
   int side = 0;
   std::vector<float> numbers;
   LookupError error;
 };
 
-ExitChoice MakeExit(const ExportedCamera& table,
-                    const ExitProjection& projection,
-                    const std::vector<float>& enter, int side) {
-  const ExitTexels texels = MakeExitTexels(projection, table, side);
+ProjectionTableChoice MakeProjectionTable(const ExportedCamera& table,
+                                          const ProjectionSampler& projection,
+                                          const std::vector<float>& enter,
+                                          int side) {
+  const ProjectionTexels texels = MakeProjectionTexels(projection, table, side);
   return {side, texels.numbers(),
-          ExitError(table, projection, enter, texels, side)};
+          ComputeProjectionError(table, projection, enter, texels, side)};
 }
 
 // Chooses the smallest table within the tolerance, or the usual size if there
 // is none. If the user requests a tolerance that no size meets, no table is
 // computed, and the error is the predicted one.
-ExitChoice ChooseExit(const ExportedCamera& table,
-                      const std::vector<float>& enter) {
+ProjectionTableChoice ChooseProjectionTable(const ExportedCamera& table,
+                                            const std::vector<float>& enter) {
   const double aim_px = table.max_error_px.value_or(kDefaultMaxErrorPx);
-  const ExitProjection projection(table, enter);
+  const ProjectionSampler projection(table, enter);
   const auto is_near = [&](const LookupError& error) {
     return error.max_px <= aim_px && error.num_lost == 0;
   };
-  ExitChoice made, expected;
-  for (const int side : kExitSides) {
-    expected = {side, {}, ExpectedExitError(table, projection, enter, side)};
+  ProjectionTableChoice made, expected;
+  for (const int side : kProjectionTableSides) {
+    expected = {
+        side, {}, PredictProjectionError(table, projection, enter, side)};
     if (!is_near(expected.error)) continue;
-    made = MakeExit(table, projection, enter, side);
+    made = MakeProjectionTable(table, projection, enter, side);
     if (is_near(made.error)) break;
   }
   if (!made.numbers.empty()) return made;
   if (table.max_error_px) return expected;
-  return MakeExit(table, projection, enter, kUsualExitSide);
+  return MakeProjectionTable(table, projection, enter,
+                             kDefaultProjectionTableSide);
 }
 
-std::string FormatExit(const ExitChoice& choice) {
+std::string FormatProjectionTable(const ProjectionTableChoice& choice) {
   std::string text = choice.error.Text();
   if (choice.error.num_lost > 0)
     text +=
@@ -508,8 +524,8 @@ std::string FormatExit(const ExitChoice& choice) {
   return text;
 }
 
-void RequireSmallExitError(const ExportedCamera& table,
-                           const ExitChoice& choice) {
+void RequireSmallProjectionError(const ExportedCamera& table,
+                                 const ProjectionTableChoice& choice) {
   if (!table.max_error_px || (choice.error.max_px <= *table.max_error_px &&
                               choice.error.num_lost == 0))
     return;
@@ -517,15 +533,15 @@ void RequireSmallExitError(const ExportedCamera& table,
               fmt::format("isaac: the error exceeds {:g} px even with the "
                           "largest table of {} x {} directions: {}",
                           *table.max_error_px, choice.side, choice.side,
-                          FormatExit(choice)));
+                          FormatProjectionTable(choice)));
 }
 
 TableOutput WriteIsaac(const ExportedCamera& table) {
   const ImageSize& size = table.camera->image_size();
-  const std::vector<float> enter = EnterTable(table);
-  const LookupError enter_error = EnterError(table, enter);
-  const ExitChoice exit = ChooseExit(table, enter);
-  RequireSmallExitError(table, exit);
+  const std::vector<float> enter = MakeUnprojectionTable(table);
+  const LookupError enter_error = ComputeUnprojectionError(table, enter);
+  const ProjectionTableChoice exit = ChooseProjectionTable(table, enter);
+  RequireSmallProjectionError(table, exit);
   const std::string enter_path = PathWithSuffix(table.path, "_enter"),
                     exit_path = PathWithSuffix(table.path, "_exit");
   TableOutput output;
@@ -537,8 +553,8 @@ TableOutput WriteIsaac(const ExportedCamera& table) {
       "{}; set omni:lensdistortion:lut: nominalWidth {}, nominalHeight {}, "
       "opticalCenter ({:g}, {:g})",
       enter_path, size.width, size.height, enter_error.Text(), exit_path,
-      exit.side, exit.side, FormatExit(exit), size.width, size.height,
-      size.width / 2.0, size.height / 2.0);
+      exit.side, exit.side, FormatProjectionTable(exit), size.width,
+      size.height, size.width / 2.0, size.height / 2.0);
   output.metrics = {{"enter_max_px", enter_error.max_px},
                     {"enter_rms_px", enter_error.rms_px()},
                     {"exit_side", exit.side},
@@ -559,7 +575,7 @@ TableFormat MakeIsaacFormat() {
       "(directions to pixels)";
   format.endings = {".exr"};
   format.options = {"model", "max-fit-error-px"};
-  format.models = {kAhead, kBehind};
+  format.models = {kFrontSuffix, kRearSuffix};
   format.write_camera = WriteIsaac;
   return format;
 }

@@ -71,7 +71,7 @@ std::string FindFirstExistingKey(const CameraKeys& keys,
 // Whether the file's keys identify a model; these keys are then marked as read.
 bool MatchesFileKeys(const CameraKeys& keys, const KeyedModel& model,
                      const std::string& camera) {
-  const std::vector<std::string> conditions = SplitText(model.says);
+  const std::vector<std::string> conditions = SplitText(model.model_selector);
   std::vector<std::string> read;
   for (const std::string& condition : conditions) {
     KeyWithMark said = SplitAtMark(condition, '?', camera);
@@ -105,7 +105,7 @@ const KeyedModel& FindKeyedModel(const KeyedFormat& format,
     if (tried.insert(model.external_model.name).second)
       names += (names.empty() ? "" : ", ") + model.external_model.name;
     said.clear();
-    for (const std::string& condition : SplitText(model.says)) {
+    for (const std::string& condition : SplitText(model.model_selector)) {
       const KeyWithMark part = SplitAtMark(condition, '?', camera);
       if (part.words.empty()) continue;
       const std::string key = FindFirstExistingKey(keys, part.key);
@@ -343,9 +343,9 @@ InputCamera ReadKeyedCamera(const KeyedFormat& format, const CameraKeys& keys,
 
 // Reads the cameras of one mapping: one for each token whose first value
 // exists, or a single one.
-void ReadKeyedMap(const KeyedFormat& format, const CameraKeys& keys,
-                  const std::string& name, const ReadRequest& request,
-                  ExchangeContents* contents) {
+void ReadKeyedCameras(const KeyedFormat& format, const CameraKeys& keys,
+                      const std::string& name, const ReadRequest& request,
+                      ExchangeContents* contents) {
   const size_t first = contents->cameras.size();
   const std::string value = SplitText(format.models[0].values)[0];
   if (format.words.empty()) {
@@ -397,7 +397,7 @@ void ReadKeyedMaps(const KeyedFormat& format, const YAML::Node& maps,
             }))
       continue;
     try {
-      ReadKeyedMap(format, keys, name, request, contents);
+      ReadKeyedCameras(format, keys, name, request, contents);
     } catch (const InputError& error) {
       const std::string message = error.what();
       if (message.rfind(Printable(name) + ": ", 0) == 0) throw;
@@ -428,7 +428,7 @@ ExchangeContents ReadKeyed(const KeyedFormat& format,
   while (place.empty() && root.size() == 1 && root.begin()->second.IsMap())
     root.reset(YAML::Node(root.begin()->second));
   if (place.empty()) {
-    ReadKeyedMap(format, CameraKeys(root), "", request, &contents);
+    ReadKeyedCameras(format, CameraKeys(root), "", request, &contents);
     return contents;
   }
   const YAML::Node maps = FindNode(root, place);

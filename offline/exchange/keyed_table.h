@@ -17,7 +17,7 @@ struct KeyedModel {
   ExternalModel external_model;
   /// "KEY=VALUE|VALUE": values that identify this model, at the first existing
   /// key of "KEY|KEY"; the first value is written. "KEY": the key exists.
-  std::string says;
+  std::string model_selector;
   /// "KEY=PARAMETER,PARAMETER": a number or list, at the first existing key of
   /// "KEY|KEY". "KEY=K" is the camera matrix, "KEY=P" a 3 x 4 projection matrix
   /// with the pose of a rectified camera, "KEY~=" a list that may be shorter,

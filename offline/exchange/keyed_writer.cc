@@ -17,7 +17,7 @@ namespace {
 // ---- A camera as a tree ----------------------------------------------------
 
 // Sets the value at a key path with nested mappings: "a/b".
-void SetAt(const std::string& path, Json value, Json* map) {
+void SetValueAtPath(const std::string& path, Json value, Json* map) {
   Json* place = map;
   for (const std::string& key : SplitText(path, '/')) place = &(*place)[key];
   *place = std::move(value);
@@ -28,7 +28,7 @@ std::string FirstKey(const std::string& keys) {
   return keys.substr(0, keys.find('|'));
 }
 
-Json MatrixRows(const Eigen::MatrixXd& matrix) {
+Json MakeMatrixRows(const Eigen::MatrixXd& matrix) {
   Json rows = Json::array();
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
     rows.push_back(Json::array());
@@ -38,17 +38,17 @@ Json MatrixRows(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-Json FlatMatrix(const Eigen::MatrixXd& matrix) {
+Json MakeFlatMatrix(const Eigen::MatrixXd& matrix) {
   Json numbers = Json::array();
-  for (const Json& row : MatrixRows(matrix))
+  for (const Json& row : MakeMatrixRows(matrix))
     for (const Json& number : row) numbers.push_back(number);
   return numbers;
 }
 
 // Line-based formats store matrices as flat lists.
 Json MakeMatrixJson(const KeyedFormat& format, const Eigen::MatrixXd& matrix) {
-  return format.syntax == KeyedSyntax::kLines ? FlatMatrix(matrix)
-                                              : MatrixRows(matrix);
+  return format.syntax == KeyedSyntax::kLines ? MakeFlatMatrix(matrix)
+                                              : MakeMatrixRows(matrix);
 }
 
 const KeyedModel& GetKeyedModel(const KeyedFormat& format,
@@ -59,8 +59,8 @@ const KeyedModel& GetKeyedModel(const KeyedFormat& format,
       });
 }
 
-double KeyedValue(const KeyedFormat& format, const ConvertedCamera& lens,
-                  const std::string& parameter) {
+double GetValueInFile(const KeyedFormat& format, const ConvertedCamera& lens,
+                      const std::string& parameter) {
   const double value = lens.Value(parameter);
   const bool is_length = parameter[0] == 'f' || parameter[0] == 'c';
   return format.unit == LengthUnit::kLongerSide && is_length
@@ -73,27 +73,28 @@ void AddSize(const KeyedFormat& format, const ImageSize& size,
   const std::vector<std::string> keys =
       SplitText(SubstituteCameraName(format.size, word));
   if (keys.size() == 1)
-    SetAt(FirstKey(keys[0]), Json::array({size.width, size.height}), map);
+    SetValueAtPath(FirstKey(keys[0]), Json::array({size.width, size.height}),
+                   map);
   if (keys.size() != 2) return;
-  SetAt(FirstKey(keys[0]), size.width, map);
-  SetAt(FirstKey(keys[1]), size.height, map);
+  SetValueAtPath(FirstKey(keys[0]), size.width, map);
+  SetValueAtPath(FirstKey(keys[1]), size.height, map);
 }
 
 void AddModel(const KeyedModel& model, Json* map) {
-  for (const std::string& condition : SplitText(model.says)) {
+  for (const std::string& condition : SplitText(model.model_selector)) {
     const KeyWithMark said = SplitAtMark(condition, '?', "");
     const std::string word = FirstKey(said.words);
     if (word == "true" || word == "false")
-      SetAt(said.key, word == "true", map);
+      SetValueAtPath(said.key, word == "true", map);
     else
-      SetAt(said.key, word, map);
+      SetValueAtPath(said.key, word, map);
   }
 }
 
 // Removes trailing zeros from lists of variable length. Programs require at
 // least four coefficients; in line-based formats, the four intrinsics precede
 // them and may be alone.
-void TrimValues(bool is_line, std::vector<double>* numbers) {
+void TrimTrailingValues(bool is_line, std::vector<double>* numbers) {
   constexpr size_t kCoefficients = 4, kMatrix = 4;
   const size_t min_count = is_line ? kMatrix + kCoefficients : kCoefficients;
   while (numbers->size() > min_count && numbers->back() == 0)
@@ -136,23 +137,24 @@ void AddValues(const KeyedFormat& format, const KeyedModel& model,
       k(1, 1) = lens.Value("fy");
       k(0, 2) = lens.Value("cx");
       k(1, 2) = lens.Value("cy");
-      SetAt(key,
-            MakeMatrixJson(format, part.words == "K"
-                                       ? Eigen::MatrixXd(k)
-                                       : MakeProjectionMatrix(camera, k)),
-            map);
+      SetValueAtPath(
+          key,
+          MakeMatrixJson(format, part.words == "K"
+                                     ? Eigen::MatrixXd(k)
+                                     : MakeProjectionMatrix(camera, k)),
+          map);
       continue;
     }
     std::vector<double> numbers;
     for (const std::string& parameter : SplitText(part.words, ','))
-      numbers.push_back(KeyedValue(format, lens, parameter));
+      numbers.push_back(GetValueInFile(format, lens, parameter));
     if (numbers.size() == 1) {
-      SetAt(key, numbers[0], map);
+      SetValueAtPath(key, numbers[0], map);
       continue;
     }
     if (part.has_mark && format.syntax != KeyedSyntax::kLines)
-      TrimValues(format.syntax == KeyedSyntax::kNumbers, &numbers);
-    SetAt(key, numbers, map);
+      TrimTrailingValues(format.syntax == KeyedSyntax::kNumbers, &numbers);
+    SetValueAtPath(key, numbers, map);
   }
 }
 
@@ -166,13 +168,13 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
     const Eigen::AngleAxisd turn(pose.rotation);
     const Eigen::Vector3d vector = turn.angle() * turn.axis();
     const Eigen::Matrix3d matrix = pose.rotation.toRotationMatrix();
-    SetAt(SubstituteCameraName(keys[0], word),
-          FlatMatrix(row.kind == PoseKind::kVectors
-                         ? Eigen::MatrixXd(vector.transpose())
-                         : Eigen::MatrixXd(matrix)),
-          map);
-    SetAt(SubstituteCameraName(keys[1], word),
-          FlatMatrix(pose.translation.transpose()), map);
+    SetValueAtPath(SubstituteCameraName(keys[0], word),
+                   MakeFlatMatrix(row.kind == PoseKind::kVectors
+                                      ? Eigen::MatrixXd(vector.transpose())
+                                      : Eigen::MatrixXd(matrix)),
+                   map);
+    SetValueAtPath(SubstituteCameraName(keys[1], word),
+                   MakeFlatMatrix(pose.translation.transpose()), map);
     return;
   }
   const Pose written =
@@ -180,24 +182,24 @@ void AddPose(const KeyedFormat& format, const std::optional<Pose>& given,
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = written.rotation.toRotationMatrix();
   matrix.topRightCorner<3, 1>() = written.translation;
-  const Json numbers = FlatMatrix(matrix);
+  const Json numbers = MakeFlatMatrix(matrix);
   if (format.syntax == KeyedSyntax::kYaml)
-    SetAt(keys[0], {{"cols", 4}, {"rows", 4}, {"data", numbers}}, map);
+    SetValueAtPath(keys[0], {{"cols", 4}, {"rows", 4}, {"data", numbers}}, map);
   else
-    SetAt(keys[0], numbers, map);
+    SetValueAtPath(keys[0], numbers, map);
 }
 
 void AddCamera(const KeyedFormat& format, const OutputCamera& camera,
                const std::string& word, Json* map) {
   const KeyedModel& model = GetKeyedModel(format, *camera.lens.external_model);
-  for (const auto& [key, text] : format.written) SetAt(key, text, map);
+  for (const auto& [key, text] : format.written) SetValueAtPath(key, text, map);
   if (!format.fit_key.empty() && camera.fit)
-    SetAt(format.fit_key,
-          fmt::format("nearest {}: {}", model.external_model.name,
-                      FormatModelFit(*camera.fit)),
-          map);
+    SetValueAtPath(format.fit_key,
+                   fmt::format("nearest {}: {}", model.external_model.name,
+                               FormatModelFit(*camera.fit)),
+                   map);
   if (!format.camera_name.empty() && !camera.name.empty())
-    SetAt(format.camera_name, Printable(camera.name), map);
+    SetValueAtPath(format.camera_name, Printable(camera.name), map);
   AddSize(format, camera.lens.size, word, map);
   AddModel(model, map);
   AddValues(format, model, camera, word, map);
@@ -259,11 +261,11 @@ std::string YamlScalar(const Json& value) {
 }
 
 // Formats a list in brackets, the common syntax of YAML and TOML.
-std::string ListText(const Json& list) {
+std::string FormatList(const Json& list) {
   std::string text;
   for (const Json& value : list)
     text += (text.empty() ? "" : ", ") +
-            (value.is_array() ? ListText(value) : FormatScalar(value));
+            (value.is_array() ? FormatList(value) : FormatScalar(value));
   return "[" + text + "]";
 }
 
@@ -279,13 +281,13 @@ std::string FormatYaml(const Json& map, const std::string& indentation) {
         for (const auto& [name, inner] : entry.items())
           entries += fmt::format(
               "{}{}: {}", entries.empty() ? "" : ",\n        ", name,
-              inner.is_array() ? ListText(inner) : YamlScalar(inner));
+              inner.is_array() ? FormatList(inner) : YamlScalar(inner));
         text += fmt::format("\n     - {{{}}}{}", entries,
                             &entry == &value.back() ? "\n" : "");
       }
     else
-      text +=
-          " " + (value.is_array() ? ListText(value) : YamlScalar(value)) + "\n";
+      text += " " + (value.is_array() ? FormatList(value) : YamlScalar(value)) +
+              "\n";
   }
   return text;
 }
@@ -295,9 +297,9 @@ std::string FormatToml(const Json& tables) {
   for (const auto& [name, table] : tables.items()) {
     text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", name);
     for (const auto& [key, value] : table.items())
-      text +=
-          fmt::format("{} = {}\n", key,
-                      value.is_array() ? ListText(value) : FormatScalar(value));
+      text += fmt::format(
+          "{} = {}\n", key,
+          value.is_array() ? FormatList(value) : FormatScalar(value));
   }
   return text;
 }
@@ -321,8 +323,8 @@ std::string FormatNumbers(const Json& numbers) {
 
 // Comments on the fit of approximated models, for formats that have comments
 // but no key for it.
-std::string FitComments(const KeyedFormat& format,
-                        const WriteRequest& request) {
+std::string FormatFitComments(const KeyedFormat& format,
+                              const WriteRequest& request) {
   std::string text;
   if (!format.fit_key.empty()) return text;
   for (const OutputCamera& camera : request.cameras)
@@ -342,16 +344,17 @@ std::string WriteKeyed(const KeyedFormat& format, const WriteRequest& request) {
     case KeyedSyntax::kJson:
       return tree.dump(2) + "\n";
     case KeyedSyntax::kToml:
-      return FitComments(format, request) + FormatToml(tree);
+      return FormatFitComments(format, request) + FormatToml(tree);
     case KeyedSyntax::kLines:
       return FormatLines(tree);
     case KeyedSyntax::kNumbers:
-      return FitComments(format, request) + FormatNumbers(tree["numbers"]);
+      return FormatFitComments(format, request) +
+             FormatNumbers(tree["numbers"]);
     case KeyedSyntax::kStorage:
-      return "%YAML:1.0\n---\n" + FitComments(format, request) +
+      return "%YAML:1.0\n---\n" + FormatFitComments(format, request) +
              FormatYaml(tree, "");
     default:
-      return FitComments(format, request) + FormatYaml(tree, "");
+      return FormatFitComments(format, request) + FormatYaml(tree, "");
   }
 }
 

@@ -261,7 +261,7 @@ ExchangeContents ReadLensfun(const ReadRequest& request) {
 // ---- Writing ---------------------------------------------------------------
 
 // Escapes text for XML, including the sequence that ends comments.
-std::string Escaped(const std::string& text) {
+std::string EscapeXml(const std::string& text) {
   std::string escaped;
   for (const char c : Printable(text))
     escaped += c == '<'   ? "&lt;"
@@ -301,7 +301,7 @@ std::string WriteLensfun(const WriteRequest& request) {
              "        </calibration>\n"
              "    </lens>\n"
              "</lensdatabase>\n",
-             camera.name.empty() ? "camera" : Escaped(camera.name),
+             camera.name.empty() ? "camera" : EscapeXml(camera.name),
              lens.external_model->name,
              FormatReal(sides_px.maxCoeff() / smaller_px),
              FormatReal((lens.Value("cx") - sides_px.x() / 2) * 2 / smaller_px),

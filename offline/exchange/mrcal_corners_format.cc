@@ -73,7 +73,7 @@ struct CornerRows {
 };
 
 struct CornerCounts {
-  size_t without_board = 0, rejected = 0, blurred = 0;
+  size_t num_images_without_board = 0, rejected = 0, num_blurred = 0;
 };
 
 // Whether mrcal uses a detected corner.
@@ -82,7 +82,7 @@ bool IsOccupied(const TokenLines& line, const CornerColumns& columns,
   if (columns.count < 4) return true;
   if (line.Text(3) == kNoValue) return false;
   const double value = line.Get<double>(3);
-  if (columns.has_level && value > 0) ++counts->blurred;
+  if (columns.has_level && value > 0) ++counts->num_blurred;
   return columns.has_level ? value >= 0 : value > 0;
 }
 
@@ -100,8 +100,8 @@ std::optional<Eigen::Vector2d> ParseCorner(const TokenLines& line,
 void RequireColumns(const TokenLines& line, const CornerColumns& columns) {
   const bool is_short = line.size() == 3 && line.Text(1) == kNoValue;
   if (line.size() != columns.count && !is_short)
-    line.Refuse(fmt::format("has {} fields, but the legend has {}", line.size(),
-                            columns.count));
+    line.ThrowError(fmt::format("has {} fields, but the legend has {}",
+                                line.size(), columns.count));
 }
 
 std::vector<CornerRows> ReadCornerRows(const ReadRequest& request,
@@ -115,8 +115,8 @@ std::vector<CornerRows> ReadCornerRows(const ReadRequest& request,
     const std::string& name = line.Text(0);
     if (images.empty() || images.back().image != name) {
       if (!names.insert(name).second)
-        line.Refuse(fmt::format("the rows of image '{}' are not contiguous",
-                                Printable(name)));
+        line.ThrowError(fmt::format("the rows of image '{}' are not contiguous",
+                                    Printable(name)));
       images.push_back({name, {}});
     }
     images.back().corners.push_back(ParseCorner(line, columns, counts));
@@ -182,9 +182,9 @@ void AddCornerWarnings(const CornerCounts& counts, ExchangeContents* contents) {
       contents->warnings.push_back(
           fmt::format("{}: {}", what, CountText(count, noun)));
   };
-  add(counts.without_board, "image", "without a board");
+  add(counts.num_images_without_board, "image", "without a board");
   add(counts.rejected, "corner", "rejected by the program and omitted");
-  add(counts.blurred, "corner",
+  add(counts.num_blurred, "corner",
       "found at reduced resolution and weighted equally");
 }
 
@@ -200,7 +200,7 @@ ExchangeContents ReadMrcalCorners(const ReadRequest& request) {
   ExchangeContents contents;
   for (const CornerRows& image : images) {
     if (image.corners.size() == 1 && !image.corners[0]) {
-      ++counts.without_board;
+      ++counts.num_images_without_board;
       continue;
     }
     ImageFeatures features = MakeImageFeatures(image, *request.board);

@@ -230,7 +230,7 @@ std::string WriteMrcal(const WriteRequest& request) {
   const auto [model, values] = GetNameAndValues(camera.lens);
   Pose pose = camera.camera_from_rig.value_or(Pose{});
   if (!camera.camera_from_rig && camera.fit)
-    pose.rotation = camera.fit->lens_from_camera;
+    pose.rotation = camera.fit->fitted_from_camera;
   const Eigen::AngleAxisd turn(pose.rotation);
   const Eigen::Vector3d r = turn.angle() * turn.axis(), t = pose.translation;
   const std::string rt = RealTexts({r.x(), r.y(), r.z(), t.x(), t.y(), t.z()});

@@ -67,10 +67,10 @@ void AddToZip(zip_t* archive, const std::string& name,
 }
 
 std::string ReadEntry(zip_source_t* source) {
-  zip_stat_t facts;
-  if (zip_source_stat(source, &facts) < 0 || zip_source_open(source) < 0)
+  zip_stat_t entry_info;
+  if (zip_source_stat(source, &entry_info) < 0 || zip_source_open(source) < 0)
     FailToZip(zip_error_strerror(zip_source_error(source)));
-  std::string bytes(facts.size, '\0');
+  std::string bytes(entry_info.size, '\0');
   const zip_int64_t count = zip_source_read(source, bytes.data(), bytes.size());
   zip_source_close(source);
   if (count != static_cast<zip_int64_t>(bytes.size()))
@@ -86,8 +86,8 @@ std::string ReadEntry(zip_source_t* source) {
 }
 
 // Decompresses a file in chunks, because its declared size may be wrong.
-std::string Unzipped(zip_t* archive, zip_int64_t index,
-                     const std::string& name) {
+std::string UnzipEntry(zip_t* archive, zip_int64_t index,
+                       const std::string& name) {
   constexpr size_t kChunk = 1 << 20;
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
       zip_fopen_index(archive, index, 0), zip_fclose);
@@ -183,7 +183,7 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
 }
 
 template <typename Number>
-std::vector<double> Converted(const NpyArray& array) {
+std::vector<double> ConvertToDouble(const NpyArray& array) {
   std::vector<double> numbers(array.bytes.size() / sizeof(Number));
   for (size_t k = 0; k < numbers.size(); ++k) {
     Number number;
@@ -241,7 +241,7 @@ std::vector<NpyArray> ReadNpz(const std::string& bytes, bool may_have_others) {
       continue;
     name.resize(name.size() - ending.size());
     arrays.push_back(
-        ParseNpy(name, Unzipped(archive.get(), k, name), may_have_others));
+        ParseNpy(name, UnzipEntry(archive.get(), k, name), may_have_others));
   }
   return arrays;
 }
@@ -249,10 +249,10 @@ std::vector<NpyArray> ReadNpz(const std::string& bytes, bool may_have_others) {
 std::vector<double> NpyNumbers(const NpyArray& array) {
   using Convert = std::vector<double> (*)(const NpyArray&);
   static const std::pair<const char*, Convert> kinds[] = {
-      {"<f4", Converted<float>},   {"<f8", Converted<double>},
-      {"<i2", Converted<int16_t>}, {"<u2", Converted<uint16_t>},
-      {"<i4", Converted<int32_t>}, {"<u4", Converted<uint32_t>},
-      {"<i8", Converted<int64_t>}};
+      {"<f4", ConvertToDouble<float>},   {"<f8", ConvertToDouble<double>},
+      {"<i2", ConvertToDouble<int16_t>}, {"<u2", ConvertToDouble<uint16_t>},
+      {"<i4", ConvertToDouble<int32_t>}, {"<u4", ConvertToDouble<uint32_t>},
+      {"<i8", ConvertToDouble<int64_t>}};
   for (const auto& [type, convert] : kinds)
     if (array.type == type) return convert(array);
   throw InputError(array.name + ": unsupported dtype");

@@ -9,14 +9,14 @@
 namespace raygrid {
 namespace {
 
-double ValueAt(const std::vector<double>& polynomial, double x) {
+double EvaluatePolynomial(const std::vector<double>& polynomial, double x) {
   double value = 0;
   for (size_t k = polynomial.size(); k-- > 0;)
     value = value * x + polynomial[k];
   return value;
 }
 
-double SlopeAt(const std::vector<double>& polynomial, double x) {
+double EvaluateDerivative(const std::vector<double>& polynomial, double x) {
   double slope = 0;
   for (size_t k = polynomial.size(); k-- > 1;)
     slope = slope * x + static_cast<double>(k) * polynomial[k];
@@ -60,10 +60,10 @@ struct OcamSample {
 // Samples pixels of the valid region and their directions for the fit.
 std::vector<OcamSample> SampleCamera(const CameraModel& camera,
                                      const ValidityMask* valid_region) {
-  constexpr double kAcross = 28;
+  constexpr double kSamplesAcross = 28;
   const Area& area = camera.area();
   const double step_px =
-      std::max(1.0, std::max(area.width(), area.height()) / kAcross);
+      std::max(1.0, std::max(area.width(), area.height()) / kSamplesAcross);
   std::vector<OcamSample> samples;
   for (double y = area.y0; y <= area.y1; y += step_px)
     for (double x = area.x0; x <= area.x1; x += step_px) {
@@ -84,15 +84,15 @@ class OcamFit {
  public:
   OcamFit(const ImageSize& size, std::vector<OcamSample> samples,
           const FittedModel& near)
-      : size_(size), samples_(std::move(samples)), near_(near) {}
+      : size_(size), samples_(std::move(samples)), initial_model_(near) {}
 
-  struct Fitted {
+  struct FittedPolynomial {
     OcamNumbers numbers;
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
     double rms_px = INFINITY;
   };
 
-  Fitted Fit(int degree) const {
+  FittedPolynomial Fit(int degree) const {
     constexpr int kRounds = 12;
     constexpr double kTolerance = 1e-6;
     Eigen::VectorXd x = Start(degree);
@@ -116,7 +116,7 @@ class OcamFit {
       damping /= 10;
       if (before_sum - residuals.squaredNorm() < kTolerance * before_sum) break;
     }
-    Fitted fitted = {MakeNumbers(x), ComputeRotation(x), 0};
+    FittedPolynomial fitted = {MakeNumbers(x), ComputeRotation(x), 0};
     fitted.rms_px = std::sqrt(residuals.squaredNorm() /
                               static_cast<double>(samples_.size()));
     return fitted;
@@ -130,10 +130,10 @@ class OcamFit {
   // Returns the initial values: a polynomial fitted to the directions around
   // the centre of the nearest fisheye model.
   Eigen::VectorXd Start(int degree) const {
-    const Eigen::VectorXd lens = near_.model->Parameters();
+    const Eigen::VectorXd lens = initial_model_.model->Parameters();
     std::vector<double> radii, values;
     for (const OcamSample& sample : samples_) {
-      const Eigen::Vector3d ray = near_.model_from_camera * sample.ray;
+      const Eigen::Vector3d ray = initial_model_.model_from_camera * sample.ray;
       const double down = (sample.pixel.y() - lens[3]) * lens[0] / lens[1],
                    right = sample.pixel.x() - lens[2];
       const double radius = std::hypot(down, right);
@@ -167,20 +167,20 @@ class OcamFit {
     return (angle > 0
                 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle))
                 : Eigen::Quaterniond::Identity()) *
-           near_.model_from_camera;
+           initial_model_.model_from_camera;
   }
 
   Eigen::VectorXd Residuals(const Eigen::VectorXd& x) const {
-    constexpr double kAnywherePx = 1e9, kLostPx = 100;
+    constexpr double kUnlimitedMarginPx = 1e9, kMissingErrorPx = 100;
     const OcamCamera camera(size_, MakeNumbers(x));
     const Eigen::Quaterniond turn = ComputeRotation(x);
     Eigen::VectorXd residuals(2 * samples_.size());
     for (size_t k = 0; k < samples_.size(); ++k) {
       const auto pixel =
-          camera.Project(turn * samples_[k].ray, nullptr, kAnywherePx);
+          camera.Project(turn * samples_[k].ray, nullptr, kUnlimitedMarginPx);
       residuals.segment<2>(2 * static_cast<Eigen::Index>(k)) =
           pixel ? Eigen::Vector2d(*pixel - samples_[k].pixel)
-                : Eigen::Vector2d(kLostPx, kLostPx);
+                : Eigen::Vector2d(kMissingErrorPx, kMissingErrorPx);
     }
     return residuals;
   }
@@ -199,7 +199,7 @@ class OcamFit {
 
   const ImageSize size_;
   const std::vector<OcamSample> samples_;
-  const FittedModel& near_;
+  const FittedModel& initial_model_;
 };
 
 }  // namespace
@@ -209,7 +209,8 @@ Eigen::Vector3d OcamNumbers::Direction(const Eigen::Vector2d& pixel) const {
   const double determinant = c - d * e;
   const double down = (x - d * y) / determinant,
                right = (c * y - e * x) / determinant;
-  return {right, down, -ValueAt(polynomial, std::hypot(down, right))};
+  return {right, down,
+          -EvaluatePolynomial(polynomial, std::hypot(down, right))};
 }
 
 OcamCamera::OcamCamera(const ImageSize& size, OcamNumbers numbers)
@@ -237,7 +238,8 @@ std::optional<double> OcamCamera::Radius(double angle_rad) const {
   if (sine == 0) return cosine > 0 ? std::optional(0.0) : std::nullopt;
   // Negative while the radius is too small.
   const auto excess = [&](double radius) {
-    return radius * cosine + ValueAt(numbers_.polynomial, radius) * sine;
+    return radius * cosine +
+           EvaluatePolynomial(numbers_.polynomial, radius) * sine;
   };
   const double end = kSearchMargin * max_radius_;
   double low = 0, high = 0;
@@ -251,7 +253,9 @@ std::optional<double> OcamCamera::Radius(double angle_rad) const {
     const double value = excess(radius);
     (value > 0 ? high : low) = radius;
     double next =
-        radius - value / (cosine + SlopeAt(numbers_.polynomial, radius) * sine);
+        radius -
+        value /
+            (cosine + EvaluateDerivative(numbers_.polynomial, radius) * sine);
     if (!(next > low && next < high)) next = (low + high) / 2;
     const double step = std::abs(next - radius);
     radius = next;
@@ -299,8 +303,8 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
   std::vector<double> angles, radii;
   for (int k = 0; k <= kSamples; ++k) {
     const double radius = camera.max_radius() * k / kSamples;
-    angles.push_back(
-        std::atan2(ValueAt(camera.numbers().polynomial, radius), radius));
+    angles.push_back(std::atan2(
+        EvaluatePolynomial(camera.numbers().polynomial, radius), radius));
     radii.push_back(radius);
   }
   std::vector<double> best;
@@ -310,8 +314,9 @@ std::vector<double> InverseOcamPolynomial(const OcamCamera& camera) {
         FitPolynomial(angles, radii, degree, true);
     double worst_px = 0;
     for (size_t k = 0; k < radii.size(); ++k)
-      worst_px = std::max(worst_px,
-                          std::abs(ValueAt(polynomial, angles[k]) - radii[k]));
+      worst_px = std::max(
+          worst_px,
+          std::abs(EvaluatePolynomial(polynomial, angles[k]) - radii[k]));
     if (worst_px < least_px) {
       least_px = worst_px;
       best = polynomial;
@@ -332,10 +337,10 @@ ExternalGrid FitOcamCamera(const CameraModel& camera,
                                            camera.area(), options);
   const OcamFit fit(camera.image_size(), SampleCamera(camera, valid_region),
                     near);
-  OcamFit::Fitted best = fit.Fit(kUsualDegree);
+  OcamFit::FittedPolynomial best = fit.Fit(kUsualDegree);
   for (int degree = kUsualDegree + 1;
        degree <= kMostDegree && best.rms_px > kCloseEnoughPx; ++degree) {
-    OcamFit::Fitted next = fit.Fit(degree);
+    OcamFit::FittedPolynomial next = fit.Fit(degree);
     if (next.rms_px < (1 - kWorthPart) * best.rms_px) best = std::move(next);
   }
   return {std::make_shared<OcamCamera>(camera.image_size(), best.numbers),

@@ -18,7 +18,7 @@ namespace {
 
 // Reads R and T of cv::stereoCalibrate, which transform from the first camera's
 // frame or the rig frame.
-std::optional<Pose> PoseInFile(const CameraKeys& keys) {
+std::optional<Pose> ReadOpenCvPose(const CameraKeys& keys) {
   const std::string r_key = FindKey(keys, {"R", "Rot", "rotation_matrix"}),
                     t_key =
                         FindKey(keys, {"T", "t", "Trns", "translation_vector"});
@@ -72,9 +72,9 @@ InputCamera ReadSingle(const CameraKeys& keys, const YAML::Node& root,
                        const ReadRequest& request,
                        std::vector<std::string>* warnings) {
   InputCamera camera = ReadCamera(keys, {}, request, warnings);
-  camera.name = TextAt(keys, kNameKeys);
+  camera.name = GetKeyText(keys, kNameKeys);
   camera.serial = keys.Word("serial");
-  camera.camera_from_rig = PoseInFile(keys);
+  camera.camera_from_rig = ReadOpenCvPose(keys);
   ReadBoardFeatures(root, request, &camera);
   camera.poses = ReadBoardPoses(root);
   keys.Skip(kOtherKeys);
@@ -85,14 +85,16 @@ InputCamera ReadSingle(const CameraKeys& keys, const YAML::Node& root,
 
 // Reads a file of several cameras, such as stereo_calib writes, and the
 // relative pose of a pair if present.
-void ReadSeveral(const CameraKeys& keys, const std::vector<Affixes>& cameras,
-                 const ReadRequest& request, ExchangeContents* contents) {
+void ReadMultipleCameras(const CameraKeys& keys,
+                         const std::vector<Affixes>& cameras,
+                         const ReadRequest& request,
+                         ExchangeContents* contents) {
   for (const Affixes& affixes : cameras) {
     contents->cameras.push_back(
         ReadCamera(keys, affixes, request, &contents->warnings));
     contents->cameras.back().name = affixes.camera;
   }
-  AssignPairPose(PoseInFile(keys), request.path, &contents->cameras);
+  AssignPairPose(ReadOpenCvPose(keys), request.path, &contents->cameras);
   keys.Skip(kOtherKeys);
   keys.Finish(*contents->cameras.front().lens.external_model,
               &contents->warnings);
@@ -156,7 +158,7 @@ YAML::Node MergeIntrinsics(const YAML::Node& node) {
 }
 
 // Appends numbers to the names of cameras that have the same name.
-void RenameEqual(std::vector<InputCamera>* cameras) {
+void MakeNamesUnique(std::vector<InputCamera>* cameras) {
   std::set<std::string> names;
   for (const InputCamera& camera : *cameras) names.insert(camera.name);
   if (names.size() == cameras->size()) return;
@@ -201,15 +203,15 @@ ExchangeContents ReadTree(const YAML::Node& tree, const ReadRequest& request) {
     return contents;
   }
   if (const auto cameras = FindCameraAffixes(keys); !cameras.empty()) {
-    ReadSeveral(keys, cameras, request, &contents);
+    ReadMultipleCameras(keys, cameras, request, &contents);
     return contents;
   }
-  if (const auto pose = PoseInFile(keys)) {
+  if (const auto pose = ReadOpenCvPose(keys)) {
     contents.second_from_first = pose;
     return contents;
   }
   ReadNamed(root, request, 0, &contents);
-  RenameEqual(&contents.cameras);
+  MakeNamesUnique(&contents.cameras);
   if (contents.cameras.empty())
     throw InputError("contains no camera: 'camera_matrix' is missing");
   return contents;

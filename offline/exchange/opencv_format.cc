@@ -22,7 +22,7 @@ ExchangeContents ReadOpenCv(const ReadRequest& request) {
 }
 
 void AddFit(const ModelFit& fit, FileStorageText* text) {
-  const Eigen::Quaterniond& q = fit.lens_from_camera;
+  const Eigen::Quaterniond& q = fit.fitted_from_camera;
   text->BeginMap("raygrid_fit");
   text->Add("rms_px", fit.rms_px);
   text->Add("p99_px", fit.p99_px);

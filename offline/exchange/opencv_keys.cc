@@ -109,7 +109,7 @@ std::string FindKey(const CameraKeys& keys, const KeyList& names,
   return "";
 }
 
-std::string TextAt(const CameraKeys& keys, const KeyList& names) {
+std::string GetKeyText(const CameraKeys& keys, const KeyList& names) {
   const std::string key = FindKey(keys, names);
   return key.empty() ? "" : keys[key].IsScalar() ? keys.Word(key) : "";
 }

@@ -35,7 +35,7 @@ std::string FindKey(const CameraKeys& keys, const KeyList& names,
                     const Affixes& affixes = {});
 
 /// Returns the text at the first of these keys, or "".
-std::string TextAt(const CameraKeys& keys, const KeyList& names);
+std::string GetKeyText(const CameraKeys& keys, const KeyList& names);
 
 /// Returns whether there is a camera matrix, or fx, fy, cx, cy.
 bool HasMatrix(const CameraKeys& keys, const Affixes& affixes = {});

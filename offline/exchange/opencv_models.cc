@@ -20,7 +20,7 @@ namespace {
 ExternalModel MakeOmnidirModel() {
   ExternalModel external_model = MakeExternalModel(
       kOmnidir, models::kOmniRadtan, {"k1", "k2", "p1", "p2", "xi"});
-  external_model.is_explicit_only = true;
+  external_model.export_only_if_named = true;
   return external_model;
 }
 
@@ -62,14 +62,14 @@ const ExternalModel& FindModelByCount(size_t count) {
 }
 
 // The camera model that a file states, and the key that states it.
-struct SaidModel {
+struct StatedModel {
   ModelFamily family = ModelFamily::kPinhole;
   std::string key, word;
 };
 
-std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
-                                     const Affixes& affixes) {
-  std::optional<SaidModel> said;
+std::optional<StatedModel> FindStatedModel(const CameraKeys& keys,
+                                           const Affixes& affixes) {
+  std::optional<StatedModel> said;
   const auto say = [&](ModelFamily family, const std::string& key) {
     // "pinhole" combined with a fisheye distortion model is a fisheye camera.
     const bool is_vague = said && said->word == "pinhole";
@@ -78,7 +78,7 @@ std::optional<SaidModel> ModelInFile(const CameraKeys& keys,
       throw InputError(fmt::format("'{}' indicates {}, but '{}' indicates {}",
                                    said->key, ToText(said->family), key,
                                    ToText(family)));
-    if (!said || is_vague) said = SaidModel{family, key, keys.Word(key)};
+    if (!said || is_vague) said = StatedModel{family, key, keys.Word(key)};
   };
   const std::string xi = affixes.before + "xi" + affixes.behind;
   // xi = 0 is a pinhole camera of programs that support both models.
@@ -111,7 +111,7 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
                                     DistortionCoefficients* coefficients,
                                     std::vector<std::string>* warnings) {
   std::vector<double>& d = coefficients->numbers;
-  const auto said = ModelInFile(keys, affixes);
+  const auto said = FindStatedModel(keys, affixes);
   bool is_fisheye = said && said->family == ModelFamily::kFisheye;
   // RealSense states an inverse distortion model even if all coefficients are
   // 0.

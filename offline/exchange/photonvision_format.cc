@@ -47,7 +47,7 @@ Json ParsePhotonJson(const std::string& text) {
     return event != Json::parse_event_t::key || parsed != "snapshotData";
   };
   constexpr size_t kMaxBytesWithImages = 1 << 30;
-  RequireSmallTree("", text, kTreeMarks, kMaxBytesWithImages);
+  RequireSmallTree("", text, kYamlStructureCharacters, kMaxBytesWithImages);
   try {
     return Json::parse(text, keeps);
   } catch (const Json::parse_error& error) {
@@ -58,7 +58,7 @@ Json ParsePhotonJson(const std::string& text) {
 }
 
 // Returns the value of a key; null if missing.
-const Json& ValueAt(const Json& map, const std::string& key) {
+const Json& GetJsonValue(const Json& map, const std::string& key) {
   static const Json none;
   const auto found = map.is_object() ? map.find(key) : map.end();
   return found == map.end() ? none : *found;
@@ -70,8 +70,8 @@ double FiniteJson(const Json& node, const std::string& name) {
   return node.get<double>();
 }
 
-const Json& ListAt(const Json& map, const std::string& key) {
-  const Json& list = ValueAt(map, key);
+const Json& GetJsonList(const Json& map, const std::string& key) {
+  const Json& list = GetJsonValue(map, key);
   if (!list.is_array())
     throw InputError(fmt::format("{}: expected a list", key));
   return list;
@@ -82,7 +82,7 @@ const Json& ListAt(const Json& map, const std::string& key) {
 int PhotonSidePx(const Json& root, const char* key) {
   const std::string name = fmt::format("{}.{}", kPhotonSize, key);
   const double side =
-      FiniteJson(ValueAt(ValueAt(root, kPhotonSize), key), name);
+      FiniteJson(GetJsonValue(GetJsonValue(root, kPhotonSize), key), name);
   if (!(side >= 1 && side <= 1e6) || side != std::floor(side))
     throw InputError(fmt::format("{}: invalid image size", name));
   return static_cast<int>(side);
@@ -90,19 +90,19 @@ int PhotonSidePx(const Json& root, const char* key) {
 
 std::vector<double> PhotonNumbers(const Json& root, const std::string& key) {
   std::vector<double> numbers;
-  for (const Json& number : ListAt(ValueAt(root, key), "data"))
+  for (const Json& number : GetJsonList(GetJsonValue(root, key), "data"))
     numbers.push_back(FiniteJson(number, key + ".data"));
   return numbers;
 }
 
 std::vector<double> PhotonCoefficients(const Json& root) {
   for (const char* key : kPhotonDistortion)
-    if (!ValueAt(root, key).is_null()) return PhotonNumbers(root, key);
+    if (!GetJsonValue(root, key).is_null()) return PhotonNumbers(root, key);
   throw InputError(fmt::format("'{}' is missing", kPhotonDistortion[0]));
 }
 
 void RequireOpenCvModel(const Json& root) {
-  const Json& model = ValueAt(root, kLensModel);
+  const Json& model = GetJsonValue(root, kLensModel);
   if (model.is_null() || model == kOpenCvLens) return;
   throw InputError(
       fmt::format("{}: unsupported model '{}'; supported is {}", kLensModel,
@@ -127,8 +127,8 @@ ConvertedCamera ReadPhotonIntrinsics(const Json& root) {
 }
 
 // Warns about unknown keys, which newer versions may add.
-void FinishPhotonKeys(Json root, const ExternalModel& external_model,
-                      std::vector<std::string>* warnings) {
+void WarnAboutUnknownPhotonKeys(Json root, const ExternalModel& external_model,
+                                std::vector<std::string>* warnings) {
   root.erase(kObservations);
   const CameraKeys keys(YAML::Load(root.dump()));
   keys.Skip({kPhotonSize, kPhotonMatrix, kPhotonDistortion[0],
@@ -156,35 +156,35 @@ struct PhotonCounts {
   size_t left_out = 0, skipped = 0;
 };
 
-Eigen::Vector2d PlanePoint(const Json& point, const char* list) {
-  return {FiniteJson(ValueAt(point, "x"), fmt::format("{}: x", list)),
-          FiniteJson(ValueAt(point, "y"), fmt::format("{}: y", list))};
+Eigen::Vector2d GetPlanePoint(const Json& point, const char* list) {
+  return {FiniteJson(GetJsonValue(point, "x"), fmt::format("{}: x", list)),
+          FiniteJson(GetJsonValue(point, "y"), fmt::format("{}: y", list))};
 }
 
 // Whether the solver used a corner; older files do not store this.
 bool IsUsed(const Json& view, size_t corner) {
-  const Json& used = ValueAt(view, "cornersUsed");
+  const Json& used = GetJsonValue(view, "cornersUsed");
   return !used.is_array() || corner >= used.size() || used[corner] != false;
 }
 
 // Returns the detected corners. Undetected ones are at (-1, -1) both on the
 // board and in the image.
 std::vector<PhotonCorner> ReadCorners(const Json& view, PhotonCounts* counts) {
-  const Json &places = ListAt(view, kObjectPoints),
-             &pixels = ListAt(view, kImagePoints);
+  const Json &places = GetJsonList(view, kObjectPoints),
+             &pixels = GetJsonList(view, kImagePoints);
   if (places.size() != pixels.size())
     throw InputError(fmt::format("{} has {} points, but {} has {}",
                                  kObjectPoints, places.size(), kImagePoints,
                                  pixels.size()));
   std::vector<PhotonCorner> corners;
   for (size_t k = 0; k < pixels.size(); ++k) {
-    const Eigen::Vector2d pixel = PlanePoint(pixels[k], kImagePoints);
+    const Eigen::Vector2d pixel = GetPlanePoint(pixels[k], kImagePoints);
     if (pixel.minCoeff() < 0) continue;
     if (!IsUsed(view, k)) {
       ++counts->left_out;
       continue;
     }
-    corners.push_back({PlanePoint(places[k], kObjectPoints), pixel});
+    corners.push_back({GetPlanePoint(places[k], kObjectPoints), pixel});
   }
   return corners;
 }
@@ -193,8 +193,8 @@ std::vector<PhotonCorner> ReadCorners(const Json& view, PhotonCounts* counts) {
 // have their positions, except on ChArUco boards.
 Eigen::Vector2d ComputeMinPosition(const Json& view) {
   Eigen::Vector2d min_position(INFINITY, INFINITY);
-  for (const Json& point : ListAt(view, kObjectPoints)) {
-    const Eigen::Vector2d place = PlanePoint(point, kObjectPoints);
+  for (const Json& point : GetJsonList(view, kObjectPoints)) {
+    const Eigen::Vector2d place = GetPlanePoint(point, kObjectPoints);
     if (place.minCoeff() >= 0) min_position = min_position.cwiseMin(place);
   }
   return min_position;
@@ -202,16 +202,16 @@ Eigen::Vector2d ComputeMinPosition(const Json& view) {
 
 // Returns nullopt if the solver provided no pose.
 std::optional<Pose> PhotonPose(const Json& pose) {
-  const Json& t = ValueAt(pose, "translation");
-  const Json& q = ValueAt(ValueAt(pose, "rotation"), "quaternion");
+  const Json& t = GetJsonValue(pose, "translation");
+  const Json& q = GetJsonValue(GetJsonValue(pose, "rotation"), "quaternion");
   if (!t.is_object() || !q.is_object()) return std::nullopt;
   std::array<double, 7> numbers;
   for (int k = 0; k < 4; ++k)
     numbers[k] =
-        FiniteJson(ValueAt(q, std::string(1, "WXYZ"[k])), "quaternion");
+        FiniteJson(GetJsonValue(q, std::string(1, "WXYZ"[k])), "quaternion");
   for (int k = 0; k < 3; ++k)
     numbers[4 + k] =
-        FiniteJson(ValueAt(t, std::string(1, "xyz"[k])), "translation");
+        FiniteJson(GetJsonValue(t, std::string(1, "xyz"[k])), "translation");
   if (numbers[4] == 0 && numbers[5] == 0 && numbers[6] == 0)
     return std::nullopt;
   return PoseFromQuaternion(numbers);
@@ -219,21 +219,21 @@ std::optional<Pose> PhotonPose(const Json& pose) {
 
 PhotonView ReadPhotonView(const Json& view, size_t index,
                           PhotonCounts* counts) {
-  const Json& name = ValueAt(view, "snapshotName");
+  const Json& name = GetJsonValue(view, "snapshotName");
   const std::string image = name.is_string() ? name.get<std::string>() : "";
   return {image.empty() ? fmt::format("view{:04}", index) : image,
           ReadCorners(view, counts),
-          PhotonPose(ValueAt(view, "optimisedCameraToObject")),
+          PhotonPose(GetJsonValue(view, "optimisedCameraToObject")),
           ComputeMinPosition(view)};
 }
 
 std::vector<PhotonView> ReadPhotonViews(const Json& root,
                                         PhotonCounts* counts) {
   std::vector<PhotonView> views;
-  if (ValueAt(root, kObservations).is_null()) return views;
-  const Json& list = ListAt(root, kObservations);
+  if (GetJsonValue(root, kObservations).is_null()) return views;
+  const Json& list = GetJsonList(root, kObservations);
   for (size_t k = 0; k < list.size(); ++k) {
-    if (ValueAt(list[k], "includeObservationInCalibration") == false) {
+    if (GetJsonValue(list[k], "includeObservationInCalibration") == false) {
       ++counts->skipped;
       continue;
     }
@@ -251,7 +251,7 @@ std::vector<PhotonView> ReadPhotonViews(const Json& root,
 // the smallest distance between the first corner of a view and another along
 // one axis.
 double EstimateSpacing(const Json& root, const std::vector<PhotonView>& views) {
-  const Json& configuration = ValueAt(root, kSpacing);
+  const Json& configuration = GetJsonValue(root, kSpacing);
   double spacing =
       configuration.is_null() ? 0 : FiniteJson(configuration, kSpacing);
   if (spacing != 0) return std::abs(spacing);
@@ -338,8 +338,9 @@ void AddPhotonViews(const Json& root, ExchangeContents* contents) {
 void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
   InputCamera& camera = contents->cameras.emplace_back();
   camera.lens = ReadPhotonIntrinsics(root);
-  FinishPhotonKeys(root, *camera.lens.external_model, &contents->warnings);
-  ParseRaygridJson(YAML::Load(ValueAt(root, kRaygridKey).dump()), &camera);
+  WarnAboutUnknownPhotonKeys(root, *camera.lens.external_model,
+                             &contents->warnings);
+  ParseRaygridJson(YAML::Load(GetJsonValue(root, kRaygridKey).dump()), &camera);
   AddPhotonViews(root, contents);
 }
 
@@ -347,11 +348,11 @@ void ReadPhotonCamera(const Json& root, ExchangeContents* contents) {
 ExchangeContents ReadPhotonVision(const ReadRequest& request) {
   const Json root = ParsePhotonJson(request.text);
   ExchangeContents contents;
-  if (ValueAt(root, kCalibrations).is_null()) {
+  if (GetJsonValue(root, kCalibrations).is_null()) {
     ReadPhotonCamera(root, &contents);
     return contents;
   }
-  for (const Json& calibration : ListAt(root, kCalibrations)) {
+  for (const Json& calibration : GetJsonList(root, kCalibrations)) {
     ReadPhotonCamera(calibration, &contents);
     const ImageSize& size = contents.cameras.back().lens.size;
     contents.cameras.back().name =

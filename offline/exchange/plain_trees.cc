@@ -21,7 +21,7 @@ std::string RemoveSpaces(const std::string& text) {
   return text.substr(first, text.find_last_not_of(kSpaces) - first + 1);
 }
 
-[[noreturn]] void RefuseLine(int line, const std::string& fault) {
+[[noreturn]] void ThrowInLine(int line, const std::string& fault) {
   throw InputError(fmt::format("line {}: {}", line, fault));
 }
 
@@ -48,7 +48,7 @@ std::string RemoveComment(const std::string& line, int* depth) {
   return line;
 }
 
-std::string Unquoted(const std::string& key) {
+std::string RemoveQuotes(const std::string& key) {
   const bool is_quoted = key.size() >= 2 && (key[0] == '"' || key[0] == '\'') &&
                          key.back() == key[0];
   return is_quoted ? key.substr(1, key.size() - 2) : key;
@@ -60,23 +60,23 @@ YAML::Node TomlValue(const std::string& text, int line) {
   try {
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    RefuseLine(line, error.msg);
+    ThrowInLine(line, error.msg);
   }
 }
 
 // A map with fast insertion: yaml-cpp searches keys linearly, which is slow in
 // large maps.
-class TreeMap {
+class YamlMapBuilder {
  public:
-  TreeMap() = default;
+  YamlMapBuilder() = default;
   // Copies would alias: yaml-cpp nodes have reference semantics.
-  TreeMap(const TreeMap&) = delete;
-  TreeMap& operator=(const TreeMap&) = delete;
+  YamlMapBuilder(const YamlMapBuilder&) = delete;
+  YamlMapBuilder& operator=(const YamlMapBuilder&) = delete;
 
   void Add(const std::string& key, const YAML::Node& value, int line) {
-    if (key.empty()) RefuseLine(line, "missing key");
+    if (key.empty()) ThrowInLine(line, "missing key");
     if (!keys_.insert(key).second)
-      RefuseLine(line, fmt::format("duplicate key '{}'", Printable(key)));
+      ThrowInLine(line, fmt::format("duplicate key '{}'", Printable(key)));
     node_.force_insert(key, value);
   }
   bool Has(const std::string& key) const { return keys_.count(key) > 0; }
@@ -91,8 +91,8 @@ class TreeMap {
 
 YAML::Node ParseToml(const std::string& text) {
   RequireText(text);
-  TreeMap root;
-  std::optional<TreeMap> table;
+  YamlMapBuilder root;
+  std::optional<YamlMapBuilder> table;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -103,23 +103,23 @@ YAML::Node ParseToml(const std::string& text) {
     const size_t equals = statement.find('=');
     if (statement[0] == '[') {
       if (statement.back() != ']' || statement[1] == '[')
-        RefuseLine(number,
-                   "expected a table; arrays of tables are not supported");
+        ThrowInLine(number,
+                    "expected a table; arrays of tables are not supported");
       table.emplace();
       root.Add(
-          Unquoted(RemoveSpaces(statement.substr(1, statement.size() - 2))),
+          RemoveQuotes(RemoveSpaces(statement.substr(1, statement.size() - 2))),
           table->node(), number);
       continue;
     }
     if (equals == std::string::npos)
-      RefuseLine(number, "expected 'KEY = VALUE'");
+      ThrowInLine(number, "expected 'KEY = VALUE'");
     while (depth > 0 && std::getline(lines, line)) {
       statement += " " + RemoveSpaces(RemoveComment(line, &depth));
       ++number;
     }
-    if (depth != 0) RefuseLine(first, "unclosed bracket");
+    if (depth != 0) ThrowInLine(first, "unclosed bracket");
     (table ? *table : root)
-        .Add(Unquoted(RemoveSpaces(statement.substr(0, equals))),
+        .Add(RemoveQuotes(RemoveSpaces(statement.substr(0, equals))),
              TomlValue(statement.substr(equals + 1), first), first);
   }
   return root.node();
@@ -127,7 +127,7 @@ YAML::Node ParseToml(const std::string& text) {
 
 YAML::Node ParseKeyLines(const std::string& text, char mark) {
   RequireText(text);
-  TreeMap root;
+  YamlMapBuilder root;
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -142,7 +142,7 @@ YAML::Node ParseKeyLines(const std::string& text, char mark) {
     if (stripped_line.empty() || stripped_line[0] == '#') continue;
     const size_t colon = line.find(mark);
     if (colon == std::string::npos)
-      RefuseLine(number, fmt::format("expected 'KEY{} NUMBERS'", mark));
+      ThrowInLine(number, fmt::format("expected 'KEY{} NUMBERS'", mark));
     YAML::Node list(YAML::NodeType::Sequence);
     std::istringstream words(line.substr(colon + 1));
     for (std::string word; words >> word;) list.push_back(word);
@@ -175,7 +175,7 @@ YAML::Node ParseBlocks(const std::string& text) {
 
 YAML::Node ParseRosIni(const std::string& text) {
   RequireText(text);
-  TreeMap root;
+  YamlMapBuilder root;
   std::istringstream lines(text);
   std::string line, section, key;
   YAML::Node list(YAML::NodeType::Sequence);

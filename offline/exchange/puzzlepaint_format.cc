@@ -53,7 +53,7 @@ int PixelNumber(const YAML::Node& root, const std::string& name, int side) {
   return static_cast<int>(number);
 }
 
-UnitGrid::Bounds BoundsInFile(const YAML::Node& root, const ImageSize& size) {
+UnitGrid::Bounds ReadBounds(const YAML::Node& root, const ImageSize& size) {
   const UnitGrid::Bounds bounds = {
       PixelNumber(root, kFirstX, size.width),
       PixelNumber(root, "calibration_min_y", size.height),
@@ -104,7 +104,7 @@ UnitGrid ReadGrid(const YAML::Node& root, const ExternalModel& external_model) {
             rows = GridSide(root, "grid_height");
   const bool has_points = external_model.name == kLines;
   return {size,
-          BoundsInFile(root, size),
+          ReadBounds(root, size),
           columns,
           rows,
           ComputeDirections(root, has_points ? "direction_grid" : "grid",
@@ -202,7 +202,7 @@ std::vector<CompanionFile> WriteSingleCameraState(const WriteRequest& request) {
 
 // Sorts cameras by number, which is the order of their names, as in
 // dataset.bin.
-std::vector<OutputCamera> InOrder(std::vector<OutputCamera> cameras) {
+std::vector<OutputCamera> SortCameras(std::vector<OutputCamera> cameras) {
   std::stable_sort(cameras.begin(), cameras.end(),
                    [](const OutputCamera& a, const OutputCamera& b) {
                      return a.name < b.name;
@@ -211,7 +211,7 @@ std::vector<OutputCamera> InOrder(std::vector<OutputCamera> cameras) {
 }
 
 std::vector<CompanionFile> WriteRigState(const WriteRequest& request) {
-  const std::vector<OutputCamera> cameras = InOrder(request.cameras);
+  const std::vector<OutputCamera> cameras = SortCameras(request.cameras);
   std::vector<CompanionFile> files;
   for (const OutputCamera& camera : cameras) {
     const std::string path =

@@ -57,7 +57,7 @@ PuzzlepaintState ReadState(const std::string& path,
 // Aligns a board's lattice with its estimated 3D points: the program's world
 // frame is not that of a board, and drifts. Returns nullopt if too few points
 // are known.
-std::optional<Pose> WorldFromBoard(
+std::optional<Pose> ComputeWorldFromBoard(
     const PuzzlepaintGeometry& geometry,
     const std::map<int, Eigen::Vector3d>& known) {
   constexpr Eigen::Index kLeast = 4;
@@ -92,12 +92,12 @@ std::optional<Pose> WorldFromBoard(
 }
 
 // Returns the world poses, by board index, of boards with known positions.
-std::map<int, Pose> BoardsInWorld(const PuzzlepaintState& state) {
+std::map<int, Pose> ComputeBoardPoses(const PuzzlepaintState& state) {
   std::map<int, Pose> boards;
   if (!state.dataset || state.points.empty()) return boards;
   const auto& geometries = state.dataset->geometries;
   for (size_t k = 0; k < geometries.size(); ++k)
-    if (const auto pose = WorldFromBoard(geometries[k], state.points))
+    if (const auto pose = ComputeWorldFromBoard(geometries[k], state.points))
       boards.emplace(static_cast<int>(k), *pose);
   return boards;
 }
@@ -132,7 +132,7 @@ std::vector<BoardPose> ListCameraPoses(const PuzzlepaintState& state, int index,
                                        const Pose& camera_from_rig) {
   const bool has_dataset = MatchesCamera(state, index);
   const std::map<int, Pose> boards =
-      has_dataset ? BoardsInWorld(state) : std::map<int, Pose>{};
+      has_dataset ? ComputeBoardPoses(state) : std::map<int, Pose>{};
   const std::vector<std::string> names =
       has_dataset ? GetImageNames(*state.dataset) : std::vector<std::string>{};
   std::vector<BoardPose> poses;

@@ -26,7 +26,7 @@ struct RaySample {
 
 // Returns all rays, or every n-th row and column, including the last ones, of
 // large tables.
-std::vector<RaySample> SamplesOf(const RayTable& rays) {
+std::vector<RaySample> GetSamples(const RayTable& rays) {
   constexpr size_t kMaxAlong = 320;
   const size_t step =
       std::max<size_t>(1, std::max(rays.x.size(), rays.y.size()) / kMaxAlong);
@@ -193,7 +193,7 @@ double ComputeCheckerboardRmsPx(const RayTable& rays,
 
 // Returns the number of control points along an axis of a grid with `along`
 // points along the longer axis.
-int PointsAlong(double extent, double longest, int along) {
+int CountPointsOnAxis(double extent, double longest, int along) {
   return 3 + std::max(1, static_cast<int>(
                              std::lround((along - 3) * extent / longest)));
 }
@@ -236,7 +236,7 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
                    int num_threads) {
   constexpr double kMaxRmsPx = 0.002, kMaxErrorRatio = 1.25;
   constexpr int kFewest = 8, kMost = 96;
-  const std::vector<RaySample> samples = SamplesOf(rays);
+  const std::vector<RaySample> samples = GetSamples(rays);
   RequireCameraAxes(rays, samples);
   const bool is_central = SelectTableModel(model, samples) == kCentralGeneric;
   const Area area = ComputeArea(samples);
@@ -246,8 +246,8 @@ RayGrid FitRayGrid(const RayTable& rays, const std::string& model,
   std::vector<RayGrid> grids;
   for (int along = kFewest; along <= most; along += along / 2) {
     RayGrid grid;
-    grid.columns = PointsAlong(area.width(), longest, along);
-    grid.rows = PointsAlong(area.height(), longest, along);
+    grid.columns = CountPointsOnAxis(area.width(), longest, along);
+    grid.rows = CountPointsOnAxis(area.height(), longest, along);
     grid.camera =
         FitGridTo(rays, samples, area, grid.columns, grid.rows, is_central);
     MeasureGrid(samples, num_threads, &grid);

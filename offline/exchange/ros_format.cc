@@ -64,7 +64,7 @@ const ExternalModel& FindRosModel(const std::string& model,
 
 // Returns the distortion model, which early files store under another key;
 // nullopt if missing.
-std::optional<std::string> ModelInFile(const CameraKeys& keys) {
+std::optional<std::string> FindModelName(const CameraKeys& keys) {
   const bool has_model = keys.Has("distortion_model");
   const std::string camera = keys.Word("camera_model");
   if (has_model)
@@ -78,10 +78,10 @@ std::optional<std::string> ModelInFile(const CameraKeys& keys) {
 
 // Returns a matrix: in files, a mapping with data; in messages, a list. nullopt
 // if missing.
-std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
-                                            const std::string& in_files,
-                                            const std::string& in_messages,
-                                            int count) {
+std::optional<std::vector<double>> FindRosMatrix(const CameraKeys& keys,
+                                                 const std::string& in_files,
+                                                 const std::string& in_messages,
+                                                 int count) {
   for (const std::string& key :
        {in_files, in_messages, Lowercase(in_messages)}) {
     const YAML::Node matrix = keys[key];
@@ -97,13 +97,13 @@ std::optional<std::vector<double>> MatrixIn(const CameraKeys& keys,
 
 std::vector<double> ReadMatrix(const CameraKeys& keys, const char* in_files,
                                const char* in_messages, int count) {
-  if (const auto matrix = MatrixIn(keys, in_files, in_messages, count))
+  if (const auto matrix = FindRosMatrix(keys, in_files, in_messages, count))
     return *matrix;
   throw InputError(fmt::format("'{}' is missing", in_files));
 }
 
 // Returns the image size; 0 x 0 if missing.
-ImageSize SizeIn(const CameraKeys& keys) {
+ImageSize ReadRosSize(const CameraKeys& keys) {
   const char* const prefix =
       keys.Has("image_width") || keys.Has("image_height") ? "image_" : "";
   const auto get_side = [&](const std::string& side) {
@@ -119,8 +119,8 @@ ImageSize SizeIn(const CameraKeys& keys) {
 // of a single camera. A focal length of 0 in P means that both are unknown.
 std::optional<RectifiedProjection> ReadRectifiedProjection(
     const CameraKeys& keys, const ConvertedCamera& lens) {
-  const auto in_r = MatrixIn(keys, "rectification_matrix", "R", 9),
-             in_p = MatrixIn(keys, "projection_matrix", "P", 12);
+  const auto in_r = FindRosMatrix(keys, "rectification_matrix", "R", 9),
+             in_p = FindRosMatrix(keys, "projection_matrix", "P", 12);
   if (!in_r && !in_p) return std::nullopt;
   if (in_p && (*in_p)[0] == 0 && (*in_p)[5] == 0) return std::nullopt;
   const std::vector<double>& k = lens.values;
@@ -177,11 +177,11 @@ ExchangeContents ReadRosCamera(const YAML::Node& root,
   ExchangeContents contents;
   InputCamera camera;
   camera.name = keys["camera_name"].IsDefined() ? keys.Word("camera_name") : "";
-  camera.lens.size = SizeIn(keys);
+  camera.lens.size = ReadRosSize(keys);
   ReadCameraMatrix(ReadMatrix(keys, "camera_matrix", "K", 9), "camera_matrix",
                    &camera.lens);
   std::vector<double> d = ReadMatrix(keys, "distortion_coefficients", "D", -1);
-  const auto in_file = ModelInFile(keys);
+  const auto in_file = FindModelName(keys);
   const std::string model = in_file.value_or(
       request.external_model.empty() ? kPlumbBob : request.external_model);
   camera.lens.external_model = &FindRosModel(model, &d);

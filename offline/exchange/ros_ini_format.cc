@@ -77,7 +77,7 @@ ExchangeContents ReadRosIni(const ReadRequest& request) {
     for (InputCamera& camera :
          all.cameras)  // "narrow_stereo/left" becomes "left"
       camera.name.erase(0, camera.name.rfind('/') + 1);
-    ComputePairPoses(&all.cameras);
+    ComputeStereoPoses(&all.cameras);
   }
   return all;
 }

@@ -135,7 +135,7 @@ bool HasAlpha(const std::vector<StPixel>& pixels) {
                      [](const StPixel& pixel) { return pixel[3] == 1; });
 }
 
-Eigen::Vector2d PlaceOf(const StPixel& pixel, const ImageSize& size) {
+Eigen::Vector2d GetSourcePosition(const StPixel& pixel, const ImageSize& size) {
   return FromProgram(
       PixelOrigin::kImageCorner, {},
       {double{pixel[0]} * size.width, (1 - double{pixel[1]}) * size.height});
@@ -163,7 +163,7 @@ ViewTable ReadExrView(const std::string& path, const std::string& bytes,
         view.sources[static_cast<size_t>(y - display_window.min.y) *
                          view.size.width +
                      (x - display_window.min.x)] =
-            PlaceOf(pixels[k], view.source_size);
+            GetSourcePosition(pixels[k], view.source_size);
   return view;
 }
 

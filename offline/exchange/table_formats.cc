@@ -21,7 +21,7 @@ namespace raygrid {
 namespace {
 
 // Joins items with commas and "or": "a, b or c".
-std::string Listed(const std::vector<std::string>& words) {
+std::string FormatList(const std::vector<std::string>& words) {
   std::string text = words.front();
   for (size_t k = 1; k < words.size(); ++k)
     text += (k + 1 < words.size() ? ", " : " or ") + words[k];
@@ -64,8 +64,8 @@ void TableFormat::RequireEnding(const std::string& path) const {
   if (endings.empty() ||
       std::find(endings.begin(), endings.end(), ending) != endings.end())
     return;
-  throw Error(ExitCode::kUsage,
-              fmt::format("-o {}: {} writes {}", path, name, Listed(endings)));
+  throw Error(ExitCode::kUsage, fmt::format("-o {}: {} writes {}", path, name,
+                                            FormatList(endings)));
 }
 
 std::string TableFormat::Source() const {
@@ -97,7 +97,7 @@ std::string WrittenFormatNames() {
   for (const Format& format : GetFormats())
     if (format.write) all.push_back(format.name);
   for (const TableFormat& format : TableFormats()) all.push_back(format.name);
-  return Listed(all);
+  return FormatList(all);
 }
 
 }  // namespace raygrid

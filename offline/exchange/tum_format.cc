@@ -141,16 +141,16 @@ std::vector<BoardPose> ReadTum(const std::string& path,
   std::set<double> stamps;
   while (line.NextNonEmpty()) {
     if (line.size() != kTumColumns)
-      line.Refuse(
+      line.ThrowError(
           fmt::format("has {} fields, expected timestamp tx ty tz qx qy qz qw",
                       line.size()));
     const auto number = [&](size_t k) { return line.Get<double>(k); };
     if (!stamps.insert(number(0)).second)
-      line.Refuse(fmt::format("duplicate timestamp {}", line.Text(0)));
+      line.ThrowError(fmt::format("duplicate timestamp {}", line.Text(0)));
     const Eigen::Quaterniond rotation(number(7), number(4), number(5),
                                       number(6));
     if (!(std::abs(rotation.norm() - 1) < kRounding))
-      line.Refuse("qx qy qz qw must be a unit quaternion");
+      line.ThrowError("qx qy qz qw must be a unit quaternion");
     const Pose board_from_camera = {rotation.normalized(),
                                     {number(1), number(2), number(3)}};
     poses.push_back({MakeImageName(line.Text(0), number(0)), 0,

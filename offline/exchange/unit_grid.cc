@@ -15,7 +15,7 @@ using Vectors = std::vector<Eigen::Vector3d>;
 
 // Returns the area of the lattice, which extends to the outer edges of the
 // pixels.
-Area LatticeArea(const UnitGrid::Bounds& bounds) {
+Area ComputeLatticeArea(const UnitGrid::Bounds& bounds) {
   constexpr PixelOrigin kOrigin = PixelOrigin::kImageCorner;
   const Eigen::Vector2d first =
       FromProgram(kOrigin, {}, {bounds.min_x, bounds.min_y});
@@ -24,8 +24,8 @@ Area LatticeArea(const UnitGrid::Bounds& bounds) {
   return {first.x(), first.y(), last.x(), last.y()};
 }
 
-Area AreaInImage(const UnitGrid::Bounds& bounds, const ImageSize& size) {
-  const Area lattice = LatticeArea(bounds), image = WholeImage(size);
+Area ComputeAreaInImage(const UnitGrid::Bounds& bounds, const ImageSize& size) {
+  const Area lattice = ComputeLatticeArea(bounds), image = WholeImage(size);
   return {std::max(lattice.x0, image.x0), std::max(lattice.y0, image.y0),
           std::min(lattice.x1, image.x1), std::min(lattice.y1, image.y1)};
 }
@@ -128,9 +128,9 @@ std::pair<int, int> GetGridSize(const CameraModel& camera) {
 
 UnitGrid::UnitGrid(const ImageSize& image_size, const Bounds& bounds,
                    int columns, int rows, Vectors directions, Vectors points)
-    : CameraModel(image_size, AreaInImage(bounds, image_size)),
+    : CameraModel(image_size, ComputeAreaInImage(bounds, image_size)),
       bounds_(bounds),
-      lattice_(LatticeArea(bounds), columns, rows),
+      lattice_(ComputeLatticeArea(bounds), columns, rows),
       directions_(std::move(directions)),
       points_(std::move(points)) {}
 
@@ -200,7 +200,7 @@ void UnitGrid::SetParameters(const Eigen::VectorXd& parameters) {
 UnitGrid FitUnitGrid(const CameraModel& camera, bool has_points) {
   const UnitGrid::Bounds bounds = ComputeBounds(camera);
   const auto [columns, rows] = GetGridSize(camera);
-  const BSplineSurface lattice(LatticeArea(bounds), columns, rows);
+  const BSplineSurface lattice(ComputeLatticeArea(bounds), columns, rows);
   std::vector<Eigen::Vector2d> pixels;
   Vectors rays, origins;
   for (const Eigen::Vector2d& pixel : lattice.SamplePixels(4)) {

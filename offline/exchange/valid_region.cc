@@ -21,7 +21,7 @@ struct Place {
 // Right, down, left and up: each step is the previous one rotated clockwise.
 constexpr Place kSteps[4] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
-bool Holds(const ValidityMask& mask, const Place& cell) {
+bool RegionContains(const ValidityMask& mask, const Place& cell) {
   return cell.column >= 0 && cell.column < mask.columns && cell.row >= 0 &&
          cell.row < mask.rows &&
          mask.is_valid[cell.row * mask.columns + cell.column];
@@ -40,7 +40,7 @@ ValidityMask ExtractConnectedCells(int first, ValidityMask* rest) {
     for (const Place& step : kSteps) {
       const Place beside =
           Place{cell % part.columns, cell / part.columns} + step;
-      if (!Holds(*rest, beside)) continue;
+      if (!RegionContains(*rest, beside)) continue;
       next.push_back(beside.row * part.columns + beside.column);
       rest->is_valid[next.back()] = false;
     }
@@ -68,9 +68,10 @@ ValidityMask FindLargestComponent(ValidityMask rest) {
 
 // Whether the mask contains the cell on the right of a step from a corner. The
 // cell on the left of a step is on the right of the previous step.
-bool IsValidRightOf(const ValidityMask& mask, const Place& corner, int step) {
+bool IsCellValidOnRight(const ValidityMask& mask, const Place& corner,
+                        int step) {
   constexpr Place kRight[4] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
-  return Holds(mask, corner + kRight[step % 4]);
+  return RegionContains(mask, corner + kRight[step % 4]);
 }
 
 Eigen::Vector2d ToPixel(const Place& corner, const ValidityMask& mask,
@@ -100,8 +101,8 @@ bool IsInside(const ValidRegion& region, const Eigen::Vector2d& place) {
 }
 
 // Sets the cells of a mask whose centres are in a region.
-ValidityMask CellsInside(const ValidRegion& region, ValidityMask mask,
-                         const ImageSize& size) {
+ValidityMask SelectCellsInside(const ValidRegion& region, ValidityMask mask,
+                               const ImageSize& size) {
   for (size_t k = 0; k < mask.is_valid.size(); ++k) {
     const int cell = static_cast<int>(k);
     mask.is_valid[k] = IsInside(
@@ -128,9 +129,9 @@ ValidRegion ComputeValidRegion(const ValidityMask& mask,
   for (Place corner = start + kSteps[step]; !(corner == start);
        corner = corner + kSteps[step]) {
     const int before = step;
-    if (!IsValidRightOf(part, corner, step))
+    if (!IsCellValidOnRight(part, corner, step))
       step = (step + 1) % 4;
-    else if (IsValidRightOf(part, corner, step + 3))
+    else if (IsCellValidOnRight(part, corner, step + 3))
       step = (step + 3) % 4;
     if (step != before) region.push_back(ToPixel(corner, part, size));
   }
@@ -140,12 +141,12 @@ ValidRegion ComputeValidRegion(const ValidityMask& mask,
 
 ValidityMask MakeValidityMask(const ValidRegion& region,
                               const ImageSize& size) {
-  return CellsInside(region, ValidityMask::Over(size), size);
+  return SelectCellsInside(region, ValidityMask::Over(size), size);
 }
 
 RegionLoss ComputeRegionLoss(const ValidityMask& mask, const ImageSize& size) {
   const ValidityMask held =
-      CellsInside(ComputeValidRegion(mask, size), mask, size);
+      SelectCellsInside(ComputeValidRegion(mask, size), mask, size);
   RegionLoss loss;
   for (size_t k = 0; k < mask.is_valid.size(); ++k) {
     loss.num_left_out += mask.is_valid[k] && !held.is_valid[k];

@@ -12,7 +12,7 @@
 namespace raygrid {
 namespace {
 
-std::string Trimmed(const std::string& text) {
+std::string TrimWhitespace(const std::string& text) {
   constexpr char kWhitespace[] = " \t\r\n";
   const size_t first = text.find_first_not_of(kWhitespace);
   if (first == std::string::npos) return "";
@@ -37,23 +37,23 @@ class XmlTree {
                   XML_TRUE) != XML_STATUS_OK)
       throw InputError(fmt::format("line {}: not XML: {}",
                                    XML_GetCurrentLineNumber(parser_.get()),
-                                   Reason()));
+                                   GetErrorText()));
     return std::move(root_);
   }
 
  private:
   // expat's message for a document that ends within an element is the same as
   // for a document without elements, so they are distinguished here.
-  std::string Reason() const {
-    if (!refusal_.empty()) return refusal_;
+  std::string GetErrorText() const {
+    if (!error_text_.empty()) return error_text_;
     const XML_Error error = XML_GetErrorCode(parser_.get());
     if (error == XML_ERROR_NO_ELEMENTS && !open_.empty())
       return fmt::format("'</{}>' is missing", Printable(open_.back()->name));
     return XML_ErrorString(error);
   }
 
-  void Refuse(const char* reason) {
-    refusal_ = reason;
+  void SetError(const char* reason) {
+    error_text_ = reason;
     XML_StopParser(parser_.get(), XML_FALSE);
   }
 
@@ -62,7 +62,7 @@ class XmlTree {
     constexpr size_t kDeepest = 100;
     XmlTree& tree = *static_cast<XmlTree*>(data);
     if (tree.open_.size() > kDeepest) {
-      tree.Refuse("elements are nested too deeply");
+      tree.SetError("elements are nested too deeply");
       return;
     }
     // Pointers to open elements remain valid: siblings are added only after an
@@ -80,7 +80,7 @@ class XmlTree {
 
   static void End(void* data, const XML_Char* /*name*/) {
     XmlTree& tree = *static_cast<XmlTree*>(data);
-    tree.open_.back()->text = Trimmed(tree.open_.back()->text);
+    tree.open_.back()->text = TrimWhitespace(tree.open_.back()->text);
     tree.open_.pop_back();
   }
 
@@ -93,14 +93,14 @@ class XmlTree {
                          const XML_Char* /*system_id*/,
                          const XML_Char* /*public_id*/, int has_subset) {
     if (has_subset)
-      static_cast<XmlTree*>(data)->Refuse(
+      static_cast<XmlTree*>(data)->SetError(
           "document type declarations are not supported");
   }
 
   std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
   XmlElement root_;
   std::vector<XmlElement*> open_;
-  std::string refusal_;
+  std::string error_text_;
 };
 
 }  // namespace

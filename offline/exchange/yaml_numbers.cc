@@ -13,7 +13,7 @@
 namespace raygrid {
 
 YAML::Node LoadForeignMap(const std::string& path, const std::string& text) {
-  RequireYamlFile(path, text, LastLine::kMayLackEnd);
+  RequireYamlFile(path, text, LastLine::kMayBeUnterminated);
   const YAML::Node root = YAML::Load(text);
   if (!root.IsMap()) throw InputError("contains no camera: expected a mapping");
   return root;

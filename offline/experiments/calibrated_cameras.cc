@@ -35,7 +35,7 @@ std::vector<Condition> ReadOperatingPoints(const ExperimentFeatures& features,
       {"held out", fmt::format("{} of the images", features.hold_out.size())}};
 }
 
-constexpr char kHowCalibrated[] =
+constexpr char kCalibrationNote[] =
     "target geometry estimated, knot spacing by cross-validation, as in "
     "calibrate";
 
@@ -52,7 +52,7 @@ void UseLastAsReference(const std::string& others, ComparedCameras* compared) {
   truth.name += " (reference)";
 }
 
-ComparedCameras UsersCameras(const std::vector<NamedCamera>& users) {
+ComparedCameras SelectUserCameras(const std::vector<NamedCamera>& users) {
   constexpr size_t kMaxCameras = 6;  // the maximum for a chart
   if (users.size() > kMaxCameras)
     throw Error(ExitCode::kUsage,
@@ -163,11 +163,12 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
 
 ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
                                       const std::vector<std::string>& models) {
-  if (!options.data.cameras.empty()) return UsersCameras(options.data.cameras);
+  if (!options.data.cameras.empty())
+    return SelectUserCameras(options.data.cameras);
   const ExperimentFeatures features = SelectFeatures(options);
   ComparedCameras compared;
   compared.conditions = features.conditions;
-  compared.conditions.push_back({"calibrated", kHowCalibrated});
+  compared.conditions.push_back({"calibrated", kCalibrationNote});
   for (const std::string& model : models) {
     try {
       const CameraFile file = CalibrateModel(features, {model}, options).camera;
@@ -190,7 +191,8 @@ ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
   return compared;
 }
 
-bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel) {
+bool AreAllDefined(const ComparedCameras& compared,
+                   const Eigen::Vector2d& pixel) {
   const auto& known = compared.cameras.back().known;
   if (known && !known->IsValidAt(pixel)) return false;
   return std::all_of(compared.cameras.begin(), compared.cameras.end(),

@@ -81,7 +81,8 @@ Area ComputeCommonArea(const std::vector<NamedCamera>& cameras);
 
 /// Returns whether all cameras have a line for the pixel, and it is in the
 /// valid region of an assumed reference.
-bool AllDefined(const ComparedCameras& compared, const Eigen::Vector2d& pixel);
+bool AreAllDefined(const ComparedCameras& compared,
+                   const Eigen::Vector2d& pixel);
 
 }  // namespace raygrid
 

@@ -21,10 +21,11 @@ namespace {
 constexpr double kTargetPx = 0.02;
 constexpr double kFeatureNoisePx = 0.05;
 constexpr int kMaxImages = 200;
-// From kManyImages images on, the camera is evaluated only after every kAtOnce
-// images, unless the next view depends on it.
-constexpr int kManyImages = 80, kAtOnce = 10;
-constexpr double kHandM = 0.03, kHandRad = 5 * M_PI / 180;  // operator's error
+// From kMinImagesForSparseEvaluation images on, the camera is evaluated only
+// after every kEvaluationInterval images, unless the next view depends on it.
+constexpr int kMinImagesForSparseEvaluation = 80, kEvaluationInterval = 10;
+constexpr double kOperatorErrorM = 0.03,
+                 kOperatorErrorRad = 5 * M_PI / 180;  // operator's error
 
 // Horizontal fields of view from 50 to 140 degrees, with an offset principal
 // point.
@@ -106,7 +107,7 @@ Bars ComputeBars(const std::vector<Feature>& features, const Board& board,
 }
 
 // Returns the sum of the fill levels of the bars.
-double Fullness(const std::vector<Bars>& frames) {
+double ComputeFullness(const std::vector<Bars>& frames) {
   const Bars ranges = {0.7, 0.7, 0.4, 0.5};
   Bars low = frames.front(), high = frames.front();
   for (const Bars& frame : frames) {
@@ -119,12 +120,12 @@ double Fullness(const std::vector<Bars>& frames) {
 
 // ---- Operators --------------------------------------------------------------
 
-enum class Follows { kNextView, kBars, kNothing };
+enum class GuidanceMode { kNextView, kBars, kNothing };
 
-constexpr size_t kFewest = 20;  // minimum features of a kept image
+constexpr size_t kMinKeptFeatures = 20;  // minimum features of a kept image
 
 struct Operator {
-  Follows follows;
+  GuidanceMode guidance_mode;
   const ThinPrismFisheye& truth;
   const Pattern& pattern;
   Random random;
@@ -132,10 +133,10 @@ struct Operator {
 
   const Board& board() const { return pattern.boards.front(); }
 
-  Pose Held(const Pose& asked) {
+  Pose PerturbPose(const Pose& asked) {
     Eigen::Matrix<double, 6, 1> off;
     for (int k = 0; k < 6; ++k)
-      off[k] = random.Normal() * (k < 3 ? kHandRad : kHandM);
+      off[k] = random.Normal() * (k < 3 ? kOperatorErrorRad : kOperatorErrorM);
     // The operator rotates the board about its centre.
     const Eigen::Vector3d center = ComputeBoardCenter(board());
     Pose held = asked;
@@ -149,7 +150,8 @@ struct Operator {
   std::vector<Feature> Try(const BoardView& view) {
     const auto pose = ComputePose(view, board(), truth);
     if (!pose) return {};
-    std::vector<Feature> seen = VisibleFeatures(truth, board(), Held(*pose));
+    std::vector<Feature> seen =
+        VisibleFeatures(truth, board(), PerturbPose(*pose));
     const Area found = GetFeatureArea(truth.image_size());
     seen.erase(std::remove_if(seen.begin(), seen.end(),
                               [&found](const Feature& feature) {
@@ -166,7 +168,7 @@ struct Operator {
   std::vector<Feature> SelectRandomView() {
     for (;;) {
       std::vector<Feature> seen = Try(RandomView(truth.image_size(), &random));
-      if (seen.size() >= kFewest) return seen;
+      if (seen.size() >= kMinKeptFeatures) return seen;
     }
   }
 
@@ -188,7 +190,7 @@ struct Operator {
         nearest = std::min(nearest, (frame - bars).abs().sum());
       std::vector<Bars> with = frames;
       with.push_back(bars);
-      const double score = Fullness(with) + (nearest > kNew ? 1 : 0);
+      const double score = ComputeFullness(with) + (nearest > kNew ? 1 : 0);
       if (score <= best_score) continue;
       best_score = score;
       best = std::move(seen);
@@ -202,22 +204,22 @@ struct Operator {
     const int index = static_cast<int>(live.images().images.size());
     std::vector<Feature> seen;
     if (live.adjusted()) {
-      if (const auto knowledge = CameraInformation::Of(*live.adjusted()))
-        if (const auto next = FindBestNextView(*knowledge, board()))
+      if (const auto information = CameraInformation::Of(*live.adjusted()))
+        if (const auto next = FindBestNextView(*information, board()))
           seen = Try(next->view);
     } else if (index < kNumFirstViews) {
       seen = Try(FirstView(index, truth.image_size()));
     }
-    return seen.size() >= kFewest ? seen : SelectRandomView();
+    return seen.size() >= kMinKeptFeatures ? seen : SelectRandomView();
   }
 
   std::vector<Feature> Next(const LiveCamera& live) {
-    switch (follows) {
-      case Follows::kNextView:
+    switch (guidance_mode) {
+      case GuidanceMode::kNextView:
         return SelectNextBestView(live);
-      case Follows::kBars:
+      case GuidanceMode::kBars:
         return SelectViewByCoverage();
-      case Follows::kNothing:
+      case GuidanceMode::kNothing:
         break;
     }
     return SelectRandomView();
@@ -241,9 +243,10 @@ struct CaptureRun {
   double predicted_px = 0;
 };
 
-CaptureRun SimulateCapture(Follows follows, const ThinPrismFisheye& truth,
+CaptureRun SimulateCapture(GuidanceMode guidance_mode,
+                           const ThinPrismFisheye& truth,
                            const Pattern& pattern, uint64_t seed) {
-  Operator hand = {follows, truth, pattern, Random(seed)};
+  Operator hand = {guidance_mode, truth, pattern, Random(seed)};
   LiveCamera live(pattern, truth.image_size(), 1);
   SimulationOptions noise;
   noise.noise_px = kFeatureNoisePx;
@@ -251,8 +254,9 @@ CaptureRun SimulateCapture(Follows follows, const ThinPrismFisheye& truth,
   while (capture.num_images < kMaxImages && !capture.is_done) {
     std::vector<ImageFeatures> images;
     const bool is_each_looked_at =
-        capture.num_images < kManyImages || follows == Follows::kNextView;
-    const int count = is_each_looked_at ? 1 : kAtOnce;
+        capture.num_images < kMinImagesForSparseEvaluation ||
+        guidance_mode == GuidanceMode::kNextView;
+    const int count = is_each_looked_at ? 1 : kEvaluationInterval;
     for (int k = 0; k < count; ++k) {
       std::vector<Feature> seen = hand.Next(live);
       AddNoise(noise, &hand.random, &seen);
@@ -267,13 +271,13 @@ CaptureRun SimulateCapture(Follows follows, const ThinPrismFisheye& truth,
         TrueError95(truth, live.adjusted()->state.camera()) <= kTargetPx;
   }
   if (live.adjusted())
-    if (const auto knowledge = CameraInformation::Of(*live.adjusted()))
-      capture.predicted_px = knowledge->Percentile95Px();
+    if (const auto information = CameraInformation::Of(*live.adjusted()))
+      capture.predicted_px = information->Percentile95Px();
   return capture;
 }
 
-constexpr Follows kOperators[] = {Follows::kNextView, Follows::kBars,
-                                  Follows::kNothing};
+constexpr GuidanceMode kOperators[] = {
+    GuidanceMode::kNextView, GuidanceMode::kBars, GuidanceMode::kNothing};
 constexpr const char* kOperatorNames[] = {"next view", "ROS's bars", "nothing"};
 constexpr int kNumOperators = 3;
 

@@ -22,7 +22,7 @@ ImageSize ReadSize(const std::string& path) {
   while (lines.NextNonEmpty()) {
     const ImageSize own = {lines.Get<int>(2), lines.Get<int>(3)};
     if (size.width > 0 && own != size)
-      lines.Refuse(
+      lines.ThrowError(
           "cameras have different image sizes, which this experiment does not "
           "support");
     size = own;
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3d> ReadPoints(const std::string& path,
   while (lines.NextNonEmpty()) {
     const bool is_new =
         indices->emplace(lines.Get<int64_t>(0), points.size()).second;
-    if (!is_new) lines.Refuse("duplicate point");
+    if (!is_new) lines.ThrowError("duplicate point");
     points.emplace_back(lines.Get<double>(1), lines.Get<double>(2),
                         lines.Get<double>(3));
   }
@@ -51,7 +51,7 @@ ColmapModel::Image ReadHead(const TokenLines& lines) {
   ColmapModel::Image image;
   const Eigen::Quaterniond rotation(lines.Get<double>(1), lines.Get<double>(2),
                                     lines.Get<double>(3), lines.Get<double>(4));
-  if (!(rotation.norm() > 0.5)) lines.Refuse("not a rotation");
+  if (!(rotation.norm() > 0.5)) lines.ThrowError("not a rotation");
   image.camera_from_world.rotation = rotation.normalized();
   image.camera_from_world.translation = {
       lines.Get<double>(5), lines.Get<double>(6), lines.Get<double>(7)};
@@ -62,13 +62,14 @@ ColmapModel::Image ReadHead(const TokenLines& lines) {
 std::vector<ColmapModel::Observation> ReadObservations(
     const TokenLines& lines, const std::map<int64_t, int>& indices) {
   std::vector<ColmapModel::Observation> observations;
-  if (lines.size() % 3 != 0) lines.Refuse("expected x, y and a point id each");
+  if (lines.size() % 3 != 0)
+    lines.ThrowError("expected x, y and a point id each");
   for (size_t i = 0; i < lines.size(); i += 3) {
     const auto point = lines.Get<int64_t>(i + 2);
     if (point == -1) continue;
     const auto index = indices.find(point);
     if (index == indices.end())
-      lines.Refuse(fmt::format("point {} is not in points3D.txt", point));
+      lines.ThrowError(fmt::format("point {} is not in points3D.txt", point));
     const Eigen::Vector2d pixel(lines.Get<double>(i), lines.Get<double>(i + 1));
     observations.push_back(
         {FromProgram(PixelOrigin::kImageCorner, {}, pixel), index->second});

@@ -30,7 +30,7 @@ constexpr double kBiasSquareM = 0.02;
 
 // The refinement methods: without and with the curvature of the mapping within
 // the window.
-enum Way { kHomography, kCurved, kNumWays };
+enum MappingKind { kHomography, kCurved, kNumMappingKinds };
 
 Board MakeBoard() {
   StarBoardOptions options;
@@ -44,7 +44,7 @@ Board MakeBoard() {
 
 // Returns the homography whose second derivatives best approximate those of the
 // mapping: A s (1 - h s) instead of A s + W (u^2, u v, v^2).
-LocalMapping RemoveCurvature(LocalMapping mapping) {
+LocalMapping ApproximateByHomography(LocalMapping mapping) {
   const Eigen::Matrix<double, 2, 3> bend =
       mapping.linear.inverse() * mapping.curvature.leftCols<3>();
   mapping.perspective -=
@@ -59,9 +59,9 @@ struct Measured {
   std::vector<std::vector<Feature>> found;  // by method, then by window size
 };
 
-class Photographer {
+class ImageSimulator {
  public:
-  Photographer(const CameraModel& camera, const ExperimentOptions& options)
+  ImageSimulator(const CameraModel& camera, const ExperimentOptions& options)
       : camera_(camera),
         options_(options),
         board_(MakeBoard()),
@@ -89,14 +89,14 @@ class Photographer {
     for (const Feature& feature : VisibleFeatures(camera_, board_, pose))
       if (WholeImage(options_.size).Contains(feature.pixel, -kMarginPx))
         measured.truth.push_back(feature);
-    for (int way = 0; way < kNumWays; ++way)
+    for (int way = 0; way < kNumMappingKinds; ++way)
       for (int w = 0; w < kNumWindows; ++w)
         measured.found.push_back(refiners_[w]->RefineWith(
             image, measured.truth, [&](const Feature& feature) {
               auto mapping = ComputeCameraMapping(camera_, pose, board_,
                                                   feature, kWindows[w]);
               if (mapping && way == kHomography)
-                mapping = RemoveCurvature(*mapping);
+                mapping = ApproximateByHomography(*mapping);
               return mapping;
             }));
     return measured;
@@ -182,7 +182,7 @@ struct Photograph {
 
 // Returns the images of the given features, with the poses of the boards in
 // them.
-std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
+std::vector<Photograph> SelectPhotographs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   std::map<std::string, Photograph> by_name;
   for (const std::string& path : FindImages(data.images).paths)
@@ -214,7 +214,7 @@ std::vector<Photograph> FindPhotographs(const ExperimentOptions& options) {
 
 // Features of one window, refined by each method.
 struct ShiftedFeatures {
-  Dataset measured[kNumWays];
+  Dataset measured[kNumMappingKinds];
   double shift_rms_px = 0, shift_max_px = 0;
   int count = 0;
 };
@@ -233,7 +233,7 @@ ImageFeatures RefineInPhotograph(const GreyImage& image,
             auto mapping =
                 ComputeCameraMapping(camera, pose, board, feature, window);
             if (mapping && way == kHomography)
-              mapping = RemoveCurvature(*mapping);
+              mapping = ApproximateByHomography(*mapping);
             return mapping;
           })};
 }
@@ -247,12 +247,12 @@ ShiftedFeatures MeasureShift(const std::vector<Photograph>& photographs,
   for (const Board& board : options.data.pattern.boards)
     refiners[board.id] = std::make_unique<FeatureRefiner>(board, detection);
   const int count = static_cast<int>(photographs.size());
-  std::vector<ImageFeatures> measured[kNumWays];
+  std::vector<ImageFeatures> measured[kNumMappingKinds];
   for (auto& images : measured) images.resize(count);
   ParallelFor(count, NumThreads(options.num_threads), [&](int i) {
     const Photograph& photograph = photographs[i];
     const GreyImage image = MakeGreyImage(ReadGreyLevels(photograph.path));
-    for (int way = 0; way < kNumWays; ++way) {
+    for (int way = 0; way < kNumMappingKinds; ++way) {
       measured[way][i].image = photograph.features.image;
       for (const auto& [id, pose] : photograph.poses) {
         const ImageFeatures again = RefineInPhotograph(
@@ -277,14 +277,14 @@ ShiftedFeatures MeasureShift(const std::vector<Photograph>& photographs,
     }
   }
   shifted.shift_rms_px = std::sqrt(sum / std::max(1, shifted.count));
-  for (int way = 0; way < kNumWays; ++way) {
+  for (int way = 0; way < kNumMappingKinds; ++way) {
     shifted.measured[way].image_size = camera.image_size();
     shifted.measured[way].images = std::move(measured[way]);
   }
   return shifted;
 }
 
-ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
+ExperimentResult MeasureShiftOnUserImages(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   if (!data.features || data.images.empty() || data.cameras.size() != 1)
     throw Error(ExitCode::kUsage,
@@ -294,7 +294,7 @@ ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
   if (camera.image_size() != data.features->image_size)
     throw InputError(data.cameras.front().name +
                      ": its image size differs from --image-size");
-  const std::vector<Photograph> photographs = FindPhotographs(options);
+  const std::vector<Photograph> photographs = SelectPhotographs(options);
   ExperimentResult table;
   table.conditions = {
       {"images",
@@ -325,8 +325,8 @@ ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
   for (int w = 0; w < kNumWindows; ++w) {
     const ShiftedFeatures shifted =
         MeasureShift(photographs, kWindows[w], options);
-    double rms_px[kNumWays];
-    for (int way = 0; way < kNumWays; ++way)
+    double rms_px[kNumMappingKinds];
+    for (int way = 0; way < kNumMappingKinds; ++way)
       rms_px[way] =
           ComputeErrorMetrics(EvaluateCamera(camera, shifted.measured[way],
                                              data.pattern, options.num_threads)
@@ -350,9 +350,9 @@ ExperimentResult MeasureUsersShift(const ExperimentOptions& options) {
 ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   if (options.data.features || !options.data.images.empty() ||
       !options.data.cameras.empty())
-    return MeasureUsersShift(options);
+    return MeasureShiftOnUserImages(options);
   const auto camera = MakeSimulatedCamera(kBiasCamera, options.size);
-  const Photographer photographer(*camera, options);
+  const ImageSimulator photographer(*camera, options);
   const std::vector<Pose> poses =
       ChoosePoses(*camera, photographer.board(), options);
   const int count = static_cast<int>(poses.size());
@@ -388,7 +388,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
   for (const int window : kWindows)
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()), std::to_string(window)});
-  for (int way = 0; way < kNumWays; ++way) {
+  for (int way = 0; way < kNumMappingKinds; ++way) {
     ChartSeries rays = {std::string("ray error, ") + names[way], {}, true};
     ChartSeries residuals = {std::string("residual, ") + names[way], {}, true};
     for (int w = 0; w < kNumWindows; ++w) {
@@ -401,7 +401,7 @@ ExperimentResult MeasureCurvatureBias(const ExperimentOptions& options) {
       residuals.points.push_back({double(w), outcome.residual_px});
       if (options.progress)
         options.progress(0.6 + 0.4 * (way * kNumWindows + w + 1) /
-                                   (kNumWays * kNumWindows));
+                                   (kNumMappingKinds * kNumWindows));
     }
     table.chart.series.push_back(rays);
     table.chart.series.push_back(residuals);

@@ -39,7 +39,7 @@ struct FineModel {
   }
 };
 
-std::vector<FineModel> FineModels() {
+std::vector<FineModel> ListFineModels() {
   std::vector<FineModel> models;
   for (const std::string& name : ListModelNames(ModelUse::kCompare))
     models.push_back({name, 0});
@@ -77,7 +77,7 @@ Pattern FineBoard() {
   return pattern;
 }
 
-bool IsInACorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
+bool IsInImageCorner(const Eigen::Vector2d& pixel, const ImageSize& size) {
   constexpr double kPart = 0.1;  // fraction of each side
   const auto is_at_an_end = [](double position, double extent) {
     return std::min(position, extent - position) < kPart * extent;
@@ -103,7 +103,7 @@ std::vector<Feature> FineFeatures(const CameraModel& camera, const Board& board,
   // number.
   const auto others = std::stable_partition(
       seen.begin(), seen.end(), [&camera](const Feature& feature) {
-        return IsInACorner(feature.pixel, camera.image_size());
+        return IsInImageCorner(feature.pixel, camera.image_size());
       });
   std::vector<Feature> training_features(seen.begin(), others);
   int num_left = static_cast<int>(seen.end() - others);
@@ -251,7 +251,7 @@ ExperimentResult EmptyFineTable(const ExperimentOptions& options) {
   table.chart.x_label = "model";
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
-  for (const FineModel& model : FineModels())
+  for (const FineModel& model : ListFineModels())
     table.chart.ticks.push_back(
         {double(table.chart.ticks.size()),
          model.knot_spacing_px > 0
@@ -266,7 +266,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
   ExperimentResult table = EmptyFineTable(options);
   const Pattern pattern = FineBoard();
   const Image wheel = DrawDirectionLegend(96);
-  const std::vector<FineModel> models = FineModels();
+  const std::vector<FineModel> models = ListFineModels();
   int num_done = 0;
   for (const double width_px : options.bump_widths_px) {
     const BumpyCamera truth =

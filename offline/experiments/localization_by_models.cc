@@ -35,7 +35,7 @@ std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
     const double x = random->Uniform(area.x0 + 1, area.x1 - 1);
     const Eigen::Vector2d pixel(x, random->Uniform(area.y0 + 1, area.y1 - 1));
     const double distance_m = random->Uniform(kNearM, kFarM);
-    if (!AllDefined(compared, pixel)) continue;
+    if (!AreAllDefined(compared, pixel)) continue;
     const auto line = compared.truth().Line(pixel);
     scene.push_back({line->origin + distance_m * line->direction, pixel});
   }
@@ -71,8 +71,8 @@ Errors LocalizeScene(const CameraModel& camera,
   return errors;
 }
 
-double MedianLength(const std::vector<Errors>& scenes, size_t k,
-                    const Eigen::Vector3d& offset) {
+double ComputeMedianLength(const std::vector<Errors>& scenes, size_t k,
+                           const Eigen::Vector3d& offset) {
   std::vector<double> lengths;
   for (const Errors& scene : scenes)
     if (scene[k]) lengths.push_back((*scene[k] - offset).norm());
@@ -81,7 +81,7 @@ double MedianLength(const std::vector<Errors>& scenes, size_t k,
 
 // Returns the median over scenes, per axis, of the error after averaging all
 // frames.
-Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
+Eigen::Vector3d ComputeSharedOffset(const std::vector<Errors>& scenes) {
   Eigen::Vector3d offset;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -95,8 +95,8 @@ Eigen::Vector3d SharedOffset(const std::vector<Errors>& scenes) {
 // Medians over scenes.
 struct PositionErrors {
   std::vector<double> frame_errors_m;
-  double shared_m = 0;  // offset common to all scenes
-  double rest_m = 0;    // the remainder after averaging all frames
+  double shared_m = 0;    // offset common to all scenes
+  double residual_m = 0;  // the remainder after averaging all frames
 };
 
 PositionErrors MeasurePositionErrors(const CameraModel& camera,
@@ -113,10 +113,11 @@ PositionErrors MeasurePositionErrors(const CameraModel& camera,
   PositionErrors errors;
   for (size_t k = 0; k < std::size(kNumFrames); ++k)
     errors.frame_errors_m.push_back(
-        MedianLength(scenes, k, Eigen::Vector3d::Zero()));
-  const Eigen::Vector3d offset = SharedOffset(scenes);
+        ComputeMedianLength(scenes, k, Eigen::Vector3d::Zero()));
+  const Eigen::Vector3d offset = ComputeSharedOffset(scenes);
   errors.shared_m = offset.norm();
-  errors.rest_m = MedianLength(scenes, std::size(kNumFrames) - 1, offset);
+  errors.residual_m =
+      ComputeMedianLength(scenes, std::size(kNumFrames) - 1, offset);
   return errors;
 }
 
@@ -165,7 +166,7 @@ ExperimentResult LocalizeByModels(const ExperimentOptions& options) {
         series.points.push_back({double(k), 1000 * errors.frame_errors_m[k]});
     }
     row.emplace_back(1000 * errors.shared_m);
-    row.emplace_back(1000 * errors.rest_m);
+    row.emplace_back(1000 * errors.residual_m);
     table.rows.push_back(row);
     table.chart.series.push_back(series);
     if (options.progress)

@@ -49,16 +49,17 @@ Camera GetCamera(const ExperimentOptions& options) {
   return {camera, {{"camera", "user-provided, " + camera->Name()}}};
 }
 
-struct Effect {
+struct ProjectionErrors {
   double rms_px = 0, max_px = 0;
 };
 
 // Returns the error at distance_m of a central camera that is located at the
 // point closest to all observation lines, and exact at right_at_m.
-Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
-                double right_at_m, double distance_m) {
+ProjectionErrors ComputeProjectionErrors(const CameraModel& camera,
+                                         const Eigen::Vector3d& center,
+                                         double right_at_m, double distance_m) {
   constexpr int kSteps = 40;
-  Effect effect;
+  ProjectionErrors errors;
   int count = 0;
   const Area& area = camera.area();
   for (int k = 0; k < (kSteps + 1) * (kSteps + 1); ++k) {
@@ -81,17 +82,17 @@ Effect EffectAt(const CameraModel& camera, const Eigen::Vector3d& center,
         (linear.J_point * distance_m *
          (seen_from_center(right_at_m) - seen_from_center(distance_m)))
             .norm();
-    effect.rms_px += error_px * error_px;
-    effect.max_px = std::max(effect.max_px, error_px);
+    errors.rms_px += error_px * error_px;
+    errors.max_px = std::max(errors.max_px, error_px);
     ++count;
   }
-  effect.rms_px = std::sqrt(effect.rms_px / std::max(1, count));
-  return effect;
+  errors.rms_px = std::sqrt(errors.rms_px / std::max(1, count));
+  return errors;
 }
 
-std::vector<double> OffsetsMm(const CameraModel& camera,
-                              const Eigen::Vector3d& center, int columns,
-                              int rows) {
+std::vector<double> ListOffsetsMm(const CameraModel& camera,
+                                  const Eigen::Vector3d& center, int columns,
+                                  int rows) {
   const Area& area = camera.area();
   std::vector<double> offsets;
   for (int k = 0; k < columns * rows; ++k) {
@@ -129,10 +130,10 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
   ChartSeries far = {"exact at infinity", {}, true},
               near = {"exact at 0.5 m", {}, true};
   for (const double distance_m : kDistancesM) {
-    const Effect distant_effect = EffectAt(*camera.model, spread.nearest_point,
-                                           kInfinitelyFarM, distance_m);
-    const Effect if_near =
-        EffectAt(*camera.model, spread.nearest_point, kBoardM, distance_m);
+    const ProjectionErrors distant_effect = ComputeProjectionErrors(
+        *camera.model, spread.nearest_point, kInfinitelyFarM, distance_m);
+    const ProjectionErrors if_near = ComputeProjectionErrors(
+        *camera.model, spread.nearest_point, kBoardM, distance_m);
     table.rows.push_back({distance_m, distant_effect.rms_px,
                           distant_effect.max_px, if_near.rms_px,
                           if_near.max_px});
@@ -145,7 +146,7 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
 
   constexpr int kColumns = 80, kRows = 60, kCellPx = 5;
   const std::vector<double> offsets =
-      OffsetsMm(*camera.model, spread.nearest_point, kColumns, kRows);
+      ListOffsetsMm(*camera.model, spread.nearest_point, kColumns, kRows);
   const Image bar =
       DrawColorLegend(ColorScale::kMagnitude, "0",
                       fmt::format("{:.3g} mm", 1000 * spread.max_m));

@@ -34,7 +34,7 @@ double SmoothNoise(double x, double y) {
 }  // namespace
 
 // Returns grey levels from 30 to 230.
-double PaintedWall::Paint(const Eigen::Vector3d& point) const {
+double PaintedWall::EvaluateTexture(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d place = kUsualDistanceM / distance_m_ * point;
   double level = 0;
   for (const double wave_m : {0.018, 0.04, 0.1})
@@ -43,7 +43,7 @@ double PaintedWall::Paint(const Eigen::Vector3d& point) const {
   return 30 + 200 * level;
 }
 
-std::optional<Eigen::Vector3d> PaintedWall::Seen(
+std::optional<Eigen::Vector3d> PaintedWall::IntersectRay(
     const ObservationLine& line) const {
   constexpr double kMinSlope = 0.05;
   const Eigen::Vector3d normal(-kSlope, 0, 1);
@@ -66,10 +66,11 @@ cv::Mat PaintedWall::Photograph(const CameraModel& camera,
         const auto line =
             camera.Line({x - 0.25 + 0.5 * (k % 2), y - 0.25 + 0.5 * (k / 2)});
         if (!line) continue;
-        const auto point = Seen({wall_from_camera * line->origin,
-                                 wall_from_camera.rotation * line->direction});
+        const auto point =
+            IntersectRay({wall_from_camera * line->origin,
+                          wall_from_camera.rotation * line->direction});
         if (!point) continue;
-        sum += Paint(*point);
+        sum += EvaluateTexture(*point);
         ++count;
       }
       levels.at<float>(y, x) = static_cast<float>(sum / std::max(1, count));

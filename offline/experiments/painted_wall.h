@@ -21,14 +21,15 @@ class PaintedWall {
   double distance_m() const { return distance_m_; }
 
   /// Intersects a line with the wall; nullopt if parallel or pointing away.
-  std::optional<Eigen::Vector3d> Seen(const ObservationLine& line) const;
+  std::optional<Eigen::Vector3d> IntersectRay(
+      const ObservationLine& line) const;
 
   /// Renders an image without noise, as 32-bit floats; 0 outside the wall.
   cv::Mat Photograph(const CameraModel& camera, const Pose& wall_from_camera,
                      int num_threads) const;
 
  private:
-  double Paint(const Eigen::Vector3d& point) const;
+  double EvaluateTexture(const Eigen::Vector3d& point) const;
 
   double distance_m_;
 };

@@ -20,7 +20,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kPairs = 10;
+constexpr int kNumPairs = 10;
 constexpr double kKnownPx = 3;  // larger errors are not linear
 
 // A set of images, whose halves should yield the same camera.
@@ -46,7 +46,7 @@ ImageSet Simulated(const std::string& name, const ExperimentOptions& options,
           pattern};
 }
 
-std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
+std::vector<ImageSet> MakeImageSets(const ExperimentOptions& options) {
   if (options.data.features)
     return {{"user-provided", *options.data.features, options.data.pattern}};
   return {Simulated("white noise", options, 0, 0),
@@ -55,8 +55,8 @@ std::vector<ImageSet> SetsFor(const ExperimentOptions& options) {
 }
 
 // Splits the image names randomly into two halves.
-std::array<std::vector<std::string>, 2> Halves(const Dataset& dataset,
-                                               Random* random) {
+std::array<std::vector<std::string>, 2> SplitInHalves(const Dataset& dataset,
+                                                      Random* random) {
   std::vector<int> order(dataset.images.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   for (int i = static_cast<int>(order.size()) - 1; i > 0; --i)
@@ -73,15 +73,15 @@ struct Place {
   int index = 0;  // index in the list of candidates
   Eigen::Vector2d pixel, difference_px;
   Eigen::Matrix<double, 2, 3> J_rotation;
-  double stated_px = 0;   // 1 sigma of both as predicted
-  double scatter_px = 0;  // 1 sigma due to noise, RMS of both axes
+  double stated_px = 0;        // 1 sigma of both as predicted
+  double noise_stddev_px = 0;  // 1 sigma due to noise, RMS of both axes
   bool is_valid = false;
 };
 
 // Whether features surround a pixel within a maximum distance along x and y.
 // Elsewhere, a camera is extrapolated.
-bool IsAmong(const Dataset& features, const Eigen::Vector2d& pixel,
-             double near_px) {
+bool IsNearFeature(const Dataset& features, const Eigen::Vector2d& pixel,
+                   double near_px) {
   std::array<bool, 4> sides = {};
   for (const ImageFeatures& image : features.images)
     for (const Feature& feature : image.features) {
@@ -111,8 +111,8 @@ std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
       const auto ray = b.Unproject(place.pixel);
       const auto seen_at = ray ? a.Project(*ray) : std::nullopt;
       LinearizedProjection linear;
-      if (!seen_at || !IsAmong(first.features, place.pixel, near_px) ||
-          !IsAmong(second.features, place.pixel, near_px) ||
+      if (!seen_at || !IsNearFeature(first.features, place.pixel, near_px) ||
+          !IsNearFeature(second.features, place.pixel, near_px) ||
           !a.Linearize(*ray, &place.pixel, 1, &linear))
         continue;
       place.difference_px = *seen_at - place.pixel;
@@ -124,8 +124,8 @@ std::vector<Place> CollectFeaturePositions(const CalibrationResult& first,
                                   ub.lattice.At(b.area(), place.pixel)};
       if (!(std::max(stated_px[0], stated_px[1]) <= kKnownPx)) continue;
       place.stated_px = std::hypot(stated_px[0], stated_px[1]);
-      place.scatter_px = std::hypot(ua.scatter.At(area, place.pixel),
-                                    ub.scatter.At(b.area(), place.pixel));
+      place.noise_stddev_px = std::hypot(ua.scatter.At(area, place.pixel),
+                                         ub.scatter.At(b.area(), place.pixel));
       place.is_valid =
           ua.mask.IsValidAt(place.pixel) && ub.mask.IsValidAt(place.pixel);
       places.push_back(place);
@@ -160,18 +160,18 @@ void RemoveRotation(std::vector<Place>* places) {
 // variances and of noise variances; and the ratios of squared differences to
 // both variances.
 struct Spread {
-  double difference2 = 0, stated2 = 0, scatter2 = 0;
-  std::vector<double> stated_variances, scatter_variances;
+  double difference2 = 0, stated2 = 0, squared_noise = 0;
+  std::vector<double> stated_variances, noise_variances;
 
   void Add(const Place& place) {
     const double own2 = place.difference_px.squaredNorm() / 2;
     const double own_stated2 = place.stated_px * place.stated_px;
-    const double own_scatter2 = place.scatter_px * place.scatter_px;
+    const double own_scatter2 = place.noise_stddev_px * place.noise_stddev_px;
     difference2 += own2;
     stated2 += own_stated2;
-    scatter2 += own_scatter2;
+    squared_noise += own_scatter2;
     stated_variances.push_back(own2 / own_stated2);
-    scatter_variances.push_back(own2 / own_scatter2);
+    noise_variances.push_back(own2 / own_scatter2);
   }
   void Add(const Spread& other) {
     const auto append = [](const std::vector<double>& from,
@@ -180,9 +180,9 @@ struct Spread {
     };
     difference2 += other.difference2;
     stated2 += other.stated2;
-    scatter2 += other.scatter2;
+    squared_noise += other.squared_noise;
     append(other.stated_variances, &stated_variances);
-    append(other.scatter_variances, &scatter_variances);
+    append(other.noise_variances, &noise_variances);
   }
   int count() const { return static_cast<int>(stated_variances.size()); }
 };
@@ -196,7 +196,7 @@ double RootMean(const std::vector<double>& squares) {
 // Returns a robust RMS: it approximates the RMS for two independent normal
 // axes, is smaller if all pixels are displaced equally, and ignores a few
 // outliers.
-double TypicalRoot(const std::vector<double>& squares) {
+double ComputeTypicalRoot(const std::vector<double>& squares) {
   constexpr double kMedianOfSquaredNormal =
       M_LN2;  // for half the sum of two squares
   return std::sqrt(Quantile(squares, 0.5) / kMedianOfSquaredNormal);
@@ -257,7 +257,8 @@ std::optional<Repetition> Repeat(const ImageSet& set,
                                  const CalibrationResult& all, uint64_t seed) {
   Random random(seed);
   std::vector<CalibrationResult> results;
-  for (const std::vector<std::string>& half : Halves(set.dataset, &random)) {
+  for (const std::vector<std::string>& half :
+       SplitInHalves(set.dataset, &random)) {
     CalibrationOptions calibration;
     calibration.num_threads = 1;
     calibration.knot_spacing_px = all.knot_spacing_px;
@@ -273,7 +274,8 @@ std::optional<Repetition> Repeat(const ImageSet& set,
   Repetition repetition;
   for (const Place& place : places) {
     repetition.known.Add(place);
-    repetition.by_scatter[place.index] = place.difference_px / place.scatter_px;
+    repetition.by_scatter[place.index] =
+        place.difference_px / place.noise_stddev_px;
     if (place.is_valid) repetition.valid_region.Add(place);
   }
   return repetition;
@@ -285,8 +287,8 @@ std::vector<std::optional<Repetition>> RepeatAll(
   calibration.num_threads = options.num_threads;
   const CalibrationResult together =
       Calibrate(set.dataset, set.pattern, calibration);
-  std::vector<std::optional<Repetition>> repetitions(kPairs);
-  ParallelFor(kPairs, NumThreads(options.num_threads), [&](int k) {
+  std::vector<std::optional<Repetition>> repetitions(kNumPairs);
+  ParallelFor(kNumPairs, NumThreads(options.num_threads), [&](int k) {
     try {
       repetitions[k] = Repeat(set, together, options.seed + k);
     } catch (const Error&) {
@@ -315,12 +317,12 @@ std::vector<Cell> MakeRow(const std::string& set, const std::string& pair,
           root(valid_region.difference2, valid_region.count()),
           root(valid_region.stated2, valid_region.count()),
           root(valid_region.difference2, valid_region.stated2),
-          root(valid_region.difference2, valid_region.scatter2),
+          root(valid_region.difference2, valid_region.squared_noise),
           known.count(),
           RootMean(known.stated_variances),
-          TypicalRoot(known.stated_variances),
-          RootMean(known.scatter_variances),
-          TypicalRoot(known.scatter_variances),
+          ComputeTypicalRoot(known.stated_variances),
+          RootMean(known.noise_variances),
+          ComputeTypicalRoot(known.noise_variances),
           chance(0),
           chance(1)};
 }
@@ -349,19 +351,19 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
       "RMS over pixels near features, predicted below 3 px";
   table.chart.x_label = "pair of halves";
   table.chart.y_label = "ratio";
-  for (int k = 1; k <= kPairs; ++k)
+  for (int k = 1; k <= kNumPairs; ++k)
     table.chart.ticks.push_back({double(k), std::to_string(k)});
-  const std::vector<ImageSet> sets = SetsFor(options);
+  const std::vector<ImageSet> sets = MakeImageSets(options);
   for (size_t i = 0; i < sets.size(); ++i) {
     const auto repetitions = RepeatAll(sets[i], options);
     ChartSeries ratios = {sets[i].name, {}, false};
     Repetition all;
-    for (int k = 0; k < kPairs; ++k) {
+    for (int k = 0; k < kNumPairs; ++k) {
       if (!repetitions[k]) continue;
       const Repetition& own = *repetitions[k];
       table.rows.push_back(
           MakeRow(sets[i].name, std::to_string(k + 1), own, {}));
-      ratios.points.push_back({k + 1.0, RootMean(own.known.scatter_variances)});
+      ratios.points.push_back({k + 1.0, RootMean(own.known.noise_variances)});
       all.valid_region.Add(own.valid_region);
       all.known.Add(own.known);
     }
@@ -379,7 +381,7 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
   table.conditions = {
       {"halves",
        fmt::format("{} pairs of calibrations, each from one half of the images",
-                   kPairs)},
+                   kNumPairs)},
       {"ratio",
        "difference per axis relative to the predicted standard deviation, "
        "smoothing bias included: RMS over the common valid region; RMS and "

@@ -20,7 +20,7 @@ namespace raygrid {
 namespace {
 
 constexpr double kBaselineM = 0.1;
-constexpr double kBaselinesToWall = 20;
+constexpr double kWallDistanceInBaselines = 20;
 constexpr Matching kMatching = {420, 10, 40};
 constexpr int kDepthFrames = 4;
 
@@ -140,7 +140,7 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
            left.images.size(), right.images.size())});
 }
 
-ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
+ComparedPairs SimulatePairs(const ExperimentOptions& options) {
   const SimulatedRig rig = MakeCameraRow(
       MakeSimulatedCamera("example", options.size), 2, kBaselineM);
   const Pattern pattern = ChessboardPattern(30, 24, 0.02);
@@ -162,7 +162,7 @@ ComparedPairs SimulatedPairs(const ExperimentOptions& options) {
 }
 
 // Returns the pairs calibrated from the user's features, or the user's rigs.
-ComparedPairs UsersPairs(const ExperimentOptions& options) {
+ComparedPairs SelectUserPairs(const ExperimentOptions& options) {
   const ExperimentData& data = options.data;
   ComparedPairs compared;
   std::string others = "the others as specified";
@@ -315,11 +315,11 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
 
 // Returns the disparity range for a wall in front of a pair, with a margin for
 // its slope.
-Matching MatchingOnWall(const StereoRig& pair) {
+Matching MatchOnWall(const StereoRig& pair) {
   constexpr double kMinDisparityRatio = 0.48, kMaxDisparityRatio = 1.9;
   Matching matching;
   matching.focal_px = CenterFocalPx(*pair.left);
-  const double disparity_px = matching.focal_px / kBaselinesToWall;
+  const double disparity_px = matching.focal_px / kWallDistanceInBaselines;
   matching.min_disparity = std::max(
       1, static_cast<int>(std::floor(kMinDisparityRatio * disparity_px)));
   matching.max_disparity =
@@ -332,9 +332,9 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
                                const ExperimentOptions& options) {
   const StereoRig& truth = compared.truth();
   const double baseline_m = BaselineM(truth);
-  const PaintedWall wall(kBaselinesToWall * baseline_m);
+  const PaintedWall wall(kWallDistanceInBaselines * baseline_m);
   const Matching matching =
-      compared.is_simulated ? kMatching : MatchingOnWall(truth);
+      compared.is_simulated ? kMatching : MatchOnWall(truth);
   const int num_threads = NumThreads(options.num_threads);
   const cv::Mat left = wall.Photograph(*truth.left, {}, num_threads);
   const cv::Mat right = wall.Photograph(
@@ -344,7 +344,7 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
     const auto line = truth.left->Line(pixel);
     const auto& known = truth.left_known;
     if (!line || (known && !known->IsValidAt(pixel))) return std::nullopt;
-    return wall.Seen(*line);
+    return wall.IntersectRay(*line);
   };
 
   ExperimentResult table;
@@ -431,7 +431,7 @@ ExperimentResult MeasureStereoDepth(const ExperimentOptions& options) {
                 "stereo-depth: --image requires two images (left, then right) "
                 "and a --rig, or --features of a stereo pair");
   const ComparedPairs compared =
-      is_users ? UsersPairs(options) : SimulatedPairs(options);
+      is_users ? SelectUserPairs(options) : SimulatePairs(options);
   return data.images.empty() ? CompareOnWall(compared, options)
                              : CompareOnImages(compared, options);
 }

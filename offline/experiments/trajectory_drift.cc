@@ -17,7 +17,7 @@ namespace {
 
 // A trajectory along a winding corridor.
 constexpr int kTrajectoryFrames = 120, kPoints = 1500;
-constexpr double kStepM = 0.1, kReachM = 6, kMinDepthM = 0.7;
+constexpr double kStepM = 0.1, kMaxObservationDistanceM = 6, kMinDepthM = 0.7;
 constexpr double kNoisePx = 0.3;  // typical for features of natural scenes
 constexpr int kFirstFrames = 12;  // for alignment of the paths
 
@@ -81,7 +81,7 @@ std::vector<Eigen::Vector3d> MakePoints(const std::vector<Pose>& path,
     const double radius = random->Uniform(0.8, 2);
     const Eigen::Vector3d place(radius * std::cos(angle),
                                 0.7 * radius * std::sin(angle),
-                                random->Uniform(0, kReachM));
+                                random->Uniform(0, kMaxObservationDistanceM));
     points.push_back(path[frame].Inverse() * place);
   }
   return points;
@@ -102,12 +102,13 @@ Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
     for (int k = 0; k < kPoints; ++k) {
       const Eigen::Vector3d point =
           trajectory.camera_from_world[i] * trajectory.points[k];
-      if (point.z() < kMinDepthM || point.z() > kReachM) continue;
+      if (point.z() < kMinDepthM || point.z() > kMaxObservationDistanceM)
+        continue;
       const auto pixel = truth.Project(point);
       if (!pixel) continue;
       const Eigen::Vector2d seen =
           *pixel + kNoisePx * Eigen::Vector2d(random.Normal(), random.Normal());
-      if (area.Contains(seen, -2) && AllDefined(compared, seen))
+      if (area.Contains(seen, -2) && AreAllDefined(compared, seen))
         view.observations.push_back({k, seen});
     }
     if (view.observations.size() < kMinObserved)

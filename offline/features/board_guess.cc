@@ -27,7 +27,7 @@ std::optional<Guess> GuessChessboard(const GreyImage& image, const Board&) {
 
 // Tries the requested kind of target first, because some targets match several
 // kinds.
-std::optional<Guess> TryKinds(const GreyImage& image, const Board& asked) {
+std::optional<Guess> TryBoardKinds(const GreyImage& image, const Board& asked) {
   using Guesser = std::optional<Guess> (*)(const GreyImage&, const Board&);
   std::vector<std::pair<std::string, Guesser>> guessers = {
       {"charuco", GuessCharuco},
@@ -88,14 +88,14 @@ std::optional<Guess> SelectByMajority(
   return std::nullopt;
 }
 
-bool IsWhole(const ImageDetection& image, const Board& board) {
+bool HasAllFeatures(const ImageDetection& image, const Board& board) {
   constexpr double kMinVisibleFraction = 0.8;
   return static_cast<double>(image.features.size()) >=
          kMinVisibleFraction * board.num_points();
 }
 
 // Inverts the image.
-GreyLevels Negative(GreyLevels grey) {
+GreyLevels InvertImage(GreyLevels grey) {
   constexpr float kWhite = 255;
   for (float& level : grey.levels) level = kWhite - level;
   return grey;
@@ -111,7 +111,7 @@ int CountNegatives(const FolderDetection& found, const Pattern& pattern,
       static_cast<int>(chosen.size()), NumThreads(num_threads), [&](int i) {
         const ImageMemoryBudget room(found.dataset.image_size);
         const GreyImage image =
-            MakeGreyImage(Negative(ReadGreyLevels(found.paths[chosen[i]])));
+            MakeGreyImage(InvertImage(ReadGreyLevels(found.paths[chosen[i]])));
         if (IsPureNoise(image) || HasLowContrast(image)) return;
         const size_t before = found.images[chosen[i]].features.size();
         are_negative[i] = detector.Detect(image).features.size() > 2 * before;
@@ -129,7 +129,7 @@ std::vector<int> SelectExampleImages(const FolderDetection& found,
   std::vector<int> doubtful;
   const int count = static_cast<int>(found.images.size());
   for (int i = 0; i < count; ++i)
-    if (!IsWhole(found.images[i], board)) doubtful.push_back(i);
+    if (!HasAllFeatures(found.images[i], board)) doubtful.push_back(i);
   const int num_doubtful = static_cast<int>(doubtful.size());
   // Chessboard corners have no IDs: with a wrong size, chessboards are hardly
   // ever detected. Markers may partially match a wrong board.
@@ -148,8 +148,8 @@ std::vector<int> SelectExampleImages(const FolderDetection& found,
   return chosen;
 }
 
-std::string Remedy(const Guess& guess, const Board& asked,
-                   const std::string& pattern_name) {
+std::string SuggestRemedy(const Guess& guess, const Board& asked,
+                          const std::string& pattern_name) {
   if (guess.is_mirrored)
     return "mirror the images, or print the board unmirrored";
   if (guess.is_negative) return "print the board in black on white";
@@ -223,7 +223,7 @@ std::optional<std::string> SuggestOtherBoard(const FolderDetection& found,
                 const GreyImage image =
                     MakeGreyImage(ReadGreyLevels(found.paths[chosen[i]]));
                 if (!IsPureNoise(image) && !HasLowContrast(image))
-                  guesses[i] = TryKinds(Denoise(image), asked);
+                  guesses[i] = TryBoardKinds(Denoise(image), asked);
               });
   int num_votes = 0;
   auto guess = SelectByMajority(guesses, &num_votes);
@@ -237,7 +237,7 @@ std::optional<std::string> SuggestOtherBoard(const FolderDetection& found,
                            : "",
       KindOf(guess->kind).DescribeLayout(MakeGuessedBoard(*guess)), num_votes,
       chosen.size(), KindOf(asked).DescribeLayout(asked),
-      Remedy(*guess, asked, pattern_name));
+      SuggestRemedy(*guess, asked, pattern_name));
 }
 
 }  // namespace raygrid

@@ -34,7 +34,7 @@ std::string FormatFeature(const char* word, const Feature& f) {
                      f.row, f.pixel.x(), f.pixel.y());
 }
 
-std::string OnOneLine(std::string text) {
+std::string EscapeNewlines(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -46,14 +46,14 @@ std::string FormatEntry(const DetectedImage& seen) {
     entry += FormatFeature("feature", feature) + "\n";
   for (const RejectedFeature& rejected : seen.detection.rejected)
     entry += FormatFeature("rejected", rejected.feature) + " " +
-             OnOneLine(rejected.reason) + "\n";
+             EscapeNewlines(rejected.reason) + "\n";
   for (const std::string& warning : seen.detection.warnings)
-    entry += "remark " + OnOneLine(warning) + "\n";
+    entry += "remark " + EscapeNewlines(warning) + "\n";
   return entry;
 }
 
 // Returns the rest of a line after the space.
-std::string Rest(std::istringstream* line) {
+std::string GetRestOfLine(std::istringstream* line) {
   std::string rest;
   line->get();
   std::getline(*line, rest);
@@ -82,17 +82,18 @@ DetectedImage ParseEntry(const std::string& entry) {
       seen.detection.features.push_back(ParseFeature(&line));
     if (word == "rejected") {
       const Feature feature = ParseFeature(&line);
-      seen.detection.rejected.push_back({feature, Rest(&line)});
+      seen.detection.rejected.push_back({feature, GetRestOfLine(&line)});
     }
-    if (word == "remark") seen.detection.warnings.push_back(Rest(&line));
+    if (word == "remark")
+      seen.detection.warnings.push_back(GetRestOfLine(&line));
   }
   return seen;
 }
 
-struct AgedFile {
+struct FileWithTime {
   fs::file_time_type time;
   fs::path path;
-  bool operator<(const AgedFile& other) const { return time < other.time; }
+  bool operator<(const FileWithTime& other) const { return time < other.time; }
 };
 
 }  // namespace
@@ -149,7 +150,7 @@ void DetectionCache::Store(const std::string& key,
 
 void DetectionCache::Trim(int max_files) const {
   std::error_code error;
-  std::vector<AgedFile> files;
+  std::vector<FileWithTime> files;
   for (fs::directory_iterator i(folder_, error), end; !error && i != end;
        i.increment(error)) {
     if (i->path().extension() != kExtension) continue;
@@ -160,7 +161,7 @@ void DetectionCache::Trim(int max_files) const {
   if (static_cast<int>(files.size()) <= max_files) return;
   std::sort(files.begin(), files.end());
   files.resize(files.size() - max_files);
-  for (const AgedFile& file : files) fs::remove(file.path, error);
+  for (const FileWithTime& file : files) fs::remove(file.path, error);
 }
 
 std::string DetectionCache::Path(const std::string& key) const {

@@ -64,7 +64,7 @@ class Overlay {
     const cv::Point p = Place(pixel, {7, 4});
     Write(&canvas_, text, {p.x >> kShift, p.y >> kShift}, kRed);
   }
-  void Heading(const std::vector<std::string>& lines) {
+  void DrawHeading(const std::vector<std::string>& lines) {
     for (size_t i = 0; i < lines.size(); ++i)
       Write(&canvas_, lines[i], {8, static_cast<int>(i + 1) * kLineHeightPx},
             kYellow);
@@ -85,7 +85,7 @@ class Overlay {
   cv::Mat canvas_;
 };
 
-void DrawOrder(const std::vector<Feature>& features, Overlay* overlay) {
+void DrawFeatureOrder(const std::vector<Feature>& features, Overlay* overlay) {
   std::map<std::tuple<int, int, int>, Eigen::Vector2d> pixel_by_feature;
   for (const Feature& f : features)
     pixel_by_feature[{f.board, f.column, f.row}] = f.pixel;
@@ -96,7 +96,7 @@ void DrawOrder(const std::vector<Feature>& features, Overlay* overlay) {
 }
 
 // Applies a colour map from dark blue (0) to yellow (1).
-cv::Mat Colored(const cv::Mat& zero_to_one) {
+cv::Mat ApplyColorMap(const cv::Mat& zero_to_one) {
   cv::Mat bytes, colored;
   zero_to_one.convertTo(bytes, CV_8U, 255);
   cv::applyColorMap(bytes, colored, cv::COLORMAP_VIRIDIS);
@@ -105,7 +105,8 @@ cv::Mat Colored(const cv::Mat& zero_to_one) {
 
 // Returns the feature density: number of features in a square of side_px around
 // each pixel of an image scaled by scale.
-cv::Mat Density(const Dataset& dataset, double scale, double side_px) {
+cv::Mat ComputeFeatureDensity(const Dataset& dataset, double scale,
+                              double side_px) {
   const double height = std::round(dataset.image_size.height * scale);
   const double width = std::round(dataset.image_size.width * scale);
   cv::Mat density(std::max(1, static_cast<int>(height)),
@@ -132,7 +133,7 @@ cv::Mat Scale(int height, double most) {
     const cv::Mat value(1, 1, CV_32F,
                         cv::Scalar(double(bottom - y) / (bottom - top)));
     column(cv::Rect(10, y, 20, 1)) =
-        cv::Scalar(Colored(value).at<cv::Vec3b>(0));
+        cv::Scalar(ApplyColorMap(value).at<cv::Vec3b>(0));
   }
   Write(&column, fmt::format("{:.3g}", most), {36, top + 6}, kWhite);
   Write(&column, fmt::format("{:.3g}", most / 2), {36, (top + bottom) / 2 + 4},
@@ -141,7 +142,7 @@ cv::Mat Scale(int height, double most) {
   return column;
 }
 
-cv::Mat Title(int width, const std::string& text) {
+cv::Mat DrawTitle(int width, const std::string& text) {
   cv::Mat row(kLineHeightPx + 10, width, CV_8UC3, kBlack);
   Write(&row, text, {8, kLineHeightPx}, kWhite);
   return row;
@@ -151,7 +152,7 @@ cv::Mat Title(int width, const std::string& text) {
 
 Image DrawDetection(const GreyImage& image, const ImageDetection& detection) {
   Overlay overlay(image);
-  DrawOrder(detection.features, &overlay);
+  DrawFeatureOrder(detection.features, &overlay);
   for (const Feature& f : detection.features) {
     overlay.Cross(f.pixel, kGreen);
     if (f.column == 0 && f.row == 0) overlay.Circle(f.pixel);
@@ -160,7 +161,7 @@ Image DrawDetection(const GreyImage& image, const ImageDetection& detection) {
     overlay.Cross(rejected.feature.pixel, kRed);
     overlay.Label(rejected.feature.pixel, rejected.reason);
   }
-  overlay.Heading(detection.warnings);
+  overlay.DrawHeading(detection.warnings);
   return FromMat(overlay.canvas());
 }
 
@@ -169,16 +170,17 @@ Image DrawCoverage(const Dataset& dataset) {
   const int width = dataset.image_size.width;
   const double scale = kWidthPx / width;
   const double side_px = width / 16.0;
-  const cv::Mat density = Density(dataset, scale, side_px);
+  const cv::Mat density = ComputeFeatureDensity(dataset, scale, side_px);
   double most = 0;
   cv::minMaxIdx(density, nullptr, &most);
-  const cv::Mat heat = Colored(density / std::max(most, 1e-9));
+  const cv::Mat heat = ApplyColorMap(density / std::max(most, 1e-9));
   cv::Mat body, picture;
   cv::hconcat(heat, Scale(heat.rows, most), body);
   cv::vconcat(
-      Title(body.cols,
-            fmt::format("Features per {0:.0f} x {0:.0f} px, sum of {1} images",
-                        side_px, dataset.images.size())),
+      DrawTitle(
+          body.cols,
+          fmt::format("Features per {0:.0f} x {0:.0f} px, sum of {1} images",
+                      side_px, dataset.images.size())),
       body, picture);
   return FromMat(picture);
 }

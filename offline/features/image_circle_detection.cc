@@ -13,18 +13,18 @@ namespace {
 
 // A cell is illuminated if its level exceeds this fraction of the range from
 // the dark level to the level at the image centre.
-constexpr double kLitFraction = 0.1;
+constexpr double kIlluminatedFraction = 0.1;
 // An edge is sharp if levels exceed kSharpFraction of the range at a distance
 // of kMaxSharpWidth, as a fraction of the radius, inside it. Vignetting alone
 // does not produce such an edge.
 constexpr double kSharpFraction = 0.2, kMaxSharpWidth = 0.04;
 constexpr int kDirections = 720;
-// A quadrant of the circle is visible if at least kMinInQuarter of the
-// kDirections directions intersect the circle there.
-constexpr int kMinInQuarter = 8, kMinQuarters = 3;
+// A quadrant of the circle is visible if at least kMinEdgePixelsPerQuarter of
+// the kDirections directions intersect the circle there.
+constexpr int kMinEdgePixelsPerQuarter = 8, kMinVisibleQuarters = 3;
 constexpr double kMinInliers = 0.7;
 // Maximum fraction of illuminated cells outside the circle, as by reflections.
-constexpr double kMaxLitFractionOutside = 0.005;
+constexpr double kMaxIlluminatedFractionOutside = 0.005;
 
 struct Circle {
   Eigen::Vector2d center;
@@ -36,7 +36,8 @@ struct Circle {
 };
 
 struct Thresholds {
-  double lit = 0, sharp = 0;  // thresholds of kLitFraction and kSharpFraction
+  double lit = 0,
+         sharp = 0;  // thresholds of kIlluminatedFraction and kSharpFraction
 };
 
 // Computes thresholds between the dark level, which is the 0.5 % quantile of
@@ -54,8 +55,8 @@ std::optional<Thresholds> ComputeThresholds(const BrightestCells& cells) {
   };
   const double bright = nth(&midpoint, midpoint.size() / 2);
   const double dark = nth(&all, all.size() / 200);
-  if (!(dark < kLitFraction * bright)) return std::nullopt;
-  return Thresholds{dark + kLitFraction * (bright - dark),
+  if (!(dark < kIlluminatedFraction * bright)) return std::nullopt;
+  return Thresholds{dark + kIlluminatedFraction * (bright - dark),
                     dark + kSharpFraction * (bright - dark)};
 }
 
@@ -145,8 +146,8 @@ bool IsCircleVisible(const Circle& circle,
     ++quarters[(pixel.x() > circle.center.x()) +
                2 * (pixel.y() > circle.center.y())];
   return std::count_if(quarters.begin(), quarters.end(), [](int count) {
-           return count >= kMinInQuarter;
-         }) >= kMinQuarters;
+           return count >= kMinEdgePixelsPerQuarter;
+         }) >= kMinVisibleQuarters;
 }
 
 // Whether images are bright just inside most edge pixels.
@@ -174,7 +175,7 @@ bool IsDarkOutside(const BrightestCells& cells, double lit,
       ++num_beyond;
       num_lit += cells.levels[row * cells.columns + column] > lit;
     }
-  return num_lit <= kMaxLitFractionOutside * num_beyond;
+  return num_lit <= kMaxIlluminatedFractionOutside * num_beyond;
 }
 
 }  // namespace

@@ -83,9 +83,9 @@ struct BestLayout {
 void Compare(const MarkerLayout& layout,
              const std::vector<DetectedMarker>& seen, BestLayout* best) {
   const MarkerConstellation all(layout.markers, layout.pitch_m, seen);
-  const int agreement = all.Agreement();
+  const int agreement = all.CountConsistent();
   if (agreement <= best->agreement) return;
-  const MarkerConstellation consistent = all.Consistent();
+  const MarkerConstellation consistent = all.SelectConsistent();
   constexpr double kMinConsistentFraction = 0.6, kMinClearFraction = 0.95;
   if (consistent.size() < kMinMarkers ||
       consistent.size() < kMinConsistentFraction * all.size())

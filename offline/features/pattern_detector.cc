@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void RefuseToLocate(const Board& board) {
+[[noreturn]] void ThrowUnsupportedTarget(const Board& board) {
   throw InputError(
       fmt::format("board {}: targets of kind '{}' cannot be detected; pass "
                   "features from another detector with --features",
@@ -46,7 +46,7 @@ Locator MakeLocator(const Board& board) {
     if (kind.get() == &KindOf(board)) return kInOrderOfKinds[i](board);
     ++i;
   }
-  RefuseToLocate(board);
+  ThrowUnsupportedTarget(board);
 }
 
 void Append(ImageDetection part, ImageDetection* whole) {
@@ -58,7 +58,7 @@ void Append(ImageDetection part, ImageDetection* whole) {
   append(part.warnings, &whole->warnings);
 }
 
-bool IsBefore(const Feature& a, const Feature& b) {
+bool HasLowerIndex(const Feature& a, const Feature& b) {
   return std::tie(a.board, a.row, a.column) <
          std::tie(b.board, b.row, b.column);
 }
@@ -73,7 +73,7 @@ void RequireInRange(const DetectionOptions& options) {
 
 }  // namespace
 
-Locator MakePointsLocator(const Board& board) { RefuseToLocate(board); }
+Locator MakePointsLocator(const Board& board) { ThrowUnsupportedTarget(board); }
 
 struct PatternDetector::Data {
   struct SingleBoard {
@@ -117,7 +117,7 @@ ImageDetection PatternDetector::Data::Detect(const GreyImage& image) const {
     Append(std::move(located), &detection);
   }
   std::stable_sort(detection.features.begin(), detection.features.end(),
-                   IsBefore);
+                   HasLowerIndex);
   return detection;
 }
 
@@ -167,7 +167,8 @@ class ImageReader {
         throw InputError(
             fmt::format("{}: {} x {} pixels, too small to show a board", path,
                         header.size.width, header.size.height));
-      return {See(path, bytes, header.size), "", header.orientation != 1};
+      return {DetectInImage(path, bytes, header.size), "",
+              header.orientation != 1};
     } catch (const InputError& error) {
       return {std::nullopt, error.what(), false};
     } catch (const std::bad_alloc&) {
@@ -180,8 +181,8 @@ class ImageReader {
   }
 
  private:
-  DetectedImage See(const std::string& path, const std::string& bytes,
-                    const ImageSize& size) const {
+  DetectedImage DetectInImage(const std::string& path, const std::string& bytes,
+                              const ImageSize& size) const {
     std::string key;
     if (cache_) {
       key = DetectionCache::Key(bytes, pattern_, options_);

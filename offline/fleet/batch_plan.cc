@@ -48,7 +48,7 @@ const std::vector<std::pair<std::string, std::string>> kFlagOptions = {
 const std::vector<std::string> kFileOptions = {kOperatingPoints, kPrior,
                                                kTimestamps};
 // Former names of keys, which remain valid for one minor version.
-const std::map<std::string, std::string> kFormerKeys = {
+const std::map<std::string, std::string> kDeprecatedKeys = {
     {"cell_px", "knot_spacing_px"},
     {"condition", kVaryWith},
     {"conditions", kOperatingPoints},
@@ -60,21 +60,22 @@ const std::map<std::string, std::string> kFormerKeys = {
     {"like", kPrior},
     {"times", kTimestamps}};
 // Former names of limits, also valid for one minor version.
-const std::map<std::string, std::string> kFormerMetrics = {
+const std::map<std::string, std::string> kDeprecatedMetrics = {
     {"trusted_part", "valid_fraction"},
     {"valid_share", "valid_fraction"},
     {"worst_deviation_px", "max_uncertainty_px"}};
 
 // Replaces former keys of a plan or unit by the current ones.
-YAML::Node WithCurrentKeys(const YAML::Node& map, const std::string& what) {
+YAML::Node ReplaceDeprecatedKeys(const YAML::Node& map,
+                                 const std::string& what) {
   std::map<std::string, YAML::Node> values;
   bool has_former = false;
   for (const auto& entry : map) {
     const std::string key = entry.first.as<std::string>();
-    const auto former = kFormerKeys.find(key);
-    has_former |= former != kFormerKeys.end();
+    const auto former = kDeprecatedKeys.find(key);
+    has_former |= former != kDeprecatedKeys.end();
     const std::string& name =
-        former == kFormerKeys.end() ? key : former->second;
+        former == kDeprecatedKeys.end() ? key : former->second;
     if (!values.emplace(name, entry.second).second)
       throw InputError(fmt::format(
           "{}: duplicate key '{}' (its former name counts as the same key)",
@@ -253,7 +254,7 @@ BatchUnit ReadUnit(const YAML::Node& given, const YAML::Node& plan) {
   unit.serial = ReadText(given, "serial");
   RequireSerial(unit.serial);
   const std::string what = "unit " + unit.serial;
-  const YAML::Node node = WithCurrentKeys(given, what);
+  const YAML::Node node = ReplaceDeprecatedKeys(given, what);
   RequireKnownKeys(node, what,
                    {"serial", "images", "features", "cameras", kImagesAt,
                     "pattern", "lens_batch", "repeats", "operator", "station"});
@@ -289,8 +290,8 @@ MetricLimits ReadLimits(const YAML::Node& node) {
   const std::vector<std::string>& names = ListMetricNames();
   for (const auto& entry : node) {
     std::string name = entry.first.as<std::string>();
-    if (const auto former = kFormerMetrics.find(name);
-        former != kFormerMetrics.end())
+    if (const auto former = kDeprecatedMetrics.find(name);
+        former != kDeprecatedMetrics.end())
       name = former->second;
     if (std::find(names.begin(), names.end(), name) == names.end())
       throw InputError(fmt::format("limits: unknown '{}'; expected {}",
@@ -349,7 +350,7 @@ void RequireRepeatsFit(const std::vector<BatchUnit>& units) {
 
 BatchPlan ReadPlan(const YAML::Node& given) {
   RequireKind(given, "batch");
-  const YAML::Node root = WithCurrentKeys(given, "plan");
+  const YAML::Node root = ReplaceDeprecatedKeys(given, "plan");
   if (root["raygrid_batch"].as<int>() != 1)
     throw InputError("raygrid_batch: only version 1 is supported");
   RequireKnownKeys(root, "plan",

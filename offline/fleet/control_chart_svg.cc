@@ -217,7 +217,7 @@ std::string MakeJumpsSvg(const std::vector<int>& jumps, size_t count) {
   return path.empty() ? "" : "<path class=\"jump\" d=\"" + path + "\"/>";
 }
 
-std::string MakeBatchesSvg(const ChartSurroundings& surroundings) {
+std::string MakeBatchesSvg(const ChartAnnotations& surroundings) {
   const std::vector<int>& batches = surroundings.batches;
   std::string svg;
   for (size_t begin = 0; begin < batches.size();) {
@@ -240,7 +240,7 @@ std::string MakeBatchesSvg(const ChartSurroundings& surroundings) {
 }  // namespace
 
 std::string MakeControlChartSvg(const ControlChart& chart,
-                                const ChartSurroundings& surroundings) {
+                                const ChartAnnotations& surroundings) {
   const DrawnChart drawn = MakeDrawnChart(chart);
   std::vector<bool> is_out_of_limits;
   for (size_t u = 0; u < chart.values.size(); ++u) {

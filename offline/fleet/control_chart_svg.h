@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// Annotations of a control chart: serial numbers, jumps of the mean, and lens
 /// batches.
-struct ChartSurroundings {
+struct ChartAnnotations {
   std::vector<std::string> serials;  ///< serials of the units
   std::vector<int> jumps;            ///< units at which the mean jumps
   /// 0-based lens batch of each unit, or -1; empty if unknown.
@@ -23,7 +23,7 @@ struct ChartSurroundings {
 /// dotted lines at jumps, and a strip of batches below. A chart without a lower
 /// limit has a logarithmic axis, like a chart of logarithms.
 std::string MakeControlChartSvg(const ControlChart& chart,
-                                const ChartSurroundings& surroundings);
+                                const ChartAnnotations& surroundings);
 
 /// Returns the colour of a batch; colours repeat cyclically.
 const char* GetBatchColor(int batch);

@@ -21,14 +21,14 @@ namespace {
 // Returns the cameras of inlier units; empty if one of them is not central.
 std::vector<CameraFile> SelectInlierCameras(
     const FleetAnalysis& fleet, const std::vector<std::string>& folders) {
-  std::vector<size_t> usual;
+  std::vector<size_t> inliers;
   for (const size_t row : fleet.compared)
-    if (fleet.rows[row].outliers.empty()) usual.push_back(row);
+    if (fleet.rows[row].outliers.empty()) inliers.push_back(row);
   constexpr size_t kMost = 200;
-  const size_t count = std::min(usual.size(), kMost);
+  const size_t count = std::min(inliers.size(), kMost);
   std::vector<CameraFile> cameras;
   for (size_t k = 0; k < count; ++k) {
-    const std::string& folder = folders[usual[k * usual.size() / count]];
+    const std::string& folder = folders[inliers[k * inliers.size() / count]];
     cameras.push_back(ReadCameraFile(folder + "/camera.yaml"));
     if (!cameras.back().camera->IsCentral()) return {};
   }
@@ -125,7 +125,7 @@ std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
   constexpr double kMaxRatio = 5;
   constexpr double kMinPx = 0.5;
   constexpr size_t kEachPixel = 17;  // subsampling suffices
-  std::vector<bool> is_usual(fits.size(), true);
+  std::vector<bool> is_inlier(fits.size(), true);
   for (size_t i = 0; i < polynomials.size(); i += kEachPixel) {
     std::vector<double> x, y, distances;
     for (const SmoothFit& fit : fits) {
@@ -141,17 +141,17 @@ std::vector<bool> SelectInliers(const std::vector<SmoothFit>& fits,
     const double limit_px =
         kMaxRatio * std::max(kMinPx, sorted[3 * sorted.size() / 4]);
     for (size_t u = 0; u < fits.size(); ++u)
-      if (distances[u] > limit_px) is_usual[u] = false;
+      if (distances[u] > limit_px) is_inlier[u] = false;
   }
-  return is_usual;
+  return is_inlier;
 }
 
 SmoothFit ComputeInlierMean(const std::vector<SmoothFit>& fits,
-                            const std::vector<bool>& is_usual) {
+                            const std::vector<bool>& is_inlier) {
   SmoothFit sum = SmoothFit::Zero();
   double count = 0;
   for (size_t u = 0; u < fits.size(); ++u) {
-    if (!is_usual[u]) continue;
+    if (!is_inlier[u]) continue;
     sum += fits[u];
     ++count;
   }
@@ -165,26 +165,26 @@ SmoothFit ComputeInlierMean(const std::vector<SmoothFit>& fits,
 BSplineSurface MoveToMean(const CentralGeneric& reference,
                           const std::vector<CameraFile>& cameras,
                           const std::vector<Eigen::Vector2d>& pixels,
-                          std::vector<bool>* is_usual) {
+                          std::vector<bool>* is_inlier) {
   std::vector<Polynomials> polynomials;
   for (const Eigen::Vector2d& pixel : pixels)
     polynomials.push_back(
         EvaluatePolynomials(reference.area(), pixel, kDegree));
   std::vector<SmoothFit> fits;
-  std::vector<PixelField> rests;
+  std::vector<PixelField> residual_fields;
   for (const CameraFile& file : cameras) {
-    PixelField& rest = rests.emplace_back(
+    PixelField& rest = residual_fields.emplace_back(
         ComputeDisplacements(reference, *file.camera, pixels));
     const SmoothFit fit = FitSmooth(rest, polynomials);
     for (size_t i = 0; i < pixels.size(); ++i)
       if (rest[i]) *rest[i] -= fit.transpose() * polynomials[i];
     fits.push_back(fit);
   }
-  *is_usual = SelectInliers(fits, polynomials);
-  const SmoothFit mean = ComputeInlierMean(fits, *is_usual);
+  *is_inlier = SelectInliers(fits, polynomials);
+  const SmoothFit mean = ComputeInlierMean(fits, *is_inlier);
   std::vector<SurfaceSample> samples;
   for (size_t i = 0; i < pixels.size(); ++i)
-    if (const auto rest = ComputeMajorityMedian(rests, i))
+    if (const auto rest = ComputeMajorityMedian(residual_fields, i))
       samples.push_back(
           {pixels[i],
            reference.surface().Evaluate(
@@ -219,15 +219,15 @@ std::optional<CameraFile> ComputeMeanCamera(
   const auto first = MedianSurface(grid, pixels, charts);
   if (!first) return std::nullopt;
   const ImageSize size = cameras[0].camera->image_size();
-  std::vector<bool> is_usual;
+  std::vector<bool> is_inlier;
   CameraFile file;
   file.camera = std::make_shared<CentralGeneric>(
       size,
-      MoveToMean(CentralGeneric(size, *first), cameras, pixels, &is_usual));
-  std::vector<CameraFile> usual;
+      MoveToMean(CentralGeneric(size, *first), cameras, pixels, &is_inlier));
+  std::vector<CameraFile> inliers;
   for (size_t u = 0; u < cameras.size(); ++u)
-    if (is_usual[u]) usual.push_back(cameras[u]);
-  file.spread = EstimatePopulationCovariance(*file.camera, usual);
+    if (is_inlier[u]) inliers.push_back(cameras[u]);
+  file.spread = EstimatePopulationCovariance(*file.camera, inliers);
   file.name = fmt::format("mean of {} units", cameras.size());
   return file;
 }

@@ -13,7 +13,7 @@
 namespace raygrid {
 namespace {
 
-std::string Upper(std::string text) {
+std::string CapitalizeFirst(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
   return text;
 }
@@ -21,7 +21,7 @@ std::string Upper(std::string text) {
 std::string MakeHtmlList(const std::vector<std::string>& sentences) {
   std::string html = "<ul>\n";
   for (const std::string& sentence : sentences)
-    html += "<li>" + EscapeHtml(Upper(sentence)) + ".</li>\n";
+    html += "<li>" + EscapeHtml(CapitalizeFirst(sentence)) + ".</li>\n";
   return html + "</ul>\n";
 }
 
@@ -87,7 +87,7 @@ std::string MakeUnusualSection(const FleetAnalysis& fleet) {
     std::string what;
     for (const std::string& piece :
          DescribeOutliers(fleet.statistics, outliers.unit))
-      what += (what.empty() ? "" : "<br>") + EscapeHtml(Upper(piece));
+      what += (what.empty() ? "" : "<br>") + EscapeHtml(CapitalizeFirst(piece));
     const UnitRow& row = fleet.rows[fleet.compared[outliers.unit]];
     rows.push_back({UnitLink(row), what});
   }
@@ -144,19 +144,19 @@ std::string DescribeChart(const std::string& name, int num_directions) {
   return fmt::format(" ({}).", name);
 }
 
-ChartSurroundings MakeChartSurroundings(const FleetAnalysis& fleet) {
-  ChartSurroundings surroundings;
-  surroundings.batch_names = fleet.batches.batches;
+ChartAnnotations MakeChartAnnotations(const FleetAnalysis& fleet) {
+  ChartAnnotations annotations;
+  annotations.batch_names = fleet.batches.batches;
   for (const size_t row : fleet.compared) {
-    surroundings.serials.push_back(fleet.rows[row].serial);
-    const auto& names = surroundings.batch_names;
+    annotations.serials.push_back(fleet.rows[row].serial);
+    const auto& names = annotations.batch_names;
     const auto found =
         std::find(names.begin(), names.end(), fleet.rows[row].lens_batch);
     if (!names.empty())
-      surroundings.batches.push_back(
+      annotations.batches.push_back(
           found == names.end() ? -1 : static_cast<int>(found - names.begin()));
   }
-  return surroundings;
+  return annotations;
 }
 
 std::string MakeChartSection(const FleetAnalysis& fleet) {
@@ -172,21 +172,21 @@ std::string MakeChartSection(const FleetAnalysis& fleet) {
           ? ""
           : "; the strip below shows the lens batches by colour",
       100 * kFleetFalseAlarmProbability);
-  ChartSurroundings surroundings = MakeChartSurroundings(fleet);
+  ChartAnnotations annotations = MakeChartAnnotations(fleet);
   for (const ControlChart& chart : fleet.statistics.charts) {
-    surroundings.jumps.clear();
+    annotations.jumps.clear();
     for (const MeanJump& jump : fleet.statistics.jumps)
-      if (jump.name == chart.name) surroundings.jumps.push_back(jump.unit);
+      if (jump.name == chart.name) annotations.jumps.push_back(jump.unit);
     bool has_drift = false;
     for (const MeanDrift& drift : fleet.statistics.drifts)
       has_drift |= drift.name == chart.name;
     html += fmt::format(
         "<figure><figcaption><b>{}</b>{} {}</figcaption>\n<div "
         "class=\"scroll\">{}</div></figure>\n",
-        EscapeHtml(Upper(GetMetricTitle(chart.name))),
+        EscapeHtml(CapitalizeFirst(GetMetricTitle(chart.name))),
         DescribeChart(chart.name, fleet.statistics.num_directions),
-        DescribeLimits(chart, fleet, surroundings.jumps, has_drift),
-        MakeControlChartSvg(chart, surroundings));
+        DescribeLimits(chart, fleet, annotations.jumps, has_drift),
+        MakeControlChartSvg(chart, annotations));
   }
   return html;
 }
@@ -212,7 +212,7 @@ std::string MakeBatchesSection(const BatchComparison& batches) {
     row.push_back(metric.means.empty()
                       ? "&ndash;"
                       : fmt::format("{:.3g}", metric.within_batch_stddev));
-    row.push_back(EscapeHtml(FormatProbability(metric.chance)));
+    row.push_back(EscapeHtml(FormatProbability(metric.p_value)));
     row.emplace_back(metric.differs ? "<b>differs</b>" : "");
     rows.push_back(row);
   }
@@ -247,8 +247,8 @@ HtmlRow MakeGaugeRow(const GaugeMetric& metric) {
   for (const GaugeFactor& factor : metric.factors)
     row.push_back(
         FormatStdDevCell(metric, factor.deviation) +
-        (factor.chance
-             ? fmt::format(" (p value {})", FormatProbability(*factor.chance))
+        (factor.p_value
+             ? fmt::format(" (p value {})", FormatProbability(*factor.p_value))
              : ""));
   row.push_back(FormatStdDevCell(metric, metric.gauge));
   row.push_back(PercentOrNone(metric.fraction_of_fleet));

@@ -18,21 +18,24 @@ namespace {
 // Returns the control limit in standard deviations for a probability, if the
 // standard deviation is estimated by EstimateNeighbourStdDev(), which has
 // 0.31 times as many degrees of freedom as values.
-double ComputeSigmaLimit(double chance, double count) {
-  return boost::math::quantile(
-      boost::math::complement(boost::math::students_t(0.31 * count), chance));
+double ComputeSigmaLimit(double false_alarm_probability, double count) {
+  return boost::math::quantile(boost::math::complement(
+      boost::math::students_t(0.31 * count), false_alarm_probability));
 }
 
 // Returns the limit of T^2 for a new unit, from count inliers.
-double ComputeHotellingLimit(double chance, double count, double size) {
+double ComputeHotellingLimit(double false_alarm_probability, double count,
+                             double size) {
   const boost::math::fisher_f f(size, count - size);
   return size * (count * count - 1) / (count * (count - size)) *
-         boost::math::quantile(boost::math::complement(f, chance));
+         boost::math::quantile(
+             boost::math::complement(f, false_alarm_probability));
 }
 
 // Returns the limit of a sum of squares, from the mean and variance over the
 // units (Box 1954).
-double SquaresLimit(double chance, const std::vector<double>& usual) {
+double SquaresLimit(double false_alarm_probability,
+                    const std::vector<double>& usual) {
   double mean = 0, variance = 0;
   for (const double value : usual) mean += value / usual.size();
   for (const double value : usual)
@@ -41,22 +44,23 @@ double SquaresLimit(double chance, const std::vector<double>& usual) {
   const double degrees_of_freedom = 2 * mean * mean / variance;
   const boost::math::fisher_f distribution(degrees_of_freedom,
                                            static_cast<double>(usual.size()));
-  return mean *
-         boost::math::quantile(boost::math::complement(distribution, chance));
+  return mean * boost::math::quantile(boost::math::complement(
+                    distribution, false_alarm_probability));
 }
 
 // Returns the limit of T^2 for a unit that contributed to the directions and
 // variances (Tracy, Young, Mason, "Multivariate control charts for individual
 // observations", 1992): its T^2 cannot exceed (n - 1)^2 / n, unlike that of a
 // new unit.
-double ComputeHotellingLimitOfOthers(double chance, double count,
-                                     double num_directions) {
+double ComputeHotellingLimitOfOthers(double false_alarm_probability,
+                                     double count, double num_directions) {
   const double rest = count - num_directions - 1;
   if (rest < 1) return INFINITY;
   const boost::math::beta_distribution<> distribution(num_directions / 2,
                                                       rest / 2);
   return (count - 1) * (count - 1) / count *
-         boost::math::quantile(boost::math::complement(distribution, chance));
+         boost::math::quantile(
+             boost::math::complement(distribution, false_alarm_probability));
 }
 
 // Returns the design matrix of the mean: one column for each segment, or a
@@ -132,7 +136,7 @@ void KeepInliersBySegment(const CenteredProjections& lenses,
 
 // Limits are computed from inliers only: outliers are removed iteratively.
 ProjectionCharts ComputeProjectionCharts(const CenteredProjections& lenses,
-                                         double chance) {
+                                         double false_alarm_probability) {
   const auto count = static_cast<size_t>(lenses.rows.rows());
   std::vector<bool> is_usual(count, true);
   // The initial inliers are the half closest to the median, by pixels.
@@ -166,11 +170,11 @@ ProjectionCharts ComputeProjectionCharts(const CenteredProjections& lenses,
       if (is_usual[i] && charts.shape[i] <= max_shape)
         usual_rest.push_back(charts.shape[i]);
     charts.lens_limit = ComputeHotellingLimit(
-        chance, static_cast<double>(usual_rest.size()),
+        false_alarm_probability, static_cast<double>(usual_rest.size()),
         static_cast<double>(charts.directions.variances.size()));
-    charts.shape_limit = SquaresLimit(chance, usual_rest);
+    charts.shape_limit = SquaresLimit(false_alarm_probability, usual_rest);
     const double hotelling_limit = ComputeHotellingLimitOfOthers(
-        chance, static_cast<double>(usual_rest.size()),
+        false_alarm_probability, static_cast<double>(usual_rest.size()),
         static_cast<double>(charts.directions.variances.size()));
     std::vector<bool> next;
     for (size_t i = 0; i < count; ++i)
@@ -213,14 +217,14 @@ void AppendChanges(const std::string& name, const MeanChanges& changes,
 
 // Removes the changes of the mean along the principal directions.
 CenteredProjections CenterAboutMean(const Eigen::MatrixXd& pixels,
-                                    double chance,
+                                    double false_alarm_probability,
                                     FleetStatistics* statistics) {
   const Eigen::Index count = pixels.rows();
   const Eigen::MatrixXd scores = pixels * NeighbourDirections(pixels).axes;
   std::vector<std::vector<double>> series;
   for (Eigen::Index k = 0; k < scores.cols(); ++k)
     series.emplace_back(scores.col(k).data(), scores.col(k).data() + count);
-  const MeanChanges changes = FindMeanChanges(series, chance);
+  const MeanChanges changes = FindMeanChanges(series, false_alarm_probability);
   AppendChanges("lens", changes, statistics);
   Eigen::MatrixXd rows = pixels;
   for (Eigen::Index k = 0; k < rows.cols(); ++k) {
@@ -231,9 +235,9 @@ CenteredProjections CenterAboutMean(const Eigen::MatrixXd& pixels,
   return {rows, MakeMeanDesign(changes, count)};
 }
 
-void AddMetricChart(const FleetMetric& metric, double chance,
+void AddMetricChart(const FleetMetric& metric, double false_alarm_probability,
                     double change_probability, FleetStatistics* statistics) {
-  const std::vector<double> values = metric.Scattering();
+  const std::vector<double> values = metric.TransformedValues();
   MeanChanges changes = FindMeanChanges({values}, change_probability);
   const std::vector<double> center_line = ComputeCenterLine(values, changes);
   const auto get_metric = [&](double value) {
@@ -252,9 +256,10 @@ void AddMetricChart(const FleetMetric& metric, double chance,
   // few digits.
   const double deviation = EstimateNeighbourStdDev(values);
   const auto count = static_cast<double>(values.size());
-  const double most = deviation > 0
-                          ? ComputeSigmaLimit(chance / 2, count) * deviation
-                          : std::numeric_limits<double>::infinity();
+  const double most =
+      deviation > 0
+          ? ComputeSigmaLimit(false_alarm_probability / 2, count) * deviation
+          : std::numeric_limits<double>::infinity();
   statistics->charts.push_back(
       {metric.name, values, center_line, -most, most, metric.is_positive});
 }
@@ -275,12 +280,12 @@ std::vector<OutlierUnit> FindOutlierUnits(
 
 }  // namespace
 
-std::vector<double> FleetMetric::Scattering() const {
-  std::vector<double> scattering = values;
+std::vector<double> FleetMetric::TransformedValues() const {
+  std::vector<double> transformed = values;
   if (is_positive)
-    for (double& value : scattering)
+    for (double& value : transformed)
       value = value > 0 ? std::log(value) : std::nan("");
-  return scattering;
+  return transformed;
 }
 
 FleetStatistics FindOutliers(const FleetInput& input) {
@@ -293,9 +298,11 @@ FleetStatistics FindOutliers(const FleetInput& input) {
       (1 + static_cast<double>(input.metrics.size()));
   const CenteredProjections centered =
       CenterAboutMean(input.pixels, change_probability, &statistics);
-  const double chance = kFleetFalseAlarmProbability /
-                        (static_cast<double>(2 + input.metrics.size()) * count);
-  const ProjectionCharts lenses = ComputeProjectionCharts(centered, chance);
+  const double false_alarm_probability =
+      kFleetFalseAlarmProbability /
+      (static_cast<double>(2 + input.metrics.size()) * count);
+  const ProjectionCharts lenses =
+      ComputeProjectionCharts(centered, false_alarm_probability);
   statistics.num_directions =
       static_cast<int>(lenses.directions.variances.size());
   const std::vector<double> zeros(count, 0.0);
@@ -305,7 +312,8 @@ FleetStatistics FindOutliers(const FleetInput& input) {
   statistics.charts.push_back(
       {"shape", lenses.shape, zeros, none, lenses.shape_limit});
   for (const FleetMetric& metric : input.metrics)
-    AddMetricChart(metric, chance, change_probability, &statistics);
+    AddMetricChart(metric, false_alarm_probability, change_probability,
+                   &statistics);
   std::stable_sort(
       statistics.jumps.begin(), statistics.jumps.end(),
       [](const MeanJump& a, const MeanJump& b) { return a.unit < b.unit; });

@@ -17,7 +17,7 @@ struct FleetMetric {
 
   /// Returns the values, or their logarithms if these are normally distributed;
   /// NaN for logarithms of values that are not positive.
-  std::vector<double> Scattering() const;
+  std::vector<double> TransformedValues() const;
 };
 
 /// The units in chronological order.

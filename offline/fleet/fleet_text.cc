@@ -133,7 +133,7 @@ std::vector<std::string> DescribeBatches(const BatchComparison& batches) {
     sentences.push_back(
         fmt::format("lens batches differ in {} ({}){} (p value {})",
                     GetMetricTitle(metric.name), metric.name, means,
-                    FormatProbability(metric.chance)));
+                    FormatProbability(metric.p_value)));
   }
   return sentences;
 }
@@ -181,8 +181,8 @@ std::string FormatGaugeStdDev(const GaugeMetric& metric, double deviation) {
              : fmt::format("{:.3g}{}", deviation, GetMetricUnit(metric.name));
 }
 
-std::string FormatProbability(double chance) {
-  return chance < 1e-4 ? "< 0.0001" : fmt::format("{:.2g}", chance);
+std::string FormatProbability(double p_value) {
+  return p_value < 1e-4 ? "< 0.0001" : fmt::format("{:.2g}", p_value);
 }
 
 }  // namespace raygrid

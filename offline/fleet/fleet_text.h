@@ -38,7 +38,7 @@ std::string DescribeDuration(const std::vector<UnitRow>& rows);
 std::string FormatGaugeStdDev(const GaugeMetric& metric, double deviation);
 
 /// Formats "< 0.0001", or the value.
-std::string FormatProbability(double chance);
+std::string FormatProbability(double p_value);
 
 }  // namespace raygrid
 

@@ -37,13 +37,14 @@ Eigen::MatrixXd ComputeBasis(const Eigen::MatrixXd& columns) {
 }
 
 // Returns the residual sum of squares after projection of columns onto a basis.
-double Remaining(const Eigen::MatrixXd& basis, const Eigen::MatrixXd& columns) {
+double ComputeRemaining(const Eigen::MatrixXd& basis,
+                        const Eigen::MatrixXd& columns) {
   return (columns - basis * (basis.transpose() * columns)).squaredNorm();
 }
 
 struct GaugeTerm {
   std::string name;
-  Eigen::MatrixXd without;        // basis of the model without this term
+  Eigen::MatrixXd without_term;   // basis of the model without this term
   double degrees_of_freedom = 0;  // degrees of freedom of this term
   double size = 0;                // factor of this term's variance in the
                                   // expected sum of squares
@@ -55,7 +56,7 @@ struct GaugeModel {
   std::vector<GaugeTerm> terms;
 };
 
-Eigen::MatrixXd Beside(const std::vector<Eigen::MatrixXd>& parts) {
+Eigen::MatrixXd ConcatenateColumns(const std::vector<Eigen::MatrixXd>& parts) {
   Eigen::MatrixXd all(parts[0].rows(), 0);
   for (const Eigen::MatrixXd& part : parts) {
     all.conservativeResize(Eigen::NoChange, all.cols() + part.cols());
@@ -85,7 +86,7 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
       names.emplace_back(name);
     }
   GaugeModel model;
-  model.basis = ComputeBasis(Beside(parts));
+  model.basis = ComputeBasis(ConcatenateColumns(parts));
   model.degrees_of_freedom =
       static_cast<double>(model.basis.rows() - model.basis.cols());
   for (size_t k = 1; k < parts.size(); ++k) {
@@ -93,10 +94,10 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
     GaugeTerm term;
     term.name = names[k];
-    term.without = ComputeBasis(Beside(others));
+    term.without_term = ComputeBasis(ConcatenateColumns(others));
     term.degrees_of_freedom =
-        static_cast<double>(model.basis.cols() - term.without.cols());
-    term.size = Remaining(term.without, parts[k]);
+        static_cast<double>(model.basis.cols() - term.without_term.cols());
+    term.size = ComputeRemaining(term.without_term, parts[k]);
     if (term.degrees_of_freedom > 0)
       model.terms.push_back(std::move(term));
     else
@@ -112,22 +113,23 @@ GaugeModel MakeModel(const std::vector<GaugeRepeat>& repeats,
 // ---- Metrics ---------------------------------------------------------------
 
 // values: one column per metric of a kind; their variances are averaged.
-GaugeMetric Analyse(const std::string& name, const Eigen::MatrixXd& values,
-                    const GaugeModel& model) {
+GaugeMetric AnalyzeMetric(const std::string& name,
+                          const Eigen::MatrixXd& values,
+                          const GaugeModel& model) {
   GaugeMetric metric;
   metric.name = name;
   const auto num_columns = static_cast<double>(values.cols());
-  const double left = Remaining(model.basis, values);
+  const double left = ComputeRemaining(model.basis, values);
   const double variance = left / model.degrees_of_freedom / num_columns;
   double sum = variance;
   for (const GaugeTerm& term : model.terms) {
-    const double added = Remaining(term.without, values) - left;
+    const double added = ComputeRemaining(term.without_term, values) - left;
     const double term_variance = std::max(
         0.0,
         (added / num_columns - term.degrees_of_freedom * variance) / term.size);
     GaugeFactor factor{term.name, std::sqrt(term_variance), {}};
     if (values.cols() == 1 && variance > 0)
-      factor.chance = boost::math::cdf(boost::math::complement(
+      factor.p_value = boost::math::cdf(boost::math::complement(
           boost::math::fisher_f(term.degrees_of_freedom,
                                 model.degrees_of_freedom),
           std::max(0.0, added / term.degrees_of_freedom / variance)));
@@ -162,12 +164,12 @@ double ComputePixelStdDev(const Eigen::MatrixXd& pixels) {
 double ComputeFleetStdDev(const FleetInput& fleet, const std::string& name) {
   for (const FleetMetric& metric : fleet.metrics)
     if (metric.name == name)
-      return EstimateNeighbourStdDev(metric.Scattering());
+      return EstimateNeighbourStdDev(metric.TransformedValues());
   return 0;
 }
 
 // Whether all values are known, and they are not all equal.
-bool Scatters(const std::vector<double>& values) {
+bool HasVariation(const std::vector<double>& values) {
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   return std::all_of(values.begin(), values.end(),
                      [](double value) { return std::isfinite(value); }) &&
@@ -203,19 +205,20 @@ GaugeStudy StudyGauge(const FleetInput& input,
   }
   const bool has_fleet = fleet.pixels.rows() >= kMinFleetUnits;
   if (input.pixels.cols() > 0) {
-    GaugeMetric pixels = Analyse("pixels", input.pixels, model);
+    GaugeMetric pixels = AnalyzeMetric("pixels", input.pixels, model);
     if (has_fleet && fleet.pixels.cols() > 0)
       CompareWithFleet(ComputePixelStdDev(fleet.pixels), &pixels);
     study.metrics.push_back(pixels);
   }
   for (const FleetMetric& metric : input.metrics) {
-    const std::vector<double> values = metric.Scattering();
-    if (metric.name == "sensor_temperature_c" || !Scatters(values)) continue;
-    GaugeMetric analysed =
-        Analyse(metric.name,
-                Eigen::Map<const Eigen::VectorXd>(
-                    values.data(), static_cast<Eigen::Index>(values.size())),
-                model);
+    const std::vector<double> values = metric.TransformedValues();
+    if (metric.name == "sensor_temperature_c" || !HasVariation(values))
+      continue;
+    GaugeMetric analysed = AnalyzeMetric(
+        metric.name,
+        Eigen::Map<const Eigen::VectorXd>(
+            values.data(), static_cast<Eigen::Index>(values.size())),
+        model);
     analysed.is_logarithm = metric.is_positive;
     if (has_fleet)
       CompareWithFleet(ComputeFleetStdDev(fleet, metric.name), &analysed);

@@ -18,9 +18,9 @@ struct GaugeRepeat {
 
 /// The contribution of operators or stations to the variance.
 struct GaugeFactor {
-  std::string name;              ///< "operator" or "station"
-  double deviation = 0;          ///< between their means; 0 if insignificant
-  std::optional<double> chance;  ///< p-value of equal means
+  std::string name;               ///< "operator" or "station"
+  double deviation = 0;           ///< between their means; 0 if insignificant
+  std::optional<double> p_value;  ///< p-value of equal means
 };
 
 /// The measurement uncertainty of a metric.

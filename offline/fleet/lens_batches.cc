@@ -12,15 +12,15 @@
 namespace raygrid {
 namespace {
 
-using UnitsOfBatch = std::map<std::string, std::vector<int>>;
+using UnitsByBatch = std::map<std::string, std::vector<int>>;
 
-UnitsOfBatch ChooseUnits(const std::vector<std::string>& batches,
+UnitsByBatch SelectUnits(const std::vector<std::string>& batches,
                          const std::vector<OutlierUnit>& outliers) {
-  std::set<int> left_out;
-  for (const OutlierUnit& unit : outliers) left_out.insert(unit.unit);
-  UnitsOfBatch chosen;
+  std::set<int> excluded_units;
+  for (const OutlierUnit& unit : outliers) excluded_units.insert(unit.unit);
+  UnitsByBatch chosen;
   for (int u = 0; u < static_cast<int>(batches.size()); ++u)
-    if (!batches[u].empty() && left_out.count(u) == 0)
+    if (!batches[u].empty() && excluded_units.count(u) == 0)
       chosen[batches[u]].push_back(u);
   for (auto it = chosen.begin(); it != chosen.end();)
     it = static_cast<int>(it->second.size()) < kMinBatchUnits ? chosen.erase(it)
@@ -44,10 +44,10 @@ double ComputeMean(const std::vector<double>& values) {
 }
 
 BatchedMetric CompareMetric(const FleetMetric& metric,
-                            const UnitsOfBatch& units) {
+                            const UnitsByBatch& units) {
   BatchedMetric compared;
   compared.name = metric.name;
-  const std::vector<double> values = metric.Scattering();
+  const std::vector<double> values = metric.TransformedValues();
   std::vector<std::vector<double>> groups;
   std::vector<double> all;
   for (const auto& batch : units) {
@@ -81,7 +81,7 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
       between + within <= kRounding * squares)
     return compared;
   compared.within_batch_stddev = std::sqrt(within / freedoms_within);
-  compared.chance =
+  compared.p_value =
       ComputePValue(between / degrees_of_freedom / (within / freedoms_within),
                     degrees_of_freedom, freedoms_within);
   return compared;
@@ -90,7 +90,7 @@ BatchedMetric CompareMetric(const FleetMetric& metric,
 // Returns Pillai's trace of the lenses' coefficients along the principal
 // directions, and its F approximation.
 BatchedMetric CompareProjections(const Eigen::MatrixXd& pixels,
-                                 const UnitsOfBatch& units) {
+                                 const UnitsByBatch& units) {
   BatchedMetric compared;
   compared.name = "lens";
   std::vector<int> rows;
@@ -122,7 +122,7 @@ BatchedMetric CompareProjections(const Eigen::MatrixXd& pixels,
   const double trace = total.fullPivLu().solve(between).trace();
   if (!(t > 0) || !std::isfinite(trace)) return compared;
   const double larger = std::max(p, degrees_of_freedom);
-  compared.chance =
+  compared.p_value =
       ComputePValue(t * trace / (larger * (s - trace)), s * larger, s * t);
   return compared;
 }
@@ -133,7 +133,7 @@ BatchComparison CompareLensBatches(const FleetInput& input,
                                    const std::vector<std::string>& batches,
                                    const std::vector<OutlierUnit>& outliers) {
   BatchComparison comparison;
-  const UnitsOfBatch units = ChooseUnits(batches, outliers);
+  const UnitsByBatch units = SelectUnits(batches, outliers);
   if (units.empty() || input.pixels.cols() == 0) return comparison;
   for (const auto& batch : units) {
     comparison.batches.push_back(batch.first);
@@ -144,7 +144,7 @@ BatchComparison CompareLensBatches(const FleetInput& input,
     comparison.metrics.push_back(CompareMetric(metric, units));
   const auto num_metrics = static_cast<double>(comparison.metrics.size());
   for (BatchedMetric& metric : comparison.metrics)
-    metric.differs = metric.chance < kFleetFalseAlarmProbability / num_metrics;
+    metric.differs = metric.p_value < kFleetFalseAlarmProbability / num_metrics;
   return comparison;
 }
 

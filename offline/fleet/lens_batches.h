@@ -12,7 +12,7 @@ namespace raygrid {
 struct BatchedMetric {
   std::string name;
   bool differs = false;  ///< significant at the level per comparison
-  double chance = 1;     ///< p-value of equal batches
+  double p_value = 1;    ///< p-value of equal batches
   /// Mean of each batch, and the standard deviation within batches. For metrics
   /// with normally distributed logarithms: geometric mean, and the deviation of
   /// the logarithm. Empty for "lens".

@@ -99,7 +99,7 @@ std::vector<int> MeanChanges::Cuts() const {
 }
 
 MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
-                            double chance) {
+                            double false_alarm_probability) {
   MeanChanges changes;
   const std::vector<StandardSeries> standard = Standardize(series);
   if (standard.empty()) return changes;
@@ -112,8 +112,8 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
     return size * (count - 2) / (count - size - 1) *
            boost::math::quantile(boost::math::complement(f, segment));
   };
-  FindJumps(standard, {0, count}, compute_limit(chance / 2 / count),
-            &changes.jumps);
+  FindJumps(standard, {0, count},
+            compute_limit(false_alarm_probability / 2 / count), &changes.jumps);
   double explained_by_segments = 0, explained_by_line = 0;
   for (const StandardSeries& one : standard) {
     explained_by_segments += ComputeExplainedBySegments(one, changes.Cuts());
@@ -123,7 +123,7 @@ MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
   // for the line, a slope per series.
   const double penalty = std::log(count);
   const auto num_jumps = static_cast<double>(changes.jumps.size());
-  if (explained_by_line > compute_limit(chance / 2) &&
+  if (explained_by_line > compute_limit(false_alarm_probability / 2) &&
       explained_by_line - size * penalty >=
           explained_by_segments - num_jumps * (size + 1) * penalty)
     changes = {{}, {{"", 0, 0, std::sqrt(explained_by_line)}}};

@@ -39,7 +39,7 @@ struct MeanChanges {
 /// For constant series, the false-alarm probability `chance` is divided equally
 /// between jumps and drifts.
 MeanChanges FindMeanChanges(const std::vector<std::vector<double>>& series,
-                            double chance);
+                            double false_alarm_probability);
 
 /// Returns the trend about which units vary: piecewise medians between jumps,
 /// or a line.

@@ -18,7 +18,7 @@ constexpr int kDisplacementDegree = 7;
 constexpr int kNumShapes = NumPolynomials(kDisplacementDegree);
 constexpr int kNumFactors = 2 * kNumShapes;
 
-Eigen::VectorXd ShapesAt(const Area& area, const Eigen::Vector2d& pixel) {
+Eigen::VectorXd EvaluateShapes(const Area& area, const Eigen::Vector2d& pixel) {
   Eigen::VectorXd shapes =
       EvaluatePolynomials(area, pixel, kDisplacementDegree);
   int k = 0;
@@ -37,7 +37,7 @@ class SmoothFactors {
       for (int i = 0; i < kColumns; ++i) {
         positions_.emplace_back(area.x0 + area.width() * (i + 0.5) / kColumns,
                                 area.y0 + area.height() * (j + 0.5) / kRows);
-        shapes_.push_back(ShapesAt(area, positions_.back()));
+        shapes_.push_back(EvaluateShapes(area, positions_.back()));
       }
   }
   const std::vector<Eigen::Vector2d>& positions() const { return positions_; }
@@ -68,7 +68,7 @@ class SmoothFactors {
     if (!unit.uncertainty) return errors;
     const ErrorModes& modes = unit.uncertainty->modes;
     errors.diagonal().array() +=
-        modes.rest_px * modes.rest_px / kRestVarianceDivisor;
+        modes.residual_px * modes.residual_px / kRestVarianceDivisor;
     for (size_t m = 0; m < modes.displacements_px.size(); ++m) {
       PixelField field;
       for (const Eigen::Vector2d& place : positions_)
@@ -161,11 +161,11 @@ std::optional<PopulationCovariance> EstimatePopulationCovariance(
                                (kColumns - 1) * area.height() / area.width())) +
                                1,
                            kMinRows, 2 * kColumns);
-  const std::vector<Eigen::Vector2d> positions = spread.Places(area);
+  const std::vector<Eigen::Vector2d> positions = spread.GetPositions(area);
   for (const Eigen::VectorXd& direction : Directions(covariance)) {
     auto& field = spread.displacements_px.emplace_back();
     for (const Eigen::Vector2d& place : positions) {
-      const Eigen::VectorXd shapes = ShapesAt(area, place);
+      const Eigen::VectorXd shapes = EvaluateShapes(area, place);
       field.emplace_back(shapes.dot(direction.head(kNumShapes)),
                          shapes.dot(direction.tail(kNumShapes)));
     }

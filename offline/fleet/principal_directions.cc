@@ -18,12 +18,14 @@ PrincipalDirections ComputeDirections(const Eigen::MatrixXd& rows,
                           solver.eigenvalues().reverse()};
   // Keeps the directions that explain nearly all of the variance, at most a
   // quarter of the number of units.
-  constexpr double kPart = 0.999;
+  constexpr double kMinVarianceFraction = 0.999;
   const double total = all.variances.sum();
   const auto most = std::min<Eigen::Index>(
       all.variances.size(), static_cast<Eigen::Index>(count / 4));
   Eigen::Index size = 1;
-  while (size < most && all.variances.head(size).sum() < kPart * total) ++size;
+  while (size < most &&
+         all.variances.head(size).sum() < kMinVarianceFraction * total)
+    ++size;
   return {all.axes.leftCols(size), all.variances.head(size)};
 }
 

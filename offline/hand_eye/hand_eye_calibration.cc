@@ -24,8 +24,8 @@ using Observations = std::vector<HandEyeObservation>;
 // variances.
 double DistanceLimit(size_t num_used) {
   constexpr double kChiSquared = 27.86;
-  const double degrees = 6.0 * static_cast<double>(num_used) - 12;
-  return kChiSquared * (1 + 12 / degrees);
+  const double degrees_of_freedom = 6.0 * static_cast<double>(num_used) - 12;
+  return kChiSquared * (1 + 12 / degrees_of_freedom);
 }
 
 bool Contains(const std::vector<int>& subset, int index) {
@@ -154,8 +154,8 @@ std::string ExplainOutlier(const Observations& observations, Mounting mounting,
 
 // The reprojection error follows from the covariance, which is the inverse of
 // the second derivatives of the squared reprojection errors.
-HandEyeError ErrorOf(const HandEyeFit& fit, Mounting mounting,
-                     const HandEyeObservation& observation) {
+HandEyeError ComputeError(const HandEyeFit& fit, Mounting mounting,
+                          const HandEyeObservation& observation) {
   const Vector6d difference = PoseDifference(
       PredictTargetPose(fit.hand_eye, mounting, observation.base_from_gripper),
       observation.camera_from_target);
@@ -205,7 +205,7 @@ void CrossValidate(const Observations& observations, Mounting mounting,
     if (!fit) continue;
     for (size_t k = fold; k < fitted.used.size(); k += num_folds) {
       const int i = fitted.used[k];
-      result->poses[i].held_out = ErrorOf(*fit, mounting, observations[i]);
+      result->poses[i].held_out = ComputeError(*fit, mounting, observations[i]);
       AddSquares(*result->poses[i].held_out, &result->held_out);
     }
   }
@@ -216,7 +216,7 @@ void FillPoses(const Observations& observations, Mounting mounting,
                const FitOfSubset& fitted, HandEyeResult* result) {
   for (int i = 0; i < static_cast<int>(observations.size()); ++i) {
     HandEyePoseResult& pose = result->poses.emplace_back();
-    pose.residual = ErrorOf(fitted.fit, mounting, observations[i]);
+    pose.residual = ComputeError(fitted.fit, mounting, observations[i]);
     pose.is_used = Contains(fitted.used, i);
     if (pose.is_used)
       AddSquares(pose.residual, &result->residual);
@@ -253,10 +253,10 @@ Vector12d InformationEigenvalues(const HandEyeFit& fit, double unit_m) {
 
 void AddWarnings(const StatedRobotNoise& stated, HandEyeResult* result) {
   const int used = result->NumUsed();
-  const double degrees = 6 * used - 12;
+  const double degrees_of_freedom = 6 * used - 12;
   constexpr double kStdDevs = 4;
   if (stated.rotation_rad && stated.translation_m &&
-      result->variance_ratio > 1 + kStdDevs * std::sqrt(2 / degrees))
+      result->variance_ratio > 1 + kStdDevs * std::sqrt(2 / degrees_of_freedom))
     result->warnings.push_back(fmt::format(
         "the poses differ {:.2g} times as much as the stated robot accuracy "
         "explains, so standard deviations are too small; omit "
@@ -264,11 +264,11 @@ void AddWarnings(const StatedRobotNoise& stated, HandEyeResult* result) {
         std::sqrt(result->variance_ratio)));
   constexpr double kMinScaleError = 2e-3;
   if (result->scale && std::abs(result->scale->value) > kMinScaleError &&
-      std::abs(result->scale->value) > kStdDevs * result->scale->std_dev)
+      std::abs(result->scale->value) > kStdDevs * result->scale->stddev)
     result->warnings.push_back(fmt::format(
         "lengths of the robot are {:+.2g} % (sd {:.1g} %) of those of the "
         "target; measure the target's squares",
-        100 * result->scale->value, 100 * result->scale->std_dev));
+        100 * result->scale->value, 100 * result->scale->stddev));
   constexpr int kFewPoses = 8;
   if (used < kFewPoses && !(stated.rotation_rad && stated.translation_m))
     result->warnings.push_back(fmt::format(

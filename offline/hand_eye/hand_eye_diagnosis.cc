@@ -13,19 +13,19 @@ namespace {
 constexpr double kToDegrees = 180 / M_PI;
 
 // The differences in the better half of the poses, as a length.
-double MisfitOf(const RobustStart& start, double lever_m) {
+double ComputeMisfit(const RobustStart& start, double lever_m) {
   return start.translation_m + lever_m * start.rotation_rad;
 }
 
-constexpr double kMuchBetter = 0.3;  // ratio of misfits
+constexpr double kMaxMisfitRatio = 0.3;  // ratio of misfits
 
 // The misfit of changed robot poses.
 template <typename Change>
-double MisfitWith(std::vector<HandEyeObservation> observations,
-                  Mounting mounting, const Change& change) {
+double ComputeMisfitWithChange(std::vector<HandEyeObservation> observations,
+                               Mounting mounting, const Change& change) {
   change(&observations);
   const auto start = FindRobustStart(observations, mounting);
-  return start ? MisfitOf(*start, MedianDistance(observations)) : INFINITY;
+  return start ? ComputeMisfit(*start, MedianDistance(observations)) : INFINITY;
 }
 
 void InvertRobot(std::vector<HandEyeObservation>* observations) {
@@ -74,7 +74,7 @@ std::string FormatAxis(const Eigen::Vector3d& axis) {
 }
 
 void RequireRotations(const RotationSpread& rotations, Mounting mounting) {
-  const HandEyeNames names = NamesOf(mounting);
+  const HandEyeNames names = GetFrameNames(mounting);
   if (rotations.Rms(0) < kMinRotationRad)
     throw Error(
         ExitCode::kInitialization,
@@ -107,12 +107,13 @@ void RequireSameUnit(const std::vector<HandEyeObservation>& observations,
   // paths, too, but would not fit in another unit.
   const auto fits_with_unit = [&](double factor) {
     const auto misfit = [&](double scale) {
-      return MisfitWith(observations, mounting, [scale](auto* rows) {
-        for (HandEyeObservation& row : *rows)
-          row.base_from_gripper.translation *= scale;
-      });
+      return ComputeMisfitWithChange(
+          observations, mounting, [scale](auto* rows) {
+            for (HandEyeObservation& row : *rows)
+              row.base_from_gripper.translation *= scale;
+          });
     };
-    return !(misfit(factor) > kMuchBetter * misfit(1));
+    return !(misfit(factor) > kMaxMisfitRatio * misfit(1));
   };
   if (robot_m > kOtherUnit * camera_m && fits_with_unit(1e-3))
     throw InputError(fmt::format(
@@ -131,18 +132,19 @@ void RequireFit(const std::vector<HandEyeObservation>& observations,
                 Mounting mounting, const RobustStart& start) {
   constexpr double kMaxRotationRad = 3 * M_PI / 180, kMaxTranslation = 0.05;
   const double lever_m = MedianDistance(observations);
-  const double misfit = MisfitOf(start, lever_m);
-  const double inverted = MisfitWith(observations, mounting, InvertRobot);
+  const double misfit = ComputeMisfit(start, lever_m);
+  const double inverted =
+      ComputeMisfitWithChange(observations, mounting, InvertRobot);
   const bool fits = start.rotation_rad < kMaxRotationRad &&
                     start.translation_m < kMaxTranslation * lever_m;
-  if (fits && inverted > kMuchBetter * misfit) return;
+  if (fits && inverted > kMaxMisfitRatio * misfit) return;
 
   std::string remedy =
       "check that robot poses, images and target belong together";
-  double least = kMuchBetter * misfit;
+  double min_misfit = kMaxMisfitRatio * misfit;
   const auto consider = [&](double other, const std::string& explanation) {
-    if (other >= least) return;
-    least = other;
+    if (other >= min_misfit) return;
+    min_misfit = other;
     remedy = explanation;
   };
   const bool in_hand = mounting == Mounting::kEyeInHand;
@@ -157,12 +159,15 @@ void RequireFit(const std::vector<HandEyeObservation>& observations,
     ReorderQuaternions(rows);
     InvertRobot(rows);
   };
-  consider(std::min(MisfitWith(observations, mounting, ReorderQuaternions),
-                    MisfitWith(observations, mounting, invert_reordered)),
-           "they fit if quaternions are in the order w x y z; reorder them");
+  consider(
+      std::min(
+          ComputeMisfitWithChange(observations, mounting, ReorderQuaternions),
+          ComputeMisfitWithChange(observations, mounting, invert_reordered)),
+      "they fit if quaternions are in the order w x y z; reorder them");
   for (const int direction : {1, -1})
-    consider(MisfitWith(observations, mounting,
-                        [&](auto* rows) { ShiftRobot(direction, rows); }),
+    consider(ComputeMisfitWithChange(
+                 observations, mounting,
+                 [&](auto* rows) { ShiftRobot(direction, rows); }),
              fmt::format("they fit if each image has the robot pose of the {} "
                          "one; align the rows",
                          direction > 0 ? "previous" : "next"));

@@ -48,7 +48,7 @@ double NamedTransform::TranslationStdDev() const {
 
 std::vector<NamedTransform> ListTransforms(const HandEyeFit& fit,
                                            Mounting mounting) {
-  const HandEyeNames names = NamesOf(mounting);
+  const HandEyeNames names = GetFrameNames(mounting);
   const Pose& camera = fit.hand_eye.camera_from_mount;
   const PoseCovariance covariance = fit.covariance.topLeftCorner<6, 6>();
   return {{names.camera_from_mount, camera, covariance},

@@ -6,21 +6,21 @@
 namespace raygrid {
 namespace {
 
-double SumOfSquares(const TargetPose& target) {
+double GetSumOfSquares(const TargetPose& target) {
   return std::pow(target.rms_px, 2) * target.num_features;
 }
 
-double DegreesOf(const TargetPose& target) {
+double GetDegreesOfFreedom(const TargetPose& target) {
   return std::max(2.0 * target.num_features - 6, 0.0);
 }
 
 double PooledFeatureVariance(const std::vector<TargetPose>& targets) {
-  double sum = 0, degrees = 0;
+  double sum = 0, degrees_of_freedom = 0;
   for (const TargetPose& target : targets) {
-    sum += SumOfSquares(target);
-    degrees += DegreesOf(target);
+    sum += GetSumOfSquares(target);
+    degrees_of_freedom += GetDegreesOfFreedom(target);
   }
-  return degrees > 0 ? sum / degrees : 0;
+  return degrees_of_freedom > 0 ? sum / degrees_of_freedom : 0;
 }
 
 }  // namespace
@@ -41,8 +41,8 @@ std::vector<HandEyeObservation> MakeHandEyeObservations(
     observation.covariance = target.covariance;
     observation.base_from_gripper = robot->second;
     observation.feature_variance =
-        (kPooledDegrees * pooled + SumOfSquares(target)) /
-        (kPooledDegrees + DegreesOf(target));
+        (kPooledDegrees * pooled + GetSumOfSquares(target)) /
+        (kPooledDegrees + GetDegreesOfFreedom(target));
     observation.num_features = target.num_features;
   }
   return observations;

@@ -85,7 +85,7 @@ PoseCovariance InverseCovariance(const Pose& pose,
   return J * covariance * J.transpose();
 }
 
-HandEyeNames NamesOf(Mounting mounting) {
+HandEyeNames GetFrameNames(Mounting mounting) {
   if (mounting == Mounting::kEyeInHand)
     return {"camera_from_gripper", "gripper_from_camera", "base_from_target",
             "gripper", "base"};

@@ -89,7 +89,7 @@ struct HandEyeNames {
   std::string camera_from_mount, mount_from_camera, anchor_from_target;
   std::string mount, anchor;
 };
-HandEyeNames NamesOf(Mounting mounting);
+HandEyeNames GetFrameNames(Mounting mounting);
 
 }  // namespace raygrid
 

@@ -16,9 +16,10 @@ struct WeightedHandEye {
   Vector12d gradient = Vector12d::Zero();     // J^T W error
 };
 
-WeightedHandEye Weigh(const std::vector<HandEyeObservation>& observations,
-                      Mounting mounting, const std::vector<int>& subset,
-                      const HandEye& hand_eye, const RobotNoise& noise) {
+WeightedHandEye BuildNormalEquations(
+    const std::vector<HandEyeObservation>& observations, Mounting mounting,
+    const std::vector<int>& subset, const HandEye& hand_eye,
+    const RobotNoise& noise) {
   WeightedHandEye weighted;
   for (const int i : subset) {
     const LinearizedHandEye linear =
@@ -36,7 +37,7 @@ WeightedHandEye Weigh(const std::vector<HandEyeObservation>& observations,
   return weighted;
 }
 
-HandEye Updated(const HandEye& hand_eye, const Vector12d& step) {
+HandEye ApplyStep(const HandEye& hand_eye, const Vector12d& step) {
   return {UpdatedPose(hand_eye.camera_from_mount, step.head<6>()),
           UpdatedPose(hand_eye.anchor_from_target, step.tail<6>())};
 }
@@ -77,10 +78,10 @@ double UpdateNoise(const WeightedHandEye& weighted, const Matrix12d& covariance,
     *value = updated;
   };
   if (!stated.rotation_rad)
-    update(&LinearizedHandEye::J_rotation, kLeastRobotNoise.rotation_rad,
+    update(&LinearizedHandEye::J_rotation, kMinRobotNoise.rotation_rad,
            &noise->rotation_rad);
   if (!stated.translation_m)
-    update(&LinearizedHandEye::J_translation, kLeastRobotNoise.translation_m,
+    update(&LinearizedHandEye::J_translation, kMinRobotNoise.translation_m,
            &noise->translation_m);
   return change;
 }
@@ -88,21 +89,21 @@ double UpdateNoise(const WeightedHandEye& weighted, const Matrix12d& covariance,
 void UseStatedNoise(const StatedRobotNoise& stated, RobotNoise* noise) {
   if (stated.rotation_rad)
     noise->rotation_rad =
-        std::max(*stated.rotation_rad, kLeastRobotNoise.rotation_rad);
+        std::max(*stated.rotation_rad, kMinRobotNoise.rotation_rad);
   if (stated.translation_m)
     noise->translation_m =
-        std::max(*stated.translation_m, kLeastRobotNoise.translation_m);
+        std::max(*stated.translation_m, kMinRobotNoise.translation_m);
 }
 
 }  // namespace
 
 std::optional<Eigen::MatrixXd> InvertScaled(const Eigen::MatrixXd& matrix) {
-  constexpr double kSingular = 1e-13;
+  constexpr double kMinEigenvalueRatio = 1e-13;
   const Eigen::VectorXd scale =
       matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       scale.asDiagonal() * matrix * scale.asDiagonal());
-  if (!(solver.eigenvalues()[0] > kSingular)) return std::nullopt;
+  if (!(solver.eigenvalues()[0] > kMinEigenvalueRatio)) return std::nullopt;
   const Eigen::MatrixXd vectors = scale.asDiagonal() * solver.eigenvectors();
   return Eigen::MatrixXd(vectors *
                          solver.eigenvalues().cwiseInverse().asDiagonal() *
@@ -120,8 +121,8 @@ std::optional<HandEyeFit> RefineHandEye(
   UseStatedNoise(stated, &fit.noise);
   fit.converged = false;
   for (int k = 0; k < kMaxIterations && !fit.converged; ++k) {
-    const WeightedHandEye weighted =
-        Weigh(observations, mounting, subset, fit.hand_eye, fit.noise);
+    const WeightedHandEye weighted = BuildNormalEquations(
+        observations, mounting, subset, fit.hand_eye, fit.noise);
     const auto covariance = InvertScaled(weighted.information);
     if (!covariance) return std::nullopt;
     fit.covariance = *covariance;
@@ -132,7 +133,7 @@ std::optional<HandEyeFit> RefineHandEye(
         step.dot(weighted.gradient) < 1
             ? UpdateNoise(weighted, fit.covariance, stated, &fit.noise)
             : INFINITY;
-    fit.hand_eye = Updated(fit.hand_eye, step);
+    fit.hand_eye = ApplyStep(fit.hand_eye, step);
     fit.converged = is_near && change < kSmallChange;
   }
   return fit;
@@ -161,8 +162,8 @@ HandEyeDistance MeasureDistance(const HandEyeFit& fit, Mounting mounting,
 std::optional<ScaleError> EstimateScale(
     const std::vector<HandEyeObservation>& observations, Mounting mounting,
     const std::vector<int>& subset, const HandEyeFit& fit) {
-  const WeightedHandEye weighted =
-      Weigh(observations, mounting, subset, fit.hand_eye, fit.noise);
+  const WeightedHandEye weighted = BuildNormalEquations(
+      observations, mounting, subset, fit.hand_eye, fit.noise);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(13, 13);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(13);
   for (size_t k = 0; k < weighted.linear.size(); ++k) {

@@ -14,7 +14,7 @@ struct StatedRobotNoise {
 };
 
 /// Noise below which a robot is exact: variances remain positive.
-constexpr RobotNoise kLeastRobotNoise = {1e-7, 1e-7};
+constexpr RobotNoise kMinRobotNoise = {1e-7, 1e-7};
 
 /// A maximum-likelihood solution.
 struct HandEyeFit {
@@ -60,7 +60,7 @@ HandEyeDistance MeasureDistance(const HandEyeFit& fit, Mounting mounting,
 /// Scale of the robot's lengths relative to the target's minus one, estimated
 /// with the other parameters, and its standard deviation.
 struct ScaleError {
-  double value = 0, std_dev = 0;
+  double value = 0, stddev = 0;
 };
 std::optional<ScaleError> EstimateScale(
     const std::vector<HandEyeObservation>& observations, Mounting mounting,

@@ -26,7 +26,7 @@ bool HasUniqueAxis(const Eigen::Quaterniond& rotation) {
   return std::abs(rotation.w()) > kMinRealPart;
 }
 
-Eigen::Quaterniond NearestTo(const Eigen::Matrix3d& sum) {
+Eigen::Quaterniond FindNearestRotation(const Eigen::Matrix3d& sum) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
       sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs(1, 1, 1);
@@ -40,9 +40,9 @@ Eigen::Quaterniond NearestTo(const Eigen::Matrix3d& sum) {
 // some others only.
 template <typename Body>
 void ForEachPair(const std::vector<int>& subset, const Body& body) {
-  constexpr size_t kMaxPartners = 60;
+  constexpr size_t kMaxPairsPerPose = 60;
   const size_t n = subset.size();
-  const size_t stride = n / kMaxPartners + 1;
+  const size_t stride = n / kMaxPairsPerPose + 1;
   for (size_t i = 0; i < n; ++i)
     for (size_t j = i + 1; j < n; j += stride) body(subset[i], subset[j]);
 }
@@ -69,7 +69,7 @@ std::optional<Eigen::Quaterniond> SolveMountRotation(
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum / num_pairs);
   if (svd.singularValues()[1] < kMinRotationRad * kMinRotationRad)
     return std::nullopt;
-  return NearestTo(sum);
+  return FindNearestRotation(sum);
 }
 
 // The rotation of anchor_from_target for that of camera_from_mount.
@@ -85,7 +85,7 @@ Eigen::Quaterniond MeanAnchorRotation(
             observations[i].camera_from_target.rotation)
                .toRotationMatrix();
   }
-  return NearestTo(sum);
+  return FindNearestRotation(sum);
 }
 
 // The translations for the rotation of camera_from_mount.
@@ -113,8 +113,7 @@ void SolveTranslations(const std::vector<HandEyeObservation>& observations,
 
 // Returns the indices of the `count` smallest values, in ascending order of
 // the indices.
-std::vector<int> IndicesOfSmallest(const std::vector<double>& values,
-                                   size_t count) {
+std::vector<int> FindSmallest(const std::vector<double>& values, size_t count) {
   std::vector<int> order(values.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -163,15 +162,15 @@ struct TrimmedSolution {
 };
 
 // Solves again for the observations that agree best, until they do not change.
-TrimmedSolution Concentrate(const std::vector<HandEyeObservation>& observations,
-                            Mounting mounting, double lever_m, size_t half,
-                            const HandEye& start, int num_rounds) {
+TrimmedSolution RunConcentrationSteps(
+    const std::vector<HandEyeObservation>& observations, Mounting mounting,
+    double lever_m, size_t half, const HandEye& start, int num_rounds) {
   TrimmedSolution best;
   HandEye hand_eye = start;
   for (int round = 0;; ++round) {
     const std::vector<double> differences =
         MeasureDifferences(hand_eye, observations, mounting, lever_m);
-    std::vector<int> subset = IndicesOfSmallest(differences, half);
+    std::vector<int> subset = FindSmallest(differences, half);
     const double sum = SumOver(differences, subset);
     const bool is_better = sum < best.sum;
     if (is_better) best = {hand_eye, std::move(subset), sum};
@@ -186,27 +185,28 @@ TrimmedSolution Concentrate(const std::vector<HandEyeObservation>& observations,
 TrimmedSolution FindTrimmedSolution(
     const std::vector<HandEyeObservation>& observations, Mounting mounting,
     double lever_m, size_t half) {
-  constexpr int kSubsets = 300, kFinalists = 10;
-  constexpr int kFirstRounds = 2, kRounds = 30;
+  constexpr int kNumSubsets = 300, kNumRefinedSubsets = 10;
+  constexpr int kInitialConcentrationSteps = 2, kRounds = 30;
   const int count = static_cast<int>(observations.size());
   SubsetGenerator generator(count);
   std::vector<TrimmedSolution> finalists;
-  for (int k = 0; k < kSubsets; ++k) {
+  for (int k = 0; k < kNumSubsets; ++k) {
     const auto start = SolveLinearHandEye(
         observations, mounting, generator.Next(std::min(kSubsetSize, count)));
     if (!start) continue;
-    finalists.push_back(Concentrate(observations, mounting, lever_m, half,
-                                    *start, kFirstRounds));
+    finalists.push_back(RunConcentrationSteps(observations, mounting, lever_m,
+                                              half, *start,
+                                              kInitialConcentrationSteps));
     std::stable_sort(finalists.begin(), finalists.end(),
                      [](const TrimmedSolution& a, const TrimmedSolution& b) {
                        return a.sum < b.sum;
                      });
-    if (finalists.size() > kFinalists) finalists.pop_back();
+    if (finalists.size() > kNumRefinedSubsets) finalists.pop_back();
   }
   TrimmedSolution best;
   for (const TrimmedSolution& finalist : finalists) {
-    TrimmedSolution solution = Concentrate(observations, mounting, lever_m,
-                                           half, finalist.hand_eye, kRounds);
+    TrimmedSolution solution = RunConcentrationSteps(
+        observations, mounting, lever_m, half, finalist.hand_eye, kRounds);
     if (solution.sum < best.sum) best = std::move(solution);
   }
   return best;

@@ -12,13 +12,13 @@ namespace {
 constexpr double kRadians = M_PI / 180;
 
 // Negative on one side of the target's plane, positive on the other one.
-double SideOf(const Pose& camera_from_target) {
+double GetSideSign(const Pose& camera_from_target) {
   return (camera_from_target.rotation * Eigen::Vector3d::UnitZ())
       .dot(camera_from_target.translation);
 }
 
 // The angle between the line of sight to the target and its normal.
-double TiltOf(const Pose& camera_from_target) {
+double ComputeTilt(const Pose& camera_from_target) {
   const Eigen::Vector3d normal =
       camera_from_target.rotation * Eigen::Vector3d::UnitZ();
   const double cosine =
@@ -26,17 +26,17 @@ double TiltOf(const Pose& camera_from_target) {
   return std::acos(std::min(cosine, 1.0));
 }
 
-double RotationSd(const Matrix12d& covariance) {
+double RotationStdDevFromCovariance(const Matrix12d& covariance) {
   return std::sqrt(covariance.topLeftCorner<3, 3>().trace());
 }
 
-double TranslationSd(const Matrix12d& covariance) {
+double TranslationStdDevFromCovariance(const Matrix12d& covariance) {
   return std::sqrt(covariance.block<3, 3>(3, 3).trace());
 }
 
 // The robot's pose for a pose of the target.
-Pose RobotPoseFor(const HandEye& hand_eye, Mounting mounting,
-                  const Pose& camera_from_target) {
+Pose ComputeRobotPose(const HandEye& hand_eye, Mounting mounting,
+                      const Pose& camera_from_target) {
   const Pose mount_from_anchor = hand_eye.camera_from_mount.Inverse() *
                                  camera_from_target *
                                  hand_eye.anchor_from_target.Inverse();
@@ -44,8 +44,8 @@ Pose RobotPoseFor(const HandEye& hand_eye, Mounting mounting,
 }
 
 // The covariance with a further observation (Woodbury).
-Matrix12d CovarianceWith(const HandEyeFit& fit, Mounting mounting,
-                         const HandEyeObservation& observation) {
+Matrix12d UpdateCovariance(const HandEyeFit& fit, Mounting mounting,
+                           const HandEyeObservation& observation) {
   const LinearizedHandEye linear =
       LinearizeHandEye(fit.hand_eye, mounting, observation);
   const auto& J = linear.J_hand_eye;
@@ -68,10 +68,11 @@ std::optional<SuggestedPose> SuggestRobotPose(
   const double lever_m = MedianDistance(observations);
   double max_tilt = 45 * kRadians;
   for (const int i : subset)
-    max_tilt = std::max(max_tilt, TiltOf(observations[i].camera_from_target));
+    max_tilt =
+        std::max(max_tilt, ComputeTilt(observations[i].camera_from_target));
   const auto cost = [&](const Matrix12d& covariance) {
-    return std::pow(RotationSd(covariance), 2) +
-           std::pow(TranslationSd(covariance) / lever_m, 2);
+    return std::pow(RotationStdDevFromCovariance(covariance), 2) +
+           std::pow(TranslationStdDevFromCovariance(covariance) / lever_m, 2);
   };
   double least = cost(fit.covariance);
   std::optional<SuggestedPose> best;
@@ -84,24 +85,24 @@ std::optional<SuggestedPose> SuggestRobotPose(
                                   Pose{Eigen::Quaterniond(Eigen::AngleAxisd(
                                            angle, Eigen::Vector3d::Unit(axis))),
                                        Eigen::Vector3d::Zero()};
-        if (TiltOf(next.camera_from_target) > max_tilt ||
-            SideOf(next.camera_from_target) *
-                    SideOf(source.camera_from_target) <=
+        if (ComputeTilt(next.camera_from_target) > max_tilt ||
+            GetSideSign(next.camera_from_target) *
+                    GetSideSign(source.camera_from_target) <=
                 0)
           continue;
         next.base_from_gripper =
-            RobotPoseFor(fit.hand_eye, mounting, next.camera_from_target);
-        const Matrix12d covariance = CovarianceWith(fit, mounting, next);
+            ComputeRobotPose(fit.hand_eye, mounting, next.camera_from_target);
+        const Matrix12d covariance = UpdateCovariance(fit, mounting, next);
         if (!(cost(covariance) < least)) continue;
         least = cost(covariance);
         best = {next.base_from_gripper,
                 source.image,
                 "xyz"[axis],
                 angle,
-                RotationSd(fit.covariance),
-                TranslationSd(fit.covariance),
-                RotationSd(covariance),
-                TranslationSd(covariance)};
+                RotationStdDevFromCovariance(fit.covariance),
+                TranslationStdDevFromCovariance(fit.covariance),
+                RotationStdDevFromCovariance(covariance),
+                TranslationStdDevFromCovariance(covariance)};
       }
   return best;
 }

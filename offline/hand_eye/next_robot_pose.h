@@ -17,8 +17,8 @@ struct SuggestedPose {
   double angle_rad = 0;
   /// Standard deviations of camera_from_mount (RMS angle, RMS length), without
   /// and with the additional pose.
-  double rotation_stddev_rad = 0, translation_sd_m = 0;
-  double new_rotation_sd_rad = 0, new_translation_sd_m = 0;
+  double rotation_stddev_rad = 0, translation_stddev_m = 0;
+  double new_rotation_stddev_rad = 0, new_translation_stddev_m = 0;
 };
 
 /// Searches poses in which the camera is moved around the target, from the

@@ -37,15 +37,16 @@ template <typename Scalar>
 struct Limits;
 template <>
 struct Limits<double> {
-  static constexpr double kErrorPx = 2e-10, kShortPx = 2e-5, kEdgePx = 1e-6;
+  static constexpr double kErrorPx = 2e-10, kSmallStepPx = 2e-5, kEdgePx = 1e-6;
 };
 template <>
 struct Limits<float> {
-  static constexpr float kErrorPx = 3e-5F, kShortPx = 0.05F, kEdgePx = 2e-4F;
+  static constexpr float kErrorPx = 3e-5F, kSmallStepPx = 0.05F,
+                         kEdgePx = 2e-4F;
 };
 constexpr int kMaxSteps = 8;
 // Initial values have errors below 1 px, except near folds.
-constexpr double kLongStepPx = 16;
+constexpr double kLargeStepPx = 16;
 
 // A line of sight, and its derivatives by the pixel.
 template <typename Scalar>
@@ -119,7 +120,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
     if (J_point) {
       const LineJet<Scalar> line = Evaluate(found);
       Mat23<Scalar> target_J;
-      ToChart<Scalar>(Sight(point, line), &target_J);
+      ToChart<Scalar>(ComputeSightDirection(point, line), &target_J);
       const Mat22<Scalar> J = ErrorJacobian(line, target_J);
       const Scalar determinant = J.determinant();
       for (int k = 0; k < 3; ++k)
@@ -176,8 +177,8 @@ class GridEvaluator final : public Evaluator<Scalar> {
     return line;
   }
 
-  static Vec3<Scalar> Sight(const Vec3<Scalar>& point,
-                            const LineJet<Scalar>& line) {
+  static Vec3<Scalar> ComputeSightDirection(const Vec3<Scalar>& point,
+                                            const LineJet<Scalar>& line) {
     if constexpr (kIsCentral)
       return point;
     else
@@ -200,7 +201,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
   Result FindPixel(const Vec3<Scalar>& point, Vec2<Scalar>* pixel) const {
     constexpr Scalar kSlow2 = Scalar(0.1 * 0.1);
     constexpr Scalar kShort2 =
-        Limits<Scalar>::kShortPx * Limits<Scalar>::kShortPx;
+        Limits<Scalar>::kSmallStepPx * Limits<Scalar>::kSmallStepPx;
     constexpr Scalar kError2 =
         Limits<Scalar>::kErrorPx * Limits<Scalar>::kErrorPx;
     Start start;
@@ -211,7 +212,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
     Scalar previous2 = 0;  // squared length of the last step; 0: new Jacobian
     for (int k = 0; k < kMaxSteps; ++k) {
       if constexpr (!kIsCentral)
-        if (k > 0) target = ToChart(SightFrom(at, point));
+        if (k > 0) target = ToChart(ComputeSightFromOrigin(at, point));
       Vec2<Scalar> chart;
       const bool is_new = previous2 == 0;
       if (is_new) {
@@ -224,7 +225,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
       }
       const Vec2<Scalar> step = inverse * (target - chart);
       const Scalar length2 = step.squaredNorm();
-      if (!(length2 < Scalar(kLongStepPx * kLongStepPx)))
+      if (!(length2 < Scalar(kLargeStepPx * kLargeStepPx)))
         return Result::kUnknown;
       at += step;
       // The parallax of a non-central camera is an approximation.
@@ -247,8 +248,8 @@ class GridEvaluator final : public Evaluator<Scalar> {
     return true;
   }
 
-  Vec3<Scalar> SightFrom(const Vec2<Scalar>& pixel,
-                         const Vec3<Scalar>& point) const {
+  Vec3<Scalar> ComputeSightFromOrigin(const Vec2<Scalar>& pixel,
+                                      const Vec3<Scalar>& point) const {
     return point - origins_.Evaluate(pixel).template head<3>();
   }
 
@@ -272,11 +273,11 @@ class GridEvaluator final : public Evaluator<Scalar> {
     if constexpr (kIsCentral) {
       start->target = ToChart(point);
       start->parallax.setZero();
-      return LookUp(start->target.template cast<float>(), &start->pixel);
+      return LookUpStart(start->target.template cast<float>(), &start->pixel);
     } else {
       const Vec3<Scalar> sight = point - center_;
-      const Result found =
-          LookUp(ToChart<float>(sight.template cast<float>()), &start->pixel);
+      const Result found = LookUpStart(
+          ToChart<float>(sight.template cast<float>()), &start->pixel);
       if (found == Result::kDefined) {
         MoveToLine(point, start);
         return found;
@@ -289,7 +290,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
     }
   }
 
-  Result LookUp(const Eigen::Vector2f& chart, Vec2<Scalar>* pixel) const {
+  Result LookUpStart(const Eigen::Vector2f& chart, Vec2<Scalar>* pixel) const {
     Eigen::Vector2f found;
     switch (starts_->Find(chart, &found)) {
       case StartTable::Place::kFound:
@@ -312,7 +313,7 @@ class GridEvaluator final : public Evaluator<Scalar> {
     start->target = ToChart<Scalar>(point - line.origin, &target_J);
     start->parallax = target_J * line.origin_J;
     Vec2<Scalar> moved;
-    if (LookUp(start->target.template cast<float>(), &moved) !=
+    if (LookUpStart(start->target.template cast<float>(), &moved) !=
         Result::kDefined)
       return;
     start->target -= start->parallax * (moved - start->pixel);

@@ -89,7 +89,8 @@ Eigen::MatrixXd InterpolationMatrix(int num_cells) {
 // Interpolates the directions of the area; nullopt if they are not all defined,
 // or almost backwards.
 std::optional<CentralGeneric> FitInverse(const CameraModel& model) {
-  constexpr double kCells = 64, kWidest = 10;  // 169 degrees off the axis
+  constexpr double kCells = 64,
+                   kMaxPlaneRadius = 10;  // 169 degrees off the axis
   const Area& area = model.area();
   const double spacing = std::max(area.width(), area.height()) / kCells;
   const int columns = std::max(NumControlPoints(area.width(), spacing), 5);
@@ -107,7 +108,7 @@ std::optional<CentralGeneric> FitInverse(const CameraModel& model) {
                                       area, 0));
       if (!direction) return std::nullopt;
       const Eigen::Vector2d chart = raygrid::ToChart(*direction);
-      if (!(chart.norm() < kWidest)) return std::nullopt;
+      if (!(chart.norm() < kMaxPlaneRadius)) return std::nullopt;
       for (int k = 0; k < 2; ++k) values[k](j, i) = chart[k];
     }
   }

@@ -15,7 +15,7 @@ namespace raygrid {
 namespace {
 
 // Number of triplets from which models are extended; the best model is used.
-constexpr int kNumGrown = 3;
+constexpr int kNumRefinedTriplets = 3;
 constexpr size_t kMaxAdjustedFeatures = 60;  // per view
 
 Area GetFeatureArea(const Dataset& dataset) {
@@ -40,7 +40,7 @@ std::optional<PixelwiseModel> GrowBestModel(
                                           options.num_threads};
   std::optional<PixelwiseModel> best;
   for (const SolvedTriplet& triplet :
-       SelectTriplets(views, lattice, kNumGrown, triplet_options)) {
+       SelectTriplets(views, lattice, kNumRefinedTriplets, triplet_options)) {
     PixelwiseModel model =
         GrowPixelwiseModel(views, lattice, triplet, options.num_threads);
     if (model.num_localized() < 3) continue;
@@ -128,9 +128,9 @@ Cubic CubicMonomials(const Eigen::Vector2d& pixel, const Area& area) {
 }
 
 // Returns the mean of the neighbouring values; nullopt if there are none.
-std::optional<Eigen::Vector2d> MeanAround(const ChartValues& values,
-                                          const PixelLattice& lattice,
-                                          int index) {
+std::optional<Eigen::Vector2d> ComputeNeighborMean(const ChartValues& values,
+                                                   const PixelLattice& lattice,
+                                                   int index) {
   const int x = index % lattice.columns, y = index / lattice.columns;
   Eigen::Vector2d sum(0, 0);
   int count = 0;
@@ -155,7 +155,7 @@ void FillFromNeighbours(const PixelLattice& lattice, ChartValues* values) {
     const ChartValues before = *values;
     for (int i = 0; i < lattice.size(); ++i) {
       if (before[i]) continue;
-      (*values)[i] = MeanAround(before, lattice, i);
+      (*values)[i] = ComputeNeighborMean(before, lattice, i);
       complete = false;
     }
   }
@@ -219,7 +219,7 @@ BSplineSurface FitGrid(const PixelwiseModel& model, const PixelLattice& lattice,
 }
 
 // Fits a grid to a pixelwise model, and optimizes the grid and the poses.
-GenericInitialization AdjustedStart(
+GenericInitialization OptimizeFromPixelwiseModel(
     const PixelwiseModel& model, const std::vector<DenseView>& dense,
     const PixelLattice& lattice, const Dataset& dataset, const Pattern& pattern,
     const GenericInitializationOptions& options) {
@@ -267,8 +267,8 @@ std::optional<GenericInitialization> InitializeFromThreeViews(
   if (!model) return std::nullopt;
   RotateMeanToZ(&*model);
   if (!AlignAxesWithImage(lattice, &*model)) return std::nullopt;
-  GenericInitialization start =
-      AdjustedStart(*model, dense, lattice, dataset, pattern, options);
+  GenericInitialization start = OptimizeFromPixelwiseModel(
+      *model, dense, lattice, dataset, pattern, options);
   start.median_error_px = MedianReprojectionError(
       start, MakeObservations(start.views, dataset, pattern, SIZE_MAX));
   return start;

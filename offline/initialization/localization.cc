@@ -7,19 +7,19 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kMinSights = 4;
+constexpr size_t kMinLocalizationMatches = 4;
 
 // A match with its observation line, and the Jacobian of the pixel with respect
 // to directions from the line's origin.
-struct Sight {
+struct RayMatch {
   Eigen::Vector3d point;
   Eigen::Vector3d origin, ray;
   Eigen::Matrix<double, 2, 3> pixel_by_ray;
 };
 
-std::vector<Sight> ComputeObservationRays(
+std::vector<RayMatch> ComputeObservationRays(
     const CameraModel& camera, const std::vector<PointPixelMatch>& matches) {
-  std::vector<Sight> sights;
+  std::vector<RayMatch> ray_matches;
   for (const PointPixelMatch& match : matches) {
     // The distance of 1 m for the linearization is uncritical: the scale
     // depends on it only through the displacement of line origins between
@@ -28,38 +28,40 @@ std::vector<Sight> ComputeObservationRays(
     LinearizedProjection projection;
     if (line && camera.Linearize(line->origin + line->direction, &match.pixel,
                                  1, &projection))
-      sights.push_back(
+      ray_matches.push_back(
           {match.point, line->origin, line->direction, projection.J_point});
   }
-  return sights;
+  return ray_matches;
 }
 
 // Returns the rotation of the mean ray to the z axis. In the rotated frame,
 // even a board at a right angle to the optical axis has a perspective image.
-Eigen::Quaterniond EstimateMeanRayRotation(const std::vector<Sight>& sights) {
+Eigen::Quaterniond EstimateMeanRayRotation(
+    const std::vector<RayMatch>& ray_matches) {
   Eigen::Vector3d mean(0, 0, 0);
-  for (const Sight& sight : sights) mean += sight.ray;
+  for (const RayMatch& sight : ray_matches) mean += sight.ray;
   return Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ());
 }
 
 // Returns the power of two close to the board's size in metres, for exact
 // scaling.
-double ComputeUnit(const std::vector<Sight>& sights) {
+double ComputeUnit(const std::vector<RayMatch>& ray_matches) {
   double extent = 0;
-  for (const Sight& sight : sights)
-    extent = std::max(extent, (sight.point - sights.front().point).norm());
+  for (const RayMatch& sight : ray_matches)
+    extent = std::max(extent, (sight.point - ray_matches.front().point).norm());
   return extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
 }
 
 // Estimates a pose from the perspective image of the rays. Lengths are scaled,
 // since OpenCV treats points within a few millimetres as identical.
-std::optional<Pose> PoseFromPerspective(const std::vector<Sight>& sights) {
-  if (sights.empty()) return std::nullopt;
-  const double unit = ComputeUnit(sights);
-  const Eigen::Quaterniond facing = EstimateMeanRayRotation(sights);
+std::optional<Pose> PoseFromPerspective(
+    const std::vector<RayMatch>& ray_matches) {
+  if (ray_matches.empty()) return std::nullopt;
+  const double unit = ComputeUnit(ray_matches);
+  const Eigen::Quaterniond facing = EstimateMeanRayRotation(ray_matches);
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
-  for (const Sight& sight : sights) {
+  for (const RayMatch& sight : ray_matches) {
     const Eigen::Vector3d ray = facing * sight.ray;
     if (ray.z() < 0.1) continue;
     const Eigen::Vector3d point = sight.point / unit;
@@ -98,11 +100,11 @@ struct PoseEquations {
   Matrix6d matrix = Matrix6d::Zero();
 };
 
-PoseEquations MakeEquations(const std::vector<Sight>& sights,
+PoseEquations MakeEquations(const std::vector<RayMatch>& ray_matches,
                             const Pose& pose) {
   PoseEquations equations;
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
-  for (const Sight& sight : sights) {
+  for (const RayMatch& sight : ray_matches) {
     const Eigen::Vector3d rotated = rotation * sight.point;
     const Eigen::Vector3d seen = rotated + pose.translation - sight.origin;
     const double distance = seen.norm();
@@ -124,24 +126,26 @@ PoseEquations MakeEquations(const std::vector<Sight>& sights,
 }
 
 // Refines a pose by the Levenberg-Marquardt method.
-std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
+std::optional<Pose> Refine(const std::vector<RayMatch>& ray_matches,
+                           Pose pose) {
   constexpr int kMaxSteps = 50;
   constexpr double kTolerance = 1e-12;      // relative decrease of the cost
   constexpr double kNegligiblePx2 = 1e-20;  // cost per ray
   double lambda = 1e-4;
-  PoseEquations equations = MakeEquations(sights, pose);
+  PoseEquations equations = MakeEquations(ray_matches, pose);
   for (int step = 0; step < kMaxSteps && std::isfinite(equations.cost);
        ++step) {
     Matrix6d damped = equations.matrix;
     damped.diagonal() *= 1 + lambda;
     const Vector6d update = -damped.ldlt().solve(equations.gradient);
     const Pose next = UpdatedPose(pose, update);
-    const PoseEquations next_equations = MakeEquations(sights, next);
+    const PoseEquations next_equations = MakeEquations(ray_matches, next);
     const double change = next_equations.cost - equations.cost;
     const bool is_lower = change < 0;
-    const bool stands = std::abs(change) <=
-                        kTolerance * equations.cost +
-                            kNegligiblePx2 * static_cast<double>(sights.size());
+    const bool stands =
+        std::abs(change) <=
+        kTolerance * equations.cost +
+            kNegligiblePx2 * static_cast<double>(ray_matches.size());
     if (is_lower) {
       pose = next;
       equations = next_equations;
@@ -155,10 +159,10 @@ std::optional<Pose> Refine(const std::vector<Sight>& sights, Pose pose) {
 }
 
 // Returns the first-order reprojection errors of a pose in pixels.
-std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
+std::vector<double> ErrorsPx(const std::vector<RayMatch>& ray_matches,
                              const Pose& pose) {
   std::vector<double> errors;
-  for (const Sight& sight : sights) {
+  for (const RayMatch& sight : ray_matches) {
     const Eigen::Vector3d seen = pose * sight.point - sight.origin;
     const Eigen::Vector3d direction = seen.normalized();
     errors.push_back(direction.dot(sight.ray) > 0
@@ -168,9 +172,9 @@ std::vector<double> ErrorsPx(const std::vector<Sight>& sights,
   return errors;
 }
 
-double ComputeMedianErrorPx(const std::vector<Sight>& sights,
+double ComputeMedianErrorPx(const std::vector<RayMatch>& ray_matches,
                             const Pose& pose) {
-  std::vector<double> errors = ErrorsPx(sights, pose);
+  std::vector<double> errors = ErrorsPx(ray_matches, pose);
   const auto median = errors.begin() + errors.size() / 2;
   std::nth_element(errors.begin(), median, errors.end());
   return *median;
@@ -178,41 +182,42 @@ double ComputeMedianErrorPx(const std::vector<Sight>& sights,
 
 // Estimates the pose from all rays and, if most of them are inconsistent with
 // it, also from subsets, some of which contain fewer outliers.
-std::optional<Pose> EstimateBestPose(const std::vector<Sight>& sights) {
+std::optional<Pose> EstimateBestPose(const std::vector<RayMatch>& ray_matches) {
   constexpr size_t kParts = 6;
   constexpr double kGoodPx = 1;
   std::optional<Pose> best;
   double best_px = INFINITY;
-  const auto try_start = [&](const std::vector<Sight>& part) {
+  const auto optimize_from_start = [&](const std::vector<RayMatch>& part) {
     const auto start = PoseFromPerspective(part);
-    const auto pose = start ? Refine(sights, *start) : std::nullopt;
+    const auto pose = start ? Refine(ray_matches, *start) : std::nullopt;
     const double error_px =
-        pose ? ComputeMedianErrorPx(sights, *pose) : INFINITY;
+        pose ? ComputeMedianErrorPx(ray_matches, *pose) : INFINITY;
     if (pose && (!best || error_px < best_px)) {
       best = pose;
       best_px = error_px;
     }
   };
-  try_start(sights);
+  optimize_from_start(ray_matches);
   for (size_t first = 0; first < kParts && !(best_px < kGoodPx); ++first) {
-    std::vector<Sight> part;
-    for (size_t i = first; i < sights.size(); i += kParts)
-      part.push_back(sights[i]);
-    if (part.size() >= kMinSights) try_start(part);
+    std::vector<RayMatch> part;
+    for (size_t i = first; i < ray_matches.size(); i += kParts)
+      part.push_back(ray_matches[i]);
+    if (part.size() >= kMinLocalizationMatches) optimize_from_start(part);
   }
   return best;
 }
 
 // Selects the rays that are inliers for a pose.
-std::vector<Sight> Consistent(const std::vector<Sight>& sights,
-                              const Pose& pose) {
-  constexpr double kTimesMedian = 6, kAlwaysPx = 3;
-  const std::vector<double> errors = ErrorsPx(sights, pose);
+std::vector<RayMatch> SelectInliers(const std::vector<RayMatch>& ray_matches,
+                                    const Pose& pose) {
+  constexpr double kInlierLimitPerMedian = 6, kMinInlierLimitPx = 3;
+  const std::vector<double> errors = ErrorsPx(ray_matches, pose);
   const double limit_px =
-      std::max(kAlwaysPx, kTimesMedian * ComputeMedianErrorPx(sights, pose));
-  std::vector<Sight> consistent;
-  for (size_t i = 0; i < sights.size(); ++i)
-    if (errors[i] <= limit_px) consistent.push_back(sights[i]);
+      std::max(kMinInlierLimitPx,
+               kInlierLimitPerMedian * ComputeMedianErrorPx(ray_matches, pose));
+  std::vector<RayMatch> consistent;
+  for (size_t i = 0; i < ray_matches.size(); ++i)
+    if (errors[i] <= limit_px) consistent.push_back(ray_matches[i]);
   return consistent;
 }
 
@@ -221,16 +226,16 @@ std::vector<Sight> Consistent(const std::vector<Sight>& sights,
 std::optional<Pose> Localize(const CameraModel& camera,
                              const std::vector<PointPixelMatch>& matches) {
   constexpr int kMaxRounds = 5;
-  std::vector<Sight> sights = ComputeObservationRays(camera, matches);
+  std::vector<RayMatch> ray_matches = ComputeObservationRays(camera, matches);
   std::optional<Pose> pose;
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (sights.size() < kMinSights) return pose;
-    const auto refined = EstimateBestPose(sights);
+    if (ray_matches.size() < kMinLocalizationMatches) return pose;
+    const auto refined = EstimateBestPose(ray_matches);
     if (!refined) return pose;
     pose = refined;
-    std::vector<Sight> consistent = Consistent(sights, *pose);
-    if (consistent.size() == sights.size()) break;
-    sights = std::move(consistent);
+    std::vector<RayMatch> consistent = SelectInliers(ray_matches, *pose);
+    if (consistent.size() == ray_matches.size()) break;
+    ray_matches = std::move(consistent);
   }
   return pose;
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kMinRays = 30;
 constexpr size_t kMaxRays = 300;  // per pose
-constexpr double kMinRaysAhead = 0.9;
+constexpr double kMinRaysInFront = 0.9;
 constexpr double kOutlierAngles = 6;
 constexpr int kHomographyRounds = 3;
 constexpr int kPoseIterations = 15;
@@ -103,7 +103,7 @@ std::optional<BoardHomography> FitRaysRobustly(
       matches.begin(), matches.end(), [&](const PointRayMatch& match) {
         return homography.Apply(match.point).dot(match.ray) > 0;
       });
-  if (static_cast<double>(ahead) < kMinRaysAhead * count) return std::nullopt;
+  if (static_cast<double>(ahead) < kMinRaysInFront * count) return std::nullopt;
   return homography;
 }
 
@@ -231,7 +231,7 @@ void AverageDirections(const std::vector<DenseView>& views,
 }
 
 // Estimates the poses of the given views; nullopt for views that fail.
-std::vector<std::optional<Pose>> LocalizeSome(
+std::vector<std::optional<Pose>> LocalizeViewsByOverlap(
     const std::vector<DenseView>& views, const PixelwiseModel& model,
     const std::vector<int>& which, int num_threads) {
   std::vector<std::optional<Pose>> poses(which.size());
@@ -259,7 +259,8 @@ bool AddViews(const std::vector<DenseView>& views, const PixelLattice& lattice,
             min_overlap_fraction * static_cast<double>(views[v].matches.size()))
       candidates.push_back(static_cast<int>(v));
   }
-  const auto poses = LocalizeSome(views, *model, candidates, num_threads);
+  const auto poses =
+      LocalizeViewsByOverlap(views, *model, candidates, num_threads);
   bool added = false;
   for (size_t i = 0; i < candidates.size(); ++i) {
     if (!poses[i]) continue;
@@ -275,7 +276,8 @@ void RelocalizeViews(const std::vector<DenseView>& views,
                      PixelwiseModel* model) {
   std::vector<int> all;
   for (size_t v = 0; v < views.size(); ++v) all.push_back(static_cast<int>(v));
-  model->camera_from_board = LocalizeSome(views, *model, all, num_threads);
+  model->camera_from_board =
+      LocalizeViewsByOverlap(views, *model, all, num_threads);
   AverageDirections(views, lattice, model);
 }
 

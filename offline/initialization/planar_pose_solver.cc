@@ -46,7 +46,7 @@ namespace {
 constexpr size_t kMinMatches = 8;
 constexpr double kMinConditioning = 1e-7;
 constexpr double kMinFractionInFront = 0.9;
-constexpr double kOutlierMedians = 6;
+constexpr double kOutlierLimitPerMedian = 6;
 constexpr double kMinLossScaleM = 1e-9;
 
 // Points of two boards that are observed at the same pixel.
@@ -115,7 +115,7 @@ Eigen::Matrix3d FitHomographyRobustly(const std::vector<PlaneMatch>& matches) {
   std::vector<double> errors;
   for (const PlaneMatch& match : matches)
     errors.push_back((Transfer(first, match.from) - match.to).norm());
-  const double limit = kOutlierMedians * Median(errors) + 1e-12;
+  const double limit = kOutlierLimitPerMedian * Median(errors) + 1e-12;
   std::vector<PlaneMatch> near;
   for (size_t i = 0; i < matches.size(); ++i)
     if (errors[i] <= limit) near.push_back(matches[i]);
@@ -168,7 +168,7 @@ std::optional<Eigen::Vector3d> SolveCenter(const Eigen::Matrix3d& h2,
 }
 
 // Returns the intrinsic matrix K for a centre in the first board's frame.
-Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
+Eigen::Matrix3d MakeIntrinsicMatrix(const Eigen::Vector3d& center) {
   Eigen::Matrix3d k;
   k << -center.z(), 0, center.x(), 0, -center.z(), center.y(), 0, 0, 1;
   return k;
@@ -177,7 +177,8 @@ Eigen::Matrix3d PinholeAt(const Eigen::Vector3d& center) {
 // Computes first_from_board from a homography and the centre.
 Pose DecomposeHomography(const Eigen::Matrix3d& homography,
                          const Eigen::Vector3d& center) {
-  const Eigen::Matrix3d columns = PinholeAt(center).inverse() * homography;
+  const Eigen::Matrix3d columns =
+      MakeIntrinsicMatrix(center).inverse() * homography;
   // Closest orthonormal pair to the first two columns, and their common scale.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
       columns.leftCols<2>(), Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -190,7 +191,7 @@ Pose DecomposeHomography(const Eigen::Matrix3d& homography,
           columns.col(2) / length + center};
 }
 
-std::vector<PlaneMatch> MatchesToFirst(
+std::vector<PlaneMatch> MatchWithFirst(
     const std::vector<BoardPointTriple>& matches,
     const Normalization& normalization, int view) {
   std::vector<PlaneMatch> to_first;
@@ -278,7 +279,7 @@ class ParameterBlocks {
 double MedianError(const std::vector<BoardPointTriple>& matches,
                    const ThreeViews& views) {
   std::array<Eigen::Matrix3d, 3> homography;
-  const Eigen::Matrix3d k = PinholeAt(views.center);
+  const Eigen::Matrix3d k = MakeIntrinsicMatrix(views.center);
   for (int view = 1; view < 3; ++view) {
     const Pose pose = views.CameraFromBoard(view);
     homography[view] << pose.rotation.toRotationMatrix().leftCols<2>(),
@@ -330,9 +331,9 @@ ThreeViewsSolution SolveThreeViews(
   const Normalization normalization = NormalizeMatches(matches);
   if (!(normalization.unit_m > 0)) return solution;
   const auto h2 =
-      EstimateFacingHomography(MatchesToFirst(matches, normalization, 1));
+      EstimateFacingHomography(MatchWithFirst(matches, normalization, 1));
   const auto h3 =
-      EstimateFacingHomography(MatchesToFirst(matches, normalization, 2));
+      EstimateFacingHomography(MatchWithFirst(matches, normalization, 2));
   if (!h2 || !h3) return solution;
   const auto center = SolveCenter(*h2, *h3, &solution.conditioning);
   if (solution.conditioning < kMinConditioning) {
@@ -355,7 +356,7 @@ ThreeViewsFit RefineThreeViews(const std::vector<BoardPointTriple>& matches,
   if (matches.size() < kMinMatches) return fit;
   ParameterBlocks blocks(*views);
   const double scale_m =
-      kOutlierMedians * MedianError(matches, *views) + kMinLossScaleM;
+      kOutlierLimitPerMedian * MedianError(matches, *views) + kMinLossScaleM;
   ceres::Problem problem;
   for (const BoardPointTriple& match : matches)
     problem.AddResidualBlock(

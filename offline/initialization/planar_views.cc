@@ -15,7 +15,7 @@ constexpr size_t kMinFeatures = 8, kMaxFeatures = 80;  // per view
 // Removes gross outliers, which are far from the midpoint of their neighbours
 // on either side. This may also remove inliers at an edge next to an outlier.
 std::vector<Feature> RemoveOutliers(const std::vector<Feature>& features) {
-  constexpr double kTimesMedian = 8, kAlwaysPx = 2;
+  constexpr double kInlierLimitPerMedian = 8, kMinInlierLimitPx = 2;
   std::map<std::pair<int, int>, const Feature*> at;
   for (const Feature& feature : features)
     at[{feature.column, feature.row}] = &feature;
@@ -41,7 +41,8 @@ std::vector<Feature> RemoveOutliers(const std::vector<Feature>& features) {
     all_distances.push_back(*distance[i]);
   }
   if (all_distances.empty()) return features;
-  const double limit_px = kAlwaysPx + kTimesMedian * Median(all_distances);
+  const double limit_px =
+      kMinInlierLimitPx + kInlierLimitPerMedian * Median(all_distances);
   std::vector<Feature> consistent;
   for (size_t i = 0; i < features.size(); ++i)
     if (!distance[i] || *distance[i] <= limit_px)

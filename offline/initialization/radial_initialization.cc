@@ -41,12 +41,12 @@ std::vector<double> RobustWeights(const std::vector<double>& errors) {
 
 // ---- Step 1: radial homographies, and the centre ---------------------------
 
-using Rows = Eigen::Matrix<double, 2, 3>;  // a, b
+using EquationRows = Eigen::Matrix<double, 2, 3>;  // a, b
 
 // Returns the signed distances of pixels from the radial lines of their points.
 std::vector<double> LineErrors(const PlanarView& view,
                                const Eigen::Vector2d& center,
-                               const Rows& rows) {
+                               const EquationRows& rows) {
   std::vector<double> errors;
   for (size_t i = 0; i < view.points.size(); ++i) {
     const Eigen::Vector2d line = rows * view.points[i].homogeneous();
@@ -59,10 +59,10 @@ std::vector<double> LineErrors(const PlanarView& view,
 
 // Estimates a radial homography, with weights that convert algebraic to
 // geometric errors and suppress outliers.
-Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
+EquationRows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
   constexpr int kRounds = 6;
   std::vector<double> weights(view.points.size(), 1);
-  Rows rows = Rows::Zero();
+  EquationRows rows = EquationRows::Zero();
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     for (size_t i = 0; i < view.points.size(); ++i) {
@@ -87,18 +87,18 @@ Rows FitRows(const PlanarView& view, const Eigen::Vector2d& center) {
         (rows * view.points[i].homogeneous()).dot(view.pixels[i] - center) > 0
             ? 1
             : -1;
-  return side < 0 ? Rows(-rows) : rows;
+  return side < 0 ? EquationRows(-rows) : rows;
 }
 
 // Returns the sum of absolute errors, each capped to limit the influence of
 // outliers.
 double CenterCost(const std::vector<PlanarView>& views,
                   const Eigen::Vector2d& center) {
-  constexpr double kCapPx = 10;
+  constexpr double kErrorLimitPx = 10;
   double cost = 0;
   for (const PlanarView& view : views)
     for (const double error : LineErrors(view, center, FitRows(view, center)))
-      cost += std::min(std::abs(error), kCapPx);
+      cost += std::min(std::abs(error), kErrorLimitPx);
   return cost;
 }
 
@@ -142,7 +142,7 @@ struct CylindricalView {
 
 CylindricalView ToCylindrical(const PlanarView& view,
                               const Eigen::Vector2d& center, double unit_px) {
-  Rows rows = FitRows(view, center);
+  EquationRows rows = FitRows(view, center);
   const Eigen::JacobiSVD<Eigen::Matrix2d> svd(
       rows.leftCols<2>(), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double larger = svd.singularValues()[0];
@@ -176,8 +176,8 @@ struct RadialSolution {
 
 // Returns the difference of the angles of incidence of a point and of its
 // pixel.
-double AngleError(const CylindricalView& view, size_t i, double sign,
-                  double forward, const Coefficients& g) {
+double ComputeAngleError(const CylindricalView& view, size_t i, double sign,
+                         double forward, const Coefficients& g) {
   return std::atan2(view.rho[i], sign * view.tilt[i] + forward) -
          std::atan2(view.r[i], Polynomial(g, view.r[i]));
 }
@@ -186,7 +186,7 @@ std::vector<double> AzimuthErrors(const CylindricalView& view, double sign,
                                   double forward, const Coefficients& g) {
   std::vector<double> errors;
   for (size_t i = 0; i < view.r.size(); ++i)
-    errors.push_back(AngleError(view, i, sign, forward, g));
+    errors.push_back(ComputeAngleError(view, i, sign, forward, g));
   return errors;
 }
 
@@ -198,8 +198,8 @@ double ErrorPerAngle(const CylindricalView& view, size_t i,
 }
 
 // Returns the median over the view's points of t3, for a given sign and G.
-double MedianForward(const CylindricalView& view, double sign,
-                     const Coefficients& g) {
+double ComputeMedianForward(const CylindricalView& view, double sign,
+                            const Coefficients& g) {
   std::vector<double> forward;
   for (size_t i = 0; i < view.r.size(); ++i)
     forward.push_back(view.rho[i] * Polynomial(g, view.r[i]) /
@@ -280,7 +280,7 @@ bool ChooseSigns(const std::vector<CylindricalView>& views,
     double best = INFINITY, best_sign = 1;
     for (const double sign : {1.0, -1.0}) {
       const double cost = SumAbsoluteErrors(AzimuthErrors(
-          views[v], sign, MedianForward(views[v], sign, solution->g),
+          views[v], sign, ComputeMedianForward(views[v], sign, solution->g),
           solution->g));
       if (cost >= best) continue;
       best = cost;
@@ -345,8 +345,8 @@ double ComputeCost(const std::vector<CylindricalView>& views, double max_angle,
   for (size_t v = 0; v < views.size(); ++v) {
     for (size_t i = 0; i < views[v].r.size(); ++i) {
       const double error =
-          AngleError(views[v], i, solution.signs[v], solution.forward[v],
-                     solution.g) /
+          ComputeAngleError(views[v], i, solution.signs[v], solution.forward[v],
+                            solution.g) /
           AnglePerRadius(solution.g, std::min(views[v].r[i], max_angle));
       cost += std::min(std::abs(error), kCap);
     }

@@ -77,7 +77,7 @@ std::vector<T> Subsample(const std::vector<T>& all, size_t max_count) {
 struct Candidate {
   SolvedTriplet triplet;
   std::vector<BoardPointTriple> matches;
-  double promise = 0;
+  double score = 0;
 };
 
 Candidate Solve(const std::vector<DenseView>& views,
@@ -93,8 +93,7 @@ Candidate Solve(const std::vector<DenseView>& views,
   candidate.triplet.poses = solution.views;
   // The effect of noise, relative to the width of the overlap, is inversely
   // proportional to the conditioning.
-  candidate.promise =
-      solution.conditioning * static_cast<double>(matches.size());
+  candidate.score = solution.conditioning * static_cast<double>(matches.size());
   return candidate;
 }
 
@@ -109,15 +108,14 @@ std::vector<SolvedTriplet> SelectTriplets(const std::vector<DenseView>& views,
   std::vector<Candidate> candidates(sample.size());
   ParallelFor(static_cast<int>(sample.size()), options.num_threads,
               [&](int i) { candidates[i] = Solve(views, sample[i]); });
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) {
-                     return a.promise > b.promise;
-                   });
+  std::stable_sort(
+      candidates.begin(), candidates.end(),
+      [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   if (candidates.size() > kMaxRefined) candidates.resize(kMaxRefined);
   ParallelFor(
       static_cast<int>(candidates.size()), options.num_threads, [&](int i) {
         Candidate& candidate = candidates[i];
-        if (candidate.promise > 0)
+        if (candidate.score > 0)
           candidate.triplet.fit =
               RefineThreeViews(candidate.matches, &candidate.triplet.poses);
       });

@@ -8,27 +8,27 @@ namespace raygrid {
 namespace {
 
 // The usable pixels of a camera, which remap tables may show.
-struct Inside {
+struct UsablePixels {
   Area area;
   std::optional<ImageCircle> circle;
 
-  bool Contains(const Eigen::Vector2d& pixel) const {
-    return area.Contains(pixel) && (!circle || circle->Contains(pixel));
+  bool IsValid(const Eigen::Vector2d& pixel) const {
+    return area.IsValid(pixel) && (!circle || circle->IsValid(pixel));
   }
 };
 
-Inside SampleInside(const CameraModel& camera) {
+UsablePixels SampleUsablePixels(const CameraModel& camera) {
   // Keeps sources off the border: the errors of tables are smaller, unless the
   // limit is larger.
-  constexpr double kInsetPx = 0.25;
+  constexpr double kBorderInsetPx = 0.25;
   const Area& area = camera.area();
   const Area image = WholeImage(camera.image_size());
-  Inside inside = {{std::max(area.x0, image.x0) + kInsetPx,
-                    std::max(area.y0, image.y0) + kInsetPx,
-                    std::min(area.x1, image.x1) - kInsetPx,
-                    std::min(area.y1, image.y1) - kInsetPx},
-                   camera.image_circle()};
-  if (inside.circle) inside.circle->radii_px.array() -= kInsetPx;
+  UsablePixels inside = {{std::max(area.x0, image.x0) + kBorderInsetPx,
+                          std::max(area.y0, image.y0) + kBorderInsetPx,
+                          std::min(area.x1, image.x1) - kBorderInsetPx,
+                          std::min(area.y1, image.y1) - kBorderInsetPx},
+                         camera.image_circle()};
+  if (inside.circle) inside.circle->radii_px.array() -= kBorderInsetPx;
   return inside;
 }
 
@@ -38,7 +38,7 @@ class BorderlessSearch {
                    const ImageSize& size)
       : cameras_(cameras), size_(size) {
     for (const CameraAndPlane& seen : cameras)
-      insides_.push_back(SampleInside(seen.camera));
+      usable_pixels_.push_back(SampleUsablePixels(seen.camera));
   }
 
   std::optional<VirtualView> Find() const {
@@ -79,13 +79,13 @@ class BorderlessSearch {
                                Eigen::Vector2d::Constant(1e9));
     for (size_t c = 0; c < cameras_.size(); ++c) {
       const auto& [camera, plane] = cameras_[c];
-      const auto ray = camera.Unproject(insides_[c].area.center());
+      const auto ray = camera.Unproject(usable_pixels_[c].area.center());
       const auto point = ray ? plane.Pixel(*ray) : std::nullopt;
-      if (!point || !(Stretch(plane, *ray) < kUsefulStretchRad))
+      if (!point || !(Stretch(plane, *ray) < kDefaultMaxStretchRad))
         return std::nullopt;
       sum += *point;
       common = common.intersection(
-          FindAreaOnPlane(cameras_[c], kUsefulStretchRad, 32).box);
+          FindAreaOnPlane(cameras_[c], kDefaultMaxStretchRad, 32).box);
     }
     const Eigen::Vector2d mean = sum / static_cast<double>(cameras_.size());
     if (HasNoBorder(mean, kMaxFocalPx)) return mean;
@@ -104,7 +104,7 @@ class BorderlessSearch {
   // Limits the field of view: wider views would show mostly the region far off
   // the axis, or repetitions.
   double ComputeMinFocalPx() const {
-    const double far = std::tan(kUsefulStretchRad);
+    const double far = std::tan(kDefaultMaxStretchRad);
     const double width = size_.width / 2.0, height = size_.height / 2.0;
     switch (cameras_.front().plane.projection) {
       case ViewProjection::kPinhole:
@@ -121,11 +121,12 @@ class BorderlessSearch {
     return std::hypot(width, height) / M_PI;
   }
 
-  // Returns the minimum focal length without border, at most long_px.
-  double FindMinFocalPx(const Eigen::Vector2d& center, double long_px) const {
+  // Returns the minimum focal length without border, at most max_focal_px.
+  double FindMinFocalPx(const Eigen::Vector2d& center,
+                        double max_focal_px) const {
     double least = ComputeMinFocalPx();
     if (HasNoBorder(center, least)) return least;
-    double upper_focal_px = long_px;
+    double upper_focal_px = max_focal_px;
     for (int k = 0; k < 40; ++k) {
       const double between = std::sqrt(least * upper_focal_px);
       (HasNoBorder(center, between) ? upper_focal_px : least) = between;
@@ -150,11 +151,12 @@ class BorderlessSearch {
         Eigen::Vector2d(0, 0)};
     std::optional<Eigen::Vector2d> source;
     const auto is_seen = [&](const Eigen::Vector2d& pixel) {
-      const Eigen::Vector2d start = source.value_or(insides_[c].area.center());
+      const Eigen::Vector2d start =
+          source.value_or(usable_pixels_[c].area.center());
       const auto direction = view.Direction(pixel);
       source = direction ? cameras_[c].camera.Project(*direction, &start, 0)
                          : std::nullopt;
-      return source && insides_[c].Contains(*source);
+      return source && usable_pixels_[c].IsValid(*source);
     };
     for (int side = 0; side < 4; ++side)
       for (int k = 0; k < kSteps; ++k)
@@ -169,7 +171,7 @@ class BorderlessSearch {
 
   const std::vector<CameraAndPlane>& cameras_;
   const ImageSize size_;
-  std::vector<Inside> insides_;
+  std::vector<UsablePixels> usable_pixels_;
 };
 
 }  // namespace

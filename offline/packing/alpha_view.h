@@ -13,7 +13,7 @@ namespace raygrid {
 /// Maximum stretch that an image can represent (StretchAngle()).
 inline constexpr double kMaxStretchRad = 85 * M_PI / 180;
 /// Maximum stretch of views that are not requested by an angle.
-inline constexpr double kUsefulStretchRad = 70 * M_PI / 180;
+inline constexpr double kDefaultMaxStretchRad = 70 * M_PI / 180;
 /// Maximum focal length in px, which blobs store in q16.
 inline constexpr double kMaxFocalPx = 65535;
 

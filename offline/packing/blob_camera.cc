@@ -20,7 +20,7 @@ bool HasBlobMagic(const std::string& bytes) {
   return bytes.compare(0, magic.size(), magic, 0, bytes.size()) == 0;
 }
 
-[[noreturn]] void Refuse(const std::string& name, rg_status status) {
+[[noreturn]] void ThrowReadError(const std::string& name, rg_status status) {
   throw Error(ExitCode::kBlob,
               fmt::format("{}: {}; pack it again from camera.yaml", name,
                           rg_status_text(status)));
@@ -81,7 +81,7 @@ BlobCamera::BlobCamera(const std::string& name, const std::string& bytes)
   if (status == RG_OK) status = rg_camera_open(&camera_, words_.data(), size);
   // Files that are not blobs get this error even if they are short.
   if (status == RG_ERR_TRUNCATED && !HasBlobMagic(bytes)) status = RG_ERR_MAGIC;
-  if (status != RG_OK) Refuse(name, status);
+  if (status != RG_OK) ThrowReadError(name, status);
 }
 
 std::optional<Eigen::Vector3d> BlobCamera::Unproject(
@@ -141,7 +141,8 @@ std::optional<OperatingRange> BlobCamera::Range() const {
 void BlobCamera::SetOperatingPoint(double value) {
   const rg_status status = rg_set_operating_point(
       &camera_, static_cast<int32_t>(std::lround(value * 65536)));
-  if (status != RG_OK && status != RG_EXTRAPOLATED) Refuse("stack", status);
+  if (status != RG_OK && status != RG_EXTRAPOLATED)
+    ThrowReadError("stack", status);
 }
 
 // Returns a control point of the current grid, or of the same grid in a later
@@ -222,7 +223,7 @@ std::optional<ValidityMask> BlobCamera::GetValidityMask() const {
 rg_camera BlobCamera::WithTable(uint32_t remap_index) const {
   rg_camera camera = camera_;
   const rg_status status = rg_select_remap(&camera, remap_index);
-  if (status != RG_OK) Refuse("blob", status);
+  if (status != RG_OK) ThrowReadError("blob", status);
   return camera;
 }
 
@@ -343,7 +344,7 @@ Image BlobCamera::Undistort(const Image& image, uint8_t border,
     target.num_rows = height;
     target.border_values[0] = border;
     const rg_status status = rg_remap(&camera, &frame, &target);
-    if (status != RG_OK) Refuse("image", status);
+    if (status != RG_OK) ThrowReadError("image", status);
     SetChannel(plane, channel, &result);
   }
   return result;

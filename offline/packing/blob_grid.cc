@@ -47,7 +47,7 @@ std::vector<bool> UsedControlPoints(const BSplineSurface& surface,
 // Moves control points into the format's range, and those that affect no
 // regular pixels close to the others, so that 16 bits have a finer resolution.
 // Both occur outside a fisheye's image circle.
-void DrawIntoChart(const RegularRegion& region, bool is_fitted,
+void MoveIntoRange(const RegularRegion& region, bool is_fitted,
                    BSplineSurface* surface) {
   constexpr double kNear = 1.25;
   double reach = 0;
@@ -92,24 +92,25 @@ class GridSearch {
 
   // Returns whether the fit error is within the limit at each relevant node.
   std::vector<bool> FindReproducedNodes(const BSplineSurface& surface) const {
-    std::vector<bool> is_followed(counts_.size(), true);
+    std::vector<bool> is_reproduced(counts_.size(), true);
     for (size_t k = 0; k < counts_.size(); ++k) {
       if (!counts_[k]) continue;
       const RegularRegion::Node& node = region_.nodes()[k];
       const Eigen::Vector3d ray =
           FromChart(surface.Evaluate(region_.GetPixel(static_cast<int>(k))));
-      is_followed[k] = (node.J_ray * (ray - node.ray)).norm() <= max_error_px_;
+      is_reproduced[k] =
+          (node.J_ray * (ray - node.ray)).norm() <= max_error_px_;
     }
-    return is_followed;
+    return is_reproduced;
   }
 
   // Returns the fraction of relevant nodes at which the fit error exceeds the
   // limit.
-  double ComputeLostFraction(const std::vector<bool>& is_followed) const {
-    const auto num_not_found =
-        std::count(is_followed.begin(), is_followed.end(), false);
+  double ComputeLostFraction(const std::vector<bool>& is_reproduced) const {
+    const auto num_unreproduced =
+        std::count(is_reproduced.begin(), is_reproduced.end(), false);
     return num_counting_ == 0 ? 1
-                              : static_cast<double>(num_not_found) /
+                              : static_cast<double>(num_unreproduced) /
                                     static_cast<double>(num_counting_);
   }
 
@@ -183,7 +184,7 @@ class GridSearch {
     BSplineSurface surface = is_whole ? FitSurface(area, columns, rows, samples)
                                       : FitSurface(area, columns, rows, samples,
                                                    kExtrapolationSmoothness);
-    DrawIntoChart(region_, true, &surface);
+    MoveIntoRange(region_, true, &surface);
     return surface;
   }
 
@@ -194,10 +195,10 @@ class GridSearch {
     std::vector<bool> is_good(counts_.size(), true);
     for (int round = 0; round < 2 && best.lost > kNegligibleFraction; ++round) {
       Candidate made = {Fit(area, knot_spacing_px, is_good)};
-      const std::vector<bool> is_followed = FindReproducedNodes(made.surface);
-      made.lost = ComputeLostFraction(is_followed);
+      const std::vector<bool> is_reproduced = FindReproducedNodes(made.surface);
+      made.lost = ComputeLostFraction(is_reproduced);
       if (round == 0 || made.lost < best.lost) best = std::move(made);
-      is_good = is_followed;
+      is_good = is_reproduced;
     }
     return best;
   }
@@ -222,7 +223,7 @@ ValidityMask FineMask(const ImageSize& size) {
 }
 
 // Invalidates the cells that overlap an area.
-void DistrustCells(const Area& area, ValidityMask* mask) {
+void ExcludeCells(const Area& area, ValidityMask* mask) {
   const int first = mask->CellIndex({area.x0, area.y0}),
             last = mask->CellIndex({area.x1, area.y1});
   for (int j = first / mask->columns; j <= last / mask->columns; ++j)
@@ -252,7 +253,7 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   const BSplineSurface* own = camera.DirectionGrid();
   if (own && RepresentableArea(camera.area()) == camera.area()) {
     surface = *own;
-    DrawIntoChart(*region, false, &surface);
+    MoveIntoRange(*region, false, &surface);
   }
   // With a wide knot spacing, clamped control points distort most of the image.
   if (surface.num_points() == 0 || search.HasLargeLoss(surface)) {
@@ -262,15 +263,16 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
             search.ComputeLostFraction(search.FindReproducedNodes(surface)))
       surface = std::move(fitted);
   }
-  const std::vector<bool> is_followed = search.FindReproducedNodes(surface);
+  const std::vector<bool> is_reproduced = search.FindReproducedNodes(surface);
   BlobGrid made = {CentralGeneric(camera.image_size(), surface), std::nullopt,
                    true};
-  made.follows_all = search.ComputeLostFraction(is_followed) == 0;
+  made.is_reproduced_everywhere =
+      search.ComputeLostFraction(is_reproduced) == 0;
   ValidityMask valid =
       valid_region ? *valid_region : FineMask(camera.image_size());
   const std::vector<bool> before = valid.is_valid;
   region->ForEachIrregularCell(
-      is_followed, [&](const Area& cell) { DistrustCells(cell, &valid); });
+      is_reproduced, [&](const Area& cell) { ExcludeCells(cell, &valid); });
   if (valid.is_valid != before) made.valid = valid;
   if (!valid.HasValidCells())
     throw Error(

@@ -22,7 +22,7 @@ struct BlobGrid {
   /// excluded.
   std::optional<ValidityMask> valid;
   /// Whether the fit error is within the bound in the whole regular region.
-  bool follows_all = true;
+  bool is_reproduced_everywhere = true;
 };
 
 /// Makes the grid that approximates a central camera in a blob: the camera's

@@ -18,9 +18,9 @@ GridsToPack MakeGrids(const GridTask& task, double max_error_px) {
                           max_error_px));
     return made;
   }
-  const BSplineSurface& like = task.stack->cameras[0].surface();
-  std::vector<CentralGeneric> cameras = {
-      FitCentralGeneric(task.camera, like.area(), like.columns(), like.rows())};
+  const BSplineSurface& reference = task.stack->cameras[0].surface();
+  std::vector<CentralGeneric> cameras = {FitCentralGeneric(
+      task.camera, reference.area(), reference.columns(), reference.rows())};
   cameras.insert(cameras.end(), task.stack->cameras.begin(),
                  task.stack->cameras.end());
   for (const CentralGeneric& camera : cameras) {
@@ -29,7 +29,8 @@ GridsToPack MakeGrids(const GridTask& task, double max_error_px) {
     made.Add(MakeBlobGrid(camera, region ? &*region : nullptr,
                           made.ValidOr(task.valid_region), max_error_px));
     const BSplineSurface& surface = made.models.back().surface();
-    if (surface.columns() != like.columns() || surface.rows() != like.rows())
+    if (surface.columns() != reference.columns() ||
+        surface.rows() != reference.rows())
       ThrowDoesNotFitBlob(
           "the calibrated areas of the operating points differ by less than "
           "1/65536 px");
@@ -69,9 +70,9 @@ void RequireSimilarSamples(const OperatingPointSamples& stack,
 BlobGrids::BlobGrids(const GridTask& task, double max_error_px,
                      rg_blob_contents* contents) {
   constexpr int kTries = 3;
-  double aimed_px = max_error_px;
-  for (int k = 0; k < kTries; ++k, aimed_px /= 2) {
-    made = MakeGrids(task, aimed_px);
+  double target_error_px = max_error_px;
+  for (int k = 0; k < kTries; ++k, target_error_px /= 2) {
+    made = MakeGrids(task, target_error_px);
     sections_.clear();
     for (const CentralGeneric& model : made.models)
       sections_.push_back(QuantizeGrid(model));
@@ -95,10 +96,12 @@ std::vector<const BSplineSurface*> BlobGrids::Surfaces() const {
 
 std::vector<PackingTruth> BlobGrids::Truths(const GridTask& task) const {
   const ValidityMask* valid = made.ValidOr(task.valid_region);
-  std::vector<PackingTruth> truths = {{task.camera, made.models[0], valid}};
+  std::vector<PackingTruth> exact_cameras = {
+      {task.camera, made.models[0], valid}};
   for (size_t k = 1; k < made.models.size(); ++k)
-    truths.push_back({task.stack->cameras[k - 1], made.models[k], valid});
-  return truths;
+    exact_cameras.push_back(
+        {task.stack->cameras[k - 1], made.models[k], valid});
+  return exact_cameras;
 }
 
 std::unique_ptr<BlobGrids> FitBlobGrids(const GridTask& task,
@@ -106,7 +109,8 @@ std::unique_ptr<BlobGrids> FitBlobGrids(const GridTask& task,
                                         rg_blob_contents* contents) {
   auto grids = std::make_unique<BlobGrids>(
       task, std::min(kMaxPackingErrorPx, max_error_px), contents);
-  if (!grids->made.follows_all && max_error_px > kMaxPackingErrorPx)
+  if (!grids->made.is_reproduced_everywhere &&
+      max_error_px > kMaxPackingErrorPx)
     grids = std::make_unique<BlobGrids>(task, max_error_px, contents);
   return grids;
 }

@@ -33,7 +33,7 @@ struct GridTask {
 struct GridsToPack {
   std::vector<CentralGeneric> models;
   std::optional<ValidityMask> valid;  ///< as BlobGrid::valid, for all grids
-  bool follows_all = true;
+  bool is_reproduced_everywhere = true;
 
   const ValidityMask* ValidOr(const ValidityMask* valid_region) const {
     return valid ? &*valid : valid_region;
@@ -41,7 +41,7 @@ struct GridsToPack {
   void Add(const BlobGrid& grid) {
     models.push_back(grid.grid);
     if (grid.valid) valid = grid.valid;
-    follows_all &= grid.follows_all;
+    is_reproduced_everywhere &= grid.is_reproduced_everywhere;
   }
 };
 

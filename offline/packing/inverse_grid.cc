@@ -9,10 +9,10 @@
 namespace raygrid {
 namespace {
 
-// The numbers of cells along the longer side; above kMaxCellsForMore only if
+// The numbers of cells along the longer side; above kMaxRefinableCells only if
 // valid pixels require it.
 constexpr int kNumCells[] = {6, 8, 10, 13, 16, 20, 24, 32, 40, 48, 64};
-constexpr int kMaxCellsForMore = 24;
+constexpr int kMaxRefinableCells = 24;
 // With an initial error below this, one Newton step reaches the runtime's
 // accuracy.
 constexpr double kTolerancePx = 1.0 / 32;
@@ -21,7 +21,7 @@ constexpr double kSlopeTolerance = 0.02;  // relative
 constexpr int kSamplesAcross = 200;
 constexpr int kEdgeSamples = 1000;
 // Valid pixels outweigh the others if both cannot be fitted.
-constexpr double kOthersWeight = 0.01;
+constexpr double kInvalidPixelWeight = 0.01;
 // Relative to the samples' weight: negligible for supported control points, but
 // keeps unsupported ones in range.
 constexpr double kSmoothness = 1e-4;
@@ -42,7 +42,7 @@ class SurfaceSampling {
   SurfaceSampling(const BSplineSurface& surface,
                   const ValidityMask* valid_region)
       : surface_(surface),
-        trusted_(valid_region),
+        valid_region_(valid_region),
         handedness_(ComputeDominantHandedness(surface)) {}
 
   // Samples the area's edge densely and its interior more coarsely.
@@ -71,14 +71,14 @@ class SurfaceSampling {
     if (derivative.determinant() * handedness_ <= 0 ||
         chart.cwiseAbs().maxCoeff() > kMaxChart)
       return;
-    if (!trusted_ || trusted_->IsValidAt(pixel))
+    if (!valid_region_ || valid_region_->IsValidAt(pixel))
       samples->valid_region.push_back({chart, pixel, 1});
     else
-      samples->others.push_back({chart, pixel, kOthersWeight});
+      samples->others.push_back({chart, pixel, kInvalidPixelWeight});
   }
 
   const BSplineSurface& surface_;
-  const ValidityMask* const trusted_;
+  const ValidityMask* const valid_region_;
   const int handedness_;
 };
 
@@ -195,7 +195,7 @@ void SearchCells(const InverseFitting& fitting,
                  const InverseGridEvaluator& measure,
                  std::optional<EvaluatedInverseGrid>* best) {
   for (const int cells : kNumCells) {
-    if (cells > kMaxCellsForMore && *best &&
+    if (cells > kMaxRefinableCells && *best &&
         (*best)->error.valid_region.AreAllAccurate())
       return;
     const BSplineSurface fit = fitting.Fit(cells);
@@ -309,7 +309,7 @@ std::optional<std::vector<EvaluatedInverseGrid>> FitInverseGridsJointly(
   }
   std::optional<std::vector<EvaluatedInverseGrid>> best;
   for (const int cells : kNumCells) {
-    if (cells > kMaxCellsForMore) break;
+    if (cells > kMaxRefinableCells) break;
     std::optional<std::vector<EvaluatedInverseGrid>> made =
         FitJointly(fittings, samples, cells);
     if (!made) continue;

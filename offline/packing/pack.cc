@@ -87,7 +87,8 @@ void ThrowIfStopped(const PackOptions& options) {
 
 // Returns the fraction of the image that is calibrated and, if there is a mask,
 // valid.
-double PartOf(const CameraModel& camera, const ValidityMask* valid_region) {
+double ComputeValidFraction(const CameraModel& camera,
+                            const ValidityMask* valid_region) {
   ValidityMask mask =
       valid_region ? *valid_region : ValidityMask::Over(camera.image_size());
   if (!valid_region) mask.is_valid.assign(mask.is_valid.size(), true);
@@ -119,7 +120,7 @@ std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
         "the distortion folds or ends there, or rays are more than 151 degrees "
         "off axis ({:.2g} % of the calibrated area)",
         100 * (1 - task.region->Part()));
-  if (!made.follows_all)
+  if (!made.is_reproduced_everywhere)
     why += fmt::format(
         "{}no grid represents the camera there within {} px (increase "
         "--max-error-px)",
@@ -132,7 +133,8 @@ std::optional<std::string> WarnAboutExcludedArea(const GridTask& task,
 
 // Packs a camera calibrated over several conditions. The operating-point model
 // of a blob varies with one condition only, the first one.
-PackedCamera PackOverFirst(const CameraFile& file, const PackOptions& options) {
+PackedCamera PackOperatingPoints(const CameraFile& file,
+                                 const PackOptions& options) {
   CameraFile along = file;
   along.stack = SliceOperatingPointModel(*file.stack, 0);
   PackedCamera packed = PackCamera(along, options);
@@ -193,16 +195,17 @@ class OperatingPointSectionWriter {
       points.Point(k, &sample);
       sample.inverse_points = inverse.points(k);
       sample.remaps = remaps.contents(k);
-      knots_.push_back(sample);
+      operating_point_samples_.push_back(sample);
     }
     section_.condition = static_cast<uint16_t>(stack.condition);
-    section_.num_samples = static_cast<uint16_t>(knots_.size());
-    section_.samples = knots_.data();
+    section_.num_samples =
+        static_cast<uint16_t>(operating_point_samples_.size());
+    section_.samples = operating_point_samples_.data();
     contents->stack = &section_;
   }
 
  private:
-  std::vector<rg_stack_sample_contents> knots_;
+  std::vector<rg_stack_sample_contents> operating_point_samples_;
   rg_stack_contents section_ = {};
 };
 
@@ -218,7 +221,7 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
   const std::optional<CentralGeneric> far =
       lines ? std::optional(MakeCentral(camera)) : std::nullopt;
   const CameraModel& central = far ? *far : camera;
-  const ValidityMask* stored_valid_region =
+  const ValidityMask* stored_mask =
       file.uncertainty && file.uncertainty->mask.HasValidCells()
           ? &file.uncertainty->mask
           : nullptr;
@@ -248,22 +251,19 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
       serial.data()};
   rg_blob_contents contents = {};
   contents.camera = &identity;
-  const GridTask task = {central,
-                         region.get(),
-                         stored_valid_region,
-                         stack,
-                         options.is_int16_allowed,
-                         num_threads};
+  const GridTask task = {
+      central,    region.get(), stored_mask, stack, options.is_int16_allowed,
+      num_threads};
   const std::unique_ptr<BlobGrids> grids =
       FitBlobGrids(task, options.max_ray_error_px, &contents);
   const GridPoints& points = *grids->points;
-  const ValidityMask* valid_region = grids->made.ValidOr(stored_valid_region);
+  const ValidityMask* valid_region = grids->made.ValidOr(stored_mask);
 
   PackedCamera packed;
   packed.unproject_error_px = points.error().px;
   packed.unproject_error_rad = points.error().rad;
-  packed.excluded_fraction =
-      PartOf(central, stored_valid_region) - PartOf(central, valid_region);
+  packed.excluded_fraction = ComputeValidFraction(central, stored_mask) -
+                             ComputeValidFraction(central, valid_region);
   if (const auto warning = WarnAboutExcludedArea(
           task, grids->made, packed.excluded_fraction,
           std::max(kMaxPackingErrorPx, options.max_ray_error_px)))
@@ -282,8 +282,9 @@ PackedCamera PackWithOperatingPoints(const CameraFile& file,
 
   FileSections sections;
   sections.AddTo(file, lines, *grids, valid_region, &contents);
-  OperatingPointSectionWriter stack_section;
-  if (stack) stack_section.AddTo(*stack, points, inverse, remaps, &contents);
+  OperatingPointSectionWriter operating_point_section;
+  if (stack)
+    operating_point_section.AddTo(*stack, points, inverse, remaps, &contents);
   packed.blob = WriteBlob(contents);
   return packed;
 }
@@ -294,14 +295,14 @@ PackedCamera PackCamera(const CameraFile& file, const PackOptions& options) {
   if (!file.stack || options.stack)
     return PackWithOperatingPoints(file, options);
   if (file.stack->cameras.ranges().size() > 1)
-    return PackOverFirst(file, options);
-  PackOptions with_stack = options;
-  with_stack.stack = MakeModelSamples(file.stack->cameras);
+    return PackOperatingPoints(file, options);
+  PackOptions with_operating_points = options;
+  with_operating_points.stack = MakeModelSamples(file.stack->cameras);
   // A blob has a single uncertainty section, which must hold for all of its
   // cameras.
-  CameraFile known_everywhere = file;
-  known_everywhere.uncertainty = ComputeMaxUncertainty(file);
-  return PackWithOperatingPoints(known_everywhere, with_stack);
+  CameraFile valid_in_all_samples = file;
+  valid_in_all_samples.uncertainty = ComputeMaxUncertainty(file);
+  return PackWithOperatingPoints(valid_in_all_samples, with_operating_points);
 }
 
 PackingMetrics ComputePackingMetrics(const PackedCamera& packed) {

@@ -21,7 +21,7 @@ namespace {
 
 // The vector from the first camera to the second, in the axes of each.
 struct StereoBaseline {
-  Eigen::Vector3d in_first, in_second;
+  Eigen::Vector3d baseline_in_first, baseline_in_second;
   bool is_vertical = false;
   // The sign of the baseline along the axis, in both images: 1 or -1; 0 if the
   // images do not agree.
@@ -30,9 +30,11 @@ struct StereoBaseline {
 
 StereoBaseline ComputeBaseline(const Pose& second_from_first) {
   StereoBaseline baseline;
-  baseline.in_first = second_from_first.Inverse().translation;
-  baseline.in_second = second_from_first.rotation * baseline.in_first;
-  const Eigen::Vector3d &a = baseline.in_first, &b = baseline.in_second;
+  baseline.baseline_in_first = second_from_first.Inverse().translation;
+  baseline.baseline_in_second =
+      second_from_first.rotation * baseline.baseline_in_first;
+  const Eigen::Vector3d &a = baseline.baseline_in_first,
+                        &b = baseline.baseline_in_second;
   baseline.is_vertical = std::hypot(a.y(), b.y()) > std::hypot(a.x(), b.x());
   const int axis = baseline.is_vertical ? 1 : 0;
   if (a[axis] > 0 && b[axis] > 0) baseline.direction = 1;
@@ -41,9 +43,9 @@ StereoBaseline ComputeBaseline(const Pose& second_from_first) {
 }
 
 // Returns the rotation from the views' axes to those of the first camera.
-Eigen::Matrix3d FirstFromView(const StereoBaseline& baseline,
-                              const Eigen::Vector3d& mean_z) {
-  const Eigen::Vector3d along = baseline.in_first.normalized();
+Eigen::Matrix3d ComputeViewRotation(const StereoBaseline& baseline,
+                                    const Eigen::Vector3d& mean_z) {
+  const Eigen::Vector3d along = baseline.baseline_in_first.normalized();
   const Eigen::Vector3d across = baseline.is_vertical
                                      ? along.cross(mean_z).normalized()
                                      : mean_z.cross(along).normalized();
@@ -84,7 +86,7 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
                         const Rectification& pair) {
   constexpr double kMinBaselineM = 1e-6;
   constexpr double kMinFromAxisDeg = 30;
-  if (!(baseline.in_first.norm() > kMinBaselineM))
+  if (!(baseline.baseline_in_first.norm() > kMinBaselineM))
     FailToRectify(first, second,
                   "have no baseline; choose cameras at different positions");
   if (pair.overlap == 0 || mean_z.norm() < 1e-9)
@@ -95,7 +97,7 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
                               pair.angle_deg));
   const double from_axis_deg =
       std::acos(std::min(1.0, std::abs(mean_z.normalized().dot(
-                                  baseline.in_first.normalized())))) *
+                                  baseline.baseline_in_first.normalized())))) *
       180 / M_PI;
   if (from_axis_deg < kMinFromAxisDeg)
     FailToRectify(first, second,
@@ -117,7 +119,7 @@ void RequireRectifiable(const StereoCamera& first, const StereoCamera& second,
 
 // Narrows the view to a useful field, with the same centre: a pinhole stretches
 // the image fourfold at 60 degrees.
-VirtualView NarrowedToUse(const VirtualView& view) {
+VirtualView LimitFieldOfView(const VirtualView& view) {
   constexpr double kMaxHalfFovRad = 60 * M_PI / 180;
   const Eigen::Vector2d last(view.size.width - 1, view.size.height - 1);
   const double focal_px = view.focal_px.x();
@@ -145,7 +147,7 @@ VirtualView SharedView(const StereoCamera& first, const StereoCamera& second,
       FailToRectify(first, second,
                     "no rectified view without invalid pixels exists; set hfov "
                     "to allow a border");
-    if (!request.alpha) return NarrowedToUse(*largest);
+    if (!request.alpha) return LimitFieldOfView(*largest);
     if (alpha == 0) return *largest;
   }
   const EnclosingView all = FindSmallestEnclosingView(cameras, size);
@@ -202,10 +204,10 @@ Rectification Rectify(const StereoCamera& first, const StereoCamera& second,
       ComputeDistantOverlap(first, second, second_from_first.rotation);
   RequireRectifiable(first, second, baseline, mean_z, pair);
   pair.is_vertical = baseline.is_vertical;
-  pair.baseline_m = baseline.in_first.norm();
+  pair.baseline_m = baseline.baseline_in_first.norm();
   VirtualView plane;
   plane.focal_px = {1, 1};
-  plane.camera_from_view = FirstFromView(baseline, mean_z);
+  plane.camera_from_view = ComputeViewRotation(baseline, mean_z);
   std::vector<CameraAndPlane> cameras = {{first.camera, plane}};
   plane.camera_from_view =
       second_from_first.rotation.toRotationMatrix() * plane.camera_from_view;

@@ -18,7 +18,7 @@ namespace {
 // pixel.
 constexpr int kMaxCells = 400;
 // The tolerance for the projection of a pixel's ray.
-constexpr double kBackPx = 1e-5;
+constexpr double kReprojectionTolerancePx = 1e-5;
 // The minimum singular value of a Jacobian relative to a typical one; below it,
 // the distortion is about to fold.
 constexpr double kMinScaleRatio = 0.02;
@@ -59,7 +59,8 @@ RegularRegion::Node MakeNode(const CameraModel& camera, bool is_grid,
   }
   node.ray = *ray;
   node.J_ray = projection.J_point;
-  node.is_regular = is_grid || ((projection.pixel - pixel).norm() <= kBackPx &&
+  node.is_regular = is_grid || ((projection.pixel - pixel).norm() <=
+                                    kReprojectionTolerancePx &&
                                 Determinant(node.J_ray, *ray) > 0);
   return node;
 }
@@ -136,22 +137,23 @@ int RegularRegion::FirstNode(const CameraModel& camera) const {
 }
 
 // Whether the rays of two nodes differ by far more than the Jacobians predict.
-bool RegularRegion::IsJump(int from, int to) const {
+bool RegularRegion::IsDiscontinuous(int from, int to) const {
   constexpr double kFar = 4;
   const double least = std::min(ComputeMinScale(nodes_[from].J_ray),
                                 ComputeMinScale(nodes_[to].J_ray));
-  const double turn_rad =
+  const double angle_between_rad =
       std::atan2(nodes_[from].ray.cross(nodes_[to].ray).norm(),
                  nodes_[from].ray.dot(nodes_[to].ray));
-  return turn_rad * least > kFar * (GetPixel(from) - GetPixel(to)).norm();
+  return angle_between_rad * least >
+         kFar * (GetPixel(from) - GetPixel(to)).norm();
 }
 
 void RegularRegion::KeepConnectedNodes(int first) {
-  std::vector<bool> is_joined(nodes_.size(), false);
+  std::vector<bool> is_connected(nodes_.size(), false);
   std::vector<int> next;
   const auto add = [&](int node) {
-    if (is_joined[node] || !nodes_[node].is_regular) return;
-    is_joined[node] = true;
+    if (is_connected[node] || !nodes_[node].is_regular) return;
+    is_connected[node] = true;
     next.push_back(node);
   };
   if (first >= 0) add(first);
@@ -160,7 +162,7 @@ void RegularRegion::KeepConnectedNodes(int first) {
     next.pop_back();
     const int i = node % columns_, j = node / columns_;
     const auto step = [&](bool is_inside, int beside) {
-      if (is_inside && !IsJump(node, beside)) add(beside);
+      if (is_inside && !IsDiscontinuous(node, beside)) add(beside);
     };
     step(i > 0, node - 1);
     step(i + 1 < columns_, node + 1);
@@ -168,7 +170,7 @@ void RegularRegion::KeepConnectedNodes(int first) {
     step(j + 1 < rows_, node + columns_);
   }
   for (size_t k = 0; k < nodes_.size(); ++k)
-    nodes_[k].is_regular = is_joined[k];
+    nodes_[k].is_regular = is_connected[k];
 }
 
 void RegularRegion::Measure() {
@@ -240,17 +242,17 @@ std::optional<Eigen::Vector3d> RegularCamera::Unproject(
                                                              : std::nullopt;
 }
 
-bool RegularCamera::Shows(const Eigen::Vector2d& pixel,
-                          const Eigen::Vector3d& point) const {
+bool RegularCamera::IsVisible(const Eigen::Vector2d& pixel,
+                              const Eigen::Vector3d& point) const {
   if (!region_->Touches(ClampToArea(pixel, area(), 0))) return false;
   if (const auto ray = camera().Unproject(pixel))
     return (*ray - point.normalized()).norm() <= kSameRayRad &&
            region_->IsRegularRay(camera(), pixel, *ray);
   // Positions in the margin around the camera's area are accepted.
   LinearizedProjection projection;
-  constexpr double kAnywherePx = 1e9;
+  constexpr double kUnlimitedMarginPx = 1e9;
   return !camera().area().Contains(pixel) &&
-         camera().Linearize(point, &pixel, kAnywherePx, &projection) &&
+         camera().Linearize(point, &pixel, kUnlimitedMarginPx, &projection) &&
          Determinant(projection.J_point, point) > 0;
 }
 
@@ -258,7 +260,8 @@ std::optional<Eigen::Vector2d> RegularCamera::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* start,
     double margin_px) const {
   const auto pixel = camera().Project(point, start, margin_px);
-  if (!pixel || !area().Contains(*pixel, margin_px) || !Shows(*pixel, point))
+  if (!pixel || !area().Contains(*pixel, margin_px) ||
+      !IsVisible(*pixel, point))
     return std::nullopt;
   return pixel;
 }

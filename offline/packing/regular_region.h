@@ -96,7 +96,7 @@ class RegularRegion {
   void ComputeNodes(const CameraModel& camera, int num_threads);
   void ExcludeSingularNodes();
   int FirstNode(const CameraModel& camera) const;
-  bool IsJump(int from, int to) const;
+  bool IsDiscontinuous(int from, int to) const;
   void KeepConnectedNodes(int first);
   void Measure();
 
@@ -131,7 +131,8 @@ class RegularCamera : public CameraWrapper {
  private:
   // Whether a pixel, or the nearest one in the area, is regular and observes
   // the point.
-  bool Shows(const Eigen::Vector2d& pixel, const Eigen::Vector3d& point) const;
+  bool IsVisible(const Eigen::Vector2d& pixel,
+                 const Eigen::Vector3d& point) const;
 
   std::shared_ptr<const RegularRegion> region_;
 };

@@ -43,11 +43,11 @@ double PixelError(const Area& rectangle,
 }
 
 // The errors of a table, in the runtime's integer arithmetic.
-class TableErrors {
+class TableErrorMeter {
  public:
-  TableErrors(const CameraModel& camera, const OutputImage& output,
-              const SourceMap& map, const Blocks& blocks,
-              const RemapTable& table, int num_threads)
+  TableErrorMeter(const CameraModel& camera, const OutputImage& output,
+                  const SourceMap& map, const Blocks& blocks,
+                  const RemapTable& table, int num_threads)
       : camera_(camera),
         output_(output),
         map_(map),
@@ -60,15 +60,15 @@ class TableErrors {
   // Returns the maximum PixelError; nullopt if it exceeds the limit. It is
   // first evaluated from the source map, then from the camera for candidates of
   // the maximum.
-  std::optional<double> Worst(double limit_px) const {
+  std::optional<double> FindMaxError(double limit_px) const {
     std::vector<double> worst(num_tile_rows_, 0);
-    std::atomic<bool> fails{false};
+    std::atomic<bool> exceeds_limit{false};
     ParallelFor(num_tile_rows_, num_threads_, [&](int j) {
-      if (fails) return;
+      if (exceeds_limit) return;
       worst[j] = ComputeTileRowMaxError(j);
-      if (worst[j] - map_.max_stddev_px > limit_px) fails = true;
+      if (worst[j] - map_.max_stddev_px > limit_px) exceeds_limit = true;
     });
-    if (fails) return std::nullopt;
+    if (exceeds_limit) return std::nullopt;
     const double about = *std::max_element(worst.begin(), worst.end());
     const double enough = about - 2 * map_.max_stddev_px;
     ParallelFor(num_tile_rows_, num_threads_, [&](int j) {
@@ -289,8 +289,8 @@ std::optional<double> ComputeMaxRemapError(const CameraModel& camera,
                                            const Blocks& blocks,
                                            const RemapTable& table,
                                            double limit_px, int num_threads) {
-  return TableErrors(camera, output, map, blocks, table, num_threads)
-      .Worst(limit_px);
+  return TableErrorMeter(camera, output, map, blocks, table, num_threads)
+      .FindMaxError(limit_px);
 }
 
 std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
@@ -299,7 +299,7 @@ std::vector<bool> FindBlocksAboveError(const CameraModel& camera,
                                        const Blocks& blocks,
                                        const RemapTable& table, double limit_px,
                                        int num_threads) {
-  return TableErrors(camera, output, map, blocks, table, num_threads)
+  return TableErrorMeter(camera, output, map, blocks, table, num_threads)
       .FindBlocksAbove(limit_px);
 }
 

@@ -28,7 +28,7 @@ constexpr BlockLayout kLayouts[] = {{6, 5}, {5, 0}, {6, 4}, {5, 4}, {4, 0},
 
 // The maximum block size if pixels are hidden, since the border has the
 // resolution of blocks.
-constexpr int kMaxHidingLog2 = 4;
+constexpr int kMaxExcludedBlockLog2 = 4;
 
 void FillFields(const ImageSize& source, const SourceMap& map,
                 const VirtualView& view, const Blocks& blocks,
@@ -86,8 +86,8 @@ PixelFilter SelectCameraPixels(const CameraModel& camera,
 }
 
 // Hides cells without any shown pixel.
-template <typename Shows>
-void HideCells(const Shows& shows, SourceMap* map) {
+template <typename IsVisible>
+void MarkHiddenCells(const IsVisible& shows, SourceMap* map) {
   constexpr int kCell = SourceMap::kCellSize;
   for (int row = 0; row < map->rows; ++row) {
     for (int column = 0; column < map->columns; ++column) {
@@ -116,7 +116,8 @@ struct MappedInput {
       : input(table),
         map(MakeMap(table, num_threads)),
         sums(map, num_threads),
-        has_hidden(AnyTrue(map.is_hidden) || AnyTrue(map.is_cut_off)) {}
+        has_hidden(ContainsTrue(map.is_hidden) ||
+                   ContainsTrue(map.is_cut_off)) {}
 
   const TableInput& input;
   const SourceMap map;
@@ -124,7 +125,7 @@ struct MappedInput {
   const bool has_hidden;
 
  private:
-  static bool AnyTrue(const std::vector<bool>& cells) {
+  static bool ContainsTrue(const std::vector<bool>& cells) {
     return std::find(cells.begin(), cells.end(), true) != cells.end();
   }
   static SourceMap MakeMap(const TableInput& table, int num_threads) {
@@ -213,7 +214,7 @@ std::optional<std::vector<RemapTable>> FitWithLayout(
     tables[t].num_out_of_range =
         ExcludeOutOfRangeBlocks(nodes[t], max_error_px, &own[t]);
     if (tables[t].num_out_of_range == 0) continue;
-    if (own[t].layout.block_log2 > kMaxHidingLog2) return std::nullopt;
+    if (own[t].layout.block_log2 > kMaxExcludedBlockLog2) return std::nullopt;
     nodes[t] = FitNodes(inputs[t]->map, inputs[t]->sums, own[t]);
   }
   *all_blocks = MergeBlocks(own);
@@ -259,7 +260,7 @@ void ExcludeInaccurateBlocks(
     const std::vector<std::unique_ptr<MappedInput>>& inputs,
     const std::vector<RemapTable>& tables, double max_error_px, int num_threads,
     std::vector<Blocks>* own) {
-  std::vector<bool> is_rough(own->front().used.size(), false);
+  std::vector<bool> is_inaccurate(own->front().used.size(), false);
   for (size_t t = 0; t < inputs.size(); ++t) {
     RemapTable measured = tables[t];
     const MappedInput& input = *inputs[t];
@@ -269,11 +270,11 @@ void ExcludeInaccurateBlocks(
         FindBlocksAboveError(*input.input.camera, input.input.output, input.map,
                              (*own)[t], measured, max_error_px, num_threads);
     for (size_t k = 0; k < beyond.size(); ++k)
-      is_rough[k] = is_rough[k] || beyond[k];
+      is_inaccurate[k] = is_inaccurate[k] || beyond[k];
   }
   for (Blocks& blocks : *own)
-    for (size_t k = 0; k < is_rough.size(); ++k)
-      if (is_rough[k]) blocks.used[k] = false;
+    for (size_t k = 0; k < is_inaccurate.size(); ++k)
+      if (is_inaccurate[k]) blocks.used[k] = false;
 }
 
 // Returns tables of the smallest blocks, excluding the few that exceed the
@@ -294,9 +295,10 @@ std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
   const auto num_before = count();
   for (int round = 0; round < kRounds; ++round) {
     ExcludeInaccurateBlocks(inputs, tables, max_error_px, num_threads, &own);
-    const auto num_rough = num_before - count();
-    if (num_rough == 0 || static_cast<double>(num_rough) >
-                              kMaxFraction * static_cast<double>(num_before))
+    const auto num_inaccurate_blocks = num_before - count();
+    if (num_inaccurate_blocks == 0 ||
+        static_cast<double>(num_inaccurate_blocks) >
+            kMaxFraction * static_cast<double>(num_before))
       return std::nullopt;
     const std::vector<RemapTable> before = tables;
     Blocks all;
@@ -307,7 +309,7 @@ std::optional<std::vector<RemapTable>> FitExcludingInaccurateBlocks(
     for (size_t t = 0; t < inputs.size(); ++t) {
       go_on();
       tables[t].num_out_of_range += before[t].num_out_of_range;
-      tables[t].num_rough = static_cast<int>(num_rough);
+      tables[t].num_inaccurate_blocks = static_cast<int>(num_inaccurate_blocks);
       are_good &= MeasureTable(*inputs[t], own[t], max_error_px, INFINITY,
                                num_threads, &tables[t]);
     }
@@ -322,7 +324,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
                                   const VirtualView& view, double max_error_px,
                                   int num_threads,
                                   const std::function<void()>& go_on,
-                                  RoughBlocks rough) {
+                                  InaccurateBlocks rough) {
   num_threads = NumThreads(num_threads);
   std::vector<std::unique_ptr<MappedInput>> inputs;
   bool has_hidden = false;
@@ -335,7 +337,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
   double worst_px = 0;
   for (const BlockLayout& layout : kLayouts) {
     go_on();
-    if (has_hidden && layout.block_log2 > kMaxHidingLog2) continue;
+    if (has_hidden && layout.block_log2 > kMaxExcludedBlockLog2) continue;
     const bool is_last = &layout == std::end(kLayouts) - 1;
     if (!is_last &&
         std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) {
@@ -363,19 +365,19 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
       worst_px = std::max(worst_px, (*tables)[t].max_error_px);
     }
     if (are_good) return *std::move(tables);
-    if (!is_last || rough == RoughBlocks::kRefuse) continue;
+    if (!is_last || rough == InaccurateBlocks::kReject) continue;
     auto without =
         FitExcludingInaccurateBlocks(inputs, max_error_px, view, num_threads,
                                      go_on, own, *std::move(tables));
     if (without) return *std::move(without);
   }
   // Larger errors make an image unusable.
-  constexpr double kUsefulErrorPx = 1;
+  constexpr double kMaxUsefulErrorPx = 1;
   throw Error(
       ExitCode::kQuality,
       fmt::format("the remap error is {:.2g} px with the smallest blocks; {}",
                   worst_px,
-                  worst_px <= kUsefulErrorPx
+                  worst_px <= kMaxUsefulErrorPx
                       ? "increase --max-error-px, or reduce the field of view"
                       : "reduce the field of view, or calibrate again if the "
                         "camera is inaccurate there"));
@@ -386,14 +388,15 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
 std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const PixelFilter& asked, RoughBlocks rough) {
+    const PixelFilter& asked, InaccurateBlocks rough) {
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
     const PixelFilter shows = SelectCameraPixels(*camera, asked);
     inputs.push_back(
         {camera, MakeViewOutput(view), [shows](SourceMap* map) {
            if (shows)
-             HideCells([&](int x, int y) { return shows(map->At(x, y)); }, map);
+             MarkHiddenCells([&](int x, int y) { return shows(map->At(x, y)); },
+                             map);
          }});
   }
   return FitTables(inputs, view, max_error_px, num_threads, go_on, rough);
@@ -402,7 +405,7 @@ std::vector<RemapTable> FitRemapTables(
 std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads, const std::function<void()>& go_on,
-    const PixelFilter& asked, RoughBlocks rough) {
+    const PixelFilter& asked, InaccurateBlocks rough) {
   const std::unique_ptr<CameraModel> turned = MakeRotatedViewCamera(view);
   std::vector<TableInput> inputs;
   for (const CameraModel* camera : cameras) {
@@ -410,7 +413,7 @@ std::vector<RemapTable> FitDistortionTables(
     inputs.push_back(
         {turned.get(), MakeCameraOutput(*camera), [shows](SourceMap* map) {
            if (shows)
-             HideCells([&](int x, int y) { return shows({x, y}); }, map);
+             MarkHiddenCells([&](int x, int y) { return shows({x, y}); }, map);
          }});
   }
   std::vector<RemapTable> tables =

@@ -26,12 +26,12 @@ struct RemapTable {
   int num_out_of_range = 0;
   /// Number of blocks that are border because even the smallest blocks exceed
   /// the error limit.
-  int num_rough = 0;
+  int num_inaccurate_blocks = 0;
 };
 
 /// Treatment of blocks of 8 px that exceed the error limit, if they are at most
 /// 2 % of all blocks: an error, or border.
-enum class RoughBlocks { kRefuse, kLeaveOut };
+enum class InaccurateBlocks { kReject, kExclude };
 
 /// Whether a pixel of a camera's image is shown; empty: all pixels are shown.
 using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
@@ -53,7 +53,7 @@ std::vector<RemapTable> FitRemapTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
     const std::function<void()>& go_on = [] {}, const PixelFilter& shows = {},
-    RoughBlocks rough = RoughBlocks::kRefuse);
+    InaccurateBlocks rough = InaccurateBlocks::kReject);
 
 /// Fits inverse tables, which distort: output pixels are those of the camera's
 /// image, sources are in the view's image. The section has the camera's size, a
@@ -64,7 +64,7 @@ std::vector<RemapTable> FitDistortionTables(
     const std::vector<const CameraModel*>& cameras, const VirtualView& view,
     double max_error_px, int num_threads,
     const std::function<void()>& go_on = [] {}, const PixelFilter& shows = {},
-    RoughBlocks rough = RoughBlocks::kRefuse);
+    InaccurateBlocks rough = InaccurateBlocks::kReject);
 
 /// Fits the table of one camera.
 inline RemapTable FitRemapTable(

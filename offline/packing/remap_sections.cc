@@ -20,7 +20,8 @@ std::vector<RemapTable> FitDefaultTables(
     std::vector<std::string>* warnings) {
   const CameraModel& camera = *cameras.front();
   std::string fault;
-  for (const RoughBlocks rough : {RoughBlocks::kRefuse, RoughBlocks::kLeaveOut})
+  for (const InaccurateBlocks rough :
+       {InaccurateBlocks::kReject, InaccurateBlocks::kExclude})
     try {
       return FitRemapTables(cameras, MakeView(camera, {}), max_error_px,
                             num_threads, go_on, {}, rough);
@@ -84,7 +85,7 @@ PixelFilter MakeValidPixelFilter(const ValidityMask& valid_region,
 
 double ComputeImagePercent(const RemapTable& table) {
   const double side = 1 << table.section.block_log2;
-  return 100 * table.num_rough * side * side /
+  return 100 * table.num_inaccurate_blocks * side * side /
          (static_cast<double>(table.section.width) * table.section.height);
 }
 
@@ -103,8 +104,8 @@ std::vector<RemapTable> FitTables(
                      ? MakeValidPixelFilter(*valid_region, request.mode)
                      : PixelFilter(),
                  options.is_table_bound_soft && bound_px < kMaxPx
-                     ? RoughBlocks::kRefuse
-                     : RoughBlocks::kLeaveOut);
+                     ? InaccurateBlocks::kReject
+                     : InaccurateBlocks::kExclude);
     } catch (const Error& error) {
       if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
           bound_px < kMaxPx)
@@ -187,13 +188,14 @@ void RemapSections::WarnAboutOutOfRange(PackedCamera* packed) const {
         "table for smaller frames (--mode)",
         tables_.size() - 1, table.num_out_of_range,
         1 << table.section.block_log2));
-  if (table.num_rough > 0)
+  if (table.num_inaccurate_blocks > 0)
     packed->warnings.push_back(fmt::format(
         "table {}: {} blocks of {} px ({:.2g} % of the output view) are filled "
         "with the border value, because their distortion cannot be represented "
         "within {} px; increase --max-error-px",
-        tables_.size() - 1, table.num_rough, 1 << table.section.block_log2,
-        ComputeImagePercent(table), table.section.bound_upx * 1e-6));
+        tables_.size() - 1, table.num_inaccurate_blocks,
+        1 << table.section.block_log2, ComputeImagePercent(table),
+        table.section.bound_upx * 1e-6));
 }
 
 PackedRemap RemapSections::Add(std::vector<RemapTable> tables,

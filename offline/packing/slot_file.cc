@@ -69,16 +69,18 @@ BlobSlot ReadSlot(const std::string& bytes) {
 
 // Returns the slot that the runtime would select among those that meet a
 // condition.
-template <typename Admits>
+template <typename AcceptsHeader>
 std::optional<uint32_t> FindNewest(const std::array<BlobSlot, 2>& slots,
-                                   Admits admits) {
-  const bool first = admits(slots[0]), second = admits(slots[1]);
+                                   AcceptsHeader accepts_header) {
+  const bool first = accepts_header(slots[0]),
+             second = accepts_header(slots[1]);
   if (!first && !second) return std::nullopt;
   if (!first || !second) return second ? 1 : 0;
   constexpr uint32_t kHalfSequenceRange =
       1u << 31;  // sequence numbers wrap around
-  const uint32_t ahead = slots[1].sequence - slots[0].sequence;
-  return ahead != 0 && ahead < kHalfSequenceRange ? 1 : 0;
+  const uint32_t sequence_distance = slots[1].sequence - slots[0].sequence;
+  return sequence_distance != 0 && sequence_distance < kHalfSequenceRange ? 1
+                                                                          : 0;
 }
 
 std::string MakeSlotHeader(const std::string& blob, uint32_t sequence) {

@@ -47,33 +47,36 @@ class Lattice {
         output_(output),
         rectangle_(map.rectangle),
         margin_px_(std::max(rectangle_.width(), rectangle_.height()) / 8),
-        columns_(map.columns + 1 + 2 * kRing),
-        rows_(map.rows + 1 + 2 * kRing),
+        columns_(map.columns + 1 + 2 * kNeighborRadius),
+        rows_(map.rows + 1 + 2 * kNeighborRadius),
         points_(static_cast<size_t>(columns_) * rows_) {
     StartFromSource(rectangle_.center());
-    Spread();
+    PropagateVisibility();
     StartFromImage();
-    Spread();
+    PropagateVisibility();
     StartFromSources();
-    Spread();
+    PropagateVisibility();
     AddNeighbors();
     ComputeInterpolationErrors();
   }
 
   // The upper left corner of a cell; NaN without a source.
   const Eigen::Vector2d& At(int column, int row) const {
-    return points_[Index(column + kRing, row + kRing)].source;
+    return points_[Index(column + kNeighborRadius, row + kNeighborRadius)]
+        .source;
   }
   bool IsSeen(int column, int row) const {
-    return points_[Index(column + kRing, row + kRing)].is_seen;
+    return points_[Index(column + kNeighborRadius, row + kNeighborRadius)]
+        .is_seen;
   }
   // Returns the maximum interpolation error near a corner; NaN if unknown.
   double GetInterpolationError(int column, int row) const {
-    return points_[Index(column + kRing, row + kRing)].deviation;
+    return points_[Index(column + kNeighborRadius, row + kNeighborRadius)]
+        .deviation;
   }
 
  private:
-  static constexpr int kRing = 2;
+  static constexpr int kNeighborRadius = 2;
   struct Point {
     Eigen::Vector2d source = Eigen::Vector2d(NAN, NAN);
     double deviation = NAN;
@@ -90,8 +93,8 @@ class Lattice {
     Point& point = points_[index];
     if (point.is_tried) return;
     point.is_tried = true;
-    const Eigen::Vector2d pixel((index % columns_ - kRing) * kCell,
-                                (index / columns_ - kRing) * kCell);
+    const Eigen::Vector2d pixel((index % columns_ - kNeighborRadius) * kCell,
+                                (index / columns_ - kNeighborRadius) * kCell);
     const auto source =
         ComputeSource(camera_, output_, pixel, start, margin_px_);
     if (source) point.source = *source;
@@ -108,7 +111,8 @@ class Lattice {
     const auto ray = camera_.Unproject(source);
     const auto pixel = ray ? output_.pixel(*ray) : std::nullopt;
     if (!pixel) return;
-    const Eigen::Array2d cell = (pixel->array() / kCell).floor() + kRing;
+    const Eigen::Array2d cell =
+        (pixel->array() / kCell).floor() + kNeighborRadius;
     if (!(cell >= 0).all() || !(cell.x() < columns_ - 1) ||
         !(cell.y() < rows_ - 1))
       return;
@@ -150,7 +154,7 @@ class Lattice {
           visit(index + Index(i, j));
   }
 
-  void Spread() {
+  void PropagateVisibility() {
     for (; num_propagated_ < seen_.size(); ++num_propagated_) {
       const Eigen::Vector2d from = points_[seen_[num_propagated_]].source;
       if (!from.allFinite()) continue;
@@ -168,7 +172,8 @@ class Lattice {
     for (const int from : seen_) {
       const Eigen::Vector2d& start = points_[from].source;
       if (!start.allFinite()) continue;
-      ForEachNeighbor(from, kRing, [&](int index) { Try(index, &start); });
+      ForEachNeighbor(from, kNeighborRadius,
+                      [&](int index) { Try(index, &start); });
     }
   }
 
@@ -182,8 +187,8 @@ class Lattice {
       };
       return (at(-2) + at(2) - 4 * (at(-1) + at(1)) + 6 * at(0)).norm();
     };
-    for (int j = kRing; j < rows_ - kRing; ++j)
-      for (int i = kRing; i < columns_ - kRing; ++i)
+    for (int j = kNeighborRadius; j < rows_ - kNeighborRadius; ++j)
+      for (int i = kNeighborRadius; i < columns_ - kNeighborRadius; ++i)
         points_[Index(i, j)].deviation =
             (fourth_difference(Index(i, j), 1) +
              fourth_difference(Index(i, j), columns_)) /
@@ -244,7 +249,7 @@ struct CellSources {
   void Set(int x, int y, const Eigen::Vector2d& source) {
     for (int axis = 0; axis < 2; ++axis) planes[axis](y, x) = source[axis];
   }
-  bool AreIn(const Area& area) const {
+  bool AreAllInside(const Area& area) const {
     return IsBetween(planes[0], area.x0, area.x1) &&
            IsBetween(planes[1], area.y0, area.y1);
   }
@@ -320,7 +325,7 @@ void StoreCell(int column, int row, const CellSources& sources,
                SourceMap* map) {
   const int x0 = column * kCell, y0 = row * kCell;
   if (x0 + kCell <= map->width && y0 + kCell <= map->height &&
-      sources.AreIn(map->rectangle)) {
+      sources.AreAllInside(map->rectangle)) {
     StoreInteriorCell(column, row, sources, map);
     return;
   }

@@ -61,15 +61,16 @@ void AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
 // them.
 int StepsAroundCube(const VirtualView& view) {
   constexpr int kLeast = 180, kMost = 1000;  // for an eighth
-  const double seen_deg =
+  const double visible_angle_deg =
       std::max(view.HorizontalFieldOfViewDeg(), view.VerticalFieldOfViewDeg());
-  const double enough = 64 * 45 / std::max(seen_deg, 1e-3);
-  return 8 * static_cast<int>(std::clamp<double>(enough, kLeast, kMost));
+  const double min_length_px = 64 * 45 / std::max(visible_angle_deg, 1e-3);
+  return 8 * static_cast<int>(std::clamp<double>(min_length_px, kLeast, kMost));
 }
 
 // Returns a point of the square in which a plane orthogonal to an axis, at an
 // offset, intersects the cube.
-Eigen::Vector3d ComputeLoopPoint(int axis, double offset, double angle_rad) {
+Eigen::Vector3d ComputeClosedCurvePoint(int axis, double offset,
+                                        double angle_rad) {
   Eigen::Vector3d point;
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   const double reach = std::max(std::abs(c), std::abs(s));
@@ -92,9 +93,9 @@ std::vector<PixelCurve> MakeRoomLines(const VirtualView& view,
       for (int step = 0; step <= num_steps; ++step)
         collector.Add(PixelNearImage(
             view,
-            camera_from_room *
-                ComputeLoopPoint(axis, k * square - 1,
-                                 M_PI / 4 + step * 2 * M_PI / num_steps)));
+            camera_from_room * ComputeClosedCurvePoint(
+                                   axis, k * square - 1,
+                                   M_PI / 4 + step * 2 * M_PI / num_steps)));
       collector.End();
     }
   }

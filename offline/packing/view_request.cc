@@ -120,7 +120,7 @@ VirtualView MakeAlphaView(const CameraModel& camera, const VirtualView& plane,
                           alpha);
 }
 
-VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
+VirtualView ScaleView(const VirtualView& view, const ImageSize& size) {
   const Eigen::Array2d scale(
       static_cast<double>(size.width) / view.size.width,
       static_cast<double>(size.height) / view.size.height);
@@ -133,8 +133,8 @@ VirtualView Scaled(const VirtualView& view, const ImageSize& size) {
 
 // Returns a view about a principal point with the requested focal lengths; they
 // are 0 if none is requested.
-VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
-                       const ImageSize& size) {
+VirtualView MakeViewAround(const VirtualView& plane, const ViewRequest& request,
+                           const ImageSize& size) {
   VirtualView view = plane;
   view.size = size;
   view.center_px = request.center_px.value_or(
@@ -156,11 +156,13 @@ VirtualView ViewAround(const VirtualView& plane, const ViewRequest& request,
   return view;
 }
 
-// Like ViewAround(), but with the camera's resolution if no focal length is
+// Like MakeViewAround(), but with the camera's resolution if no focal length is
 // requested.
-VirtualView ViewAsSharp(const CameraModel& camera, const VirtualView& plane,
-                        const ViewRequest& request, const ImageSize& size) {
-  VirtualView view = ViewAround(plane, request, size);
+VirtualView MakeViewOfSameResolution(const CameraModel& camera,
+                                     const VirtualView& plane,
+                                     const ViewRequest& request,
+                                     const ImageSize& size) {
+  VirtualView view = MakeViewAround(plane, request, size);
   if (view.focal_px.x() == 0)
     view.focal_px.setConstant(CentralFocalLength(camera, plane) * size.width /
                               camera.image_size().width);
@@ -227,8 +229,8 @@ VirtualView MakeView(const CameraModel& camera, const ViewRequest& request) {
   const VirtualView plane = Plane(request);
   const VirtualView view =
       request.alpha  ? MakeAlphaView(camera, plane, size, *request.alpha)
-      : request.like ? Scaled(*request.like, size)
-                     : ViewAsSharp(camera, plane, request, size);
+      : request.like ? ScaleView(*request.like, size)
+                     : MakeViewOfSameResolution(camera, plane, request, size);
   RequirePackableView(view);
   return view;
 }
@@ -238,8 +240,8 @@ VirtualView MakeViewWithoutCamera(const ImageSize& size,
   RequireValidView(request);
   if (request.alpha) ThrowUsage("alpha requires the camera; use view instead");
   const VirtualView view = request.like
-                               ? Scaled(*request.like, size)
-                               : ViewAround(Plane(request), request, size);
+                               ? ScaleView(*request.like, size)
+                               : MakeViewAround(Plane(request), request, size);
   if (view.focal_px.x() == 0)
     ThrowUsage("missing field of view; specify hfov, vfov, focal or view");
   RequirePackableView(view);
@@ -253,10 +255,10 @@ VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
   if (request.center_px || request.alpha || request.like || request.rotate_deg)
     return view;
   const ImageSize& size = camera.image_size();
-  const auto calibrated_middle = camera.Unproject(WholeImage(size).center());
+  const auto calibrated_center_px = camera.Unproject(WholeImage(size).center());
   const auto midpoint =
       camera.Unproject(mode.ToCalibrated(WholeImage(mode.size).center()));
-  if (!calibrated_middle || !midpoint) return view;
+  if (!calibrated_center_px || !midpoint) return view;
   const Eigen::Vector2d center_px = view.center_px;
   // Iterates, since moving the principal point changes the focal length for a
   // given field of view.
@@ -264,7 +266,7 @@ VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
   ViewRequest moved = request;
   for (int turn = 0; turn < kMaxIterations; ++turn) {
     const auto from = view.Pixel(*midpoint),
-               to = view.Pixel(*calibrated_middle);
+               to = view.Pixel(*calibrated_center_px);
     if (!from || !to) return MakeView(frames, request);
     moved.center_px = center_px + *to - *from;
     view = MakeView(frames, moved);
@@ -275,7 +277,7 @@ VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
 VirtualView MakeAreaView(const CameraModel& camera) {
   const VirtualView plane = Plane({});
   const AreaOnPlane seen =
-      FindAreaOnPlane({camera, plane}, kUsefulStretchRad, 32);
+      FindAreaOnPlane({camera, plane}, kDefaultMaxStretchRad, 32);
   const ImageSize& size = camera.image_size();
   if (!seen.box.isEmpty()) {
     const double focal_px =

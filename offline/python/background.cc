@@ -21,9 +21,9 @@ void Task::Finish() {
 }
 
 bool Task::IsDone() {
-  constexpr std::chrono::milliseconds kMoment(50);
+  constexpr std::chrono::milliseconds kPollInterval(50);
   std::unique_lock<std::mutex> lock(mutex_);
-  return changed_.wait_for(lock, kMoment, [this] { return is_done_; });
+  return changed_.wait_for(lock, kPollInterval, [this] { return is_done_; });
 }
 
 void Task::Notify(const py::object& progress) {

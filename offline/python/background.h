@@ -24,7 +24,7 @@ class Task {
   /// Polled by the work.
   bool ShouldStop() const { return should_stop_; }
   /// Throws Interruption if the work should stop.
-  void GoOn() const {
+  void ThrowIfInterrupted() const {
     if (should_stop_) throw Interruption();
   }
 

@@ -29,7 +29,8 @@ struct MeasuredCamera {
   std::optional<ImageCircle> circle;
 };
 
-std::vector<RejectedImage> Listed(const std::vector<SkippedImage>& images) {
+std::vector<RejectedImage> ListRejectedImages(
+    const std::vector<SkippedImage>& images) {
   std::vector<RejectedImage> list;
   for (const SkippedImage& image : images)
     list.push_back({fs::path(image.path).filename().string(), image.reason});
@@ -64,8 +65,8 @@ MeasuredCamera MeasureImages(const InputCameraData& given,
           SuggestOtherBoard(detection, pattern, pattern_name, num_threads))
     throw Error(ExitCode::kTooFew, *other);
   MeasuredCamera camera;
-  camera.left_out = Listed(found.left_out);
-  for (RejectedImage& skipped : Listed(detection.skipped))
+  camera.left_out = ListRejectedImages(found.left_out);
+  for (RejectedImage& skipped : ListRejectedImages(detection.skipped))
     camera.left_out.push_back(std::move(skipped));
   camera.dataset = std::move(detection.dataset);
   camera.paths = std::move(detection.paths);
@@ -73,11 +74,11 @@ MeasuredCamera MeasureImages(const InputCameraData& given,
 }
 
 // The arguments of calibrate() other than images and pattern.
-struct Wishes {
+struct CalibrationRequest {
   CalibrationOptions options;
   std::string name, serial;
-  bool measures_once = false;
-  bool finds_circle = false;
+  bool skips_refinement = false;
+  bool detects_image_circle = false;
   std::optional<ImageCircle> circle;
 };
 
@@ -94,17 +95,18 @@ void RequireUsable(const InputCameraData& given, const MeasuredCamera& camera,
 }
 
 MeasuredCamera Measure(const InputCameraData& given, const Pattern& pattern,
-                       const std::string& pattern_name, const Wishes& wishes,
+                       const std::string& pattern_name,
+                       const CalibrationRequest& request,
                        const std::function<void(double)>& progress) {
-  const int num_threads = wishes.options.num_threads;
+  const int num_threads = request.options.num_threads;
   MeasuredCamera camera =
       given.images.empty()
           ? MeasuredCamera{MakeDataset(given), {}, {}, {}}
           : MeasureImages(given, pattern, pattern_name, num_threads, progress);
   ExcludeCopies(&camera);
   RequireUsable(given, camera, pattern, pattern_name);
-  camera.circle = wishes.circle;
-  if (wishes.finds_circle && !camera.paths.empty())
+  camera.circle = request.circle;
+  if (request.detects_image_circle && !camera.paths.empty())
     camera.circle =
         DetectImageCircle(camera.paths, camera.dataset.image_size, num_threads);
   return camera;
@@ -113,15 +115,16 @@ MeasuredCamera Measure(const InputCameraData& given, const Pattern& pattern,
 // Returns the callback that refines features with the current model; empty if
 // only features are given.
 RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
-                                      const Wishes& wishes, const Task* task) {
-  if (camera.paths.empty() || wishes.measures_once) return nullptr;
-  return [&camera, task, num_threads = wishes.options.num_threads](
+                                      const CalibrationRequest& request,
+                                      const Task* task) {
+  if (camera.paths.empty() || request.skips_refinement) return nullptr;
+  return [&camera, task, num_threads = request.options.num_threads](
              const CameraModel& model, const Pattern& found_pattern,
              const std::vector<BoardPose>& poses) {
     try {
       return RefineFeaturesWithCamera(
           camera.paths, camera.dataset, {&model, &found_pattern, poses}, {},
-          num_threads, [task](double) { task->GoOn(); });
+          num_threads, [task](double) { task->ThrowIfInterrupted(); });
     } catch (const Interruption&) {
       return camera.dataset;
     }
@@ -133,39 +136,39 @@ RefineFeaturesCallback MakeRefinement(const MeasuredCamera& camera,
 constexpr double kDetectionProgressFraction = 0.2;
 
 RigResult RunCalibration(const std::vector<InputCameraData>& given,
-                         const std::string& pattern_name, Wishes wishes,
-                         Task* task) {
+                         const std::string& pattern_name,
+                         CalibrationRequest request, Task* task) {
   const Pattern pattern = ReadPatternOrSpec(pattern_name);
   std::vector<MeasuredCamera> cameras;
   for (const InputCameraData& camera : given) {
     const auto num_before = static_cast<double>(cameras.size());
     cameras.push_back(
-        Measure(camera, pattern, pattern_name, wishes, [&](double done) {
-          task->GoOn();
+        Measure(camera, pattern, pattern_name, request, [&](double done) {
+          task->ThrowIfInterrupted();
           task->Report("detection", kDetectionProgressFraction *
                                         (num_before + done) /
                                         static_cast<double>(given.size()));
         }));
   }
-  task->GoOn();
+  task->ThrowIfInterrupted();
   std::vector<CalibrationInput> inputs;
   for (size_t c = 0; c < cameras.size(); ++c) {
     CalibrationInput& input = inputs.emplace_back();
-    input.name = given.size() > 1 ? given[c].name : wishes.name;
+    input.name = given.size() > 1 ? given[c].name : request.name;
     input.dataset = cameras[c].dataset;
-    input.refine_features = MakeRefinement(cameras[c], wishes, task);
+    input.refine_features = MakeRefinement(cameras[c], request, task);
     input.image_circle = cameras[c].circle;
   }
-  wishes.options.should_stop = [task] { return task->ShouldStop(); };
-  wishes.options.progress = [task](const std::string& stage, double done) {
+  request.options.should_stop = [task] { return task->ShouldStop(); };
+  request.options.progress = [task](const std::string& stage, double done) {
     task->Report(stage, kDetectionProgressFraction +
                             (1 - kDetectionProgressFraction) * done);
   };
-  RigResult result = Calibrate(inputs, pattern, wishes.options);
-  task->GoOn();
+  RigResult result = Calibrate(inputs, pattern, request.options);
+  task->ThrowIfInterrupted();
   for (size_t c = 0; c < cameras.size(); ++c) {
     CalibrationResult& camera = result.cameras[c];
-    camera.camera.serial = wishes.serial;
+    camera.camera.serial = request.serial;
     camera.rejected_images.insert(camera.rejected_images.end(),
                                   cameras[c].left_out.begin(),
                                   cameras[c].left_out.end());
@@ -174,45 +177,46 @@ RigResult RunCalibration(const std::vector<InputCameraData>& given,
   return result;
 }
 
-void ParseImageCircleArgument(const py::object& given, Wishes* wishes) {
+void ParseImageCircleArgument(const py::object& given,
+                              CalibrationRequest* request) {
   if (given.is_none()) return;
   if (py::isinstance<py::str>(given)) {
     if (given.cast<std::string>() != "auto")
       throw py::value_error(
           "image_circle: expected 'auto', None or (x, y, radius) in pixels");
-    wishes->finds_circle = true;
+    request->detects_image_circle = true;
     return;
   }
   const InputVectors numbers = ReadVectors(given, 3, "image_circle");
   if (numbers.count != 1 || !(numbers[0][2] > 0))
     throw py::value_error("image_circle: expected a positive radius");
-  wishes->circle.emplace();
-  wishes->circle->center = {numbers[0][0], numbers[0][1]};
-  wishes->circle->radii_px.setConstant(numbers[0][2]);
+  request->circle.emplace();
+  request->circle->center = {numbers[0][0], numbers[0][1]};
+  request->circle->radii_px.setConstant(numbers[0][2]);
 }
 
 // Former names of arguments, which remain valid for one minor version.
 class FormerNames {
  public:
-  explicit FormerNames(const py::kwargs& given) : given_(given) {}
+  explicit FormerNames(const py::kwargs& given) : keyword_arguments_(given) {}
 
   template <typename Value>
-  void Take(const char* former, Value* value) {
-    if (!given_.contains(former)) return;
-    *value = given_[former].cast<Value>();
+  void TakeArgument(const char* former, Value* value) {
+    if (!keyword_arguments_.contains(former)) return;
+    *value = keyword_arguments_[former].cast<Value>();
     ++num_used_;
   }
 
   // Throws TypeError for unknown argument names.
   void RequireAllUsed() const {
-    if (num_used_ != given_.size())
+    if (num_used_ != keyword_arguments_.size())
       throw py::type_error(
           "calibrate() got an unexpected keyword argument; see "
           "help(raygrid.calibrate)");
   }
 
  private:
-  const py::kwargs& given_;
+  const py::kwargs& keyword_arguments_;
   size_t num_used_ = 0;
 };
 
@@ -227,20 +231,20 @@ PyCalibration CalibrateInputs(
     const std::string& serial, bool allow_large_distance, int threads,
     const py::object& progress, const py::kwargs& given) {
   FormerNames former(given);
-  former.Take("cell_px", &knot_spacing_px);
-  former.Take("flat_board", &fix_target_geometry);
-  former.Take("rigid_board", &rigid_target);
-  former.Take("boards_move", &independent_boards);
+  former.TakeArgument("cell_px", &knot_spacing_px);
+  former.TakeArgument("flat_board", &fix_target_geometry);
+  former.TakeArgument("rigid_board", &rigid_target);
+  former.TakeArgument("boards_move", &independent_boards);
   bool measure_once = false;
-  former.Take("measure_once", &measure_once);
-  former.Take("same_view_px", &duplicate_px);
+  former.TakeArgument("measure_once", &measure_once);
+  former.TakeArgument("same_view_px", &duplicate_px);
   former.RequireAllUsed();
-  Wishes wishes;
-  wishes.name = name;
-  wishes.serial = serial;
-  wishes.measures_once = measure_once || !refine_features;
-  ParseImageCircleArgument(image_circle, &wishes);
-  CalibrationOptions& options = wishes.options;
+  CalibrationRequest request;
+  request.name = name;
+  request.serial = serial;
+  request.skips_refinement = measure_once || !refine_features;
+  ParseImageCircleArgument(image_circle, &request);
+  CalibrationOptions& options = request.options;
   options.model = model;
   options.knot_spacing_px = knot_spacing_px.value_or(0);
   if (knot_spacing_px && !(*knot_spacing_px >= 2 && *knot_spacing_px <= 1e5))
@@ -275,7 +279,7 @@ PyCalibration CalibrateInputs(
   PyCalibration calibration;
   calibration.num_threads = threads;
   RunInBackground(progress, [&](Task* task) {
-    calibration.result = RunCalibration(cameras, board, wishes, task);
+    calibration.result = RunCalibration(cameras, board, request, task);
   });
   return calibration;
 }

@@ -117,13 +117,13 @@ py::tuple MakeTuple(const OperatingRange& range) {
                         range.high);
 }
 
-py::object OnlyRange(const PyCamera& self) {
+py::object GetSingleRange(const PyCamera& self) {
   const std::vector<OperatingRange> ranges = GetRanges(self);
   if (ranges.size() != 1) return py::none();
   return MakeTuple(ranges[0]);
 }
 
-py::list AllRanges(const PyCamera& self) {
+py::list ListRanges(const PyCamera& self) {
   py::list all;
   for (const OperatingRange& range : GetRanges(self))
     all.append(MakeTuple(range));
@@ -207,20 +207,20 @@ void RequireNumber(const std::optional<double>& number, const char* name) {
 }
 
 // Returns the camera, rotated to the frame in which views are defined.
-std::shared_ptr<const CameraModel> Upright(const PyCamera& self) {
+std::shared_ptr<const CameraModel> GetAlignedCamera(const PyCamera& self) {
   std::shared_ptr<const CameraModel> camera = self.file.camera;
-  AlignToCameraFrame(&camera);
+  AlignToCanonicalFrame(&camera);
   return camera;
 }
 
-VirtualView ViewOf(const PyCamera& self,
-                   const std::optional<std::pair<int, int>>& size,
-                   const std::optional<double>& hfov,
-                   const std::optional<double>& vfov,
-                   const std::optional<double>& focal,
-                   const std::optional<double>& alpha, const py::object& center,
-                   const py::object& rotate,
-                   const std::optional<std::string>& projection) {
+VirtualView MakeVirtualView(const PyCamera& self,
+                            const std::optional<std::pair<int, int>>& size,
+                            const std::optional<double>& hfov,
+                            const std::optional<double>& vfov,
+                            const std::optional<double>& focal,
+                            const std::optional<double>& alpha,
+                            const py::object& center, const py::object& rotate,
+                            const std::optional<std::string>& projection) {
   ViewRequest request;
   if (size) request.size = ReadSize(*size);
   for (const auto& [number, name] : {std::pair(&hfov, "hfov"),
@@ -246,7 +246,7 @@ VirtualView ViewOf(const PyCamera& self,
                         request.center_px || request.rotate_deg || projection;
   const py::gil_scoped_release released;
   RequireValidView(request);
-  const auto camera = Upright(self);
+  const auto camera = GetAlignedCamera(self);
   return is_given ? MakeView(*camera, request) : MakeAreaView(*camera);
 }
 
@@ -257,12 +257,13 @@ Eigen::Matrix3d MakeViewMatrix(const VirtualView& view) {
   return matrix;
 }
 
-py::tuple Maps(const PyCamera& self, const std::optional<VirtualView>& given,
-               bool is_reverse, int num_threads) {
+py::tuple ComputeRemapMaps(const PyCamera& self,
+                           const std::optional<VirtualView>& given,
+                           bool is_reverse, int num_threads) {
   ViewSources found;
   {
     const py::gil_scoped_release released;
-    const auto camera = Upright(self);
+    const auto camera = GetAlignedCamera(self);
     found = MakeViewSources(*camera, given ? *given : MakeAreaView(*camera),
                             is_reverse, num_threads);
   }
@@ -285,7 +286,7 @@ py::bytes Pack(const PyCamera& self, const std::vector<VirtualView>& views,
     CameraFile file = self.file;
     // The cameras of the other operating points would have to be rotated as
     // well.
-    if (AlignToCameraFrame(&file.camera)) file.stack.reset();
+    if (AlignToCanonicalFrame(&file.camera)) file.stack.reset();
     PackOptions options;
     for (const VirtualView& view : views) options.remaps.emplace_back(view);
     options.has_default_remap = views.empty();
@@ -386,11 +387,11 @@ void BindCamera(py::module_* module) {
            py::arg("lens_position") = py::none(),
            py::arg("temperature") = py::none(), docstring::kAt)
       .def_property_readonly(
-          "range", &OnlyRange,
+          "range", &GetSingleRange,
           "Range of operating points, as ('lens_position', lowest, highest) in "
           "dioptres or ('temperature', lowest, highest) in degrees Celsius. "
           "None without a range, or with two.")
-      .def_property_readonly("ranges", &AllRanges,
+      .def_property_readonly("ranges", &ListRanges,
                              "List of all ranges, each in the form of range.")
       .def("project", &Project, py::arg("points"), py::kw_only(),
            py::arg("jacobians") = false, py::arg("threads") = 0,
@@ -408,13 +409,15 @@ void BindCamera(py::module_* module) {
            "Deprecated: use is_valid().")
       .def_property_readonly("uncertainty_figures", &GetUncertaintyMetrics,
                              docstring::kUncertaintyFigures)
-      .def("view", &ViewOf, py::kw_only(), py::arg("size") = py::none(),
-           py::arg("hfov") = py::none(), py::arg("vfov") = py::none(),
-           py::arg("focal") = py::none(), py::arg("alpha") = py::none(),
-           py::arg("center") = py::none(), py::arg("rotate") = py::none(),
-           py::arg("projection") = py::none(), docstring::kView)
-      .def("maps", &Maps, py::arg("view") = py::none(), py::kw_only(),
-           py::arg("reverse") = false, py::arg("threads") = 0, docstring::kMaps)
+      .def("view", &MakeVirtualView, py::kw_only(),
+           py::arg("size") = py::none(), py::arg("hfov") = py::none(),
+           py::arg("vfov") = py::none(), py::arg("focal") = py::none(),
+           py::arg("alpha") = py::none(), py::arg("center") = py::none(),
+           py::arg("rotate") = py::none(), py::arg("projection") = py::none(),
+           docstring::kView)
+      .def("maps", &ComputeRemapMaps, py::arg("view") = py::none(),
+           py::kw_only(), py::arg("reverse") = false, py::arg("threads") = 0,
+           docstring::kMaps)
       .def("pack", &Pack, py::arg("views") = std::vector<VirtualView>(),
            py::kw_only(), py::arg("max_error_px") = 0.05,
            py::arg("threads") = 0, docstring::kPack)

@@ -28,7 +28,7 @@ void ParallelForRanges(size_t count, int num_threads, const Body& body) {
 }
 
 template <int n>
-void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
+void CopyVector(const Eigen::Matrix<double, n, 1>& vector, double* place) {
   Eigen::Map<Eigen::Matrix<double, n, 1>>{place} = vector;
 }
 
@@ -37,13 +37,13 @@ void Put(const Eigen::Matrix<double, n, 1>& vector, double* place) {
 // Scales a point, without changing its image, such that its squared norm
 // neither overflows nor underflows. For a central camera, the distance is
 // irrelevant; for others, a point is scaled only at distances above 2^100 m.
-Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
-                         int* shift) {
-  constexpr int kFarAway = 100, kHuge = 300;
+Eigen::Vector3d ScaleToAvoidOverflow(const Eigen::Vector3d& point,
+                                     bool is_central, int* shift) {
+  constexpr int kFarAway = 100, kMaxExponent = 300;
   const double largest = point.cwiseAbs().maxCoeff();
   *shift = 0;
   if (largest < std::ldexp(1, kFarAway) &&
-      !(is_central && largest < std::ldexp(1, -kHuge)))
+      !(is_central && largest < std::ldexp(1, -kMaxExponent)))
     return point;
   int exponent = 0;
   std::frexp(largest, &exponent);
@@ -56,23 +56,24 @@ Eigen::Vector3d Moderate(const Eigen::Vector3d& point, bool is_central,
 void ProjectPoint(const CameraModel& camera, bool is_central,
                   const double* given, double* pixel, double* by_point) {
   int shift = 0;
-  const Eigen::Vector3d point =
-      Moderate(Eigen::Map<const Eigen::Vector3d>(given), is_central, &shift);
+  const Eigen::Vector3d point = ScaleToAvoidOverflow(
+      Eigen::Map<const Eigen::Vector3d>(given), is_central, &shift);
   if (!by_point) {
     const auto found = camera.Project(point);
-    Put<2>(found && camera.IsInImageCircle(*found) ? *found
-                                                   : Eigen::Vector2d(NAN, NAN),
-           pixel);
+    CopyVector<2>(found && camera.IsInImageCircle(*found)
+                      ? *found
+                      : Eigen::Vector2d(NAN, NAN),
+                  pixel);
     return;
   }
   Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> derivative(by_point);
   LinearizedProjection found;
   if (camera.Linearize(point, nullptr, 0, &found) &&
       camera.IsInImageCircle(found.pixel)) {
-    Put<2>(found.pixel, pixel);
+    CopyVector<2>(found.pixel, pixel);
     derivative = found.J_point * std::ldexp(1, shift);
   } else {
-    Put<2>({NAN, NAN}, pixel);
+    CopyVector<2>({NAN, NAN}, pixel);
     derivative.setConstant(NAN);
   }
 }
@@ -80,7 +81,7 @@ void ProjectPoint(const CameraModel& camera, bool is_central,
 // ---- Pixels ----------------------------------------------------------------
 
 // Returns two orthonormal directions perpendicular to a unit vector.
-Eigen::Matrix<double, 3, 2> Across(const Eigen::Vector3d& direction) {
+Eigen::Matrix<double, 3, 2> MakeTangentBasis(const Eigen::Vector3d& direction) {
   Eigen::Matrix<double, 3, 2> across;
   across.col(0) = direction.unitOrthogonal();
   across.col(1) = direction.cross(across.col(0));
@@ -110,7 +111,7 @@ Eigen::Matrix2d ComputeMotionJacobian(const CameraModel& camera,
 Eigen::Matrix<double, 3, 2> ComputeDirectionJacobian(
     const CameraModel& camera, bool is_central, const ObservationLine& line,
     const Eigen::Vector2d& pixel) {
-  const Eigen::Matrix<double, 3, 2> across = Across(line.direction);
+  const Eigen::Matrix<double, 3, 2> across = MakeTangentBasis(line.direction);
   const Eigen::Matrix2d near =
       ComputeMotionJacobian(camera, line, across, 1, pixel).inverse();
   if (is_central) return across * near;
@@ -124,9 +125,9 @@ void UnprojectPixel(const CameraModel& camera, const double* given,
   const Eigen::Vector2d pixel(given[0], given[1]);
   const std::optional<Eigen::Vector3d> found = camera.Unproject(pixel);
   if (found && camera.IsInImageCircle(pixel))
-    Put<3>(*found, direction);
+    CopyVector<3>(*found, direction);
   else
-    Put<3>({NAN, NAN, NAN}, direction);
+    CopyVector<3>({NAN, NAN, NAN}, direction);
 }
 
 // Computes the Jacobian of the direction at a pixel; NaN without a direction.
@@ -198,8 +199,9 @@ py::tuple Rays(const PyCamera& self, const py::object& given, int num_threads) {
       const Eigen::Vector2d pixel(pixels[k][0], pixels[k][1]);
       const auto line =
           camera.IsInImageCircle(pixel) ? camera.Line(pixel) : std::nullopt;
-      Put<3>(line ? line->origin : none, origin + 3 * k);
-      Put<3>(line ? line->direction.normalized() : none, direction + 3 * k);
+      CopyVector<3>(line ? line->origin : none, origin + 3 * k);
+      CopyVector<3>(line ? line->direction.normalized() : none,
+                    direction + 3 * k);
     }
   });
   return py::make_tuple(origins, directions);

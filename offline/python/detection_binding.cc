@@ -35,25 +35,25 @@ IntArray ConvertToIntArray(const py::object& given, size_t count,
 
 PyDetection MakeDetection(const std::string& name,
                           const std::pair<int, int>& size,
-                          const py::object& given_pixels,
-                          const py::object& given_columns,
-                          const py::object& given_rows,
-                          const py::object& given_boards) {
-  const InputVectors pixels = ReadVectors(given_pixels, 2, "pixels");
+                          const py::object& pixel_coordinates,
+                          const py::object& column_indices,
+                          const py::object& row_indices,
+                          const py::object& board_ids) {
+  const InputVectors pixels = ReadVectors(pixel_coordinates, 2, "pixels");
   if (pixels.axes.size() != 1)
     throw py::value_error("pixels: expected an array of the shape (N, 2)");
   const IntArray columns =
-      ConvertToIntArray(given_columns, pixels.count, "columns");
-  const IntArray rows = ConvertToIntArray(given_rows, pixels.count, "rows");
+      ConvertToIntArray(column_indices, pixels.count, "columns");
+  const IntArray rows = ConvertToIntArray(row_indices, pixels.count, "rows");
   const IntArray boards =
-      given_boards.is_none()
+      board_ids.is_none()
           ? IntArray(0)
-          : ConvertToIntArray(given_boards, pixels.count, "boards");
+          : ConvertToIntArray(board_ids, pixels.count, "boards");
   PyDetection detection = {{size.first, size.second}, {name, {}}, {}};
   for (size_t k = 0; k < pixels.count; ++k) {
     const auto i = static_cast<py::ssize_t>(k);
     detection.features.features.push_back(
-        {given_boards.is_none() ? 0 : boards.at(i),
+        {board_ids.is_none() ? 0 : boards.at(i),
          columns.at(i),
          rows.at(i),
          {pixels[k][0], pixels[k][1]}});
@@ -61,7 +61,7 @@ PyDetection MakeDetection(const std::string& name,
   return detection;
 }
 
-py::array PixelsOf(const PyDetection& detection) {
+py::array GetPixels(const PyDetection& detection) {
   const std::vector<Feature>& features = detection.features.features;
   DoubleArray pixels(
       {static_cast<py::ssize_t>(features.size()), py::ssize_t{2}});
@@ -84,7 +84,7 @@ py::array GetIntegers(const PyDetection& detection, int Feature::*member) {
 
 // Converts an array to the bytes of an image file, so that grey levels are
 // computed as for any other file.
-std::string PortableMap(const py::array& image) {
+std::string EncodePnm(const py::array& image) {
   const bool has_colour = image.ndim() == 3;
   const auto bits = 8 * image.itemsize();
   std::string bytes =
@@ -124,7 +124,7 @@ std::string CopyPixels(const py::array& image) {
   if (!is_image)
     throw py::value_error(
         "image: expected the shape (height, width) or (height, width, 3)");
-  return PortableMap(image);
+  return EncodePnm(image);
 }
 
 Refinement ParseRefinement(const std::string& name) {
@@ -302,7 +302,7 @@ Raises:
           },
           "(width, height) of the image, in pixels.")
       .def_property_readonly(
-          "pixels", &PixelsOf,
+          "pixels", &GetPixels,
           "Positions in the image (N, 2), in pixels; read-only.")
       .def_property_readonly(
           "columns",

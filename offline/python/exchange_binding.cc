@@ -43,9 +43,9 @@ Pose PoseFromMatrix(const py::object& given, const std::string& name) {
 
 // ---- Import ----------------------------------------------------------------
 
-ExchangeContents ReadOne(const std::string& path, const Format* format,
-                         const std::string& model,
-                         const std::optional<ImageSize>& size) {
+ExchangeContents ReadSingleCamera(const std::string& path, const Format* format,
+                                  const std::string& model,
+                                  const std::optional<ImageSize>& size) {
   ReadRequest request = {path, ReadFile(path), model, size};
   const Format* const found = format ? format : RecognizeFormat(request.text);
   if (found) RequireCameraFormat(*found, path);
@@ -65,7 +65,7 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
   std::set<std::string> names;
   std::string pose_text;
   for (const std::string& path : paths) {
-    ExchangeContents contents = ReadOne(path, format, model, size);
+    ExchangeContents contents = ReadSingleCamera(path, format, model, size);
     if (contents.second_from_first) {
       all.second_from_first = contents.second_from_first;
       pose_text = path;
@@ -82,7 +82,7 @@ ExchangeContents ReadAll(const std::vector<std::string>& paths,
   if (paths.size() == 1) return all;
   if (names.size() < all.cameras.size() || names.count("") > 0)
     for (size_t c = 0; c < stems.size(); ++c) all.cameras[c].name = stems[c];
-  if (!all.IsRig()) ComputePairPoses(&all.cameras);
+  if (!all.IsRig()) ComputeStereoPoses(&all.cameras);
   return all;
 }
 
@@ -111,10 +111,11 @@ py::list Import(const std::vector<py::object>& files, const std::string& format,
 
 // ---- Export ----------------------------------------------------------------
 
-OutputCamera ChooseFor(const PyCamera& camera, const std::string& name,
-                       const std::vector<const ExternalModel*>& external_models,
-                       const std::optional<Pose>& pose,
-                       const std::optional<double>& max_fit_error_px) {
+OutputCamera SelectModels(
+    const PyCamera& camera, const std::string& name,
+    const std::vector<const ExternalModel*>& external_models,
+    const std::optional<Pose>& pose,
+    const std::optional<double>& max_fit_error_px) {
   const auto& uncertainty = camera.file.uncertainty;
   const ValidityMask* mask = uncertainty ? &uncertainty->mask : nullptr;
   SelectedModel chosen =
@@ -137,7 +138,7 @@ OutputCamera ChooseFor(const PyCamera& camera, const std::string& name,
   if (mask) lens.valid_region = *mask;
   if (lens.fit && pose)
     lens.camera_from_rig =
-        Pose{lens.fit->lens_from_camera, Eigen::Vector3d::Zero()} * *pose;
+        Pose{lens.fit->fitted_from_camera, Eigen::Vector3d::Zero()} * *pose;
   return lens;
 }
 
@@ -149,7 +150,7 @@ py::object ComputeFitMetrics(const OutputCamera& lens) {
     metrics["rms_px"] = lens.fit->rms_px;
     metrics["max_px"] = lens.fit->max_px;
     metrics["lens_from_camera"] =
-        ReadOnly(lens.fit->lens_from_camera.toRotationMatrix());
+        ReadOnly(lens.fit->fitted_from_camera.toRotationMatrix());
   }
   return std::move(metrics);
 }
@@ -176,9 +177,9 @@ py::list Export(const std::vector<py::tuple>& cameras, const py::object& file,
     std::optional<Pose> pose;
     if (!camera[2].is_none())
       pose = PoseFromMatrix(camera[2], "camera_from_rig");
-    request.cameras.push_back(ChooseFor(camera[1].cast<const PyCamera&>(),
-                                        camera[0].cast<std::string>(),
-                                        external_models, pose, max_fit_error));
+    request.cameras.push_back(SelectModels(
+        camera[1].cast<const PyCamera&>(), camera[0].cast<std::string>(),
+        external_models, pose, max_fit_error));
     metrics.append(ComputeFitMetrics(request.cameras.back()));
   }
   OutputFiles files;

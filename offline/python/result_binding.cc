@@ -39,7 +39,7 @@ py::list ListPoses(const PyCalibration& self, const std::string& camera) {
   return poses;
 }
 
-py::list FeaturesOf(const PyCalibration& self, const std::string& camera) {
+py::list GetFeatures(const PyCalibration& self, const std::string& camera) {
   py::list detections;
   const Dataset& dataset = self.result.cameras[self.IndexOf(camera)].features;
   for (const ImageFeatures& image : dataset.images)
@@ -62,7 +62,7 @@ py::dict CameraFromRig(const PyCalibration& self) {
   return poses;
 }
 
-py::dict CovariancesOf(const PyCalibration& self) {
+py::dict GetCovariances(const PyCalibration& self) {
   py::dict covariances;
   for (const Baseline& pair : self.result.baselines)
     if (pair.covariance)
@@ -81,7 +81,7 @@ ResultExtras PackResult(const PyCalibration& self, const Task* task) {
     CameraExtras& own = extras.cameras.emplace_back();
     const PackedCamera packed = PackSupportedSections(
         camera.camera, self.num_threads, [task] { return task->ShouldStop(); });
-    task->GoOn();
+    task->ThrowIfInterrupted();
     own.packing = ComputePackingMetrics(packed);
     own.blob = packed.blob;
     if (!packed.remaps.empty())
@@ -102,7 +102,7 @@ void SaveResult(const PyCalibration& self, const py::object& path) {
     files.Commit();
     AddReports(output.path(), &files);
     files.Commit();
-    task->GoOn();
+    task->ThrowIfInterrupted();
     output.Commit(ResultFiles(folder));
   });
 }
@@ -134,7 +134,7 @@ is the only camera. An unknown name raises KeyError.)")
           "transformations in metres from the rig's frame, which is that of "
           "the first camera, to camera axes.")
       .def_property_readonly(
-          "relative_pose_covariances", &CovariancesOf,
+          "relative_pose_covariances", &GetCovariances,
           "Dict of the covariances (6, 6) by (first, second) camera of a rig, "
           "of the rotation vector r (rad) and the translation d (m) of "
           "exp(r) R, t + d for second_from_first.")
@@ -178,7 +178,7 @@ Returns:
 Returns:
     List of (image, board, camera_from_board), with the name of the image, the
     id of the board, and the homogeneous transformation (4, 4) in metres.)")
-      .def("features", &FeaturesOf, py::arg("camera") = "",
+      .def("features", &GetFeatures, py::arg("camera") = "",
            R"(Refined features used for the calibration.
 
 Returns:

@@ -71,7 +71,7 @@ std::string MakeBar(const std::vector<BudgetShare>& parts) {
   return html + "</div></figure>\n";
 }
 
-std::string Capitalized(std::string text) {
+std::string CapitalizeFirst(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
   return text;
 }
@@ -102,7 +102,7 @@ std::string MakeBudgetSection(const ResidualBudget& budget) {
   const BudgetAssessment assessment = AssessBudget(budget);
   std::string html = fmt::format(
       "<h2>What limits this calibration</h2>\n<p><b>{}.</b> Remedy: {}.</p>\n",
-      EscapeHtml(Capitalized(assessment.sentence)),
+      EscapeHtml(CapitalizeFirst(assessment.sentence)),
       EscapeHtml(assessment.advice));
   if (!budget.unobservable_reason.empty()) return html;
   const std::vector<BudgetShare> parts = SplitText(budget);

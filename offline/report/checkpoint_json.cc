@@ -105,13 +105,14 @@ std::vector<FeatureResidual> ParseResiduals(const Json& json) {
 }
 
 Json MakeTrialJson(const Trial& trial) {
-  return {{"fold", trial.fold},
-          {"cell_px", trial.knot_spacings_px.front()},
-          {"rigid_boards", trial.rigid_boards},
-          {"bodies", trial.has_rigid_targets},
-          {"share_of_bends", trial.deformation_share},
-          {"held_out", MakeResidualsJson(trial.held_out.alone.front())},
-          {"flexed", MakeResidualsJson(trial.held_out.flexed.front())}};
+  return {
+      {"fold", trial.fold},
+      {"cell_px", trial.knot_spacings_px.front()},
+      {"rigid_boards", trial.rigid_boards},
+      {"bodies", trial.has_rigid_targets},
+      {"share_of_bends", trial.deformation_share},
+      {"held_out", MakeResidualsJson(trial.held_out.alone.front())},
+      {"flexed", MakeResidualsJson(trial.held_out.with_deformation.front())}};
 }
 
 Trial ParseTrial(const Json& json) {
@@ -120,7 +121,7 @@ Trial ParseTrial(const Json& json) {
   trial.has_rigid_targets = json.at("bodies");
   trial.deformation_share = json.at("share_of_bends");
   trial.held_out.alone = {ParseResiduals(json.at("held_out"))};
-  trial.held_out.flexed = {ParseResiduals(json.at("flexed"))};
+  trial.held_out.with_deformation = {ParseResiduals(json.at("flexed"))};
   return trial;
 }
 

@@ -16,7 +16,7 @@ namespace {
 constexpr int kMaxSheetWidth = 2400, kMaxSheetHeight = 32000;
 constexpr int kMaxColumns = 4;
 constexpr int kMaxTileWidth = 760;
-constexpr int kGap = 24;
+constexpr int kColumnGap = 24;
 constexpr double kTitleSize = 17, kTextSize = 15, kLineHeight = 21;
 constexpr double kMinTextSize = 10;
 constexpr SheetColor kPaper = {1, 1, 1}, kInk = {0.1, 0.1, 0.12};
@@ -88,7 +88,7 @@ struct Box {
 
 // Returns a picture's size in a column: the height is limited to the column's
 // width.
-Box SizeInColumn(const Image& picture, int column_width) {
+Box ComputeSizeInColumn(const Image& picture, int column_width) {
   const double width = picture.size.width, height = picture.size.height;
   Box box;
   box.width = column_width;
@@ -101,7 +101,7 @@ Box SizeInColumn(const Image& picture, int column_width) {
 }
 
 // Returns the picture, resized to a box, in cairo's pixel format.
-cv::Mat Resized(const Image& picture, const Box& box) {
+cv::Mat ResizeImage(const Image& picture, const Box& box) {
   const cv::Mat whole(picture.size.height, picture.size.width,
                       CV_8UC(picture.channels),
                       const_cast<uint8_t*>(picture.pixels.data()));
@@ -117,7 +117,7 @@ cv::Mat Resized(const Image& picture, const Box& box) {
 }
 
 void DrawImage(const Image& picture, const Box& box, cairo_t* cr) {
-  cv::Mat pixels = Resized(picture, box);
+  cv::Mat pixels = ResizeImage(picture, box);
   cairo_surface_t* surface = cairo_image_surface_create_for_data(
       pixels.data, CAIRO_FORMAT_RGB24, pixels.cols, pixels.rows,
       static_cast<int>(pixels.step));
@@ -133,11 +133,11 @@ void DrawMessage(const std::string& message, const Box& box, cairo_t* cr) {
   SetColor(kPaper, 1, cr);
   SelectFont(false, cr);
   cairo_set_font_size(cr, kTextSize);
-  const double width = box.width - 2 * kGap;
+  const double width = box.width - 2 * kColumnGap;
   const std::vector<std::string> lines = FormatWrapped(message, width, cr);
   double y = box.y + box.height / 2 - kLineHeight * (lines.size() - 1) / 2;
   for (const std::string& line : lines) {
-    DrawLine(line, box.x + kGap, y, width, kTextSize, cr);
+    DrawLine(line, box.x + kColumnGap, y, width, kTextSize, cr);
     y += kLineHeight;
   }
 }
@@ -182,7 +182,7 @@ void DrawTile(const SheetTile& tile, double x, double y, double caption_height,
   SelectFont(false, cr);
   for (const std::string& line : tile.caption)
     DrawLine(line, x, baseline += kLineHeight, column_width, kTextSize, cr);
-  Box box = SizeInColumn(tile.picture, column_width);
+  Box box = ComputeSizeInColumn(tile.picture, column_width);
   box.x = x;
   box.y = y + caption_height;
   if (tile.picture.size.width > 0)
@@ -219,10 +219,11 @@ std::vector<Line> WrapLines(const std::vector<SheetRow>& rows, int columns,
     double image_height = 0;
     for (const SheetTile* tile : line.tiles) {
       line.caption_height = std::max(line.caption_height, CaptionHeight(*tile));
-      image_height = std::max(image_height,
-                              SizeInColumn(tile->picture, column_width).height);
+      image_height =
+          std::max(image_height,
+                   ComputeSizeInColumn(tile->picture, column_width).height);
     }
-    line.height = line.caption_height + image_height + kGap;
+    line.height = line.caption_height + image_height + kColumnGap;
   }
   return lines;
 }
@@ -230,13 +231,13 @@ std::vector<Line> WrapLines(const std::vector<SheetRow>& rows, int columns,
 void DrawMarks(const std::vector<SheetMark>& marks, double y, double width,
                cairo_t* cr) {
   constexpr double kStroke = 34;
-  double x = kGap;
+  double x = kColumnGap;
   SelectFont(false, cr);
   cairo_set_font_size(cr, kTextSize);
   for (const SheetMark& mark : marks) {
     const double needed = kStroke + 8 + TextWidth(mark.meaning, cr);
-    if (x > kGap && x + needed > width - kGap) {
-      x = kGap;
+    if (x > kColumnGap && x + needed > width - kColumnGap) {
+      x = kColumnGap;
       y += kLineHeight;
     }
     const double dashes[] = {8, 6};
@@ -250,7 +251,7 @@ void DrawMarks(const std::vector<SheetMark>& marks, double y, double width,
     SetColor(kInk, 1, cr);
     cairo_move_to(cr, x + kStroke + 8, y);
     cairo_show_text(cr, mark.meaning.c_str());
-    x += needed + kGap;
+    x += needed + kColumnGap;
   }
 }
 
@@ -285,11 +286,11 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
     columns = std::max(columns, static_cast<int>(row.tiles.size()));
   columns = std::min(columns, kMaxColumns);
   const int column_width = std::min(
-      kMaxTileWidth, (kMaxSheetWidth - kGap * (columns + 1)) / columns);
-  const int width = columns * (column_width + kGap) + kGap;
+      kMaxTileWidth, (kMaxSheetWidth - kColumnGap * (columns + 1)) / columns);
+  const int width = columns * (column_width + kColumnGap) + kColumnGap;
   const std::vector<Line> lines = WrapLines(rows, columns, column_width);
   constexpr double kMarkLines = 3;
-  double height = kGap + kMarkLines * kLineHeight;
+  double height = kColumnGap + kMarkLines * kLineHeight;
   for (const Line& line : lines) height += line.height;
   if (height > kMaxSheetHeight)
     throw Error(ExitCode::kUsage,
@@ -305,12 +306,12 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
   cairo_t* const cr = context.get();
   SetColor(kPaper, 1, cr);
   cairo_paint(cr);
-  double y = kGap;
+  double y = kColumnGap;
   for (const Line& line : lines) {
-    double x = kGap;
+    double x = kColumnGap;
     for (const SheetTile* tile : line.tiles) {
       DrawTile(*tile, x, y, line.caption_height, column_width, cr);
-      x += column_width + kGap;
+      x += column_width + kColumnGap;
     }
     y += line.height;
   }

@@ -27,10 +27,11 @@ double Rounded(double value) {
 
 // ---- Residuals -------------------------------------------------------------
 
-using ByImage = std::map<std::string, std::vector<const FeatureResidual*>>;
+using ResidualsByImage =
+    std::map<std::string, std::vector<const FeatureResidual*>>;
 
-ByImage GroupByImage(const Residuals& residuals) {
-  ByImage images;
+ResidualsByImage GroupByImage(const Residuals& residuals) {
+  ResidualsByImage images;
   for (const FeatureResidual& residual : residuals)
     images[residual.image].push_back(&residual);
   return images;
@@ -51,7 +52,7 @@ struct PackedResiduals {
   double position_px = 1, error_px = 1;  // scale of the integers
 };
 
-Json AddImages(const ByImage& images, const char* set, size_t step,
+Json AddImages(const ResidualsByImage& images, const char* set, size_t step,
                PackedResiduals* packed, Json* list) {
   for (const auto& [name, residuals] : images) {
     std::vector<double> norms;
@@ -129,8 +130,8 @@ Json Quantiles(const Residuals& residuals) {
 // ---- Camera ----------------------------------------------------------------
 
 // Returns the number of features that depend on each control point.
-std::vector<int> CountSupport(const BSplineSurface& surface,
-                              const Residuals& residuals) {
+std::vector<int> CountFeaturesByControlPoint(const BSplineSurface& surface,
+                                             const Residuals& residuals) {
   const int columns = surface.columns(), rows = surface.rows();
   const Area& area = surface.area();
   std::vector<int> counts(surface.num_points(), 0);
@@ -154,11 +155,12 @@ void AddGrid(const CalibrationResult& result, Json* json) {
   for (const Eigen::Vector2d& point : surface->points())
     angles.push_back(
         std::round(2 * std::atan(point.norm()) * 180 / M_PI * 100) / 100);
-  (*json)["grid"] = {{"columns", surface->columns()},
-                     {"rows", surface->rows()},
-                     {"cell", {surface->cell_width(), surface->cell_height()}},
-                     {"angle_deg", angles},
-                     {"support", CountSupport(*surface, result.training)}};
+  (*json)["grid"] = {
+      {"columns", surface->columns()},
+      {"rows", surface->rows()},
+      {"cell", {surface->cell_width(), surface->cell_height()}},
+      {"angle_deg", angles},
+      {"support", CountFeaturesByControlPoint(*surface, result.training)}};
 }
 
 // Adds the distance of observation lines from the point closest to all of them,

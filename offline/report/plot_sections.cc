@@ -142,7 +142,7 @@ std::string MakeUncertaintyFigure(const CalibrationResult& result) {
 
 struct LineOffsets {
   std::vector<double> distance_mm, x_mm, y_mm;
-  double max_mm = 1e-9;
+  double max_offset_mm = 1e-9;
 };
 
 LineOffsets MeasureOffsets(const CameraModel& camera, int columns, int rows) {
@@ -157,7 +157,7 @@ LineOffsets MeasureOffsets(const CameraModel& camera, int columns, int rows) {
     if (line) {
       const Eigen::Vector3d from = line->origin - center;
       offset = 1000 * (from - line->direction * line->direction.dot(from));
-      offsets.max_mm = std::max(offsets.max_mm, offset.norm());
+      offsets.max_offset_mm = std::max(offsets.max_offset_mm, offset.norm());
     }
     offsets.distance_mm.push_back(offset.norm());
     offsets.x_mm.push_back(offset.x());
@@ -183,18 +183,20 @@ std::string MakeLinesSection(const CalibrationResult& result) {
   const auto picture = [&](const std::vector<double>& values, double low,
                            const std::string& caption) {
     return EmbedHtmlImage(
-        HeatMap(values, kColumns, low, offsets.max_mm, kCellPx), caption, axes,
+        HeatMap(values, kColumns, low, offsets.max_offset_mm, kCellPx), caption,
+        axes,
         MakeHtmlColorBar({ColorScale::kEven, "offset",
                           fmt::format("{:.3g}", low),
-                          fmt::format("{:.3g} mm", offsets.max_mm)}),
+                          fmt::format("{:.3g} mm", offsets.max_offset_mm)}),
         "area");
   };
   return "<h2>Non-central observation lines</h2>\n<p>Offset of each pixel's "
          "observation line from the common point.</p>\n<div "
          "class=\"pictures\">\n" +
          picture(offsets.distance_mm, 0, "Distance from the common point") +
-         picture(offsets.x_mm, -offsets.max_mm, "Offset to the right (x)") +
-         picture(offsets.y_mm, -offsets.max_mm, "Offset downwards (y)") +
+         picture(offsets.x_mm, -offsets.max_offset_mm,
+                 "Offset to the right (x)") +
+         picture(offsets.y_mm, -offsets.max_offset_mm, "Offset downwards (y)") +
          "<figure class=\"script\"><figcaption>Distance against the angle from "
          "the camera's z axis</figcaption><div class=\"chart\"><canvas "
          "id=\"lines\"></canvas></div></figure>\n</div>\n";

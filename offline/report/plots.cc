@@ -42,7 +42,7 @@ cv::Point RoundToPixel(const Eigen::Vector2d& position, const ImageSize& size) {
 Image DrawVoronoiPlot(
     const std::vector<FeatureResidual>& residuals, const ImageSize& size,
     const Area& area,
-    const std::function<cv::Vec3b(const Eigen::Vector2d&)>& color_of) {
+    const std::function<cv::Vec3b(const Eigen::Vector2d&)>& get_color) {
   cv::Mat sites(size.height, size.width, CV_8U, cv::Scalar(255));
   for (const FeatureResidual& residual : residuals)
     sites.at<uint8_t>(RoundToPixel(residual.pixel, size)) = 0;
@@ -52,7 +52,7 @@ Image DrawVoronoiPlot(
   std::vector<cv::Vec3b> colors(residuals.size() + 1, kOutside);
   for (const FeatureResidual& residual : residuals)
     colors[labels.at<int>(RoundToPixel(residual.pixel, size))] =
-        color_of(residual.error_px);
+        get_color(residual.error_px);
   cv::Mat picture(size.height, size.width, CV_8UC3, kOutside);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
@@ -109,7 +109,8 @@ Image DrawBiasPlot(const std::vector<FeatureResidual>& residuals,
 
 Image DrawDisplacementPlot(const std::vector<Eigen::Vector2d>& displacements,
                            int columns, double full_scale_px) {
-  constexpr int kCellPx = 8, kCellsApart = 6, kApartPx = kCellPx * kCellsApart;
+  constexpr int kCellPx = 8, kArrowSpacingCells = 6,
+                kApartPx = kCellPx * kArrowSpacingCells;
   std::vector<double> sizes;
   for (const Eigen::Vector2d& displacement : displacements)
     sizes.push_back(displacement.norm());
@@ -117,8 +118,8 @@ Image DrawDisplacementPlot(const std::vector<Eigen::Vector2d>& displacements,
   cv::Mat drawn(picture.size.height, picture.size.width, CV_8UC3,
                 picture.pixels.data());
   const int rows = static_cast<int>(displacements.size()) / columns;
-  for (int j = kCellsApart / 2; j < rows; j += kCellsApart) {
-    for (int i = kCellsApart / 2; i < columns; i += kCellsApart) {
+  for (int j = kArrowSpacingCells / 2; j < rows; j += kArrowSpacingCells) {
+    for (int i = kArrowSpacingCells / 2; i < columns; i += kArrowSpacingCells) {
       const Eigen::Vector2d arrow =
           displacements[j * columns + i] * kApartPx / full_scale_px;
       if (!arrow.allFinite()) continue;

@@ -23,7 +23,7 @@ class PixelCurve {
   void Add(const Eigen::Vector3d& point) {
     const auto pixel = camera_.Project(pose_ * point);
     if (!pixel) {
-      Interrupt();
+      EndSegment();
       return;
     }
     if (is_interrupted_) segments_.emplace_back();
@@ -31,9 +31,9 @@ class PixelCurve {
     const Eigen::Vector2d half(0.5, 0.5);
     segments_.back().push_back(scale_ * (*pixel + half) - half);
   }
-  void Interrupt() { is_interrupted_ = true; }
+  void EndSegment() { is_interrupted_ = true; }
 
-  std::vector<std::vector<Eigen::Vector2d>> MoveSegments() {
+  std::vector<std::vector<Eigen::Vector2d>> TakeSegments() {
     return std::move(segments_);
   }
 
@@ -46,14 +46,14 @@ class PixelCurve {
 };
 
 SheetCurves LatticeCurves(const Board& board, PixelCurve curve) {
-  for (int row = 0; row < board.rows; ++row, curve.Interrupt())
+  for (int row = 0; row < board.rows; ++row, curve.EndSegment())
     for (int column = 0; column < board.columns; ++column)
       curve.Add(board.points[board.PointIndex(column, row)]);
-  for (int column = 0; column < board.columns; ++column, curve.Interrupt())
+  for (int column = 0; column < board.columns; ++column, curve.EndSegment())
     for (int row = 0; row < board.rows; ++row)
       curve.Add(board.points[board.PointIndex(column, row)]);
   SheetCurves curves;
-  curves.curves = curve.MoveSegments();
+  curves.curves = curve.TakeSegments();
   curves.color = kAreaColor;
   curves.width = 1;
   return curves;
@@ -71,7 +71,7 @@ SheetCurves AxisCurve(int axis, double length, PixelCurve curve) {
   for (int k = 0; k <= kSteps; ++k)
     curve.Add(length * k / kSteps * Eigen::Vector3d::Unit(axis));
   SheetCurves curves;
-  curves.curves = curve.MoveSegments();
+  curves.curves = curve.TakeSegments();
   curves.color = kAxisColors[axis];
   curves.width = 3;
   return curves;

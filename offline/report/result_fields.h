@@ -132,7 +132,7 @@ template <class Io>
 void VisitFields(Io& io, ExtrapolatedRegion& region) {
   io("fraction", region.share);
   io.When(region.share > 0, "p95_px", region.p95_px);
-  io.When(region.share > 0, "location", region.where);
+  io.When(region.share > 0, "location", region.image_regions);
 }
 
 template <class Io>
@@ -178,11 +178,11 @@ void VisitFields(Io& io, BudgetSummary& facts) {
   io("model", facts.model);
   io("knot_spacing_px", facts.knot_spacing_px);
   io("knot_spacing_selected", facts.knot_spacing_selected);
-  io("finer_spacing_tested", facts.tried_finer);
-  io("target_geometry_estimated", facts.points_free);
-  io("per_view_deformation_tested", facts.tried_deformation);
-  io("central_generic_tested", facts.tried_generic);
-  io("noncentral_generic_tested", facts.tried_noncentral);
+  io("finer_spacing_tested", facts.has_tried_finer_grid);
+  io("target_geometry_estimated", facts.has_estimated_points);
+  io("per_view_deformation_tested", facts.has_tried_deformation);
+  io("central_generic_tested", facts.has_tried_generic_model);
+  io("noncentral_generic_tested", facts.has_tried_noncentral_model);
   io("two_cameras_suspected", facts.mixed_cameras);
   io.NonEmpty("better_model", facts.better_model);
 }

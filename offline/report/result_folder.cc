@@ -158,8 +158,8 @@ std::string ReadBlob(const std::string& folder) {
 }
 
 // Returns the cameras with files in the folder, as listed in result.json.
-std::vector<RigFileCamera> CamerasIn(const std::string& folder,
-                                     const RigResult& result) {
+std::vector<RigFileCamera> ListCameras(const std::string& folder,
+                                       const RigResult& result) {
   const std::string path = In(folder, "rig.yaml");
   if (!result.IsRig() && !fs::exists(path)) return {{"", "camera.yaml", {}}};
   RequireFile(path);
@@ -268,7 +268,7 @@ ResultMetrics ReadResultFolder(const std::string& folder) {
   RigResult& result = metrics.result;
   result.pattern = ReadResultPattern(folder);
   Tables tables = ReadTables(folder);
-  const std::vector<RigFileCamera> cameras = CamerasIn(folder, result);
+  const std::vector<RigFileCamera> cameras = ListCameras(folder, result);
   for (size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = cameras[c].name;
     CalibrationResult& camera = result.cameras[c];

@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 // rig. Numbers are multiplied by the scale.
 struct RenamedKey {
   const char* object;
-  const char* former;
+  const char* old_key;
   const char* current;
   double scale = 1;
 };
@@ -134,11 +134,11 @@ void Rename(const RenamedKeys& renamed_keys, const std::string& object,
   }
   if (!json->is_object()) return;
   for (const RenamedKey& key : renamed_keys) {
-    if (object != key.object || !json->contains(key.former) ||
+    if (object != key.object || !json->contains(key.old_key) ||
         json->contains(key.current))
       continue;
-    (*json)[key.current] = (*json)[key.former];
-    json->erase(key.former);
+    (*json)[key.current] = (*json)[key.old_key];
+    json->erase(key.old_key);
     if (key.scale != 1) Scale(key.scale, &(*json)[key.current]);
   }
   for (auto& [key, value] : json->items())

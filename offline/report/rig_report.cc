@@ -71,8 +71,9 @@ std::string MakeRigComparisonTable(const RigResult& result) {
          "images are estimated per camera.</p>\n";
 }
 
-std::string EstimateCell(double value, const std::optional<double>& deviation,
-                         double scale) {
+std::string FormatEstimateCell(double value,
+                               const std::optional<double>& deviation,
+                               double scale) {
   return deviation
              ? FormatWithStdDev(value * scale, *deviation * scale, " &plusmn; ")
              : FormatThreeDigits(value * scale);
@@ -85,9 +86,10 @@ std::string MakeBaselineTable(const RigResult& result) {
         {fmt::format("{} to {}",
                      EscapeHtml(result.cameras[baseline.first].camera.name),
                      EscapeHtml(result.cameras[baseline.second].camera.name)),
-         EstimateCell(baseline.distance_m, baseline.distance_stddev_m, 1000),
-         EstimateCell(baseline.angle_rad, baseline.rotation_stddev_rad,
-                      180 / M_PI),
+         FormatEstimateCell(baseline.distance_m, baseline.distance_stddev_m,
+                            1000),
+         FormatEstimateCell(baseline.angle_rad, baseline.rotation_stddev_rad,
+                            180 / M_PI),
          std::to_string(baseline.num_shared_views)});
   return "<h2>Relative camera poses</h2>\n" +
          MakeHtmlTable({"", "baseline mm", "rotation degrees", "common views"},
@@ -99,20 +101,20 @@ std::string MakeBaselineTable(const RigResult& result) {
 std::optional<BoardDeformation> GetCommonDeformation(const RigResult& result) {
   std::map<std::pair<std::string, int>, double> rms_m;
   BoardDeformation all;
-  double most_m = -1, square_m2 = 0;
+  double max_deformation_m = -1, square_m2 = 0;
   for (const CalibrationResult& camera : result.cameras) {
     if (!camera.bends) continue;
     for (const BoardDeformation::View& view : camera.bends->views)
       rms_m[{view.image, view.board}] = view.rms_m;
     const double camera_rms_m =
         camera.bends->views[camera.bends->most_deformed].rms_m;
-    if (camera_rms_m <= most_m) continue;
-    most_m = camera_rms_m;
+    if (camera_rms_m <= max_deformation_m) continue;
+    max_deformation_m = camera_rms_m;
     all.heights_m = camera.bends->heights_m;
   }
   if (rms_m.empty()) return std::nullopt;
   for (const auto& [view, bend_m] : rms_m) {
-    if (bend_m == most_m)
+    if (bend_m == max_deformation_m)
       all.most_deformed = static_cast<int>(all.views.size());
     all.views.push_back({view.first, view.second, bend_m});
     square_m2 += bend_m * bend_m;

@@ -14,7 +14,7 @@ namespace raygrid {
 namespace {
 
 // Returns a copy of the image, transposed for vertical pairs.
-cv::Mat LyingDown(const Image& image, bool is_vertical) {
+cv::Mat RotateToHorizontal(const Image& image, bool is_vertical) {
   cv::Mat pixels = cv::Mat(image.size.height, image.size.width, CV_8U,
                            const_cast<uint8_t*>(image.pixels.data()))
                        .clone();
@@ -35,8 +35,8 @@ Image ColourImage(const cv::Mat& picture) {
 Image DrawRectifiedRows(const RectifiedImages& images) {
   constexpr int kNumRows = 16;
   cv::Mat both, picture;
-  cv::hconcat(LyingDown(images.first, images.is_vertical),
-              LyingDown(images.second, images.is_vertical), both);
+  cv::hconcat(RotateToHorizontal(images.first, images.is_vertical),
+              RotateToHorizontal(images.second, images.is_vertical), both);
   cv::cvtColor(both, picture, cv::COLOR_GRAY2BGR);
   const cv::Scalar colours[] = {{60, 220, 60}, {40, 170, 255}};
   for (int k = 0; k < kNumRows; ++k) {
@@ -51,8 +51,8 @@ Image DrawRectifiedRows(const RectifiedImages& images) {
 
 Image DrawDisparityMap(const RectifiedImages& images, int num_disparities) {
   constexpr int kBlock = 5, kFraction = 16;
-  cv::Mat first = LyingDown(images.first, images.is_vertical);
-  cv::Mat second = LyingDown(images.second, images.is_vertical);
+  cv::Mat first = RotateToHorizontal(images.first, images.is_vertical);
+  cv::Mat second = RotateToHorizontal(images.second, images.is_vertical);
   // Pixels left of num_disparities have no disparity; a border avoids that.
   cv::copyMakeBorder(first, first, 0, 0, num_disparities, 0,
                      cv::BORDER_CONSTANT);

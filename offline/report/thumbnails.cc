@@ -27,14 +27,14 @@ std::string EncodeThumbnail(const Image& image) {
 }
 
 // Returns the width at which `count` images of this shape fit into the limit.
-int WidthFor(int count, const ImageSize& size) {
+int ComputeWidth(int count, const ImageSize& size) {
   constexpr double kBytesPerPixel = 0.12;
   const double pixels = kMaxBytes / std::max(1, count) / kBytesPerPixel;
   const double aspect = double(size.width) / std::max(1, size.height);
   return static_cast<int>(std::sqrt(pixels * aspect));
 }
 
-size_t TotalBytes(const std::vector<std::string>& files) {
+size_t SumBytes(const std::vector<std::string>& files) {
   size_t total = 0;
   for (const std::string& file : files) total += file.size();
   return total;
@@ -46,8 +46,8 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
                           const std::vector<std::string>& paths,
                           int num_threads) {
   const int count = static_cast<int>(paths.size());
-  int width_px =
-      std::clamp(WidthFor(count, dataset.image_size), kMinWidthPx, kMaxWidthPx);
+  int width_px = std::clamp(ComputeWidth(count, dataset.image_size),
+                            kMinWidthPx, kMaxWidthPx);
   std::vector<Image> images(count);
   std::vector<std::string> files(count);
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
@@ -59,18 +59,18 @@ Thumbnails MakeThumbnails(const Dataset& dataset,
       // Deleted images have no thumbnail.
     }
   });
-  while (TotalBytes(files) > kMaxBytes && width_px > kMinWidthPx) {
+  while (SumBytes(files) > kMaxBytes && width_px > kMinWidthPx) {
     width_px = std::max(
         kMinWidthPx,
         static_cast<int>(0.95 * width_px *
-                         std::sqrt(kMaxBytes / double(TotalBytes(files)))));
+                         std::sqrt(kMaxBytes / double(SumBytes(files)))));
     ParallelFor(count, NumThreads(num_threads), [&](int i) {
       if (!files[i].empty())
         files[i] = EncodeThumbnail(ShrinkImage(images[i], width_px));
     });
   }
   Thumbnails thumbnails;
-  if (TotalBytes(files) > kMaxBytes) return thumbnails;
+  if (SumBytes(files) > kMaxBytes) return thumbnails;
   for (int i = 0; i < count; ++i)
     if (!files[i].empty()) thumbnails[dataset.images[i].image] = files[i];
   return thumbnails;

@@ -23,12 +23,12 @@ cv::Vec3b ScaleColor(double part) {
 
 // The scale covers nearly all of the grid; values in single corners may exceed
 // it.
-double FullScalePx(const UncertaintyLattice& lattice) {
-  constexpr double kPart = 0.9;
-  std::vector<double> known;
+double ComputeFullScalePx(const UncertaintyLattice& lattice) {
+  constexpr double kScaleQuantile = 0.9;
+  std::vector<double> valid_stddevs;
   for (const double value : lattice.stddev_px)
-    if (std::isfinite(value)) known.push_back(value);
-  return RoundUp(std::max(Quantile(known, kPart), 1e-6));
+    if (std::isfinite(value)) valid_stddevs.push_back(value);
+  return RoundUp(std::max(Quantile(valid_stddevs, kScaleQuantile), 1e-6));
 }
 
 void DrawText(const std::string& text, const cv::Point& left_baseline,
@@ -66,7 +66,7 @@ Image DrawUncertaintyPlot(const CameraUncertainty& uncertainty,
                           const ImageSize& size, const Area& area) {
   const double scale = static_cast<double>(kWidth) / size.width;
   const int height = std::max(1, static_cast<int>(size.height * scale));
-  const double full_scale_px = FullScalePx(uncertainty.lattice);
+  const double full_scale_px = ComputeFullScalePx(uncertainty.lattice);
   cv::Mat picture(height + kLegendHeight, kWidth, CV_8UC3,
                   cv::Scalar(255, 255, 255));
   for (int y = 0; y < height; ++y) {

@@ -7,7 +7,7 @@
 namespace raygrid {
 namespace {
 
-using PoseOfView = std::map<std::pair<std::string, int>, Pose>;
+using GetViewPose = std::map<std::pair<std::string, int>, Pose>;
 
 // Returns half of the longer side of the points' bounding rectangle, and the
 // centre of that rectangle.
@@ -35,7 +35,7 @@ std::vector<TrackPoint> CollectPoints(const Board& board,
 }
 
 BoardTrack MakeTrack(const MovingViews& views, const Board& board,
-                     const PoseOfView& poses) {
+                     const GetViewPose& poses) {
   std::map<double, std::pair<size_t, Pose>> frames;
   const std::vector<ImageFeatures>& images = views.dataset->images;
   for (size_t i = 0; i < images.size(); ++i) {
@@ -59,7 +59,7 @@ BoardTrack MakeTrack(const MovingViews& views, const Board& board,
 }  // namespace
 
 std::vector<BoardTrack> MakeTracks(const MovingViews& views) {
-  PoseOfView poses;
+  GetViewPose poses;
   for (const BoardPose& pose : views.poses)
     poses[{pose.image, pose.board}] = pose.camera_from_board;
   std::vector<BoardTrack> tracks;

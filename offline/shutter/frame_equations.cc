@@ -10,7 +10,7 @@ namespace {
 constexpr double kHuberPx = 1;  // as in bundle adjustment
 
 // Returns the polynomial terms in board coordinates, up to third degree.
-Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
+Eigen::Matrix<double, kBoardTerms, 1> EvaluateBoardTerms(
     const Eigen::Vector2d& place) {
   const double x = place.x(), y = place.y();
   Eigen::Matrix<double, kBoardTerms, 1> terms;
@@ -21,14 +21,14 @@ Eigen::Matrix<double, kBoardTerms, 1> BoardTermsAt(
 
 // Returns the polynomial terms in pixel coordinates, up to fourth degree; the
 // longer side of the image is scaled to [-1, 1].
-Eigen::Matrix<double, kImageTerms, 1> ImageTermsAt(const Eigen::Vector2d& pixel,
-                                                   const ImageSize& size) {
+Eigen::Matrix<double, kImageTerms, 1> EvaluateImageTerms(
+    const Eigen::Vector2d& pixel, const ImageSize& size) {
   const double half = std::max(size.width, size.height) / 2.0;
   const double x = (pixel.x() - size.width / 2.0) / half;
   const double y = (pixel.y() - size.height / 2.0) / half;
   Eigen::Matrix<double, kImageTerms, 1> terms;
-  terms << BoardTermsAt({x, y}), x * x * x * x, x * x * x * y, x * x * y * y,
-      x * y * y * y, y * y * y * y;
+  terms << EvaluateBoardTerms({x, y}), x * x * x * x, x * x * x * y,
+      x * x * y * y, x * y * y * y, y * y * y * y;
   return terms;
 }
 
@@ -60,17 +60,18 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
   const auto place = PredictPixelAtRow(input, point);
   if (!place) return false;
   const double row = place->y() - GetReferenceRow(input.camera->image_size());
-  const auto image_terms = ImageTermsAt(*place, input.camera->image_size());
-  const auto board_terms = BoardTermsAt(point.place);
+  const auto image_terms =
+      EvaluateImageTerms(*place, input.camera->image_size());
+  const auto board_terms = EvaluateBoardTerms(point.place);
   Eigen::Vector3d on_board = point.point;
   for (int k = 0; k < 3; ++k)
     on_board[k] += input.half_m * board_terms.dot(shared.segment<kBoardTerms>(
                                       kNumFrameParameters + k * kBoardTerms));
   const double seconds = shared[0] * row;
-  const Pose then = input.motion.PoseAfter(seconds, input.pose);
-  const Eigen::Vector3d turned = then.rotation * on_board;
+  const Pose pose_then = input.motion.PoseAfter(seconds, input.pose);
+  const Eigen::Vector3d turned = pose_then.rotation * on_board;
   LinearizedProjection projection;
-  if (!input.camera->Linearize(turned + then.translation, &point.pixel,
+  if (!input.camera->Linearize(turned + pose_then.translation, &point.pixel,
                                kShutterMarginPx, &projection))
     return false;
   equations->error_px = projection.pixel - point.pixel;
@@ -90,7 +91,7 @@ bool LinearizePoint(const FrameInput& input, const TrackPoint& point,
     J_shared.block<1, kImageTerms>(k, first) = image_terms.transpose();
   }
   const Eigen::Matrix<double, 2, 3> J_point =
-      input.half_m * projection.J_point * then.rotation.toRotationMatrix();
+      input.half_m * projection.J_point * pose_then.rotation.toRotationMatrix();
   for (int k = 0; k < 3; ++k)
     J_shared.block<2, kBoardTerms>(0, kNumFrameParameters + k * kBoardTerms) =
         J_point.col(k) * board_terms.transpose();
@@ -123,10 +124,10 @@ FrameEquations MakeFrameEquations(const FrameInput& input,
     ++sum.num_points;
   }
   sum.pose_covariance = sum.pose.ldlt().solve(Matrix6d::Identity());
-  const Eigen::Matrix<double, 6, kShared> followed =
+  const Eigen::Matrix<double, 6, kShared> J_pose_at_row =
       sum.pose_covariance * sum.mixed;
-  information->noalias() -= sum.mixed.transpose() * followed;
-  sum.gradient -= followed.transpose() * sum.pose_gradient;
+  information->noalias() -= sum.mixed.transpose() * J_pose_at_row;
+  sum.gradient -= J_pose_at_row.transpose() * sum.pose_gradient;
   return sum;
 }
 

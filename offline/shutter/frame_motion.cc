@@ -21,15 +21,18 @@ MotionStencil MakeStencil(const std::vector<double>& times_s, int first,
   }
   // The inverse maps values at the frame times to polynomial coefficients.
   const Eigen::Matrix<double, kFrames, kFrames> inverse = powers.inverse();
-  stencil.by_velocity = inverse.row(1).transpose() / step_s;
-  stencil.by_acceleration = 2 * inverse.row(2).transpose() / (step_s * step_s);
-  stencil.by_unevenness = inverse.row(4).transpose().normalized();
-  stencil.by_coarse_velocity.setZero();
+  stencil.velocity_coefficients = inverse.row(1).transpose() / step_s;
+  stencil.acceleration_coefficients =
+      2 * inverse.row(2).transpose() / (step_s * step_s);
+  stencil.unevenness_coefficients = inverse.row(4).transpose().normalized();
+  stencil.coarse_velocity_coefficients.setZero();
   if (!stencil.IsCentral()) return stencil;
   const double before = times_s[frame] - times_s[frame - 1];
   const double behind = times_s[frame + 1] - times_s[frame];
-  stencil.by_coarse_velocity[1] = -behind / (before * (before + behind));
-  stencil.by_coarse_velocity[3] = before / (behind * (before + behind));
+  stencil.coarse_velocity_coefficients[1] =
+      -behind / (before * (before + behind));
+  stencil.coarse_velocity_coefficients[3] =
+      before / (behind * (before + behind));
   return stencil;
 }
 
@@ -63,10 +66,10 @@ FrameMotion ComputeMotion(const MotionStencil& stencil,
   for (int j = 0; j < kFrames; ++j) {
     const Vector6d update =
         ComputeUpdate(poses[stencil.frame], poses[stencil.first + j]);
-    motion.velocity += stencil.by_velocity[j] * update;
-    motion.acceleration += stencil.by_acceleration[j] * update;
-    motion.coarse_velocity += stencil.by_coarse_velocity[j] * update;
-    motion.unevenness += stencil.by_unevenness[j] * update;
+    motion.velocity += stencil.velocity_coefficients[j] * update;
+    motion.acceleration += stencil.acceleration_coefficients[j] * update;
+    motion.coarse_velocity += stencil.coarse_velocity_coefficients[j] * update;
+    motion.unevenness += stencil.unevenness_coefficients[j] * update;
   }
   return motion;
 }

@@ -43,8 +43,8 @@ struct MotionStencil {
   int first = 0;  ///< index of the first of five frames
   int frame = 0;
   /// Finite-difference coefficients for velocity and acceleration.
-  Eigen::Matrix<double, 5, 1> by_velocity, by_acceleration, by_coarse_velocity,
-      by_unevenness;
+  Eigen::Matrix<double, 5, 1> velocity_coefficients, acceleration_coefficients,
+      coarse_velocity_coefficients, unevenness_coefficients;
 
   /// Whether two of the frames are before this frame, and two after it.
   bool IsCentral() const { return frame == first + 2; }

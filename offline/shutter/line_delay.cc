@@ -43,20 +43,20 @@ struct GroupEstimate {
 };
 
 // Information of a frame on the line delay, and its gradient.
-struct FramePull {
+struct FrameGradient {
   double information = 0, gradient = 0;
 };
 
 // Returns the line delay of some frames relative to that of all frames.
-GroupEstimate EstimateGroup(const std::vector<FramePull>& frames,
+GroupEstimate EstimateGroup(const std::vector<FrameGradient>& frames,
                             double noise_variance) {
   double information = 0, gradient = 0, squares = 0;
-  for (const FramePull& frame : frames) {
+  for (const FrameGradient& frame : frames) {
     information += frame.information;
     gradient += frame.gradient;
   }
   const double change_s = -gradient / information;
-  for (const FramePull& frame : frames)
+  for (const FrameGradient& frame : frames)
     squares += std::pow(frame.gradient + change_s * frame.information, 2);
   return {change_s, std::sqrt(std::max(squares, noise_variance * information)) /
                         information};
@@ -100,13 +100,13 @@ class LineDelayOptimization {
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
     double squares = 0;
-    int64_t degrees = 0;
+    int64_t degrees_of_freedom = 0;
 
     // Returns the noise variance at the optimal poses and shared parameters.
     double NoiseVariance() const {
       const double explained = gradient.dot(information.ldlt().solve(gradient));
       return (squares - explained) /
-             static_cast<double>(std::max<int64_t>(1, degrees));
+             static_cast<double>(std::max<int64_t>(1, degrees_of_freedom));
     }
   };
 
@@ -125,7 +125,7 @@ class LineDelayOptimization {
   std::vector<TimedTrack> TimedTracks() const;
   std::vector<GroupEstimate> EstimateInGroups() const;
   std::string DescribeInconsistentGroups() const;
-  void FollowPoses();
+  void UpdatePoses();
   Sums Linearize(const Eigen::VectorXd& shared);
   void RemoveNoise(Sums* sums);
   void MovePoses(const Eigen::VectorXd& change);
@@ -137,12 +137,12 @@ class LineDelayOptimization {
 
   const CameraModel& camera_;
   const Dataset& dataset_;
-  const bool is_camera_final_;
+  const bool is_rolling_shutter_compensated_;
   ImageSize size_;
   std::vector<MovingBoard> boards_;
   Eigen::Index count_ = 0;  // shared parameters: common and per board
-  bool is_row_time_held_ = false;
-  double row_time_s_ = 0;
+  bool is_line_delay_fixed_ = false;
+  double line_delay_s_ = 0;
   Eigen::VectorXd deformations_;
   Eigen::MatrixXd covariance_;  // for noise of 1 px
   double noise_variance_ = 0;
@@ -152,7 +152,7 @@ class LineDelayOptimization {
 LineDelayOptimization::LineDelayOptimization(const MovingViews& views)
     : camera_(*views.camera),
       dataset_(*views.dataset),
-      is_camera_final_(views.is_camera_final),
+      is_rolling_shutter_compensated_(views.is_rolling_shutter_compensated),
       size_(views.camera->image_size()) {
   for (BoardTrack& track : MakeTracks(views)) {
     MovingBoard& board = boards_.emplace_back();
@@ -200,8 +200,8 @@ void LineDelayOptimization::AddShared(size_t board, const SharedMatrix& own,
 void LineDelayOptimization::OptimizeCameras(
     std::optional<double> line_delay_s) {
   constexpr int kMaxSteps = 20;
-  is_row_time_held_ = line_delay_s.has_value();
-  row_time_s_ = line_delay_s.value_or(0);
+  is_line_delay_fixed_ = line_delay_s.has_value();
+  line_delay_s_ = line_delay_s.value_or(0);
   for (int step = 0; step < kMaxSteps; ++step) {
     const double change_s = Step();
     // Motions are computed from the poses of the previous step, so the first
@@ -227,7 +227,7 @@ double LineDelayOptimization::ComputeNoiseShare(
   return part;
 }
 
-void LineDelayOptimization::FollowPoses() {
+void LineDelayOptimization::UpdatePoses() {
   for (MovingBoard& board : boards_)
     for (MovingFrame& frame : board.frames)
       frame.motion = ComputeMotion(*frame.stencil, board.track.poses);
@@ -254,7 +254,7 @@ LineDelayOptimization::Sums LineDelayOptimization::Linearize(
                           (covariance_(0, 0) * covariance_(0, 0));
       AddShared(b, frame.equations.gradient, &sums.gradient);
       sums.squares += frame.equations.squares;
-      sums.degrees += 2 * frame.equations.num_points - 6;
+      sums.degrees_of_freedom += 2 * frame.equations.num_points - 6;
     }
     AddShared(b, own, &sums.information);
   }
@@ -274,8 +274,9 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
   for (const MovingBoard& board : boards_)
     for (const MovingFrame& frame : board.frames) {
       if (!frame.IsObservable()) continue;
-      noise += noise_variance_ *
-               ComputeNoiseShare(board, frame, frame.stencil->by_velocity);
+      noise +=
+          noise_variance_ *
+          ComputeNoiseShare(board, frame, frame.stencil->velocity_coefficients);
       const Vector6d& velocity = frame.motion.velocity;
       motion += velocity.dot(frame.equations.VelocityInformation() * velocity);
     }
@@ -286,7 +287,7 @@ void LineDelayOptimization::RemoveNoise(Sums* sums) {
   noise_share_ = std::max(noise * variance, noise / motion);
   noise = std::min(noise, 0.5 / variance);
   sums->information(0, 0) -= noise;
-  sums->gradient[0] -= noise * row_time_s_;
+  sums->gradient[0] -= noise * line_delay_s_;
 }
 
 void LineDelayOptimization::MovePoses(const Eigen::VectorXd& change) {
@@ -303,11 +304,11 @@ void LineDelayOptimization::MovePoses(const Eigen::VectorXd& change) {
 // noise of all frames along almost unobservable biases of camera and board.
 double LineDelayOptimization::Step() {
   const Eigen::VectorXd line_delay = Eigen::VectorXd::Unit(count_, 0);
-  FollowPoses();
-  Sums sums = Linearize(row_time_s_ * line_delay);
+  UpdatePoses();
+  Sums sums = Linearize(line_delay_s_ * line_delay);
   noise_variance_ = sums.NoiseVariance();
   RemoveNoise(&sums);
-  if (is_row_time_held_) {
+  if (is_line_delay_fixed_) {
     sums.information.row(0).setZero();
     sums.information.col(0).setZero();
     sums.information(0, 0) = 1;
@@ -319,15 +320,15 @@ double LineDelayOptimization::Step() {
   if (!deformations_.allFinite()) return 0;
   const double change_s = deformations_[0];
   deformations_[0] = 0;
-  row_time_s_ += change_s;
+  line_delay_s_ += change_s;
   MovePoses(change_s * line_delay);
   return change_s;
 }
 
 void LineDelayOptimization::EstimateDeformation() {
   const Eigen::VectorXd line_delay =
-      row_time_s_ * Eigen::VectorXd::Unit(count_, 0);
-  FollowPoses();
+      line_delay_s_ * Eigen::VectorXd::Unit(count_, 0);
+  UpdatePoses();
   Linearize(line_delay);
   MovePoses(deformations_);
   noise_variance_ = Linearize(line_delay + deformations_).NoiseVariance();
@@ -377,10 +378,10 @@ double LineDelayOptimization::TimeVariance() const {
       if (!frame.IsObservable()) continue;
       const Matrix6d weight = frame.equations.VelocityInformation();
       const FrameMotion& motion = frame.motion;
-      uneven +=
-          motion.unevenness.dot(weight * motion.unevenness) -
-          noise_variance_ *
-              ComputeNoiseShare(board, frame, frame.stencil->by_unevenness);
+      uneven += motion.unevenness.dot(weight * motion.unevenness) -
+                noise_variance_ *
+                    ComputeNoiseShare(board, frame,
+                                      frame.stencil->unevenness_coefficients);
       all += motion.velocity.dot(weight * motion.velocity);
     }
   return all > 0 ? std::max(0.0, uneven / all) : 0;
@@ -396,7 +397,7 @@ double LineDelayOptimization::EstimateTimestampBias() const {
     for (const MovingFrame& frame : board.frames)
       if (frame.IsObservable())
         pretended +=
-            frame.stencil->by_velocity.squaredNorm() *
+            frame.stencil->velocity_coefficients.squaredNorm() *
             frame.motion.velocity.dot(frame.equations.VelocityInformation() *
                                       frame.motion.velocity);
   return 2 * TimeVariance() * pretended * covariance_(0, 0);
@@ -435,30 +436,30 @@ std::vector<TimedTrack> LineDelayOptimization::TimedTracks() const {
 // Divides the frames into consecutive groups with similar information. The line
 // delay of each group follows from its gradient, with the biases of all frames.
 std::vector<GroupEstimate> LineDelayOptimization::EstimateInGroups() const {
-  constexpr int kParts = 6;
-  std::multimap<double, FramePull> pulls_by_time;
+  constexpr int kNumGroups = 6;
+  std::multimap<double, FrameGradient> gradients_by_time;
   double all = 0;
   for (size_t b = 0; b < boards_.size(); ++b) {
     const SharedVector along =
         SelectShared(b, covariance_.row(0)) / covariance_(0, 0);
     for (const MovingFrame& frame : boards_[b].frames) {
       if (!frame.IsObservable()) continue;
-      pulls_by_time.insert(
+      gradients_by_time.insert(
           {boards_[b].track.times_s[frame.stencil->frame],
            {frame.information, along.dot(frame.equations.gradient)}});
       all += frame.information;
     }
   }
   std::vector<GroupEstimate> parts;
-  std::vector<FramePull> part;
+  std::vector<FrameGradient> part;
   double before = 0;
-  for (const auto& [time_s, frame] : pulls_by_time) {
+  for (const auto& [time_s, frame] : gradients_by_time) {
     part.push_back(frame);
     before += frame.information;
     const auto num_parts = static_cast<double>(parts.size() + 1);
-    if (before < all * num_parts / kParts * (1 - 1e-9)) continue;
+    if (before < all * num_parts / kNumGroups * (1 - 1e-9)) continue;
     parts.push_back(EstimateGroup(part, noise_variance_));
-    parts.back().seconds += row_time_s_;
+    parts.back().seconds += line_delay_s_;
     part.clear();
   }
   return parts;
@@ -468,9 +469,9 @@ std::vector<GroupEstimate> LineDelayOptimization::EstimateInGroups() const {
 // recording, for example due to a varying clock rate. Returns an empty string
 // if there is none.
 std::string LineDelayOptimization::DescribeInconsistentGroups() const {
-  constexpr double kSurely = 5, kMatters = 0.1;
+  constexpr double kMinInconsistencySigmas = 5, kMatters = 0.1;
   std::string found;
-  double largest = kSurely;
+  double largest = kMinInconsistencySigmas;
   const std::vector<GroupEstimate> parts = EstimateInGroups();
   for (auto split = parts.begin(); split != parts.end(); ++split) {
     const GroupEstimate before = ComputeWeightedMean({parts.begin(), split}),
@@ -478,7 +479,8 @@ std::string LineDelayOptimization::DescribeInconsistentGroups() const {
     const double difference_s = std::abs(after.seconds - before.seconds);
     const double sigmas =
         difference_s / std::hypot(before.stddev_s, after.stddev_s);
-    if (!(sigmas > largest) || difference_s <= kMatters * std::abs(row_time_s_))
+    if (!(sigmas > largest) ||
+        difference_s <= kMatters * std::abs(line_delay_s_))
       continue;
     largest = sigmas;
     found = fmt::format(
@@ -494,10 +496,10 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
   constexpr double kMinIndependentPart = 0.05;
   LineDelayEstimate result;
   result.num_images = num_images;
-  result.value.seconds = row_time_s_;
+  result.value.seconds = line_delay_s_;
   const double bias_s =
       std::hypot(EstimateFastMotionBias(), EstimateTimestampBias()) *
-      row_time_s_;
+      line_delay_s_;
   const double variance = std::max(ComputeFrameVariance(),
                                    ComputeNoiseStdDev() * ComputeNoiseStdDev());
   result.value.stddev_s = std::sqrt(variance + bias_s * bias_s);
@@ -507,7 +509,7 @@ LineDelayEstimate LineDelayOptimization::Result(int num_images) const {
                      std::isfinite(result.value.stddev_s) &&
                      noise_share_ <= 0.5;
   std::string wrong = CheckTimestamps(TimedTracks(), noise_variance_);
-  if (wrong.empty() && moves && is_camera_final_)
+  if (wrong.empty() && moves && is_rolling_shutter_compensated_)
     wrong = DescribeInconsistentGroups();
   result.are_timestamps_consistent = wrong.empty();
   if (!wrong.empty())

@@ -20,7 +20,7 @@ struct MovingViews {
   const ImageTimes* times = nullptr;
   /// Whether the camera was calibrated with rolling-shutter compensation.
   /// Otherwise, its bias makes the line delay vary within a recording.
-  bool is_camera_final = false;
+  bool is_rolling_shutter_compensated = false;
 };
 
 /// Estimates the line delay. Images without a time, or without neighbours in

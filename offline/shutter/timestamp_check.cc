@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr size_t kOnEitherSide = 3, kMaxFrames = 8;
+constexpr size_t kFramesPerSide = 3, kMaxFrames = 8;
 
 // Error of the interval between two frames. If the later frames are shifted
 // along the motion by this error, the surrounding frames follow a cubic
@@ -18,8 +18,8 @@ constexpr size_t kOnEitherSide = 3, kMaxFrames = 8;
 struct IntervalError {
   const TimedPose *before = nullptr, *behind = nullptr;
   double seconds = 0;
-  double stddev_s = 0;    ///< due to noise, and to motion too fast for sampling
-  double by_scatter = 0;  ///< per unit standard deviation of the timestamps
+  double stddev_s = 0;  ///< due to noise, and to motion too fast for sampling
+  double sigmas = 0;    ///< per unit standard deviation of the timestamps
 };
 
 std::string ToText(const IntervalError& error) {
@@ -39,16 +39,16 @@ struct StepFit {
 StepFit FitStep(const TimedPose* first, const TimedPose* behind, size_t count) {
   constexpr int kDegree = 3;
   const double center_s = (behind[-1].time_s + behind->time_s) / 2;
-  const double unit_s = (first[count - 1].time_s - first->time_s) / 2;
+  const double timestamp_unit_s = (first[count - 1].time_s - first->time_s) / 2;
   Eigen::MatrixXd terms(static_cast<Eigen::Index>(count), kDegree + 2);
   for (Eigen::Index i = 0; i < terms.rows(); ++i) {
-    const double t = (first[i].time_s - center_s) / unit_s;
+    const double t = (first[i].time_s - center_s) / timestamp_unit_s;
     terms.row(i) << 1, t, t * t, t * t * t, first + i >= behind ? 1 : 0;
   }
   const Eigen::MatrixXd solution =
       (terms.transpose() * terms).ldlt().solve(terms.transpose());
   return {solution.row(kDegree + 1).transpose(),
-          solution.row(1).transpose() / unit_s};
+          solution.row(1).transpose() / timestamp_unit_s};
 }
 
 // A discontinuity of the motion relative to the noise of poses: its component
@@ -112,9 +112,9 @@ std::vector<Run> SplitRuns(const TimedTrack& track) {
 void AddSteps(const Run& run, double noise_variance_px2,
               std::vector<StepNoises>* steps) {
   const size_t size = run.size();
-  if (size < 2 * kOnEitherSide) return;
+  if (size < 2 * kFramesPerSide) return;
   const size_t count = std::min(kMaxFrames, size);
-  for (size_t k = kOnEitherSide; k + kOnEitherSide <= size; ++k) {
+  for (size_t k = kFramesPerSide; k + kFramesPerSide <= size; ++k) {
     const size_t first = std::min(k - std::min(k, count / 2), size - count);
     if (const auto step =
             StepAt(run.begin + first, run.begin + k, count, noise_variance_px2))
@@ -123,7 +123,7 @@ void AddSteps(const Run& run, double noise_variance_px2,
 }
 
 // Returns the median of at least one value.
-double MedianOf(std::vector<double> values) {
+double ComputeMedian(std::vector<double> values) {
   const auto median =
       values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), median, values.end());
@@ -143,7 +143,8 @@ std::vector<IntervalError> IntervalErrors(const std::vector<TimedTrack>& tracks,
   std::vector<double> across;
   for (const StepNoises& step : steps)
     across.push_back(step.across / step.by_noise);
-  const double usual = across.empty() ? 1 : kTimesMedian * MedianOf(across);
+  const double usual =
+      across.empty() ? 1 : kTimesMedian * ComputeMedian(across);
   std::vector<IntervalError> errors;
   for (StepNoises& step : steps) {
     const double variance =
@@ -167,28 +168,28 @@ double MeanInterval(const std::vector<TimedTrack>& tracks) {
 }
 
 // Standard deviation of the timestamps: robust, and as RMS including outliers.
-struct Scatter {
-  double usual_s = 0, rms_s = 0;
+struct IntervalScatter {
+  double median_s = 0, rms_s = 0;
 };
 
 // Estimates the scatter from the intervals with sufficient precision; 0 if
 // there are too few of them.
-Scatter ComputeScatter(const std::vector<IntervalError>& errors,
-                       double interval_s) {
+IntervalScatter ComputeScatter(const std::vector<IntervalError>& errors,
+                               double interval_s) {
   constexpr double kMaxRelativeStdDev = 0.1, kSigmasPerMedian = 0.6745;
   constexpr size_t kMinErrors = 10;
   std::vector<double> sizes_s;
   double squares = 0;
   for (const IntervalError& error : errors) {
-    if (error.stddev_s > kMaxRelativeStdDev * interval_s * error.by_scatter)
+    if (error.stddev_s > kMaxRelativeStdDev * interval_s * error.sigmas)
       continue;
-    sizes_s.push_back(std::abs(error.seconds) / error.by_scatter);
+    sizes_s.push_back(std::abs(error.seconds) / error.sigmas);
     squares += (std::pow(error.seconds, 2) - std::pow(error.stddev_s, 2)) /
-               std::pow(error.by_scatter, 2);
+               std::pow(error.sigmas, 2);
   }
   if (sizes_s.size() < kMinErrors) return {};
   const auto count = static_cast<double>(sizes_s.size());
-  return {MedianOf(sizes_s) / kSigmasPerMedian,
+  return {ComputeMedian(sizes_s) / kSigmasPerMedian,
           std::sqrt(std::max(0.0, squares) / count)};
 }
 
@@ -207,8 +208,8 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
       const double pause_s = behind->time_s - behind[-1].time_s;
       const size_t before = std::min(kMaxFrames / 2, runs[r - 1].size());
       const size_t after = std::min(kMaxFrames / 2, runs[r].size());
-      if (pause_s > kMaxPauseS || before < kOnEitherSide ||
-          after < kOnEitherSide)
+      if (pause_s > kMaxPauseS || before < kFramesPerSide ||
+          after < kFramesPerSide)
         continue;
       auto step =
           StepAt(behind - before, behind, before + after, noise_variance_px2);
@@ -238,13 +239,13 @@ std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
   const double interval_s = MeanInterval(tracks);
   const std::vector<IntervalError> errors =
       IntervalErrors(tracks, noise_variance_px2);
-  const Scatter scatter = ComputeScatter(errors, interval_s);
+  const IntervalScatter scatter = ComputeScatter(errors, interval_s);
   const IntervalError* worst = nullptr;
   for (const IntervalError& error : errors) {
     const double size_s = std::abs(error.seconds);
     if (size_s > kMinErrorFraction * interval_s &&
         size_s > kMinSigmas * error.stddev_s &&
-        size_s > kMinScatterRatio * error.by_scatter * scatter.usual_s &&
+        size_s > kMinScatterRatio * error.sigmas * scatter.median_s &&
         (!worst || size_s > std::abs(worst->seconds)))
       worst = &error;
   }

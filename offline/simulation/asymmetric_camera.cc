@@ -27,7 +27,7 @@ Place ToFisheye(const Eigen::Vector3d& direction) {
 
 }  // namespace
 
-Place AsymmetricCamera::PixelToPosition(const Eigen::Vector2d& pixel) const {
+Place AsymmetricCamera::PositionFromPixel(const Eigen::Vector2d& pixel) const {
   const ImageSize& size = image_size();
   const Eigen::Vector2d image_center((size.width - 1) / 2.0,
                                      (size.height - 1) / 2.0);
@@ -37,14 +37,14 @@ Place AsymmetricCamera::PixelToPosition(const Eigen::Vector2d& pixel) const {
 std::optional<Eigen::Vector3d> AsymmetricCamera::Unproject(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  return DirectionOf(PixelToPosition(pixel)).normalized();
+  return DirectionFromPosition(PositionFromPixel(pixel)).normalized();
 }
 
 std::optional<Eigen::Vector2d> AsymmetricCamera::Project(
     const Eigen::Vector3d& point, const Eigen::Vector2d* /*start*/,
     double margin_px) const {
   if (point.isZero(0)) return std::nullopt;
-  const auto position = PlaceOf(point.normalized());
+  const auto position = PositionFromDirection(point.normalized());
   if (!position) return std::nullopt;
   const ImageSize& size = image_size();
   const Eigen::Vector2d image_center((size.width - 1) / 2.0,
@@ -65,9 +65,10 @@ bool AsymmetricCamera::Linearize(const Eigen::Vector3d& point,
   Eigen::Matrix2d J_pixel;
   for (int k = 0; k < 2; ++k) {
     const Eigen::Vector2d step = kSlopeStepPx * Eigen::Vector2d::Unit(k);
-    J_pixel.col(k) = (ToChart(DirectionOf(PixelToPosition(*pixel + step))) -
-                      ToChart(DirectionOf(PixelToPosition(*pixel - step)))) /
-                     (2 * kSlopeStepPx);
+    J_pixel.col(k) =
+        (ToChart(DirectionFromPosition(PositionFromPixel(*pixel + step))) -
+         ToChart(DirectionFromPosition(PositionFromPixel(*pixel - step)))) /
+        (2 * kSlopeStepPx);
   }
   projection->pixel = *pixel;
   projection->J_point = J_pixel.inverse() * ToChartDerivative(point);
@@ -82,13 +83,14 @@ constexpr double kLongitudes = 130 * M_PI / 180;  // over the image width
 
 }  // namespace
 
-Eigen::Vector3d AnamorphicCamera::DirectionOf(const Place& position) const {
+Eigen::Vector3d AnamorphicCamera::DirectionFromPosition(
+    const Place& position) const {
   const double longitude = kLongitudes * position.x();
   return {std::sin(longitude), kLongitudes / 2 * position.y(),
           std::cos(longitude)};
 }
 
-std::optional<Place> AnamorphicCamera::PlaceOf(
+std::optional<Place> AnamorphicCamera::PositionFromDirection(
     const Eigen::Vector3d& direction) const {
   const double forward = std::hypot(direction.x(), direction.z());
   return Place(std::atan2(direction.x(), direction.z()) / kLongitudes,
@@ -105,12 +107,13 @@ constexpr double kOffAxisTilt = -0.6;  // tilt t per radian
 
 }  // namespace
 
-Eigen::Vector3d OffAxisCamera::DirectionOf(const Place& position) const {
+Eigen::Vector3d OffAxisCamera::DirectionFromPosition(
+    const Place& position) const {
   const Place tilted = (position - kAxisPosition) / kOffAxisFocal;
   return FromFisheye(tilted / (1 + kOffAxisTilt * tilted.x()));
 }
 
-std::optional<Place> OffAxisCamera::PlaceOf(
+std::optional<Place> OffAxisCamera::PositionFromDirection(
     const Eigen::Vector3d& direction) const {
   const Place fisheye = ToFisheye(direction);
   const double depth = 1 - kOffAxisTilt * fisheye.x();
@@ -125,27 +128,30 @@ namespace {
 // Inverse focal lengths of the two halves, in 1 / image width: mean and half
 // difference.
 constexpr double kMeanInverseFocal = 1.5, kHalfDifference = 0.5;
-constexpr double kPassage = 0.1;  // half-width of the transition, in widths
+constexpr double kTransitionHalfWidth =
+    0.1;  // half-width of the transition, in widths
 
 double InverseFocal(double x) {
-  return kMeanInverseFocal - kHalfDifference * std::tanh(x / kPassage);
+  return kMeanInverseFocal -
+         kHalfDifference * std::tanh(x / kTransitionHalfWidth);
 }
 
 double IntegrateInverseFocal(double x) {
-  const double away = std::abs(x) / kPassage;
+  const double away = std::abs(x) / kTransitionHalfWidth;
   const double log_cosh = away + std::log1p(std::exp(-2 * away)) - M_LN2;
-  return kMeanInverseFocal * x - kHalfDifference * kPassage * log_cosh;
+  return kMeanInverseFocal * x -
+         kHalfDifference * kTransitionHalfWidth * log_cosh;
 }
 
 }  // namespace
 
-Eigen::Vector3d TwoFocalLengthsCamera::DirectionOf(
+Eigen::Vector3d TwoFocalLengthsCamera::DirectionFromPosition(
     const Place& position) const {
   return {IntegrateInverseFocal(position.x()),
           position.y() * InverseFocal(position.x()), 1};
 }
 
-std::optional<Place> TwoFocalLengthsCamera::PlaceOf(
+std::optional<Place> TwoFocalLengthsCamera::PositionFromDirection(
     const Eigen::Vector3d& direction) const {
   if (!(direction.z() > 1e-3)) return std::nullopt;
   const double u = direction.x() / direction.z();
@@ -171,7 +177,8 @@ constexpr double kSecondBarrel = 0.05;
 
 }  // namespace
 
-Eigen::Vector3d DecentredCamera::DirectionOf(const Place& position) const {
+Eigen::Vector3d DecentredCamera::DirectionFromPosition(
+    const Place& position) const {
   const Place bent =
       (position - kDecentredAxis) / kDecentredFocal - kSecondCentre;
   // Inverts b = a / (1 + k a^2); the smaller solution is valid.
@@ -180,7 +187,7 @@ Eigen::Vector3d DecentredCamera::DirectionOf(const Place& position) const {
   return FromFisheye(kSecondCentre + bent * 2 / (1 + root));
 }
 
-std::optional<Place> DecentredCamera::PlaceOf(
+std::optional<Place> DecentredCamera::PositionFromDirection(
     const Eigen::Vector3d& direction) const {
   const Place offset = ToFisheye(direction) - kSecondCentre;
   const double a2 = offset.squaredNorm();
@@ -210,7 +217,8 @@ MirrorCamera::MirrorCamera(const ImageSize& size, const Area& area)
            Eigen::AngleAxisd(kCameraTiltDownRad, Eigen::Vector3d::UnitX()))
               .toRotationMatrix()) {}
 
-Eigen::Vector3d MirrorCamera::DirectionOf(const Place& position) const {
+Eigen::Vector3d MirrorCamera::DirectionFromPosition(
+    const Place& position) const {
   const Eigen::Vector3d seen =
       mirror_from_camera_ *
       Eigen::Vector3d(position.x(), position.y(), kMirrorFocal);
@@ -221,7 +229,7 @@ Eigen::Vector3d MirrorCamera::DirectionOf(const Place& position) const {
   return {along * m.x(), along * m.y(), along - kXi};
 }
 
-std::optional<Place> MirrorCamera::PlaceOf(
+std::optional<Place> MirrorCamera::PositionFromDirection(
     const Eigen::Vector3d& direction) const {
   const Eigen::Vector3d seen(direction.x(), direction.y(), direction.z() + kXi);
   if (!(seen.z() > 0.02)) return std::nullopt;

@@ -30,13 +30,13 @@ class AsymmetricCamera : public CameraModel {
       : CameraModel(size, area) {}
 
   /// Returns a direction of any length.
-  virtual Eigen::Vector3d DirectionOf(
+  virtual Eigen::Vector3d DirectionFromPosition(
       const Eigen::Vector2d& position) const = 0;
-  virtual std::optional<Eigen::Vector2d> PlaceOf(
+  virtual std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const = 0;
 
  private:
-  Eigen::Vector2d PixelToPosition(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d PositionFromPixel(const Eigen::Vector2d& pixel) const;
 };
 
 /// Crossed cylinders: horizontally equidistant, vertically a perspective with
@@ -52,8 +52,9 @@ class AnamorphicCamera : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
-  std::optional<Eigen::Vector2d> PlaceOf(
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& position) const override;
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override;
 };
 
@@ -71,8 +72,9 @@ class OffAxisCamera : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
-  std::optional<Eigen::Vector2d> PlaceOf(
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& position) const override;
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override;
 };
 
@@ -90,8 +92,9 @@ class TwoFocalLengthsCamera : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
-  std::optional<Eigen::Vector2d> PlaceOf(
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& position) const override;
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override;
 };
 
@@ -108,8 +111,9 @@ class DecentredCamera : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
-  std::optional<Eigen::Vector2d> PlaceOf(
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& position) const override;
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override;
 };
 
@@ -127,8 +131,9 @@ class MirrorCamera : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& position) const override;
-  std::optional<Eigen::Vector2d> PlaceOf(
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& position) const override;
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override;
 
  private:

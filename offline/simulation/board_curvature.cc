@@ -11,11 +11,11 @@ BoardCurvature::BoardCurvature(const Board& board, double bend_m) {
 
 Board CurveBoard(const Board& board, double bend_m) {
   if (bend_m == 0) return board;
-  Board bent = board;
-  const BoardCurvature bend(board, bend_m);
-  for (Eigen::Vector3d& point : bent.points)
-    point.z() += bend.Height(point.x(), point.y());
-  return bent;
+  Board curved_board = board;
+  const BoardCurvature curvature(board, bend_m);
+  for (Eigen::Vector3d& point : curved_board.points)
+    point.z() += curvature.Height(point.x(), point.y());
+  return curved_board;
 }
 
 }  // namespace raygrid

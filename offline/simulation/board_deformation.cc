@@ -32,17 +32,17 @@ Board DeformBoard(const Board& board, double rms_m, Random* random) {
     }
   // The last feature is diagonally opposite the first, which is the origin.
   const Eigen::Vector2d half = board.NominalPoints().back().head<2>() / 2;
-  Board flexed = board;
-  for (Eigen::Vector3d& point : flexed.points) {
-    const auto by_x = Legendre(point.x() / half.x() - 1);
-    const auto by_y = Legendre(point.y() / half.y() - 1);
+  Board deformed_board = board;
+  for (Eigen::Vector3d& point : deformed_board.points) {
+    const auto legendre_x = Legendre(point.x() / half.x() - 1);
+    const auto legendre_y = Legendre(point.y() / half.y() - 1);
     double sum = 0;
     for (int i = 0; i <= kMaxOrder; ++i)
       for (int j = 0; i + j <= kMaxOrder; ++j)
-        sum += height[i][j] * by_x[i] * by_y[j];
+        sum += height[i][j] * legendre_x[i] * legendre_y[j];
     point.z() += rms_m / std::sqrt(variance) * sum;
   }
-  return flexed;
+  return deformed_board;
 }
 
 }  // namespace raygrid

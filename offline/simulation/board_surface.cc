@@ -43,10 +43,10 @@ double BoardSurface::PaperFraction(const Eigen::Vector2d& p,
                                     p.y() - paper_m_.y0, paper_m_.y1 - p.y()});
   if (inside_m > footprint.radius_m()) return 1;
   if (inside_m < -footprint.radius_m()) return 0;
-  return footprint.Beyond({1, 0}, p.x() - paper_m_.x0) *
-         footprint.Beyond({-1, 0}, paper_m_.x1 - p.x()) *
-         footprint.Beyond({0, 1}, p.y() - paper_m_.y0) *
-         footprint.Beyond({0, -1}, paper_m_.y1 - p.y());
+  return footprint.ComputeFractionBeyondLine({1, 0}, p.x() - paper_m_.x0) *
+         footprint.ComputeFractionBeyondLine({-1, 0}, paper_m_.x1 - p.x()) *
+         footprint.ComputeFractionBeyondLine({0, 1}, p.y() - paper_m_.y0) *
+         footprint.ComputeFractionBeyondLine({0, -1}, paper_m_.y1 - p.y());
 }
 
 }  // namespace raygrid

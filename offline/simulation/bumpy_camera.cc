@@ -9,10 +9,10 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxIterations = 50;
-constexpr double kSolvedPx = 1e-11, kSolvedM = 1e-15;
+constexpr double kConvergedPx = 1e-11, kConvergedM = 1e-15;
 const double kWidthPerStdDev = 2 * std::sqrt(2 * std::log(2));
 
-double SquaredAngle(const Eigen::Vector3d& direction) {
+double ComputeSquaredAngle(const Eigen::Vector3d& direction) {
   const double theta = std::atan2(direction.head<2>().norm(), direction.z());
   return theta * theta;
 }
@@ -42,7 +42,7 @@ BumpyCamera::BumpyCamera(const OpenCvModel& lens, const Area& area,
 
 // Bumps at least two squares away are omitted: they are at a distance of at
 // least 5.9 standard deviations.
-Eigen::Vector2d BumpyCamera::Shift(const Eigen::Vector2d& pixel) const {
+Eigen::Vector2d BumpyCamera::ComputeShift(const Eigen::Vector2d& pixel) const {
   const double side = 2 * surface_.width_px;
   const double deviation = surface_.width_px / kWidthPerStdDev;
   const int column =
@@ -62,9 +62,10 @@ Eigen::Vector2d BumpyCamera::Shift(const Eigen::Vector2d& pixel) const {
 std::optional<ObservationLine> BumpyCamera::Line(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  const auto direction = lens_.Unproject(pixel + Shift(pixel));
+  const auto direction = lens_.Unproject(pixel + ComputeShift(pixel));
   if (!direction) return std::nullopt;
-  const double depth_m = surface_.pupil_shift_m * SquaredAngle(*direction);
+  const double depth_m =
+      surface_.pupil_shift_m * ComputeSquaredAngle(*direction);
   return ObservationLine{{0, 0, depth_m}, *direction};
 }
 
@@ -75,19 +76,20 @@ std::optional<Eigen::Vector2d> BumpyCamera::Project(
     double margin_px) const {
   Eigen::Vector3d from_pupil = point;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double depth_m = surface_.pupil_shift_m * SquaredAngle(from_pupil);
+    const double depth_m =
+        surface_.pupil_shift_m * ComputeSquaredAngle(from_pupil);
     const double change = point.z() - depth_m - from_pupil.z();
     from_pupil.z() += change;
-    if (std::abs(change) < kSolvedM) break;
+    if (std::abs(change) < kConvergedM) break;
   }
   const auto straight = lens_.Project(from_pupil);
   if (!straight) return std::nullopt;
   Eigen::Vector2d pixel = *straight;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Eigen::Vector2d next = *straight - Shift(pixel);
+    const Eigen::Vector2d next = *straight - ComputeShift(pixel);
     const double change = (next - pixel).norm();
     pixel = next;
-    if (change < kSolvedPx) break;
+    if (change < kConvergedPx) break;
   }
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;

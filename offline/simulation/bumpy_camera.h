@@ -39,7 +39,7 @@ class BumpyCamera : public NoncentralSimulatedCamera {
   using CameraModel::Project;
 
   /// Returns the displacement of a pixel by the bumps, relative to the lens.
-  Eigen::Vector2d Shift(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d ComputeShift(const Eigen::Vector2d& pixel) const;
 
  private:
   struct Bump {

@@ -24,15 +24,16 @@ class FaultyView {
         board_(fault == SimulatedFault::kDeformation
                    ? DeformBoard(board, 3 * MetresPerPixel(board), random)
                    : board) {
-    if (fault == SimulatedFault::kInPlane) Stretch(random);
-    turn_ = NormalVector(random);
-    move_ = NormalVector(random);
+    if (fault == SimulatedFault::kInPlane) StretchImage(random);
+    rotation_ = NormalVector(random);
+    translation_ = NormalVector(random);
     scale_ = random->Normal();
     shift_ = {random->Normal(), random->Normal()};
   }
 
   // Returns the displaced feature; unchanged if it would be outside the image.
-  Eigen::Vector2d Seen(const Pose& pose, const Feature& feature) const {
+  Eigen::Vector2d ProjectFeature(const Pose& pose,
+                                 const Feature& feature) const {
     const Eigen::Vector3d point =
         pose * board_.points[board_.PointIndex(feature.column, feature.row)];
     Eigen::Vector3d moved = point;
@@ -40,7 +41,7 @@ class FaultyView {
       const double per_px = point.norm() / camera_.image_size().width;
       const double time = feature.pixel.y() / camera_.image_size().height - 0.5;
       moved += 6 * strength_px_ * time * per_px *
-               (move_ + turn_.cross(point.normalized()));
+               (translation_ + rotation_.cross(point.normalized()));
     }
     const auto pixel = camera_.Project(moved, &feature.pixel, 8);
     return pixel ? MapToPoints(*pixel) : feature.pixel;
@@ -53,7 +54,7 @@ class FaultyView {
            camera_.image_size().width;
   }
 
-  void Stretch(Random* random) {
+  void StretchImage(Random* random) {
     const Eigen::Vector3d center =
         (board_.points.front() + board_.points.back()) / 2;
     const double part =
@@ -86,7 +87,7 @@ class FaultyView {
   const CameraModel& camera_;
   double strength_px_;
   Board board_;
-  Eigen::Vector3d turn_, move_;
+  Eigen::Vector3d rotation_, translation_;
   double scale_ = 0;
   Eigen::Vector2d shift_;
 };
@@ -128,7 +129,8 @@ Dataset SimulateFaultyObservations(const CameraModel& camera,
     std::vector<Feature>& features = seen.dataset.images[i].features;
     const FaultyView view(fault, camera, board, strength_px, &random);
     for (Feature& feature : features)
-      feature.pixel = view.Seen(seen.poses[i].camera_from_board, feature);
+      feature.pixel =
+          view.ProjectFeature(seen.poses[i].camera_from_board, feature);
     AddNoise(options, &random, &features);
   }
   return seen.dataset;

@@ -385,11 +385,14 @@ PixelRays::PixelRays(const CameraModel& camera, int num_threads)
   constexpr size_t kMaxPixels = 5000000;
   const ImageSize& image = size();
   if (static_cast<size_t>(image.width) * image.height <= kMaxPixels)
-    all_ = std::make_shared<RayRows>(camera, 0, image.height, num_threads);
+    precomputed_rays_ =
+        std::make_shared<RayRows>(camera, 0, image.height, num_threads);
 }
 
 std::shared_ptr<const RayRows> PixelRays::Rows(int first, int last) const {
-  return all_ ? all_ : std::make_shared<RayRows>(*camera_, first, last, 1);
+  return precomputed_rays_
+             ? precomputed_rays_
+             : std::make_shared<RayRows>(*camera_, first, last, 1);
 }
 
 RenderedImage RenderImage(const PixelRays& rays,

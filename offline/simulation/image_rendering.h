@@ -48,7 +48,7 @@ class PixelRays {
 
  private:
   std::shared_ptr<const CameraModel> camera_;
-  std::shared_ptr<const RayRows> all_;  // NULL for large images
+  std::shared_ptr<const RayRows> precomputed_rays_;  // NULL for large images
 };
 
 /// The imaging process. Grey levels are in units of 1/255, before gamma.

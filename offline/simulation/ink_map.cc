@@ -31,8 +31,8 @@ double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
 
 }  // namespace
 
-double Footprint::Beyond(const Eigen::Vector2d& normal,
-                         double distance_m) const {
+double Footprint::ComputeFractionBeyondLine(const Eigen::Vector2d& normal,
+                                            double distance_m) const {
   const Eigen::Vector2d slope = sides_m_.transpose() * normal;
   const double longer = std::max(std::abs(slope.x()), std::abs(slope.y()));
   const double shorter = std::min(std::abs(slope.x()), std::abs(slope.y()));
@@ -59,7 +59,7 @@ InkMap::InkMap(const BoardAppearance& appearance) : appearance_(appearance) {
     for (const Polygon& polygon : layer.polygons)
       for (size_t i = 0; i < polygon.size(); ++i)
         AddEdge(polygon[i], polygon[(i + 1) % polygon.size()]);
-  ColourCells();
+  ColorCells();
 }
 
 Eigen::Vector2d InkMap::CellCenter(int column, int row) const {
@@ -109,7 +109,7 @@ void InkMap::MarkCell(int column, int row, int32_t edge) {
     cell = edge;
     return;
   }
-  if (cell == kSeveral) return;
+  if (cell == kMultipleEdges) return;
   const Edge& known = edges_[cell];
   const Edge& added = edges_[edge];
   const double cosine = known.normal.dot(added.normal);
@@ -120,38 +120,38 @@ void InkMap::MarkCell(int column, int row, int32_t edge) {
       std::abs(std::abs(cosine) - 1) < kSameLine * kSameLine &&
       std::abs(known_m - std::copysign(1.0, cosine) * added_m) <
           kSameLine * cell_m_;
-  if (!is_same_line) cell = kSeveral;
+  if (!is_same_line) cell = kMultipleEdges;
 }
 
-int32_t InkMap::Colour(const Eigen::Vector2d& point_m) const {
+int32_t InkMap::ColorCell(const Eigen::Vector2d& point_m) const {
   // Cell centres may lie exactly on the border, where there is no ink without
   // an edge; but BoardAppearance's squares are half-open.
   if (!appearance_.extent_m().Contains(point_m, -1e-6 * cell_m_)) return kWhite;
   return appearance_.IsBlack(point_m) ? kBlack : kWhite;
 }
 
-void InkMap::ColourCells() {
+void InkMap::ColorCells() {
   const int32_t num_edges = static_cast<int32_t>(edges_.size());
   for (int32_t i = 0; i < num_edges; ++i) edges_.push_back(edges_[i]);
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       int32_t& cell = cells_[static_cast<size_t>(row) * columns_ + column];
-      if (cell == kSeveral) continue;
+      if (cell == kMultipleEdges) continue;
       const Eigen::Vector2d center = CellCenter(column, row);
       if (cell == kEmpty) {
-        cell = Colour(center);
+        cell = ColorCell(center);
         continue;
       }
       const Edge& edge = edges_[cell];
       const double distance_m = edge.normal.dot(center) - edge.offset;
       if (std::abs(distance_m) > kReach * cell_m_) {
-        cell = Colour(center);
+        cell = ColorCell(center);
         continue;
       }
       const Eigen::Vector2d foot = center - distance_m * edge.normal;
       const Eigen::Vector2d beside = kSideOffset * cell_m_ * edge.normal;
-      const int32_t beyond = Colour(foot + beside);
-      if (beyond == Colour(foot - beside)) {
+      const int32_t beyond = ColorCell(foot + beside);
+      if (beyond == ColorCell(foot - beside)) {
         cell = beyond;
       } else if (beyond == kBlack) {
         cell += num_edges;
@@ -173,10 +173,10 @@ double InkMap::ComputePatchInk(const Eigen::Vector2d& center_m,
                                const Footprint& part, int32_t cell) const {
   if (cell == kWhite) return 0;
   if (cell == kBlack) return 1;
-  if (cell == kSeveral) return Colour(center_m) == kBlack ? 1 : 0;
+  if (cell == kMultipleEdges) return ColorCell(center_m) == kBlack ? 1 : 0;
   const Edge& edge = edges_[cell];
-  const double beyond =
-      part.Beyond(edge.normal, edge.normal.dot(center_m) - edge.offset);
+  const double beyond = part.ComputeFractionBeyondLine(
+      edge.normal, edge.normal.dot(center_m) - edge.offset);
   const bool is_black_outside = cell >= static_cast<int32_t>(edges_.size() / 2);
   return is_black_outside ? beyond : 1 - beyond;
 }
@@ -208,7 +208,7 @@ double InkMap::InkFraction(const Eigen::Vector2d& center_m,
         static_cast<int>(std::min(std::ceil(radius / kMaxPatchRadius),
                                   1.0 * kMaxSubdivisions)));
   const int32_t cell = CellAt(center_m);
-  if (cell == kSeveral)
+  if (cell == kMultipleEdges)
     return ComputeSubdividedInk(center_m, footprint, kParts);
   return ComputePatchInk(center_m, footprint, cell);
 }

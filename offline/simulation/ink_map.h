@@ -23,7 +23,8 @@ class Footprint {
   }
   /// Returns the fraction, 0 to 1, of the patch where normal . point > 0, if
   /// normal . center = distance.
-  double Beyond(const Eigen::Vector2d& normal, double distance_m) const;
+  double ComputeFractionBeyondLine(const Eigen::Vector2d& normal,
+                                   double distance_m) const;
 
  private:
   Eigen::Matrix2d sides_m_;
@@ -46,12 +47,12 @@ class InkMap {
     Eigen::Vector2d normal;
     double offset;
   };
-  enum : int32_t { kWhite = -1, kBlack = -2, kSeveral = -3, kEmpty = -4 };
+  enum : int32_t { kWhite = -1, kBlack = -2, kMultipleEdges = -3, kEmpty = -4 };
 
   void AddEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
   void MarkCell(int column, int row, int32_t edge);
-  void ColourCells();
-  int32_t Colour(const Eigen::Vector2d& point_m) const;
+  void ColorCells();
+  int32_t ColorCell(const Eigen::Vector2d& point_m) const;
   Eigen::Vector2d CellCenter(int column, int row) const;
   int32_t CellAt(const Eigen::Vector2d& point_m) const;
   double ComputePatchInk(const Eigen::Vector2d& center_m, const Footprint& part,

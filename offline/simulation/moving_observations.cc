@@ -51,29 +51,32 @@ class HandPath {
     across_rad_ = std::acos(center->dot(*side));
     down_rad_ = std::acos(center->dot(*below));
     distance_m_ = board.columns * board.square_m / (2 * across_rad_);
-    for (int k = 0; k < kWanders; ++k) wander_.emplace_back(random);
+    for (int k = 0; k < kNumPoseComponents; ++k)
+      pose_components_.emplace_back(random);
   }
 
   // Returns camera_from_board at a time.
   Pose At(double time) const {
-    double at[kWanders];
-    for (int k = 0; k < kWanders; ++k) at[k] = wander_[k].At(speed_ * time);
-    const Eigen::Quaterniond where =
+    double at[kNumPoseComponents];
+    for (int k = 0; k < kNumPoseComponents; ++k)
+      at[k] = pose_components_[k].At(speed_ * time);
+    const Eigen::Quaterniond orientation =
         RotationFromVector({-0.5 * down_rad_ * at[0], 0, 0}) *
         RotationFromVector({0, 0.5 * across_rad_ * at[1], 0});
     const double distance_m = distance_m_ * (1.2 + 0.4 * at[2]);
     const Eigen::Quaterniond rotation =
-        where * RotationFromVector({0.6 * at[3], 0.6 * at[4], 1.5 * at[5]});
-    return {rotation,
-            where * Eigen::Vector3d(0, 0, distance_m) - rotation * center_m_};
+        orientation *
+        RotationFromVector({0.6 * at[3], 0.6 * at[4], 1.5 * at[5]});
+    return {rotation, orientation * Eigen::Vector3d(0, 0, distance_m) -
+                          rotation * center_m_};
   }
 
  private:
-  static constexpr int kWanders = 6;
+  static constexpr int kNumPoseComponents = 6;
   double speed_;
   Eigen::Vector3d center_m_;
   double across_rad_ = 0, down_rad_ = 0, distance_m_ = 0;
-  std::vector<SmoothRandomFunction> wander_;
+  std::vector<SmoothRandomFunction> pose_components_;
 };
 
 // Projects a point with a rolling shutter: the pose at the readout time of a
@@ -128,7 +131,7 @@ MovingObservations SimulateMovingObservations(const CameraModel& camera,
     const double time = i * motion.frame_interval_s;
     std::vector<Feature> features =
         SimulateRollingFeatures(camera, board, path, time, motion.line_delay_s);
-    ThinOutFeatures(options.features_per_image, &random, &features);
+    SubsampleFeatures(options.features_per_image, &random, &features);
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     AddNoise(options, &random, &features);

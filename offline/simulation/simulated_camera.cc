@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kBumpMarginPx = 50;
 
-Area Widened(const Area& area) {
+Area WidenArea(const Area& area) {
   return {area.x0 - kBumpMarginPx, area.y0 - kBumpMarginPx,
           area.x1 + kBumpMarginPx, area.y1 + kBumpMarginPx};
 }
@@ -18,7 +18,7 @@ Area Widened(const Area& area) {
 SimulatedCamera::SimulatedCamera(const OpenCvModel& lens,
                                  std::vector<DistortionBump> bumps)
     : SimulatedCamera(
-          std::make_shared<OpenCvModel>(lens.WithArea(Widened(lens.area()))),
+          std::make_shared<OpenCvModel>(lens.WithArea(WidenArea(lens.area()))),
           lens.area(), std::move(bumps)) {}
 
 SimulatedCamera::SimulatedCamera(std::shared_ptr<const CameraModel> lens,
@@ -28,8 +28,8 @@ SimulatedCamera::SimulatedCamera(std::shared_ptr<const CameraModel> lens,
       lens_(std::move(lens)),
       bumps_(std::move(bumps)) {}
 
-Eigen::Vector2d SimulatedCamera::Bend(const Eigen::Vector2d& pixel,
-                                      Eigen::Matrix2d* derivative) const {
+Eigen::Vector2d SimulatedCamera::ApplyDistortionBumps(
+    const Eigen::Vector2d& pixel, Eigen::Matrix2d* derivative) const {
   Eigen::Vector2d bent = pixel;
   *derivative = Eigen::Matrix2d::Identity();
   for (const DistortionBump& bump : bumps_) {
@@ -46,14 +46,15 @@ Eigen::Vector2d SimulatedCamera::Bend(const Eigen::Vector2d& pixel,
 std::optional<Eigen::Vector3d> SimulatedCamera::Unproject(
     const Eigen::Vector2d& pixel) const {
   if (!area().Contains(pixel)) return std::nullopt;
-  Eigen::Vector2d unbent = pixel;
+  Eigen::Vector2d without_bumps = pixel;
   for (int iteration = 0; iteration < 50; ++iteration) {
     Eigen::Matrix2d derivative;
-    const Eigen::Vector2d error = pixel - Bend(unbent, &derivative);
-    unbent += derivative.inverse() * error;
+    const Eigen::Vector2d error =
+        pixel - ApplyDistortionBumps(without_bumps, &derivative);
+    without_bumps += derivative.inverse() * error;
     if (error.norm() < 1e-12) break;
   }
-  return lens_->Unproject(unbent);
+  return lens_->Unproject(without_bumps);
 }
 
 std::optional<Eigen::Vector2d> SimulatedCamera::Project(
@@ -62,7 +63,7 @@ std::optional<Eigen::Vector2d> SimulatedCamera::Project(
   const auto straight = lens_->Project(point);
   if (!straight) return std::nullopt;
   Eigen::Matrix2d derivative;
-  const Eigen::Vector2d pixel = Bend(*straight, &derivative);
+  const Eigen::Vector2d pixel = ApplyDistortionBumps(*straight, &derivative);
   if (!area().Contains(pixel, margin_px)) return std::nullopt;
   return pixel;
 }
@@ -72,7 +73,7 @@ bool SimulatedCamera::Linearize(const Eigen::Vector3d& point,
                                 LinearizedProjection* projection) const {
   if (!lens_->Linearize(point, start, 0, projection)) return false;
   Eigen::Matrix2d derivative;
-  projection->pixel = Bend(projection->pixel, &derivative);
+  projection->pixel = ApplyDistortionBumps(projection->pixel, &derivative);
   projection->J_point = derivative * projection->J_point;
   return area().Contains(projection->pixel, margin_px);
 }

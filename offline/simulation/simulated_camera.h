@@ -44,8 +44,8 @@ class SimulatedCamera : public CameraModel {
 
  private:
   // Returns the displacement by the bumps; *derivative is its pixel Jacobian.
-  Eigen::Vector2d Bend(const Eigen::Vector2d& pixel,
-                       Eigen::Matrix2d* derivative) const;
+  Eigen::Vector2d ApplyDistortionBumps(const Eigen::Vector2d& pixel,
+                                       Eigen::Matrix2d* derivative) const;
 
   std::shared_ptr<const CameraModel> lens_;
   std::vector<DistortionBump> bumps_;

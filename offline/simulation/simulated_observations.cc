@@ -24,7 +24,7 @@ Eigen::Vector3d RandomRay(const CameraModel& camera, const Area& area,
 
 // Returns the pose of a board whose centre is on the ray, and which faces the
 // camera with random tilt and rotation about its centre.
-Pose RandomlyTilted(const Eigen::Vector3d& ray, double distance_m,
+Pose MakeRandomTilt(const Eigen::Vector3d& ray, double distance_m,
                     double max_tilt_rad, double max_rotation_rad,
                     const Eigen::Vector3d& center_m, Random* random) {
   const Eigen::Quaterniond facing =
@@ -57,12 +57,13 @@ Pose RandomPose(const CameraModel& camera, const Board& board, Random* random) {
       extent_m / angle_of_view * random->Uniform(0.6, 2.0);
   const Eigen::Vector3d center((board.columns - 1) * board.square_m / 2,
                                (board.rows - 1) * board.square_m / 2, 0);
-  return RandomlyTilted(ray, distance_m, M_PI / 3, M_PI, center, random);
+  return MakeRandomTilt(ray, distance_m, M_PI / 3, M_PI, center, random);
 }
 
 // Returns the minimum angular resolution around a ray over all directions, in
 // pixels per radian.
-double Magnification(const CameraModel& camera, const Eigen::Vector3d& ray) {
+double ComputeMagnification(const CameraModel& camera,
+                            const Eigen::Vector3d& ray) {
   LinearizedProjection projection;
   if (!camera.Linearize(ray, nullptr, 1, &projection)) return 0;
   const Eigen::Matrix2d square =
@@ -94,8 +95,8 @@ void AddSharedNoise(double noise_px, double length, Random* random,
 
 }  // namespace
 
-void ThinOutFeatures(size_t count, Random* random,
-                     std::vector<Feature>* features) {
+void SubsampleFeatures(size_t count, Random* random,
+                       std::vector<Feature>* features) {
   while (features->size() > count)
     features->erase(features->begin() +
                     random->Index(static_cast<int>(features->size())));
@@ -135,11 +136,11 @@ std::vector<Pose> RandomPoses(const CameraModel& camera,
   const Area image = WholeImage(camera.image_size());
   while (static_cast<int>(poses.size()) < count) {
     const Eigen::Vector3d ray = RandomRay(camera, image, &random);
-    const double magnification = Magnification(camera, ray);
+    const double magnification = ComputeMagnification(camera, ray);
     if (!(magnification > 0)) continue;
     const double square_px =
         random.Uniform(options.min_square_px, options.max_square_px);
-    poses.push_back(RandomlyTilted(
+    poses.push_back(MakeRandomTilt(
         ray, square_m * magnification / square_px, options.max_tilt_rad,
         options.max_rotation_rad, center_m, &random));
   }
@@ -172,7 +173,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
     if (static_cast<int>(features.size()) < options.features_per_image)
       continue;
     num_tries = 0;
-    ThinOutFeatures(options.features_per_image, &random, &features);
+    SubsampleFeatures(options.features_per_image, &random, &features);
     for (int shot = 0; shot < options.num_shots; ++shot) {
       const std::string name = fmt::format("sim{:04d}.png", images.size());
       images.push_back({name, features});

@@ -44,8 +44,8 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const SimulationOptions& options);
 
 /// Keeps count random features in their order, or all if there are fewer.
-void ThinOutFeatures(size_t count, Random* random,
-                     std::vector<Feature>* features);
+void SubsampleFeatures(size_t count, Random* random,
+                       std::vector<Feature>* features);
 
 /// Adds white and spatially correlated noise to the features of an image.
 void AddNoise(const SimulationOptions& options, Random* random,

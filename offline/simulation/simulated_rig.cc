@@ -16,7 +16,7 @@ namespace {
 // Minimum number of features for a pose estimate.
 constexpr size_t kMinFeatures = 8;
 // Cosine of the maximum viewing angle at which a board is visible.
-constexpr double kMinFacing = 0.2;
+constexpr double kMinFacingCosine = 0.2;
 
 // Returns rig_from_board for each frame.
 std::vector<Pose> BoardPoses(const SimulatedRig& rig, const Board& board,
@@ -139,7 +139,7 @@ bool IsFrontVisible(const Board& board, const Pose& camera_from_board) {
   const Eigen::Vector3d center = camera_from_board * (board.points.back() / 2);
   const Eigen::Vector3d away =
       camera_from_board.rotation * Eigen::Vector3d::UnitZ();
-  return away.dot(center.normalized()) > kMinFacing;
+  return away.dot(center.normalized()) > kMinFacingCosine;
 }
 
 std::vector<Feature> Observe(const CameraModel& camera, const Board& board,
@@ -223,7 +223,7 @@ SimulatedRigObservations ObserveBoards(
 
 // Removes a board's features from a camera's image if a previous camera
 // observes the board in the same frame.
-void HideShared(SimulatedRigObservations* seen) {
+void RemoveSharedViews(SimulatedRigObservations* seen) {
   std::set<std::pair<std::string, int>> shown;
   for (size_t c = 0; c < seen->datasets.size(); ++c) {
     const auto hidden = shown;
@@ -310,7 +310,7 @@ SimulatedRigObservations SimulateRig(const SimulatedRig& rig,
       poses[b].push_back(rigid_targets[i] * places[b]);
   }
   SimulatedRigObservations seen = ObserveBoards(rig, pattern, poses, options);
-  if (fixed.never_shared) HideShared(&seen);
+  if (fixed.without_shared_views) RemoveSharedViews(&seen);
   return seen;
 }
 

@@ -34,7 +34,7 @@ struct FixedBoards {
   double move_m = 0;
   /// A board that one camera observes in a frame is hidden from the following
   /// cameras, as if by walls between them.
-  bool never_shared = false;
+  bool without_shared_views = false;
 };
 
 /// A rig that moves amid boards that are fixed to each other, each upright in

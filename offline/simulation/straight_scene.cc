@@ -32,7 +32,7 @@ struct SceneSquare {
   }
 };
 
-SceneSquare SquareAlong(const Eigen::Vector3d& direction, double square) {
+SceneSquare FindSquareOnRay(const Eigen::Vector3d& direction, double square) {
   int axis = 0;
   const double reach = direction.cwiseAbs().maxCoeff(&axis);
   const int pair = axis == 2 ? 0 : axis == 0 ? 1 : 2;
@@ -54,10 +54,10 @@ void AddColor(const SceneSquare& square, float weight,
 std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
                                double square) {
   std::array<float, 3> sum = {};
-  const SceneSquare first = SquareAlong(corners[0], square);
-  if (first == SquareAlong(corners[1], square) &&
-      first == SquareAlong(corners[2], square) &&
-      first == SquareAlong(corners[3], square)) {
+  const SceneSquare first = FindSquareOnRay(corners[0], square);
+  if (first == FindSquareOnRay(corners[1], square) &&
+      first == FindSquareOnRay(corners[2], square) &&
+      first == FindSquareOnRay(corners[3], square)) {
     AddColor(first, 1, &sum);
     return sum;
   }
@@ -68,7 +68,8 @@ std::array<float, 3> MeanColor(const Eigen::Vector3d (&corners)[4],
     const Eigen::Vector3d right = (1 - v) * corners[1] + v * corners[3];
     for (int i = 0; i < kSamples; ++i) {
       const double u = (i + 0.5) / kSamples;
-      AddColor(SquareAlong((1 - u) * left + u * right, square), kWeight, &sum);
+      AddColor(FindSquareOnRay((1 - u) * left + u * right, square), kWeight,
+               &sum);
     }
   }
   return sum;

@@ -47,21 +47,21 @@ void DrawOnScreen(const ScreenBoards& boards, const Board& board, cairo_t* cr) {
 }  // namespace
 
 ScreenBoards PlanScreenBoards(std::vector<Board> boards,
-                              const ImageSize& screen, int wanted_px) {
+                              const ImageSize& screen, int requested_px) {
   RequirePossibleBoards(boards);
   const Area extent = ExtentInSquares(boards.front());
   const double largest_px = std::floor(
       std::min(screen.width / (extent.width() + 2 * kMarginSquares),
                screen.height / (extent.height() + 2 * kMarginSquares)) +
       1e-9);
-  if (wanted_px > largest_px)
+  if (requested_px > largest_px)
     throw Error(
         ExitCode::kUsage,
         fmt::format(
             "--screen {}x{}: squares of {} pixels do not fit (at most {:g}); "
             "reduce them, or omit --dpi and --square-px for the largest",
-            screen.width, screen.height, wanted_px, largest_px));
-  const double square_px = wanted_px != 0 ? wanted_px : largest_px;
+            screen.width, screen.height, requested_px, largest_px));
+  const double square_px = requested_px != 0 ? requested_px : largest_px;
   if (std::max(screen.width, screen.height) > 32767 || square_px < 4)
     throw Error(
         ExitCode::kUsage,

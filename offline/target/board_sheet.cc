@@ -23,7 +23,7 @@ constexpr double kBelowBoardMm = 9;         // ruler and text
 constexpr double kMarginBesideBoardMm = 5;  // ruler
 constexpr int kMaxRulerMm = 200;
 
-Page Rotated(const Page& page) { return {page.height_mm, page.width_mm}; }
+Page RotatePage(const Page& page) { return {page.height_mm, page.width_mm}; }
 
 // Returns the width and height available inside margins and rulers.
 double FreeWidth(const Page& page) {
@@ -66,9 +66,9 @@ std::string DescribeMaxCounts(const Board& board, const Page& page) {
                      has_gaps ? "tags" : "features");
 }
 
-[[noreturn]] void RefuseBoard(const Board& board, const Page& page) {
+[[noreturn]] void ThrowBoardTooLarge(const Board& board, const Page& page) {
   const Eigen::Vector2d size_mm = BoardSizeMm(board);
-  const Page turned = Rotated(page);
+  const Page turned = RotatePage(page);
   const Page& better =
       ComputeMaxScale(size_mm, turned) > ComputeMaxScale(size_mm, page) ? turned
                                                                         : page;
@@ -185,8 +185,8 @@ BoardSheets PlanBoardSheets(std::vector<Board> boards, const Page& page) {
   BoardSheets sheets;
   sheets.page = page;
   const Eigen::Vector2d size_mm = BoardSizeMm(boards.front());
-  if (!Fits(size_mm, page)) sheets.page = Rotated(page);
-  if (!Fits(size_mm, sheets.page)) RefuseBoard(boards.front(), page);
+  if (!Fits(size_mm, page)) sheets.page = RotatePage(page);
+  if (!Fits(size_mm, sheets.page)) ThrowBoardTooLarge(boards.front(), page);
   sheets.boards = std::move(boards);
   sheets.board_mm = ComputeBoardArea(size_mm, sheets.page);
   sheets.ruler_mm = RulerLength(sheets.page);

@@ -14,7 +14,7 @@
 namespace raygrid {
 namespace {
 
-[[noreturn]] void Refuse(const std::string& reason) {
+[[noreturn]] void ThrowInvalidSpec(const std::string& reason) {
   throw Error(ExitCode::kUsage, reason);
 }
 
@@ -37,7 +37,7 @@ double LengthM(std::string text) {
     if (text == "cm") return value / 100;
     if (text == "m") return value;
   }
-  Refuse(fmt::format(
+  ThrowInvalidSpec(fmt::format(
       "'{}' is not a length; specify a number with unit, such as 25mm", given));
 }
 
@@ -53,7 +53,7 @@ class Spec : public BoardOptions {
       begin = end + 1;
     }
     if (parts.size() < 3)
-      Refuse(
+      ThrowInvalidSpec(
           "neither a file nor a target specification, "
           "KIND:COLUMNSxROWS:LENGTH, such as chessboard:9x6:25mm");
     kind = parts[0];
@@ -67,7 +67,7 @@ class Spec : public BoardOptions {
                                   ? parts[i].substr(equals + 1)
                                   : "")
                .second)
-        Refuse(fmt::format("duplicate '{}'", name));
+        ThrowInvalidSpec(fmt::format("duplicate '{}'", name));
     }
   }
 
@@ -94,8 +94,8 @@ class Spec : public BoardOptions {
     const std::string word = Text(name, "");
     if (word.empty()) return;
     if (std::find(words.begin(), words.end(), word) == words.end())
-      Refuse(fmt::format("{}={}: expected {}", name, word,
-                         fmt::join(words, " or ")));
+      ThrowInvalidSpec(fmt::format("{}={}: expected {}", name, word,
+                                   fmt::join(words, " or ")));
     *value = word;
   }
 
@@ -103,7 +103,7 @@ class Spec : public BoardOptions {
     const auto found = values_.find(name);
     if (found == values_.end()) return;
     if (!found->second.empty())
-      Refuse(fmt::format("'{}' does not take a value", name));
+      ThrowInvalidSpec(fmt::format("'{}' does not take a value", name));
     values_.erase(found);
     *value = true;
   }
@@ -111,7 +111,7 @@ class Spec : public BoardOptions {
   void Length(const char* name, const char*, double* value_mm) override {
     const std::string length = Text(name, "");
     if (length.empty())
-      Refuse(
+      ThrowInvalidSpec(
           fmt::format("missing {0} size, such as {0}=21mm (side of the black "
                       "square)",
                       name));
@@ -120,8 +120,8 @@ class Spec : public BoardOptions {
 
   void RequireAllUsed() const {
     if (!values_.empty())
-      Refuse(fmt::format("{} does not support '{}'", kind,
-                         values_.begin()->first));
+      ThrowInvalidSpec(fmt::format("{} does not support '{}'", kind,
+                                   values_.begin()->first));
   }
 
   std::string kind;
@@ -134,7 +134,8 @@ class Spec : public BoardOptions {
     if (found == values_.end()) return otherwise;
     const std::string value = found->second;
     values_.erase(found);
-    if (value.empty()) Refuse(fmt::format("'{}' requires a value", name));
+    if (value.empty())
+      ThrowInvalidSpec(fmt::format("'{}' requires a value", name));
     return value;
   }
 
@@ -144,7 +145,7 @@ class Spec : public BoardOptions {
     std::string text = Text(name, "");
     const std::string given = text;
     if (!ExtractNumber(&text, value) || !text.empty())
-      Refuse(fmt::format("{}={}: invalid number", name, given));
+      ThrowInvalidSpec(fmt::format("{}={}: invalid number", name, given));
   }
 
   void ParseSize(std::string text) {
@@ -156,8 +157,8 @@ class Spec : public BoardOptions {
           rows > 0)
         return;
     }
-    Refuse(fmt::format("'{}' is not a size; expected COLUMNSxROWS, such as 9x6",
-                       given));
+    ThrowInvalidSpec(fmt::format(
+        "'{}' is not a size; expected COLUMNSxROWS, such as 9x6", given));
   }
 
   std::map<std::string, std::string> values_;
@@ -166,7 +167,7 @@ class Spec : public BoardOptions {
 std::vector<Board> MakeBoardList(Spec* spec) {
   const TargetKind& kind = KindOf(spec->kind);
   if (!kind.is_drawable)
-    Refuse(
+    ThrowInvalidSpec(
         fmt::format("neither a file nor a known target kind: '{}'; use {}, or "
                     "a pattern.yaml",
                     spec->kind, DrawableKinds()));
@@ -176,8 +177,8 @@ std::vector<Board> MakeBoardList(Spec* spec) {
   request.length_mm = 1000 * spec->length_m;
   if (kind.max_count > 0 &&
       std::max(spec->columns, spec->rows) > kind.max_count)
-    Refuse(fmt::format("at most {} {} per side are supported", kind.max_count,
-                       kind.counted));
+    ThrowInvalidSpec(fmt::format("at most {} {} per side are supported",
+                                 kind.max_count, kind.counted));
   kind.AddOptions(spec, &request);
   spec->RequireAllUsed();
   return MakeBoards(kind, request);

@@ -85,7 +85,7 @@ G_DEFINE_TYPE(RaygridUndistort, raygrid_undistort, GST_TYPE_BASE_TRANSFORM)
 
 namespace {
 
-UndistortState* StateOf(gpointer object) {
+UndistortState* GetState(gpointer object) {
   return RAYGRID_UNDISTORT(object)->state;
 }
 
@@ -122,7 +122,7 @@ std::shared_ptr<raygrid::FrameUndistorter> CurrentUndistorter(
 void Use(GstBaseTransform* transform,
          const std::shared_ptr<raygrid::FrameUndistorter>& undistorter,
          const GstCaps* frames, const GstCaps* views) {
-  UndistortState* const state = StateOf(transform);
+  UndistortState* const state = GetState(transform);
   if (undistorter) undistorter->SetCaps(frames, views);
   {
     const std::lock_guard<std::mutex> lock(state->mutex);
@@ -136,7 +136,7 @@ void Use(GstBaseTransform* transform,
 
 void SetProperty(GObject* object, guint id, const GValue* value,
                  GParamSpec* spec) {
-  UndistortState* const state = StateOf(object);
+  UndistortState* const state = GetState(object);
   {
     const std::lock_guard<std::mutex> lock(state->mutex);
     raygrid::UndistortSettings& settings = state->settings;
@@ -180,7 +180,7 @@ void SetProperty(GObject* object, guint id, const GValue* value,
 }
 
 void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
-  UndistortState* const state = StateOf(object);
+  UndistortState* const state = GetState(object);
   const std::lock_guard<std::mutex> lock(state->mutex);
   const raygrid::UndistortSettings& settings = state->settings;
   switch (id) {
@@ -215,7 +215,7 @@ void GetProperty(GObject* object, guint id, GValue* value, GParamSpec* spec) {
 }
 
 void Finalize(GObject* object) {
-  delete StateOf(object);
+  delete GetState(object);
   G_OBJECT_CLASS(raygrid_undistort_parent_class)->finalize(object);
 }
 
@@ -223,7 +223,7 @@ void Finalize(GObject* object) {
 
 gboolean Start(GstBaseTransform* transform) {
   try {
-    CurrentUndistorter(StateOf(transform));
+    CurrentUndistorter(GetState(transform));
     return TRUE;
   } catch (const raygrid::CameraError& error) {
     PostError(transform, error);
@@ -232,7 +232,7 @@ gboolean Start(GstBaseTransform* transform) {
 }
 
 gboolean Stop(GstBaseTransform* transform) {
-  UndistortState* const state = StateOf(transform);
+  UndistortState* const state = GetState(transform);
   const std::lock_guard<std::mutex> lock(state->mutex);
   state->next.reset();
   state->in_use.reset();
@@ -243,7 +243,7 @@ GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
                        GstCaps* caps, GstCaps* filter) {
   GstCaps* others;
   try {
-    const auto undistorter = CurrentUndistorter(StateOf(transform));
+    const auto undistorter = CurrentUndistorter(GetState(transform));
     others = undistorter
                  ? raygrid::ConvertCaps(direction, caps, undistorter->tables())
                  : gst_caps_ref(caps);
@@ -262,7 +262,7 @@ GstCaps* TransformCaps(GstBaseTransform* transform, GstPadDirection direction,
 
 gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
   try {
-    Use(transform, CurrentUndistorter(StateOf(transform)), frames, views);
+    Use(transform, CurrentUndistorter(GetState(transform)), frames, views);
     return TRUE;
   } catch (const raygrid::CameraError& error) {
     PostError(transform, error);
@@ -273,7 +273,7 @@ gboolean SetCaps(GstBaseTransform* transform, GstCaps* frames, GstCaps* views) {
 // The base class reports nothing if no table accepts the caps.
 void PostWhyRefused(GstBaseTransform* transform, const GstCaps* frames) {
   try {
-    const auto undistorter = CurrentUndistorter(StateOf(transform));
+    const auto undistorter = CurrentUndistorter(GetState(transform));
     if (undistorter) undistorter->RequireTableFor(frames);
   } catch (const raygrid::CameraError& error) {
     PostError(transform, error);
@@ -307,7 +307,7 @@ GstFlowReturn SubmitInput(GstBaseTransform* transform, gboolean is_discont,
 // Applies the current settings if they do not change the caps: the base class
 // sets caps only if these change. Throws CameraError.
 void UseSettings(GstBaseTransform* transform) {
-  UndistortState* const state = StateOf(transform);
+  UndistortState* const state = GetState(transform);
   {
     // Settings changed after this frame's caps were negotiated may require
     // other caps: they apply to the next frame.
@@ -400,7 +400,7 @@ GstFlowReturn GenerateOutput(GstBaseTransform* transform, GstBuffer** view) {
 
 GstFlowReturn TransformFrame(GstBaseTransform* transform, GstBuffer* frame,
                              GstBuffer* view) {
-  UndistortState* const state = StateOf(transform);
+  UndistortState* const state = GetState(transform);
   std::shared_ptr<raygrid::FrameUndistorter> undistorter;
   double condition = NAN;
   {

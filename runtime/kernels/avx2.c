@@ -77,7 +77,7 @@ typedef struct span_source {
   const uint8_t* data;
   size_t stride, out_stride;
   uint32_t num_pixels;
-  int looks_below;
+  int prefetches_below;
   __m256i stride_lanes;
   __m256i top[4], height[4]; /* of x and y, at the left and at the right edge */
   __m256i half_height, half_width, first_pixel;
@@ -91,7 +91,7 @@ INLINE span_source compute_source(const rg_span* span) {
   s.stride = span->stride;
   s.out_stride = span->out_stride;
   s.num_pixels = span->num_pixels;
-  s.looks_below = span->block.height_log2 < 5;
+  s.prefetches_below = span->block.height_log2 < 5;
   s.stride_lanes = _mm256_set1_epi32((int32_t)span->stride);
 #define EDGE(k, corner, c)                        \
   s.top[k] = _mm256_set1_epi32(p[corner].q12[c]); \
@@ -177,7 +177,7 @@ typedef struct outlook {
 INLINE outlook compute_outlook(const span_source* s, uint32_t first,
                                uint32_t last, uint32_t channels) {
   outlook look = {AHEAD, AHEAD};
-  if (s->looks_below || channels <= 2) {
+  if (s->prefetches_below || channels <= 2) {
     look.source = 2 * ((ptrdiff_t)last - (ptrdiff_t)first);
     look.out = (ptrdiff_t)(2 * TILE_ROWS * s->out_stride);
   }
@@ -189,8 +189,8 @@ INLINE int is_line_begun(const uint8_t* out, uint32_t num_bytes) {
   return ((uintptr_t)out & 63) < num_bytes;
 }
 
-INLINE void look_on(const span_source* s, const outlook* look,
-                    const uint8_t* source, const uint8_t* out) {
+INLINE void prefetch_rows(const span_source* s, const outlook* look,
+                          const uint8_t* source, const uint8_t* out) {
   source += look->source;
   _mm_prefetch((const char*)source, _MM_HINT_T0);
   _mm_prefetch((const char*)source + 64, _MM_HINT_T0);
@@ -386,8 +386,8 @@ INLINE void blend_tile(const span_source* s, tile rows, uint32_t num_rows,
           l.is_halved ? s->data + offset[2] : s->data,
           l.is_halved ? s->data + offset[3] : s->data};
       if (looks) {
-        look_on(s, &look, at[0], target);
-        look_on(s, &look, at[per_row], target + s->out_stride);
+        prefetch_rows(s, &look, at[0], target);
+        prefetch_rows(s, &look, at[per_row], target + s->out_stride);
       }
       const __m256i x =
           _mm256_add_epi16(to_lanes(start, 0, l.is_halved), lanes.x[r / 2]);
@@ -520,7 +520,7 @@ INLINE void blend_row(const span_source* s, const outlook* look, int32_t x,
     __asm__("" : "+m"(offsets)); /* keeps the loads from memory */
     uint8_t* const target = out + (uint32_t)k * channels;
     if (is_line_begun(target, 8 * channels))
-      look_on(s, look, s->data + offsets[0], target);
+      prefetch_rows(s, look, s->data + offsets[0], target);
     const __m256i wy_q15 = _mm256_srli_epi32(_mm256_slli_epi32(ys, 20), 17);
     const __m256i wx = compute_weights(xs);
     const __m256i v = blend_pixels(s, offsets, wx, wy_q15, channels, 0);

@@ -373,9 +373,9 @@ typedef struct tile_output {
   uint8_t* out;
   size_t stride;
   uint32_t num_rows;
-  int looks_below; /* prefetch direction: below, or to the right */
-  int is_whole;    /* all of its rows and pixels are output */
-  __mmask32 bytes; /* mask for one row */
+  int prefetches_below; /* prefetch direction: below, or to the right */
+  int is_whole;         /* all of its rows and pixels are output */
+  __mmask32 bytes;      /* mask for one row */
 } tile_output;
 
 INLINE void store_row(const tile_output* t, uint32_t r, __m256i bytes,
@@ -446,10 +446,11 @@ INLINE void store_two(const tile_output* t, uint32_t r, __m512i v, __m512i w,
  * for memory latency, and the direction of rows seldom changes that much. Large
  * blocks with many channels would evict these lines from the L1 cache before
  * their use: then prefetches to the right. */
-INLINE void look_on(const uint8_t* data, const boxes* b, const tile_output* t) {
+INLINE void prefetch_rows(const uint8_t* data, const boxes* b,
+                          const tile_output* t) {
   const uint8_t* const out =
-      t->out + (t->looks_below ? 2 * TILE_ROWS * t->stride : AHEAD);
-  data += t->looks_below ? 4 * (b->upper[4] - b->upper[0]) : AHEAD;
+      t->out + (t->prefetches_below ? 2 * TILE_ROWS * t->stride : AHEAD);
+  data += t->prefetches_below ? 4 * (b->upper[4] - b->upper[0]) : AHEAD;
   for (uint32_t r = 0; r < TILE_ROWS; ++r) {
     __builtin_prefetch(data + b->upper[r]);
     __builtin_prefetch(data + b->upper[r] + 64);
@@ -508,7 +509,7 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
       return 0;
   }
   if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
-    look_on(data, &b[0], to);
+    prefetch_rows(data, &b[0], to);
   const set upper = compute_set(firsts, 0, &row->upper, l, f);
   const set lower = compute_set(firsts, 1, &row->lower, l, f);
 #define GROUP(g, half)                                                    \

@@ -155,8 +155,8 @@ static RG_INLINE void compute_tile(const tile_rows* x, const tile_rows* y,
   }
 }
 
-static RG_INLINE size_t offset_of(const tile* t, uint32_t i,
-                                  uint32_t channels) {
+static RG_INLINE size_t get_offset(const tile* t, uint32_t i,
+                                   uint32_t channels) {
   return channels <= 2 ? t->offsets[i] : t->far_offsets[i];
 }
 
@@ -169,7 +169,7 @@ static RG_INLINE void load_words(const tile* t, const uint8_t* upper,
                                  uint16_t* upper_words, uint16_t* lower_words) {
   const uint8_t* const lower = upper + stride;
   for (uint32_t i = 0; i < TILE_PIXELS; ++i) {
-    const size_t offset = offset_of(t, i, channels);
+    const size_t offset = get_offset(t, i, channels);
     upper_words[i] = (uint16_t)load_pair(upper + offset);
     lower_words[i] = (uint16_t)load_pair(lower + offset);
   }
@@ -254,7 +254,7 @@ static RG_INLINE void copy_tile(const tile* t, const uint8_t* data,
                                 size_t out_stride) {
   for (uint32_t r = 0; r < TILE; ++r, out += out_stride)
     _Pragma("GCC unroll 8") for (uint32_t k = 0; k < TILE; ++k) {
-      const uint8_t* const from = data + offset_of(t, k * TILE + r, channels);
+      const uint8_t* const from = data + get_offset(t, k * TILE + r, channels);
       for (uint32_t c = 0; c < channels; ++c) out[k * channels + c] = from[c];
     }
 }

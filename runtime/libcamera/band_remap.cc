@@ -8,7 +8,7 @@ namespace {
 
 // Minimum rows per band: the overhead of each rg_remap() call is then below one
 // per cent.
-constexpr uint32_t kLeastRows = 32;
+constexpr uint32_t kMinRows = 32;
 // Bands per thread, so that a late or interrupted thread causes little delay.
 // All bands must fit in one word, a bit each.
 constexpr uint32_t kBandsPerThread = 3, kMaxBands = 64;
@@ -18,12 +18,12 @@ uint32_t BandRows(uint32_t rows, uint32_t num_threads) {
   if (num_threads == 1) return rows;
   const uint32_t bands = std::min(num_threads * kBandsPerThread, kMaxBands);
   const uint32_t even_rows = ((rows + bands - 1) / bands + 1) / 2 * 2;
-  return std::max(even_rows, kLeastRows);
+  return std::max(even_rows, kMinRows);
 }
 
 // Busy-waits, yielding to others, until a condition holds or time is over.
 template <typename Condition>
-void LookFor(const Condition& is_so) {
+void SpinUntil(const Condition& is_so) {
   const auto end = std::chrono::steady_clock::now() + kAwake;
   while (!is_so() && std::chrono::steady_clock::now() < end)
     std::this_thread::yield();
@@ -35,7 +35,7 @@ BandRemap::BandRemap(unsigned num_threads) {
   if (num_threads == 0)
     num_threads = std::max(1u, std::thread::hardware_concurrency());
   for (unsigned k = 1; k < num_threads; ++k)
-    threads_.emplace_back(&BandRemap::Serve, this, k);
+    threads_.emplace_back(&BandRemap::RunWorker, this, k);
 }
 
 BandRemap::~BandRemap() {
@@ -58,21 +58,21 @@ rg_status BandRemap::Remap(const rg_camera& camera, const rg_image& image,
   num_undone_ = num_bands;
   free_bands_ = ~uint64_t{0} >> (kMaxBands - num_bands);
   if (!threads_.empty()) has_work_.notify_all();
-  WorkOn(0, &lock);
+  RemapBands(0, &lock);
   lock.unlock();
-  LookFor([this] { return num_undone_ == 0; });
+  SpinUntil([this] { return num_undone_ == 0; });
   lock.lock();
   is_done_.wait(lock, [this] { return num_undone_ == 0; });
   return status_;
 }
 
-void BandRemap::Serve(unsigned thread) {
+void BandRemap::RunWorker(unsigned thread) {
   const auto is_called = [this] { return is_stopped_ || free_bands_ != 0; };
   std::unique_lock<std::mutex> lock(mutex_);
   while (!is_stopped_) {
-    WorkOn(thread, &lock);
+    RemapBands(thread, &lock);
     lock.unlock();
-    LookFor(is_called);
+    SpinUntil(is_called);
     lock.lock();
     has_work_.wait(lock, is_called);
   }
@@ -88,7 +88,8 @@ uint32_t BandRemap::ClaimBand(unsigned thread) {
   return band;
 }
 
-void BandRemap::WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock) {
+void BandRemap::RemapBands(unsigned thread,
+                           std::unique_lock<std::mutex>* lock) {
   while (free_bands_ != 0) {
     const Job job = job_;
     const uint32_t band = ClaimBand(thread);

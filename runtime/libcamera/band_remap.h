@@ -47,9 +47,9 @@ class BandRemap {
     uint32_t band_rows = 0, num_bands = 0;
   };
 
-  void Serve(unsigned thread);
+  void RunWorker(unsigned thread);
   // Processes bands until none is free; the lock is held before and after.
-  void WorkOn(unsigned thread, std::unique_lock<std::mutex>* lock);
+  void RemapBands(unsigned thread, std::unique_lock<std::mutex>* lock);
   uint32_t ClaimBand(unsigned thread);
   rg_status RemapBand(const Job& job, uint32_t first_row) const;
 

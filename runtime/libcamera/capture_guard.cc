@@ -103,7 +103,7 @@ CaptureGuard::CaptureGuard(const std::optional<rg_capture_section>& recorded,
     : recorded_(recorded),
       what_(what),
       is_strict_(is_strict),
-      say_(std::move(say)) {}
+      log_(std::move(say)) {}
 
 std::string CaptureGuard::DescribeLensFault(float lens_position) const {
   const double value_q16 = std::round(double{lens_position} * kQ16);
@@ -189,9 +189,10 @@ void CaptureGuard::RecordMetadata(const FrameInfo& info) {
 void CaptureGuard::LogMissingMetadata() {
   if (was_complete_) return;
   was_complete_ = true;
-  std::string not_told;
-  const auto add = [&not_told](const char* text) {
-    not_told += (not_told.empty() ? "" : ", ") + std::string(text);
+  std::string missing_settings;
+  const auto add = [&missing_settings](const char* text) {
+    missing_settings +=
+        (missing_settings.empty() ? "" : ", ") + std::string(text);
   };
   if (IsKnown(RG_CAPTURE_HAS_LENS_POSITION) && !is_recorded_[kLens])
     add("lens position");
@@ -202,28 +203,28 @@ void CaptureGuard::LogMissingMetadata() {
     add("zoom");
   if (IsKnown(RG_CAPTURE_HAS_ORIENTATION) && !is_recorded_[kOrientation])
     add("orientation");
-  if (!not_told.empty())
-    say_("cannot verify the capture settings: " + what_ + " does not report " +
-         not_told +
+  if (!missing_settings.empty())
+    log_("cannot verify the capture settings: " + what_ + " does not report " +
+         missing_settings +
          "; check manually, or omit it from raygrid pack --capture-settings");
 }
 
 // A camera that warms up moves its lens, by a camera-specific amount.
 void CaptureGuard::LogTemperature(const FrameInfo& info) {
   constexpr double kOtherC = 20;
-  if (was_temperature_said_ || !IsKnown(RG_CAPTURE_HAS_TEMPERATURE) ||
+  if (was_temperature_reported_ || !IsKnown(RG_CAPTURE_HAS_TEMPERATURE) ||
       !info.sensor_temperature_c)
     return;
   const double now_c = *info.sensor_temperature_c;
   const double then_c = recorded_->temperature_q16 / 65536.0;
   if (!(std::abs(now_c - then_c) > kOtherC)) return;
-  was_temperature_said_ = true;
+  was_temperature_reported_ = true;
   char text[120];
   std::snprintf(text, sizeof(text),
                 "sensor temperature is %.0f °C, calibrated at %.0f °C; "
                 "calibrate at the temperature of use",
                 now_c, then_c);
-  say_(text);
+  log_(text);
 }
 
 bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
@@ -252,9 +253,9 @@ bool CaptureGuard::Check(const FrameInfo& info, const rg_mode* in_use,
     return false;
   }
   for (int kind = 0; kind < kNumKinds; ++kind) {
-    if (faults.of[kind].empty() || was_said_[kind]) continue;
-    was_said_[kind] = true;
-    say_("capture settings differ from calibration: " + faults.of[kind]);
+    if (faults.of[kind].empty() || was_reported_[kind]) continue;
+    was_reported_[kind] = true;
+    log_("capture settings differ from calibration: " + faults.of[kind]);
   }
   return true;
 }

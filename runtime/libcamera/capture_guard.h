@@ -97,10 +97,10 @@ class CaptureGuard {
   const std::optional<rg_capture_section> recorded_;
   const std::string what_;
   const bool is_strict_;
-  const Log say_;
-  bool was_said_[kNumKinds] = {}, is_recorded_[kNumKinds] = {};
+  const Log log_;
+  bool was_reported_[kNumKinds] = {}, is_recorded_[kNumKinds] = {};
   bool was_complete_ = false;  // missing settings were reported
-  bool was_temperature_said_ = false;
+  bool was_temperature_reported_ = false;
   bool was_as_calibrated_ = false;
   uint64_t num_frames_ = 0;
   Clock::time_point first_arrived_;

@@ -128,7 +128,7 @@ bool IsInRange(const ControlInfo& info, const Value& value) {
   }
 }
 
-std::string RangeOf(const ControlInfo& info) {
+std::string FormatRange(const ControlInfo& info) {
   if (info.min().isNone()) return "";
   return info.min().toString() + " to " + info.max().toString();
 }
@@ -141,7 +141,7 @@ CameraError UsageError(const libcamera::ControlInfoMap& controls,
     return CameraError(CameraExit::kUsage,
                        "--control: the camera has no control " + control.first +
                            "; see --list");
-  const std::string range = RangeOf(found->second.second);
+  const std::string range = FormatRange(found->second.second);
   return CameraError(
       CameraExit::kUsage,
       "--control: " + control.first + " does not accept " + control.second +
@@ -169,7 +169,7 @@ libcamera::ControlList MakeControlList(const ControlInfoMap& controls,
 std::string DescribeControls(const ControlInfoMap& controls) {
   std::string text;
   for (const auto& [name, control] : ListControls(controls)) {
-    const std::string range = RangeOf(control.second);
+    const std::string range = FormatRange(control.second);
     text +=
         "  --control " + name + "=" + (range.empty() ? "..." : range) + "\n";
   }

@@ -31,8 +31,8 @@ CameraError InputError(const std::string& message) {
   return CameraError(CameraExit::kInput, message);
 }
 
-std::string NameOf(const Camera& camera) {
-  const auto model = ModelOf(camera);
+std::string GetName(const Camera& camera) {
+  const auto model = GetModelName(camera);
   return model ? camera.id() + " (" + *model + ")" : camera.id();
 }
 
@@ -58,7 +58,7 @@ std::string DescribeRole(Camera* camera, StreamRole role) {
 std::string DescribeCamera(Camera* camera) {
   const std::string viewfinder = DescribeRole(camera, StreamRole::Viewfinder);
   const std::string raw = DescribeRole(camera, StreamRole::Raw);
-  return "libcamera:" + NameOf(*camera) + "\n" + viewfinder +
+  return "libcamera:" + GetName(*camera) + "\n" + viewfinder +
          (raw == viewfinder ? "" : raw) + DescribeControls(camera->controls());
 }
 

@@ -21,7 +21,8 @@ inline std::unique_ptr<libcamera::CameraConfiguration> GenerateConfiguration(
 }
 
 /// The model property is a view of a string since 0.7, before a string.
-inline std::optional<std::string> ModelOf(const libcamera::Camera& camera) {
+inline std::optional<std::string> GetModelName(
+    const libcamera::Camera& camera) {
   const auto model = camera.properties().get(libcamera::properties::Model);
   if (!model) return std::nullopt;
   return std::string(*model);

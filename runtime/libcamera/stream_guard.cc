@@ -124,7 +124,7 @@ bool StreamGuard::MatchesTableSize() const {
   return format_.width == width && format_.height == height;
 }
 
-std::string StreamGuard::Explain() const {
+std::string StreamGuard::DescribeFault() const {
   if (!HasSerial())
     return "belongs to a camera with a serial number other than " + serial_ +
            "; use the blob of this camera";
@@ -174,7 +174,7 @@ bool StreamGuard::IsTolerated() const {
 
 bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
   if (is_known_ && info.crop == last_ && info.orientation == last_orientation_)
-    return is_served_;
+    return is_supported_;
   is_known_ = false;
   last_ = info.crop;
   last_orientation_ = info.orientation;
@@ -189,11 +189,11 @@ bool StreamGuard::IsShownAsInUse(const FrameInfo& info) {
     mode_ = FindSensorMode(camera_, *calibrated_, *last_, format_.width,
                            format_.height,
                            capture_ ? capture_->GetFlips(info) : Flips());
-  is_served_ = IsSupported();
-  if (!is_served_ && !IsTolerated())
-    throw CameraError(CameraExit::kBlob, "blob: " + Explain());
+  is_supported_ = IsSupported();
+  if (!is_supported_ && !IsTolerated())
+    throw CameraError(CameraExit::kBlob, "blob: " + DescribeFault());
   is_known_ = true;
-  return is_served_;
+  return is_supported_;
 }
 
 bool StreamGuard::Check(const FrameInfo& info, Clock::time_point arrived) {

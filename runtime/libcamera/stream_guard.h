@@ -68,7 +68,7 @@ class StreamGuard {
   bool IsSupported() const;
   bool IsTolerated() const;
   bool IsShownAsInUse(const FrameInfo& info);
-  std::string Explain() const;
+  std::string DescribeFault() const;
 
   const rg_camera& camera_;
   const StreamFormat format_;
@@ -78,7 +78,7 @@ class StreamGuard {
   const bool is_recorded_;  // whether the user specified the calibrated crop
   std::optional<SensorCrop> calibrated_, first_, last_;
   std::optional<int> last_orientation_;
-  bool is_known_ = false, is_served_ = false;  // for the last frame
+  bool is_known_ = false, is_supported_ = false;  // for the last frame
   std::optional<rg_mode> mode_;
 };
 

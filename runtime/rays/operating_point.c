@@ -13,15 +13,16 @@
  * fields, then samples with their values. Nothing follows the model. Therefore,
  * the counterpart of any section of the blob, in any complete sample, is inside
  * the blob. An offset plus a sample's size is at most the blob's size. */
-typedef struct camera_stack {
+typedef struct operating_point_grid {
   const uint8_t* section;
   uint32_t size;            /* size of the section */
   const uint8_t* base_grid; /* the blob's */
   uint32_t sample_size;     /* from one piece to the next */
-} camera_stack;
+} operating_point_grid;
 
 /* Finds the model; 0 if the blob has none. */
-static RG_INLINE int find_stack(const rg_camera* camera, camera_stack* stack) {
+static RG_INLINE int find_stack(const rg_camera* camera,
+                                operating_point_grid* stack) {
   const uint8_t* const blob = camera->blob;
   const uint8_t* const last_entry =
       blob + RG_HEADER_SIZE - RG_SECTION_ENTRY_SIZE +
@@ -68,7 +69,7 @@ static rg_status evaluate_inverse(const rg_camera* camera, int32_t x, int32_t y,
 
 #if RG_FAST_TRAVERSAL
 static rg_status check_vertices(const rg_camera* camera, const uint8_t* own) {
-  camera_stack stack;
+  operating_point_grid stack;
   if (!find_stack(camera, &stack)) return RG_ERR_NO_STACK;
   rg_status status = RG_OK;
   for (uint32_t shift = stack.sample_size;
@@ -81,7 +82,7 @@ static rg_status check_vertices(const rg_camera* camera, const uint8_t* own) {
 #define CHECK_VERTICES 0 /* not checked by rg_select_remap() */
 #endif
 
-static const rg_operating_point_ops kStackCode = {
+static const rg_operating_point_ops kOperatingPointOps = {
     evaluate_grid, evaluate_inverse, CHECK_VERTICES, RG_NEXT_BLENDED_TILE};
 
 /* ---- Checks -------------------------------------------------------------- */
@@ -89,8 +90,8 @@ static const rg_operating_point_ops kStackCode = {
 /* Whether a grid has the same fields as the blob's own in all samples. */
 static RG_NOINLINE int has_same_grid_fields(const uint8_t* own,
                                             uint32_t sample_size,
-                                            uint32_t stack_size) {
-  for (uint32_t shift = sample_size; shift < stack_size; shift += sample_size)
+                                            uint32_t section_size) {
+  for (uint32_t shift = sample_size; shift < section_size; shift += sample_size)
     for (uint32_t k = 0; k < RG_GRID_FIELDS_SIZE; k += 4)
       if (rg_load_u32(own + k) != rg_load_u32(own + shift + k)) return 0;
   return 1;
@@ -99,14 +100,14 @@ static RG_NOINLINE int has_same_grid_fields(const uint8_t* own,
 /* Checks the complete samples of a model before its first use. The fields of
  * tables in samples are never read. */
 static RG_INLINE rg_status check_stack(const rg_camera* camera,
-                                       const camera_stack* stack) {
+                                       const operating_point_grid* stack) {
   if (!has_same_grid_fields(stack->base_grid, stack->sample_size,
                             stack->size) ||
       (camera->inverse &&
        !has_same_grid_fields(camera->inverse, stack->sample_size, stack->size)))
     return RG_ERR_STACK;
   return RG_FAST_TRAVERSAL && camera->remap
-             ? kStackCode.check_vertices(camera, camera->remap)
+             ? kOperatingPointOps.check_vertices(camera, camera->remap)
              : RG_OK;
 }
 
@@ -128,7 +129,7 @@ static uint16_t compute_weight(uint32_t part, uint32_t whole) {
 
 /* The offset in bytes from the blob's own sections to those of the lower
  * sample. The value of a sample has the same offset from the model's fields. */
-static RG_INLINE uint32_t find_lower_sample(const camera_stack* stack,
+static RG_INLINE uint32_t find_lower_sample(const operating_point_grid* stack,
                                             int32_t value_q16) {
   uint32_t shift = stack->sample_size;
   while (stack->size - shift > stack->sample_size &&
@@ -140,7 +141,7 @@ static RG_INLINE uint32_t find_lower_sample(const camera_stack* stack,
 /* Moves the camera's sections to a sample, from the current one or the blob's
  * own. */
 static RG_INLINE void move_to_sample(rg_camera* camera,
-                                     const camera_stack* stack,
+                                     const operating_point_grid* stack,
                                      uint32_t shift) {
   if (camera->inverse)
     camera->inverse += (ptrdiff_t)shift - (ptrdiff_t)camera->sample_shift;
@@ -149,7 +150,7 @@ static RG_INLINE void move_to_sample(rg_camera* camera,
 }
 
 rg_status rg_set_operating_point(rg_camera* camera, int32_t value_q16) {
-  camera_stack stack;
+  operating_point_grid stack;
   if (!find_stack(camera, &stack)) return RG_ERR_NO_STACK;
   if (camera->line_points || stack.size <= stack.sample_size)
     return RG_ERR_STACK;
@@ -157,7 +158,7 @@ rg_status rg_set_operating_point(rg_camera* camera, int32_t value_q16) {
     const rg_status status = check_stack(camera, &stack);
     if (status != RG_OK) return status;
     camera->sample_size = stack.sample_size;
-    camera->stack = &kStackCode;
+    camera->stack = &kOperatingPointOps;
   }
   const uint32_t shift = find_lower_sample(&stack, value_q16);
   move_to_sample(camera, &stack, shift);

@@ -129,7 +129,7 @@ rg_status rg_remap_mode(const rg_camera* camera, rg_mode* mode) {
 
 /* Whether the mode covers only calibrated pixels along one axis, within the
  * rounding of its scale. */
-static int is_part(const mode_axis* axis, uint32_t calibrated_size) {
+static int is_within(const mode_axis* axis, uint32_t calibrated_size) {
   uint32_t low;
   const uint32_t high = rg_multiply_unsigned(axis->size, axis->scale_q16, &low);
   if (high != 0 || ((low | (uint32_t)axis->offset_q16) >> 31) != 0) return 0;
@@ -142,7 +142,7 @@ static int is_part_of_frames(const rg_mode* mode, const uint8_t* identity) {
   for (int c = 0; c < 2; ++c) {
     mode_axis axis;
     const uint32_t size = rg_load_u16(identity + RG_CAMERA_WIDTH + 2 * c);
-    if (!compute_mode_axis(mode, c, &axis) || !is_part(&axis, size)) return 0;
+    if (!compute_mode_axis(mode, c, &axis) || !is_within(&axis, size)) return 0;
   }
   return 1;
 }

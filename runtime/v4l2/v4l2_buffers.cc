@@ -52,7 +52,7 @@ int V4l2Buffers::Request(uint32_t kind, uint32_t number, uint32_t flags,
 #else
   static_cast<void>(flags);
 #endif
-  return AskAgain(device_, VIDIOC_REQBUFS, request);
+  return IoctlWithRetry(device_, VIDIOC_REQBUFS, request);
 }
 
 // Whether the driver accepts memory of that heap, which only queueing the
@@ -111,7 +111,8 @@ void V4l2Buffers::AllocateDriverBuffers(uint32_t number) {
 
 void V4l2Buffers::MapDriverBuffer(uint32_t index) {
   Description description(stream_, kind_, index);
-  const int status = AskAgain(device_, VIDIOC_QUERYBUF, &description.buffer);
+  const int status =
+      IoctlWithRetry(device_, VIDIOC_QUERYBUF, &description.buffer);
   if (status != 0)
     throw V4l2Error(*device_, "cannot query its buffers", status,
                     "check the driver");
@@ -159,13 +160,13 @@ int V4l2Buffers::Queue(uint32_t index) {
       description.buffer.length = description.planes[0].length;
     }
   }
-  return AskAgain(device_, VIDIOC_QBUF, &description.buffer);
+  return IoctlWithRetry(device_, VIDIOC_QBUF, &description.buffer);
 }
 
 int V4l2Buffers::Dequeue(V4l2Filled* filled) {
   Description description(stream_, kind_, 0);
   const v4l2_buffer& buffer = description.buffer;
-  const int status = AskAgain(device_, VIDIOC_DQBUF, &description.buffer);
+  const int status = IoctlWithRetry(device_, VIDIOC_DQBUF, &description.buffer);
   if (status != 0) return status;
   if (buffer.index >= number()) return EIO;
   filled->buffer = buffer.index;
@@ -216,7 +217,7 @@ void V4l2Buffers::EndRead(uint32_t buffer) {
 void V4l2Buffers::Free() {
   // Takes back the buffers from the driver.
   int type = static_cast<int>(stream_.buffer_type);
-  AskAgain(device_, VIDIOC_STREAMOFF, &type);
+  IoctlWithRetry(device_, VIDIOC_STREAMOFF, &type);
   for (Buffer& buffer : buffers_) {
     for (Memory& memory : buffer.memories) {
       if (memory.start) device_->Unmap(memory.start, memory.size);

@@ -8,22 +8,22 @@
 namespace raygrid {
 namespace {
 
-constexpr uint32_t kAsked[] = {
+constexpr uint32_t kReadControls[] = {
     V4L2_CID_ZOOM_ABSOLUTE,  V4L2_CID_HFLIP,
     V4L2_CID_VFLIP,          V4L2_CID_ROTATE,
     V4L2_CID_FOCUS_ABSOLUTE, V4L2_CID_EXPOSURE_ABSOLUTE};
 
-bool IsAsked(const v4l2_query_ext_ctrl& control) {
+bool IsReadControl(const v4l2_query_ext_ctrl& control) {
   if ((control.flags & (V4L2_CTRL_FLAG_DISABLED | V4L2_CTRL_FLAG_WRITE_ONLY)) !=
       0)
     return false;
-  for (const uint32_t id : kAsked)
+  for (const uint32_t id : kReadControls)
     if (control.id == id) return true;
   return false;
 }
 
 // The orientation of frames rotated clockwise by degrees; 0 if invalid.
-int TurnedBy(int32_t degrees) {
+int OrientationFromRotation(int32_t degrees) {
   switch (degrees) {
     case 0:
       return 1;
@@ -44,8 +44,9 @@ V4l2CaptureReader::V4l2CaptureReader(V4l2Device* device) : device_(device) {
   v4l2_query_ext_ctrl control = {};
   for (;;) {
     control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
-    if (AskAgain(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0) break;
-    if (IsAsked(control)) controls_.push_back({control.id, control.minimum});
+    if (IoctlWithRetry(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0) break;
+    if (IsReadControl(control))
+      controls_.push_back({control.id, control.minimum});
   }
   has_crop_ = ReadCrop().has_value();
 }
@@ -55,19 +56,19 @@ std::optional<SensorCrop> V4l2CaptureReader::ReadCrop() const {
   // Also for multiplanar devices.
   crop.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   crop.target = V4L2_SEL_TGT_CROP;
-  if (AskAgain(device_, VIDIOC_G_SELECTION, &crop) != 0 || crop.r.width == 0 ||
-      crop.r.height == 0)
+  if (IoctlWithRetry(device_, VIDIOC_G_SELECTION, &crop) != 0 ||
+      crop.r.width == 0 || crop.r.height == 0)
     return std::nullopt;
   return SensorCrop{crop.r.left, crop.r.top, crop.r.width, crop.r.height};
 }
 
-bool V4l2CaptureReader::Knows(uint32_t id) const {
+bool V4l2CaptureReader::HasControl(uint32_t id) const {
   return std::any_of(controls_.begin(), controls_.end(),
                      [id](const Control& known) { return known.id == id; });
 }
 
 std::optional<int32_t> V4l2CaptureReader::ReadValue(uint32_t id) const {
-  if (!Knows(id)) return std::nullopt;
+  if (!HasControl(id)) return std::nullopt;
   return GetV4l2Control(device_, id);
 }
 
@@ -90,13 +91,13 @@ std::optional<int> V4l2CaptureReader::ReadOrientation() const {
                                flip_y = ReadValue(V4L2_CID_VFLIP),
                                degrees = ReadValue(V4L2_CID_ROTATE);
   if (!flip_x && !flip_y && !degrees) return std::nullopt;
-  const int orientation = Mirrored(TurnedBy(degrees.value_or(0)),
+  const int orientation = Mirrored(OrientationFromRotation(degrees.value_or(0)),
                                    flip_x.value_or(0), flip_y.value_or(0));
   return orientation != 0 ? std::optional(orientation) : std::nullopt;
 }
 
 std::optional<float> V4l2CaptureReader::ReadExposure() const {
-  if (!Knows(V4L2_CID_EXPOSURE_ABSOLUTE)) return std::nullopt;
+  if (!HasControl(V4L2_CID_EXPOSURE_ABSOLUTE)) return std::nullopt;
   const auto control = QueryV4l2Control(device_, V4L2_CID_EXPOSURE_ABSOLUTE);
   if (!control || !IsInEffect(*control)) return std::nullopt;
   const std::optional<int32_t> value = ReadValue(V4L2_CID_EXPOSURE_ABSOLUTE);

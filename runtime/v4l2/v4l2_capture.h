@@ -32,7 +32,7 @@ class V4l2CaptureReader {
   };
 
   std::optional<SensorCrop> ReadCrop() const;
-  bool Knows(uint32_t id) const;
+  bool HasControl(uint32_t id) const;
   std::optional<int32_t> ReadValue(uint32_t id) const;
   std::optional<double> ReadZoom() const;
   std::optional<int> ReadOrientation() const;

@@ -11,7 +11,7 @@ namespace raygrid {
 namespace {
 
 // "Exposure Time, Absolute" is exposure_time_absolute.
-std::string NameOf(const v4l2_query_ext_ctrl& control) {
+std::string GetName(const v4l2_query_ext_ctrl& control) {
   std::string name;
   bool is_between = false;
   for (size_t i = 0; i < sizeof(control.name) && control.name[i] != 0; ++i) {
@@ -48,7 +48,8 @@ std::vector<v4l2_query_ext_ctrl> ListControls(V4l2Device* device) {
   v4l2_query_ext_ctrl control = {};
   for (;;) {
     control.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
-    if (AskAgain(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0) return controls;
+    if (IoctlWithRetry(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0)
+      return controls;
     if (CanBeSet(control)) controls.push_back(control);
   }
 }
@@ -65,7 +66,7 @@ std::vector<MenuItem> ListItems(V4l2Device* device,
     v4l2_querymenu item = {};
     item.id = control.id;
     item.index = static_cast<uint32_t>(i);
-    if (AskAgain(device, VIDIOC_QUERYMENU, &item) != 0) continue;
+    if (IoctlWithRetry(device, VIDIOC_QUERYMENU, &item) != 0) continue;
     items.push_back(
         {i, control.type == V4L2_CTRL_TYPE_MENU
                 ? std::string(reinterpret_cast<const char*>(item.name))
@@ -132,14 +133,14 @@ int Set(V4l2Device* device, const v4l2_query_ext_ctrl& control,
   v4l2_ext_controls settings = {};
   settings.count = 1;
   settings.controls = &setting;
-  const int status = AskAgain(device, VIDIOC_S_EXT_CTRLS, &settings);
+  const int status = IoctlWithRetry(device, VIDIOC_S_EXT_CTRLS, &settings);
   *value = is_long ? setting.value64 : setting.value;
   return status;
 }
 
 v4l2_query_ext_ctrl FindControl(V4l2Device* device, const std::string& name) {
   for (const v4l2_query_ext_ctrl& control : ListControls(device))
-    if (NameOf(control) == name) return control;
+    if (GetName(control) == name) return control;
   throw V4l2Error(*device, "has no settable control " + name + "; see --list");
 }
 
@@ -175,7 +176,7 @@ std::optional<v4l2_query_ext_ctrl> QueryV4l2Control(V4l2Device* device,
                                                     uint32_t id) {
   v4l2_query_ext_ctrl control = {};
   control.id = id;
-  if (AskAgain(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0 ||
+  if (IoctlWithRetry(device, VIDIOC_QUERY_EXT_CTRL, &control) != 0 ||
       (control.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
     return std::nullopt;
   return control;
@@ -188,7 +189,8 @@ std::optional<int32_t> GetV4l2Control(V4l2Device* device, uint32_t id) {
   values.which = V4L2_CTRL_WHICH_CUR_VAL;
   values.count = 1;
   values.controls = &value;
-  if (AskAgain(device, VIDIOC_G_EXT_CTRLS, &values) != 0) return std::nullopt;
+  if (IoctlWithRetry(device, VIDIOC_G_EXT_CTRLS, &values) != 0)
+    return std::nullopt;
   // The kernel's structure is packed: references are not allowed.
   return int32_t{value.value};
 }
@@ -201,14 +203,14 @@ int SetV4l2Control(V4l2Device* device, uint32_t id, int32_t value) {
   settings.which = V4L2_CTRL_WHICH_CUR_VAL;
   settings.count = 1;
   settings.controls = &setting;
-  return AskAgain(device, VIDIOC_S_EXT_CTRLS, &settings);
+  return IoctlWithRetry(device, VIDIOC_S_EXT_CTRLS, &settings);
 }
 
 std::string DescribeV4l2Controls(V4l2Device* device) {
   std::string text;
   for (const v4l2_query_ext_ctrl& control : ListControls(device))
     text +=
-        "  --control " + NameOf(control) + "=" + Range(device, control) + "\n";
+        "  --control " + GetName(control) + "=" + Range(device, control) + "\n";
   return text;
 }
 

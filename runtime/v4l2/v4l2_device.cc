@@ -52,7 +52,7 @@ class KernelDevice : public V4l2Device {
 
   const std::string& path() const override { return path_; }
 
-  int Ask(unsigned long request, void* argument) override {
+  int Ioctl(unsigned long request, void* argument) override {
     return ioctl(file_.fd(), request, argument) == 0 ? 0 : errno;
   }
 
@@ -119,16 +119,16 @@ std::unique_ptr<V4l2Device> OpenV4l2Device(const std::string& path) {
   struct stat status;
   v4l2_capability capability = {};
   if (fstat(fd, &status) != 0 || !S_ISCHR(status.st_mode) ||
-      AskAgain(device.get(), VIDIOC_QUERYCAP, &capability) != 0)
+      IoctlWithRetry(device.get(), VIDIOC_QUERYCAP, &capability) != 0)
     throw CameraError(CameraExit::kInput,
                       path + ": not a video device; see --list");
   return device;
 }
 
-int AskAgain(V4l2Device* device, unsigned long request, void* argument) {
+int IoctlWithRetry(V4l2Device* device, unsigned long request, void* argument) {
   int status;
   do {
-    status = device->Ask(request, argument);
+    status = device->Ioctl(request, argument);
   } while (status == EINTR);
   return status;
 }

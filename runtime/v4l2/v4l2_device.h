@@ -16,7 +16,7 @@ class V4l2Device {
   /// Path of the device, for messages.
   virtual const std::string& path() const = 0;
   /// Calls ioctl() on the device. Returns 0, or the errno.
-  virtual int Ask(unsigned long request, void* argument) = 0;
+  virtual int Ioctl(unsigned long request, void* argument) = 0;
   /// Polls for frames and returns revents; 0 on timeout.
   virtual short Wait(int timeout_ms) = 0;
   /// Maps the driver's memory for reading; NULL on failure.
@@ -39,7 +39,7 @@ class V4l2Device {
 std::unique_ptr<V4l2Device> OpenV4l2Device(const std::string& path);
 
 /// Calls Ask(), again if a signal interrupts it.
-int AskAgain(V4l2Device* device, unsigned long request, void* argument);
+int IoctlWithRetry(V4l2Device* device, unsigned long request, void* argument);
 
 }  // namespace raygrid
 

@@ -23,7 +23,8 @@ std::string DescribeSizes(V4l2Device* device, uint32_t code) {
   std::string text;
   v4l2_frmsizeenum size = {};
   size.pixel_format = code;
-  for (; AskAgain(device, VIDIOC_ENUM_FRAMESIZES, &size) == 0; ++size.index) {
+  for (; IoctlWithRetry(device, VIDIOC_ENUM_FRAMESIZES, &size) == 0;
+       ++size.index) {
     if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) {
       const v4l2_frmsize_stepwise& steps = size.stepwise;
       return " " + Size(steps.min_width, steps.min_height) + " to " +
@@ -39,7 +40,8 @@ std::string DescribeFormats(V4l2Device* device, uint32_t buffer_type) {
   std::string text;
   v4l2_fmtdesc listed = {};
   listed.type = buffer_type;
-  for (; AskAgain(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index) {
+  for (; IoctlWithRetry(device, VIDIOC_ENUM_FMT, &listed) == 0;
+       ++listed.index) {
     text += "  " + V4l2FormatName(listed.pixelformat) +
             DescribeSizes(device, listed.pixelformat);
     if (!FindV4l2Format(listed.pixelformat) &&
@@ -83,7 +85,7 @@ std::vector<std::string> FindV4l2Devices() {
 
 std::string DescribeV4l2Device(V4l2Device* device) {
   v4l2_capability capability = {};
-  AskAgain(device, VIDIOC_QUERYCAP, &capability);
+  IoctlWithRetry(device, VIDIOC_QUERYCAP, &capability);
   return "v4l2:" + device->path() + " (" +
          reinterpret_cast<const char*>(capability.card) + ", " +
          reinterpret_cast<const char*>(capability.bus_info) + ")\n" +

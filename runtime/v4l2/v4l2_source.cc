@@ -60,7 +60,7 @@ V4l2Source::V4l2Source(std::unique_ptr<V4l2Device> device,
 
 void V4l2Source::Start() {
   int type = static_cast<int>(stream_.buffer_type);
-  const int status = AskAgain(device_.get(), VIDIOC_STREAMON, &type);
+  const int status = IoctlWithRetry(device_.get(), VIDIOC_STREAMON, &type);
   if (status != 0)
     throw V4l2Error(*device_, "failed to start", status, StartRemedy(status));
   is_streaming_ = true;
@@ -118,7 +118,7 @@ void V4l2Source::Stop() {
   if (!is_streaming_) return;
   is_streaming_ = false;
   int type = static_cast<int>(stream_.buffer_type);
-  AskAgain(device_.get(), VIDIOC_STREAMOFF, &type);
+  IoctlWithRetry(device_.get(), VIDIOC_STREAMOFF, &type);
 }
 
 void V4l2Source::Run() {

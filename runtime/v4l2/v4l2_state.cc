@@ -21,7 +21,7 @@ struct V4l2StateLock::Subject {
 namespace {
 
 // Returns EIO if the device reports success, but changes the value.
-int SetFirmly(V4l2Device* device, uint32_t id, int32_t value) {
+int SetAndVerify(V4l2Device* device, uint32_t id, int32_t value) {
   const int status = SetV4l2Control(device, id, value);
   if (status != 0) return status;
   return GetV4l2Control(device, id).value_or(value) == value ? 0 : EIO;
@@ -60,9 +60,9 @@ int V4l2StateLock::EndMode(const Subject& subject) {
   int error = 0;
   for (const int32_t manual : subject.manual) {
     if (before == manual) return 0;
-    const int status = SetFirmly(device_, subject.mode, manual);
+    const int status = SetAndVerify(device_, subject.mode, manual);
     if (status == 0) {
-      if (before) ended_.push_back({subject.mode, *before});
+      if (before) disabled_modes_.push_back({subject.mode, *before});
       return 0;
     }
     if (error == 0) error = status;
@@ -70,7 +70,7 @@ int V4l2StateLock::EndMode(const Subject& subject) {
   return error;
 }
 
-std::optional<int32_t> V4l2StateLock::Wanted(uint32_t id) const {
+std::optional<int32_t> V4l2StateLock::GetRequestedValue(uint32_t id) const {
   return id == V4L2_CID_FOCUS_ABSOLUTE ? focus_ : std::nullopt;
 }
 
@@ -96,10 +96,12 @@ bool V4l2StateLock::Fix(const Subject& subject, StateLock* lock) {
   std::optional<int32_t> value =
       control ? GetV4l2Control(device_, control->id) : std::nullopt;
   const std::optional<int32_t> wanted =
-      control && Wanted(control->id) ? Wanted(control->id) : before;
+      control && GetRequestedValue(control->id) ? GetRequestedValue(control->id)
+                                                : before;
   if (wanted && value != wanted &&
       SetV4l2Control(device_, control->id, *wanted) == 0) {
-    if (wanted != before && before) ended_.push_back({control->id, *before});
+    if (wanted != before && before)
+      disabled_modes_.push_back({control->id, *before});
     value = GetV4l2Control(device_, control->id);
   }
   lock->locked.push_back(value ? DescribeFixed(subject.name, *control, *value)
@@ -143,8 +145,9 @@ StateLock V4l2StateLock::Lock() {
 
 void V4l2StateLock::Unlock() {
   const std::lock_guard<std::mutex> guard(mutex_);
-  for (; !ended_.empty(); ended_.pop_back())
-    SetV4l2Control(device_, ended_.back().id, ended_.back().value);
+  for (; !disabled_modes_.empty(); disabled_modes_.pop_back())
+    SetV4l2Control(device_, disabled_modes_.back().id,
+                   disabled_modes_.back().value);
 }
 
 }  // namespace raygrid

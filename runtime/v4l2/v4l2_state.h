@@ -38,13 +38,14 @@ class V4l2StateLock {
   };
 
   int EndMode(const Subject& subject);
-  std::optional<int32_t> Wanted(uint32_t id) const;
+  std::optional<int32_t> GetRequestedValue(uint32_t id) const;
   bool Fix(const Subject& subject, StateLock* lock);
 
   V4l2Device* const device_;
-  std::mutex mutex_;         // guards all members below; held during Lock() and
-                             // Unlock()
-  std::vector<Mode> ended_;  // disabled modes with their original values
+  std::mutex mutex_;  // guards all members below; held during Lock() and
+                      // Unlock()
+  std::vector<Mode>
+      disabled_modes_;  // disabled modes with their original values
   std::optional<int32_t> focus_;
 };
 

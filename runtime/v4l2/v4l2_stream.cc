@@ -42,7 +42,7 @@ v4l2_format MakeFormat(uint32_t buffer_type, uint32_t code, unsigned width,
   return format;
 }
 
-Picture PictureOf(const v4l2_format& format) {
+Picture GetPictureFormat(const v4l2_format& format) {
   if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
     const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
     return {pix.pixelformat, pix.width, pix.height, pix.field,
@@ -58,11 +58,11 @@ std::vector<uint32_t> ListCodes(V4l2Device* device, uint32_t buffer_type) {
   std::vector<uint32_t> codes;
   v4l2_format own = {};
   own.type = buffer_type;
-  if (AskAgain(device, VIDIOC_G_FMT, &own) == 0)
-    codes.push_back(PictureOf(own).code);
+  if (IoctlWithRetry(device, VIDIOC_G_FMT, &own) == 0)
+    codes.push_back(GetPictureFormat(own).code);
   v4l2_fmtdesc listed = {};
   listed.type = buffer_type;
-  for (; AskAgain(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index)
+  for (; IoctlWithRetry(device, VIDIOC_ENUM_FMT, &listed) == 0; ++listed.index)
     codes.push_back(listed.pixelformat);
   return codes;
 }
@@ -94,10 +94,10 @@ std::optional<Choice> FindFormat(V4l2Device* device, uint32_t buffer_type,
   std::optional<Choice> adjusted;
   for (const uint32_t code : codes) {
     v4l2_format format = MakeFormat(buffer_type, code, width, height);
-    const int status = AskAgain(device, VIDIOC_TRY_FMT, &format);
+    const int status = IoctlWithRetry(device, VIDIOC_TRY_FMT, &format);
     // A driver may lack this ioctl.
     if (status != 0 && status != ENOTTY) continue;
-    const Picture picture = PictureOf(format);
+    const Picture picture = GetPictureFormat(format);
     if (picture.code != code) continue;
     if (picture.width == width && picture.height == height)
       return Choice{format, true};
@@ -142,7 +142,7 @@ bool HasWholeFrames(uint32_t field) {
 
 // Reads strides and buffer sizes from the driver's format.
 void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
-  const Picture picture = PictureOf(format);
+  const Picture picture = GetPictureFormat(format);
   uint32_t strides[3] = {};
   if (stream->has_planes_apart()) {
     const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
@@ -206,7 +206,7 @@ CameraError V4l2Error(const V4l2Device& device, const std::string& words,
 
 uint32_t FindBufferType(V4l2Device* device) {
   v4l2_capability capability = {};
-  const int status = AskAgain(device, VIDIOC_QUERYCAP, &capability);
+  const int status = IoctlWithRetry(device, VIDIOC_QUERYCAP, &capability);
   if (status != 0)
     throw V4l2Error(*device, "does not respond", status, "see --list");
   const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS
@@ -227,16 +227,16 @@ V4l2Stream ChooseStream(V4l2Device* device, const std::string& name,
   stream.buffer_type = FindBufferType(device);
   v4l2_format format = ChooseFormat(device, stream.buffer_type, name, width,
                                     height, takes_jpegs);
-  const uint32_t code = PictureOf(format).code;
-  const int status = AskAgain(device, VIDIOC_S_FMT, &format);
+  const uint32_t code = GetPictureFormat(format).code;
+  const int status = IoctlWithRetry(device, VIDIOC_S_FMT, &format);
   if (status != 0)
     throw V4l2Error(*device, "rejects the format", status,
                     "use a --format and --size from --list");
-  if (PictureOf(format).code != code)
-    throw V4l2Error(*device,
-                    "delivers " + V4l2FormatName(PictureOf(format).code) +
-                        " at that size; use another --format from --list");
-  if (!HasWholeFrames(PictureOf(format).field))
+  if (GetPictureFormat(format).code != code)
+    throw V4l2Error(
+        *device, "delivers " + V4l2FormatName(GetPictureFormat(format).code) +
+                     " at that size; use another --format from --list");
+  if (!HasWholeFrames(GetPictureFormat(format).field))
     throw V4l2Error(
         *device,
         "delivers interlaced fields; use a --size with progressive frames");

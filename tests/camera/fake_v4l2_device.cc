@@ -15,7 +15,7 @@ uint32_t FakeV4l2Device::type() const {
                                   : V4L2_BUF_TYPE_VIDEO_CAPTURE;
 }
 
-int FakeV4l2Device::Ask(unsigned long request, void* argument) {
+int FakeV4l2Device::Ioctl(unsigned long request, void* argument) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   auto& errors = state_->errors[request];
   if (!errors.empty()) {

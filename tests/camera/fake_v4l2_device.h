@@ -77,7 +77,7 @@ class FakeV4l2Device : public V4l2Device {
  public:
   explicit FakeV4l2Device(FakeV4l2State* state) : state_(state) {}
   const std::string& path() const override { return path_; }
-  int Ask(unsigned long request, void* argument) override;
+  int Ioctl(unsigned long request, void* argument) override;
   short Wait(int timeout_ms) override;
   uint8_t* Map(size_t size, uint32_t offset) override;
   std::vector<std::string> Heaps() const override { return state_->heaps; }

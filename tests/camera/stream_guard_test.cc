@@ -10,7 +10,7 @@ namespace {
 
 using Use = StreamGuard::Use;
 
-constexpr SensorCrop kWhole = {0, 0, 320, 240};
+constexpr SensorCrop kComplete = {0, 0, 320, 240};
 
 StreamFormat Format(uint32_t width, uint32_t height) {
   return MakeStreamFormat(*FindPixelFormat("R8"), width, height, 0);
@@ -62,21 +62,21 @@ TEST(StreamGuard, AZoomWhileItRunsIsRefused) {
   const rg_camera camera = OpenLens();
   StreamGuard guard(camera, Format(160, 120), Use::kFrames, "", std::nullopt);
   guard.Check({});
-  guard.Check(Showing(kWhole));
-  guard.Check(Showing(kWhole));
+  guard.Check(Showing(kComplete));
+  guard.Check(Showing(kComplete));
   ExpectRefused(&guard, Showing(SensorCrop{80, 60, 160, 120}), "80,60,160x120");
 }
 
 TEST(StreamGuard, ACropThatWasNotCalibratedIsRefusedFromTheFirstFrame) {
   const rg_camera camera = OpenLens();
-  StreamGuard guard(camera, Format(160, 120), Use::kFrames, "", kWhole);
+  StreamGuard guard(camera, Format(160, 120), Use::kFrames, "", kComplete);
   ExpectRefused(&guard, Showing(SensorCrop{80, 60, 160, 120}), "0,0,320x240");
 }
 
 TEST(StreamGuard, PositionsOfACropAreBroughtToCalibratedOnes) {
   const rg_camera camera = OpenLens();
   // The right half of the lower half, in pixels twice as fine.
-  StreamGuard guard(camera, Format(160, 120), Use::kPositions, "", kWhole);
+  StreamGuard guard(camera, Format(160, 120), Use::kPositions, "", kComplete);
   guard.Check(Showing(SensorCrop{160, 120, 160, 120}));
   ASSERT_TRUE(guard.mode());
   rg_pixel calibrated;
@@ -148,7 +148,7 @@ TEST(StreamGuard, ImpossibleCropsAreRefused) {
   for (const SensorCrop& crop :
        {SensorCrop{0, 0, 0, 0}, SensorCrop{-400, 0, 320, 240},
         SensorCrop{0, 0, 4000000000u, 1}, SensorCrop{INT32_MAX, 0, 320, 240}}) {
-    StreamGuard guard(camera, Format(160, 120), Use::kFrames, "", kWhole);
+    StreamGuard guard(camera, Format(160, 120), Use::kFrames, "", kComplete);
     EXPECT_THROW(guard.Check(Showing(crop)), CameraError);
   }
 }

@@ -1,6 +1,6 @@
 # Suites that take more than a CPU second. Chessboard and Formats (6 and 10 s) are quick tests all the same.
 set(NOT_QUICK
-  RunBundleAdjustment OptimizeWithLearnedPrior BlobCamera BoardGuess CameraFrame CameraInformation
+  RunBundleAdjustment OptimizeWithLearnedPrior BlobCamera BoardGuess CanonicalFrame CameraInformation
   CaptureGuide Charuco SelectSamples MakeColmapFormat FeatureRefiner FitParametricModel FitRemapTable
   FrameQuality GuidedRig IdentifyBoard ImageCircle InterruptionsDeathTest AssessBudget
   LargeEquations Lenses/InitializeFromThreeViewsOf Lenses/UnevenLensOf LowContrast MarkerBoards

@@ -190,7 +190,7 @@ std::string GetSourceName(const CameraArguments& arguments) {
 }
 
 // Prints a line over the statistics if on a terminal.
-void SayLine(const std::string& text) {
+void PrintLine(const std::string& text) {
   std::fprintf(stderr, "%sraygrid-camera: %s\n",
                isatty(STDERR_FILENO) == 1 ? "\x1b[K" : "", text.c_str());
 }
@@ -270,14 +270,14 @@ void StreamPoints(const CameraArguments& arguments, rg_camera camera,
   OperatingPointFollower stack(&camera);
   if (info) stack.Follow(*info);
   if (stack.counts().num_missing > 0)
-    SayLine(
+    PrintLine(
         "the frame does not report its operating point: using the reference of "
         "the blob, unless a point has a third number");
   UndistortPoints(camera, guard.mode(), arguments.points, stdout, IsSignalled,
                   &stack);
   if (const uint64_t num = stack.counts().outside)
-    SayLine(std::to_string(num) + (num == 1 ? " value is" : " values are") +
-            " outside the blob's range and clamped");
+    PrintLine(std::to_string(num) + (num == 1 ? " value is" : " values are") +
+              " outside the blob's range and clamped");
 }
 
 }  // namespace
@@ -300,7 +300,7 @@ void RunCameraSession(const CameraArguments& arguments, const rg_camera& camera,
                       const std::optional<rg_capture_section>& recorded,
                       FrameSource* source) {
   CaptureGuard capture(recorded, GetSourceName(arguments), arguments.is_strict,
-                       SayLine);
+                       PrintLine);
   if (arguments.is_check)
     return StreamFrames(MakeCheckArguments(arguments), camera, &capture,
                         source);

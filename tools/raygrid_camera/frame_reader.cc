@@ -24,8 +24,9 @@ FrameReader::Outcome ReadPlanes(InputStream* stream, const StreamFormat& format,
                                 uint8_t* frame) {
   const size_t size = format.packed_size();
   const size_t came = stream->Read(frame, size);
-  if (came == size) return FrameReader::Outcome::kWhole;
-  return came == 0 ? FrameReader::Outcome::kEnd : FrameReader::Outcome::kCut;
+  if (came == size) return FrameReader::Outcome::kComplete;
+  return came == 0 ? FrameReader::Outcome::kEnd
+                   : FrameReader::Outcome::kTruncated;
 }
 
 bool BeginsWith(InputStream* stream, const char* text, size_t length) {
@@ -95,14 +96,14 @@ class Y4mReader : public FrameReader {
   Outcome Read(uint8_t* frame) override {
     constexpr size_t kLength = sizeof(kY4mFrame) - 1;
     const size_t came = stream_->Await(kLength);
-    if (came < kLength) return came == 0 ? Outcome::kEnd : Outcome::kCut;
+    if (came < kLength) return came == 0 ? Outcome::kEnd : Outcome::kTruncated;
     if (!BeginsWith(stream_, kY4mFrame, kLength))
       throw InputError(
           "a Y4M frame does not begin with FRAME; the stream is corrupt");
     std::string line;
-    if (!ReadLine(stream_, &line)) return Outcome::kCut;
+    if (!ReadLine(stream_, &line)) return Outcome::kTruncated;
     const Outcome outcome = ReadPlanes(stream_, format_, frame);
-    return outcome == Outcome::kEnd ? Outcome::kCut : outcome;
+    return outcome == Outcome::kEnd ? Outcome::kTruncated : outcome;
   }
 
  private:

@@ -13,10 +13,10 @@ namespace raygrid {
 class FrameReader {
  public:
   enum class Outcome {
-    kWhole,
+    kComplete,
     kDamaged,
     kEnd,
-    kCut  // the stream ended within a frame
+    kTruncated  // the stream ended within a frame
   };
 
   virtual ~FrameReader() = default;

@@ -66,7 +66,7 @@ bool operator==(const JpegSize& a, const JpegSize& b) {
   return a.width == b.width && a.height == b.height && a.is_grey == b.is_grey;
 }
 
-JpegSize SizeOf(const jpeg_decompress_struct& jpeg) {
+JpegSize GetJpegSize(const jpeg_decompress_struct& jpeg) {
   return {jpeg.image_width, jpeg.image_height,
           jpeg.jpeg_color_space == JCS_GRAYSCALE};
 }
@@ -83,7 +83,7 @@ bool ReadJpegSize(const uint8_t* bytes, size_t number, JpegSize* size) {
   }
   jpeg_mem_src(&jpeg, bytes, number);
   jpeg_read_header(&jpeg, TRUE);
-  *size = SizeOf(jpeg);
+  *size = GetJpegSize(jpeg);
   jpeg_destroy_decompress(&jpeg);
   return true;
 }
@@ -116,7 +116,7 @@ class JpegReader : public FrameReader {
   explicit JpegReader(InputStream* stream) : stream_(stream) {
     for (;;) {
       const Outcome outcome = FindImage();
-      if (outcome == Outcome::kEnd || outcome == Outcome::kCut)
+      if (outcome == Outcome::kEnd || outcome == Outcome::kTruncated)
         throw CameraError(
             CameraExit::kInput,
             "standard input: contains no complete JPEG; check --format");
@@ -133,7 +133,7 @@ class JpegReader : public FrameReader {
 
   Outcome Read(uint8_t* frame) override {
     const Outcome outcome = FindImage();
-    if (outcome != Outcome::kWhole) return outcome;
+    if (outcome != Outcome::kComplete) return outcome;
     JpegSize size;
     bool is_good = ReadJpegSize(stream_->data(), image_bytes_, &size);
     if (is_good && !(size == size_))
@@ -148,7 +148,7 @@ class JpegReader : public FrameReader {
         is_good && Decompress(stream_->data(), image_bytes_, size_.is_grey,
                               frame, format_.planes[0].row_bytes);
     stream_->Take(image_bytes_);
-    return is_good ? Outcome::kWhole : Outcome::kDamaged;
+    return is_good ? Outcome::kComplete : Outcome::kDamaged;
   }
 
  private:
@@ -205,7 +205,7 @@ class JpegReader : public FrameReader {
       if (marker == kStartOfImage) return Drop(place);
       if (marker == kEndOfImage) {
         image_bytes_ = place + 2;
-        return Outcome::kWhole;
+        return Outcome::kComplete;
       }
       if (marker == kFill) {
         ++place;
@@ -220,7 +220,7 @@ class JpegReader : public FrameReader {
         if (marker == kStartOfScan && !SkipScan(&place)) break;
       }
     }
-    return Outcome::kCut;
+    return Outcome::kTruncated;
   }
 
   InputStream* const stream_;

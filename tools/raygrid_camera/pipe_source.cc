@@ -14,8 +14,8 @@ constexpr std::chrono::milliseconds kPipePatience(50);
 }  // namespace
 
 PipeSource::PipeSource(int fd, const PipeOptions& options,
-                       std::function<bool()> is_signalled)
-    : is_signalled_(std::move(is_signalled)),
+                       std::function<bool()> is_interrupted)
+    : is_interrupted_(std::move(is_interrupted)),
       deadline_(Clock::now() +
                 std::chrono::duration_cast<Clock::duration>(
                     std::chrono::duration<double>(options.timeout_s))),
@@ -58,7 +58,7 @@ void PipeSource::Stop() {
 }
 
 bool PipeSource::MustStop() const {
-  return is_stopped_ || is_signalled_() ||
+  return is_stopped_ || is_interrupted_() ||
          (deadline_ && Clock::now() > *deadline_);
 }
 
@@ -76,7 +76,7 @@ void PipeSource::ReadFrames() {
     const std::optional<uint32_t> buffer = free_.Pop(kPipePatience);
     if (!buffer) continue;
     switch (reader_->Read(buffers_[*buffer].data())) {
-      case FrameReader::Outcome::kWhole:
+      case FrameReader::Outcome::kComplete:
         Deliver(*buffer);
         break;
       case FrameReader::Outcome::kDamaged:
@@ -84,7 +84,7 @@ void PipeSource::ReadFrames() {
         ++num_read_;
         free_.Push(*buffer);
         break;
-      case FrameReader::Outcome::kCut:
+      case FrameReader::Outcome::kTruncated:
         if (!MustStop())
           Fail(std::string("standard input: ended within a frame; ") +
                reader_->remedy());

@@ -29,9 +29,9 @@ class PipeSource : public FrameSource {
  public:
   /// Reads the header of the stream. Throws CameraError if none arrives.
   ///
-  /// @param is_signalled returns true after SIGINT or SIGTERM
+  /// @param is_interrupted returns true after SIGINT or SIGTERM
   PipeSource(int fd, const PipeOptions& options,
-             std::function<bool()> is_signalled);
+             std::function<bool()> is_interrupted);
   ~PipeSource() override { Stop(); }
 
   const StreamFormat& format() const override { return reader_->format(); }
@@ -50,7 +50,7 @@ class PipeSource : public FrameSource {
   void Deliver(uint32_t buffer);
   void Fail(const std::string& why);
 
-  const std::function<bool()> is_signalled_;
+  const std::function<bool()> is_interrupted_;
   std::atomic<bool> is_stopped_{false};
   std::optional<Clock::time_point> deadline_;  // for the first bytes
   InputStream stream_;

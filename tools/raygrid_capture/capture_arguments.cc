@@ -53,7 +53,7 @@ bool ParseCamera(const std::string& source, CameraArguments* camera) {
 
 // Returns the canonical path of a camera device or file; other sources are
 // returned unchanged.
-std::string PlaceOf(const std::string& source) {
+std::string FindSourceLocation(const std::string& source) {
   CameraArguments camera;
   const std::string name =
       ParseCamera(source, &camera) ? camera.camera : source;
@@ -67,7 +67,8 @@ std::string PlaceOf(const std::string& source) {
 void RequireDifferentSources(const std::vector<NamedValue>& sources) {
   for (size_t k = 1; k < sources.size(); ++k)
     for (size_t before = 0; before < k; ++before)
-      if (PlaceOf(sources[before].value) == PlaceOf(sources[k].value))
+      if (FindSourceLocation(sources[before].value) ==
+          FindSourceLocation(sources[k].value))
         throw Error(ExitCode::kUsage,
                     fmt::format("--source {}={}: same source as camera {}; use "
                                 "a different source for each camera",
@@ -151,14 +152,14 @@ void AddCaptureOptions(CLI::App* app, CaptureArguments* arguments) {
          "stop when the predicted uncertainty is below this limit in 95 % of "
          "the image (default: when no view reduces the variance by 2 %)")
       ->option_text("PX");
-  app->add_option("--still-px", arguments->loop.judge.still_px,
+  app->add_option("--still-px", arguments->loop.frame_selector.still_px,
                   "keep a frame only if its features move by less than this "
                   "during the exposure, or since the previous frame if the "
                   "exposure time is unknown")
       ->option_text("PX")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
-  app->add_flag("--every-frame", arguments->loop.judge.every_frame,
+  app->add_flag("--every-frame", arguments->loop.frame_selector.every_frame,
                 "keep every frame that shows the target, for calibrate "
                 "--rolling-shutter");
   BeginGroup(app, help_group::kOutput);

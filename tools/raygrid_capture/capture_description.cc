@@ -24,16 +24,16 @@ ViewState ShowView(const CameraModel& camera, const Board& board,
 
 }  // namespace
 
-void DescribeFrame(const AssessedFrame& judged, CaptureState* state) {
-  state->word = judged.word;
-  state->hint = judged.hint;
-  state->width = judged.frame->grey.size.width;
-  state->height = judged.frame->grey.size.height;
+void DescribeFrame(const AssessedFrame& assessed, CaptureState* state) {
+  state->word = assessed.word;
+  state->hint = assessed.hint;
+  state->width = assessed.frame->grey.size.width;
+  state->height = assessed.frame->grey.size.height;
   state->features.clear();
-  for (const Feature& feature : judged.seen.features.features)
+  for (const Feature& feature : assessed.seen.features.features)
     state->features.push_back(feature.pixel);
-  state->sharpness_px = judged.seen.quality.max_spread_px;
-  state->brightness = judged.seen.quality.white / 255;
+  state->sharpness_px = assessed.seen.quality.max_spread_px;
+  state->brightness = assessed.seen.quality.white / 255;
 }
 
 void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
@@ -41,9 +41,9 @@ void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state) {
   state->places.clear();
   state->stddev_px = 0;
   state->stddev_is_floor = guide.is_floor();
-  if (const CameraInformation* const knowledge = guide.knowledge()) {
-    state->stddev_px = knowledge->Percentile95Px();
-    for (const UncertaintySample& place : knowledge->places())
+  if (const CameraInformation* const information = guide.information()) {
+    state->stddev_px = information->Percentile95Px();
+    for (const UncertaintySample& place : information->places())
       state->places.push_back({place.pixel, place.stddev_px});
   }
   state->is_done = rig.is_done();
@@ -77,19 +77,19 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
 }
 
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
-                 const AssessedFrames& judged, size_t shown,
+                 const AssessedFrames& assessed, size_t shown,
                  CaptureState* state) {
-  state->cameras.resize(judged.size());
-  for (size_t c = 0; c < judged.size(); ++c) {
+  state->cameras.resize(assessed.size());
+  for (size_t c = 0; c < assessed.size(); ++c) {
     CameraState& camera = state->cameras[c];
     camera.name = frames.name(c);
-    if (judged[c].frame) camera.word = judged[c].word;
+    if (assessed[c].frame) camera.word = assessed[c].word;
     const CaptureGuide* const own = rig.guide(c);
     camera.stddev_px =
-        own && own->knowledge() ? own->knowledge()->Percentile95Px() : 0;
+        own && own->information() ? own->information()->Percentile95Px() : 0;
     if (camera.word == "kept") state->word = "kept";
   }
-  if (rig.next() && !state->hint.empty() && judged[shown].frame)
+  if (rig.next() && !state->hint.empty() && assessed[shown].frame)
     state->hint = state->camera + ": " + state->hint;
   state->links.clear();
   for (const RigGuide::Link& link : rig.links())

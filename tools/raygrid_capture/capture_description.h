@@ -26,7 +26,7 @@ using AssessedFrames = std::vector<AssessedFrame>;  ///< by camera
 
 /// Sets the state of the image itself: status, size, features, sharpness,
 /// brightness. judged.frame must not be NULL.
-void DescribeFrame(const AssessedFrame& judged, CaptureState* state);
+void DescribeFrame(const AssessedFrame& assessed, CaptureState* state);
 /// Sets the camera's predicted uncertainty and the remaining images.
 void DescribeKnown(const RigGuide& rig, size_t camera, CaptureState* state);
 /// Sets the next view, and the direction to it from the current features, for
@@ -36,7 +36,7 @@ void DescribeNext(const RigGuide& rig, const ImageFeatures& features,
 /// Sets the summary of all cameras of a rig and their relative poses. shown:
 /// camera described by the state.
 void DescribeRig(const RigGuide& rig, const PairedFrames& frames,
-                 const AssessedFrames& judged, size_t shown,
+                 const AssessedFrames& assessed, size_t shown,
                  CaptureState* state);
 
 }  // namespace raygrid

@@ -82,12 +82,12 @@ CaptureLoop::CaptureLoop(const CaptureLoopOptions& options,
       frames_(frames),
       session_(session),
       viewers_(std::move(viewers)),
-      wishes_(wishes),
+      requests_(wishes),
       live_(frames->size()),
       guides_(frames->size()),
       avoided_(frames->size()) {
   for (size_t c = 0; c < frames->size(); ++c)
-    cameras_.emplace_back(pattern, options.judge);
+    cameras_.emplace_back(pattern, options.frame_selector);
   state_.target_px = options.guide.target_px;
 }
 
@@ -125,8 +125,8 @@ void CaptureLoop::Run() {
 
 bool CaptureLoop::IsFinished() {
   if (IsSignalled() || frames_->is_finished()) return true;
-  const std::lock_guard<std::mutex> lock(wishes_->mutex_);
-  return wishes_->is_finished_ || (guide_ && guide_->is_done());
+  const std::lock_guard<std::mutex> lock(requests_->mutex_);
+  return requests_->is_finished_ || (guide_ && guide_->is_done());
 }
 
 // ---- Camera estimates ------------------------------------------------------
@@ -144,7 +144,7 @@ void CaptureLoop::UpdateCameras(const std::vector<bool>& changed,
 
 void CaptureLoop::MakeGuide(const std::vector<bool>& changed) {
   GuideOptions options = options_.guide;
-  options.leaves_connecting = has_connected_in_vain_;
+  options.skip_connecting_views = has_failed_to_connect_;
   std::vector<GuidedCamera> cameras(live_.size());
   for (size_t c = 0; c < live_.size(); ++c) {
     if (!live_[c]) continue;
@@ -165,7 +165,7 @@ void CaptureLoop::AdoptGuide(bool wait) {
   }
   if (!next_guide_) return;
   guide_ = std::move(next_guide_);
-  guided_since_ = SteadyClock::now();
+  guidance_start_ = SteadyClock::now();
   SelectDisplayedCamera();
 }
 
@@ -183,13 +183,13 @@ void CaptureLoop::SelectDisplayedCamera() {
 void CaptureLoop::SkipView() {
   constexpr double kPatienceS = 20;
   if (!frames_->is_live() || adjusting_.valid() || state_.is_paused ||
-      SecondsSince(guided_since_) < kPatienceS)
+      SecondsSince(guidance_start_) < kPatienceS)
     return;
   std::vector<bool> changed(live_.size(), false);
   if (guide_->to_connect() && !guide_->next()) {
-    if (has_connected_in_vain_) return;
-    has_connected_in_vain_ = true;
-  } else if (guide().knowledge() && guide_->next()) {
+    if (has_failed_to_connect_) return;
+    has_failed_to_connect_ = true;
+  } else if (guide().information() && guide_->next()) {
     avoided_[shown_].push_back(guide_->next()->view.camera_from_board);
     changed[shown_] = true;
   } else {
@@ -254,7 +254,7 @@ void CaptureLoop::ProcessFrameSet(const FrameSet& frame_set) {
   Begin(frame_set);
   AssessedFrames assessed_frames = Assess(frame_set);
   if (IsRequested(assessed_frames)) {
-    Forbid(&assessed_frames);
+    RejectWhileUnlocked(&assessed_frames);
     if (IsRequested(assessed_frames)) Save(&assessed_frames);
   }
   CountFrameSet();
@@ -275,12 +275,13 @@ AssessedFrames CaptureLoop::Assess(const FrameSet& frame_set) {
   AssessedFrames assessed_frames(frame_set.size());
   for (size_t c = 0; c < frame_set.size(); ++c) {
     if (!frame_set[c]) continue;
-    AssessedFrame& judged = assessed_frames[c];
-    judged.frame = &*frame_set[c];
-    judged.seen = c == 0 ? cameras_[c].See(*frame_set[c]) : seen[c].get();
-    const FrameStatus word = cameras_[c].Assess(judged.seen, *guide_->guide(c));
-    judged.word = GetStatusText(word);
-    judged.hint = GetRemedy(word);
+    AssessedFrame& assessed = assessed_frames[c];
+    assessed.frame = &*frame_set[c];
+    assessed.seen = c == 0 ? cameras_[c].See(*frame_set[c]) : seen[c].get();
+    const FrameStatus word =
+        cameras_[c].Assess(assessed.seen, *guide_->guide(c));
+    assessed.word = GetStatusText(word);
+    assessed.hint = GetRemedy(word);
   }
   return assessed_frames;
 }
@@ -299,28 +300,28 @@ bool CaptureLoop::IsRequested(const AssessedFrames& assessed_frames) const {
   return guide_->IsInformativeForLinks(usable);
 }
 
-void CaptureLoop::Forbid(AssessedFrames* assessed_frames) {
+void CaptureLoop::RejectWhileUnlocked(AssessedFrames* assessed_frames) {
   for (size_t c = 0; c < assessed_frames->size(); ++c) {
-    AssessedFrame& judged = (*assessed_frames)[c];
-    if (!judged.IsUsable()) continue;
+    AssessedFrame& assessed = (*assessed_frames)[c];
+    if (!assessed.IsUsable()) continue;
     if (state_.is_paused) {
-      judged.word = "paused";
+      assessed.word = "paused";
       continue;
     }
     const auto& kept = session_->cameras()[c].frames;
     FrameSource* const source =
         frames_->is_live() ? frames_->source(c) : nullptr;
     const std::string word = cameras_[c].GetStateText(
-        *judged.frame, source, kept.empty() ? nullptr : &kept.front());
+        *assessed.frame, source, kept.empty() ? nullptr : &kept.front());
     RecordLock(c);
     if (word == "refocused" || word == "cropped")
-      judged.hint =
+      assessed.hint =
           "the capture settings differ from those of the first frame: restore "
           "them with --control, or start a new session";
     if (!word.empty())
-      judged.word = word;
+      assessed.word = word;
     else if (adjusting_.valid())
-      judged.word = "busy";
+      assessed.word = "busy";
   }
 }
 
@@ -343,28 +344,28 @@ void CaptureLoop::Save(AssessedFrames* assessed_frames) {
   std::vector<bool> changed(assessed_frames->size(), false);
   std::vector<ImageFeatures> images(assessed_frames->size());
   for (size_t c = 0; c < assessed_frames->size(); ++c) {
-    AssessedFrame& judged = (*assessed_frames)[c];
-    if (!judged.IsUsable()) continue;
-    const LiveFrame& frame = *judged.frame;
+    AssessedFrame& assessed = (*assessed_frames)[c];
+    if (!assessed.IsUsable()) continue;
+    const LiveFrame& frame = *assessed.frame;
     if (name.empty()) name = session_->NewName(frame.name);
-    judged.seen.features.image = name;
-    judged.word = "kept";
-    judged.hint.clear();
+    assessed.seen.features.image = name;
+    assessed.word = "kept";
+    assessed.hint.clear();
     frames.push_back({c, frame.grey.size,
-                      cameras_[c].MakeRecord(frame, judged.seen),
+                      cameras_[c].MakeRecord(frame, assessed.seen),
                       frame.path.empty() ? EncodePng(frame.image)
                                          : ReadImageFile(frame.path)});
     greys.push_back(&frame.grey);
-    images[c] = judged.seen.features;
+    images[c] = assessed.seen.features;
     changed[c] = true;
   }
   session_->Save(std::move(frames));
   state_.kept.push_back(name);
   if (viewers_.add_kept) viewers_.add_kept(name, greys);
   // With every_frame, frames arrive faster than the estimates can be updated.
-  if (options_.judge.every_frame) return;
+  if (options_.frame_selector.every_frame) return;
   for (auto& avoided : avoided_) avoided.clear();
-  has_connected_in_vain_ = false;
+  has_failed_to_connect_ = false;
   UpdateCameras(changed,
                 [images](size_t c, LiveCamera* live) { live->Add(images[c]); });
 }
@@ -386,10 +387,10 @@ void CaptureLoop::ApplyRequests() {
   std::vector<std::string> deleted;
   int num_undo = 0;
   {
-    const std::lock_guard<std::mutex> lock(wishes_->mutex_);
-    deleted.swap(wishes_->deleted_);
-    std::swap(num_undo, wishes_->num_undo_);
-    state_.is_paused = wishes_->is_paused_;
+    const std::lock_guard<std::mutex> lock(requests_->mutex_);
+    deleted.swap(requests_->deleted_);
+    std::swap(num_undo, requests_->num_undo_);
+    state_.is_paused = requests_->is_paused_;
   }
   for (const std::string& name : deleted) Remove(name);
   for (; num_undo > 0 && !state_.kept.empty(); --num_undo)
@@ -410,16 +411,16 @@ void CaptureLoop::CountFrameSet() {
 void CaptureLoop::Describe(const AssessedFrames& assessed_frames) {
   state_.camera = frames_->name(shown_);
   state_.warnings = lock_warnings_;
-  const AssessedFrame& judged = assessed_frames[shown_];
-  if (judged.frame) DescribeFrame(judged, &state_);
+  const AssessedFrame& assessed = assessed_frames[shown_];
+  if (assessed.frame) DescribeFrame(assessed, &state_);
   DescribeKnown(*guide_, shown_, &state_);
-  if (judged.frame) DescribeNext(*guide_, judged.seen.features, &state_);
-  if (judged.frame) AskForPattern(judged.seen.features);
+  if (assessed.frame) DescribeNext(*guide_, assessed.seen.features, &state_);
+  if (assessed.frame) RequestPattern(assessed.seen.features);
   if (assessed_frames.size() > 1)
     DescribeRig(*guide_, *frames_, assessed_frames, shown_, &state_);
 }
 
-void CaptureLoop::AskForPattern(const ImageFeatures& seen) {
+void CaptureLoop::RequestPattern(const ImageFeatures& seen) {
   constexpr int kManyFrames = 300;
   num_without_board_ = seen.features.empty() ? num_without_board_ + 1 : 0;
   if (num_without_board_ > kManyFrames && guide_->next())

@@ -26,7 +26,7 @@ namespace raygrid {
 struct CaptureLoopOptions {
   std::string source;  ///< name for errors
   GuideOptions guide;
-  KeyframeSelectorOptions judge;
+  KeyframeSelectorOptions frame_selector;
   int num_threads = 0;
   double timeout_s = 5;  ///< maximum time without a frame
 };
@@ -88,7 +88,7 @@ class CaptureLoop {
   void ProcessFrameSet(const FrameSet& frame_set);
   AssessedFrames Assess(const FrameSet& frame_set);
   bool IsRequested(const AssessedFrames& frames) const;
-  void Forbid(AssessedFrames* frames);
+  void RejectWhileUnlocked(AssessedFrames* frames);
   void Save(AssessedFrames* frames);
   void RecordLock(size_t camera);
   void ApplyRequests();
@@ -98,7 +98,7 @@ class CaptureLoop {
   void AdoptGuide(bool wait);
   void SelectDisplayedCamera();
   void Describe(const AssessedFrames& frames);
-  void AskForPattern(const ImageFeatures& seen);
+  void RequestPattern(const ImageFeatures& seen);
   void CountFrameSet();
   void SkipView();
   bool IsFinished();
@@ -109,7 +109,7 @@ class CaptureLoop {
   PairedFrames* const frames_;
   SessionFolder* const session_;
   const CaptureViewers viewers_;
-  CaptureRequests* const wishes_;
+  CaptureRequests* const requests_;
   std::deque<CapturedCamera> cameras_;  // not movable
   // Used by the adjustment's thread while it runs.
   std::vector<std::unique_ptr<LiveCamera>> live_;
@@ -122,9 +122,9 @@ class CaptureLoop {
   CaptureState state_;
   std::vector<std::string> lock_warnings_;
   std::vector<std::chrono::steady_clock::time_point> taken_;
-  bool has_received_frames_ = false, has_connected_in_vain_ = false;
+  bool has_received_frames_ = false, has_failed_to_connect_ = false;
   int num_without_board_ = 0;  // consecutive frame sets
-  std::chrono::steady_clock::time_point guided_since_;
+  std::chrono::steady_clock::time_point guidance_start_;
 };
 
 }  // namespace raygrid

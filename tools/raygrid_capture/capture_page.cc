@@ -20,9 +20,9 @@ namespace raygrid {
 namespace {
 
 // The page assumes that the connection is lost after a longer silence.
-constexpr std::chrono::seconds kMaxSilence(2);
-constexpr std::chrono::milliseconds kFarewell(500);
-constexpr size_t kUsualStateSize = 32 * 1024;
+constexpr std::chrono::seconds kMaxUpdateInterval(2);
+constexpr std::chrono::milliseconds kShutdownTimeout(500);
+constexpr size_t kReservedStateSize = 32 * 1024;
 
 constexpr char kPolicy[] =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' "
@@ -102,7 +102,7 @@ class CapturePage::Impl {
   MHD_Result AnswerCommand(MHD_Connection* connection, const std::string& path);
   // Finds the name with this escaped form; returns false if no frame has it.
   bool DecodeName(const std::string& escaped, std::string* name);
-  void Repeat();
+  void RepeatState();
 
   const OnCommand on_command_;
   std::mutex mutex_;  // guards all members below
@@ -111,12 +111,12 @@ class CapturePage::Impl {
   std::map<std::string, std::string> names_;  // names of kept frames, by
                                               // escaped name
   bool is_new_ = false, is_stopped_ = false;
-  NewestStream states_{"text/event-stream", "", kUsualStateSize};
+  NewestStream states_{"text/event-stream", "", kReservedStateSize};
   ThumbnailStore kept_;
   LivePreview live_;
   FullSizeImages full_size_images_;
   PageServer server_;
-  std::thread repeater_;
+  std::thread repeat_thread_;
 };
 
 CapturePage::Impl::Impl(const PageAddress& address,
@@ -129,7 +129,7 @@ CapturePage::Impl::Impl(const PageAddress& address,
           address, words, true,
           [this](MHD_Connection* connection, const std::string& path,
                  bool is_post) { return Answer(connection, path, is_post); }),
-      repeater_(&Impl::Repeat, this) {}
+      repeat_thread_(&Impl::RepeatState, this) {}
 
 CapturePage::Impl::~Impl() {
   {
@@ -137,13 +137,13 @@ CapturePage::Impl::~Impl() {
     is_stopped_ = true;
   }
   changed_.notify_one();
-  repeater_.join();
+  repeat_thread_.join();
   live_.End();
   full_size_images_.End();
   // Repeats the state, which may not have been sent yet.
   states_.Publish({"data: ", json_, "\n\nevent: end\ndata: end\n\n"});
   states_.End();
-  const auto end = std::chrono::steady_clock::now() + kFarewell;
+  const auto end = std::chrono::steady_clock::now() + kShutdownTimeout;
   while (states_.has_clients() && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
@@ -162,13 +162,13 @@ void CapturePage::Impl::Show(const CaptureState& state) {
 
 // Sends the state regularly, so that clients can distinguish a static scene
 // from a lost connection.
-void CapturePage::Impl::Repeat() {
+void CapturePage::Impl::RepeatState() {
   std::unique_lock<std::mutex> lock(mutex_);
   do {
     if (!is_new_) states_.Publish({"data: ", json_, "\n\n"});
     is_new_ = false;
-  } while (
-      !changed_.wait_for(lock, kMaxSilence, [this] { return is_stopped_; }));
+  } while (!changed_.wait_for(lock, kMaxUpdateInterval,
+                              [this] { return is_stopped_; }));
 }
 
 bool CapturePage::Impl::DecodeName(const std::string& escaped,

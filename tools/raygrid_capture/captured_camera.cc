@@ -72,7 +72,7 @@ const char* DescribeOtherCameraState(const SessionFrame& first,
 
 CapturedCamera::CapturedCamera(const Pattern& pattern,
                                const KeyframeSelectorOptions& options)
-    : pattern_(pattern), detector_(pattern, {}), judge_(options) {
+    : pattern_(pattern), detector_(pattern, {}), frame_selector_(options) {
   for (const Board& board : pattern_.boards)
     meters_.emplace(board.id, QualityMeter(board));
 }
@@ -99,7 +99,7 @@ DetectedFrame CapturedCamera::See(const LiveFrame& frame) const {
 
 FrameStatus CapturedCamera::Assess(const DetectedFrame& seen,
                                    const CaptureGuide& guide) {
-  return judge_.Assess(seen, guide);
+  return frame_selector_.Assess(seen, guide);
 }
 
 std::string CapturedCamera::GetStateText(const LiveFrame& frame,
@@ -141,7 +141,7 @@ SessionFrame CapturedCamera::MakeRecord(const LiveFrame& frame,
   record.seconds = frame.time_s;
   record.edge_spread_px = FiniteOrNull(seen.quality.max_spread_px);
   record.white = FiniteOrNull(seen.quality.white);
-  record.variance_reduction = judge_.gain();
+  record.variance_reduction = frame_selector_.gain();
   return record;
 }
 

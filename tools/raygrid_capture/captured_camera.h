@@ -47,7 +47,7 @@ class CapturedCamera {
   Pattern pattern_;
   PatternDetector detector_;
   std::map<int, QualityMeter> meters_;  // by board
-  KeyframeSelector judge_;
+  KeyframeSelector frame_selector_;
   std::optional<Clock::time_point> lock_time_;
   bool is_locked_ = false;
   std::optional<StateLock> new_lock_;

@@ -6,7 +6,7 @@ namespace raygrid {
 namespace {
 
 constexpr int kMaxLiveSide = 1280;
-constexpr size_t kUsualLiveSize = 256 * 1024;
+constexpr size_t kInitialImageSize = 256 * 1024;
 constexpr char kLiveType[] =
     "multipart/x-mixed-replace; boundary=raygrid-live-picture";
 // Browsers display a picture once they have received the header fields of the
@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kLivePause(66);
 }  // namespace
 
 LivePreview::LivePreview()
-    : stream_(kLiveType, kNextImage, kUsualLiveSize),
+    : stream_(kLiveType, kNextImage, kInitialImageSize),
       encoder_(&LivePreview::Encode, this) {}
 
 void LivePreview::Show(const StreamFormat& format, const rg_image& image) {

@@ -51,7 +51,7 @@ class StandardOutput {
         std::fflush(stdout);
       }
     } else if (!is_quiet_ && is_terminal_) {
-      ShowBlock(state);
+      PrintStateBlock(state);
     } else if (!is_quiet_ && is_kept) {
       fmt::print(
           stderr, "{}: kept{}; next: {}\n", state.kept.back(),
@@ -66,7 +66,7 @@ class StandardOutput {
 
  private:
   // Overwrites the previous block.
-  void ShowBlock(const CaptureState& state) {
+  void PrintStateBlock(const CaptureState& state) {
     constexpr std::chrono::milliseconds kPause(200);
     const auto now = std::chrono::steady_clock::now();
     if (num_lines_ > 0 && now - shown_ < kPause && !state.is_done) return;
@@ -132,7 +132,7 @@ std::unique_ptr<CapturePage> MakePage(const CaptureArguments& arguments,
   return page;
 }
 
-void SayEnd(const CaptureArguments& arguments, const CaptureState& state) {
+void PrintResult(const CaptureArguments& arguments, const CaptureState& state) {
   if (arguments.common.quiet) return;
   for (const std::string& warning : state.warnings)
     fmt::print(stderr, "raygrid-capture: {}\n", Printable(warning));
@@ -213,13 +213,13 @@ int Run(int argc, char** argv) {
                    &wishes);
   loop.Run();
   RequireFrames(arguments, loop.state());
-  SayEnd(arguments, loop.state());
+  PrintResult(arguments, loop.state());
   if (arguments.no_calibrate || IsSignalled()) return 0;
   page.reset();  // informs the clients of the end
   std::vector<std::string> calibrate = {
       "calibrate", arguments.output, "--threads",
       std::to_string(arguments.common.threads)};
-  if (arguments.loop.judge.every_frame)
+  if (arguments.loop.frame_selector.every_frame)
     calibrate.emplace_back("--rolling-shutter");
   if (arguments.common.quiet) calibrate.emplace_back("--quiet");
   if (arguments.common.json) calibrate.emplace_back("--json");

@@ -14,13 +14,13 @@ constexpr int kMaxSegments = 32;  // more are not resolved in most images
 constexpr int kMaxTagsOnABoard = 100;
 
 // Returns the number of tags in row k of num_rows.
-int TagsInRow(int num_tags, int num_rows, int k) {
+int CountTagsInRow(int num_tags, int num_rows, int k) {
   return num_tags * (k + 1) / num_rows - num_tags * k / num_rows;
 }
 
 // Returns the number of rows of tags that maximizes the distance between tags.
 // The printed area is one square wider and higher than the lattice.
-int NumTagRows(const StarBoardOptions& options) {
+int CountTagRows(const StarBoardOptions& options) {
   int best_rows = 1;
   double best_pitch = 0;
   for (int rows = 1; rows <= options.num_tags; ++rows) {
@@ -44,9 +44,9 @@ int TagStart(int num_features, int squares, int k, int count) {
 
 std::vector<BoardTag> LayOutTags(const StarBoardOptions& options, int squares) {
   std::vector<BoardTag> tags;
-  const int num_rows = NumTagRows(options);
+  const int num_rows = CountTagRows(options);
   for (int row = 0; row < num_rows; ++row) {
-    const int count = TagsInRow(options.num_tags, num_rows, row);
+    const int count = CountTagsInRow(options.num_tags, num_rows, row);
     for (int k = 0; k < count; ++k) {
       BoardTag tag;
       tag.squares = squares;
@@ -75,7 +75,7 @@ bool AreApart(const StarBoardOptions& options,
   return true;
 }
 
-void RequirePossible(const StarBoardOptions& options) {
+void RequireValidLayout(const StarBoardOptions& options) {
   const auto require = [](bool is_met, const char* message) {
     if (!is_met) throw Error(ExitCode::kUsage, message);
   };
@@ -131,7 +131,7 @@ Polygon ClipOutliers(Polygon polygon, const Area& area) {
 
 // Returns the point where a ray from the centre leaves the square of half width
 // 1. angle: counter-clockwise from up.
-Eigen::Vector2d OnSquare(double angle) {
+Eigen::Vector2d PointOnSquare(double angle) {
   const Eigen::Vector2d direction(-std::sin(angle), -std::cos(angle));
   return direction / direction.cwiseAbs().maxCoeff();
 }
@@ -140,11 +140,11 @@ Eigen::Vector2d OnSquare(double angle) {
 Polygon Segment(int segments, int k) {
   const double begin = 2 * M_PI * k / segments;
   const double end = 2 * M_PI * (k + 1) / segments;
-  Polygon polygon = {{0, 0}, OnSquare(begin)};
+  Polygon polygon = {{0, 0}, PointOnSquare(begin)};
   for (double corner = M_PI / 4; corner < 2 * M_PI; corner += M_PI / 2)
     if (corner > begin + 1e-9 && corner < end - 1e-9)
-      polygon.push_back(OnSquare(corner));
-  polygon.push_back(OnSquare(end));
+      polygon.push_back(PointOnSquare(corner));
+  polygon.push_back(PointOnSquare(end));
   return polygon;
 }
 
@@ -285,7 +285,7 @@ int DefaultTagSquares(int columns, int rows, double square_mm) {
 }
 
 std::vector<Board> StarBoards(const StarBoardOptions& options) {
-  RequirePossible(options);
+  RequireValidLayout(options);
   Board board;
   board.kind = "star";
   board.columns = options.columns;

@@ -47,11 +47,11 @@ std::string SpanName(MeshSpan span) {
                                     : "nearest";
 }
 
-std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
-                                      int count, MeshSpan span) {
+std::vector<MeshWeights> ComputeWeightsOnAxis(const std::vector<int>& vertices,
+                                              int count, MeshSpan span) {
   const int last = static_cast<int>(vertices.size()) - 1;
   std::vector<MeshWeights> all;
-  for (const MeshStep& step : StepsAlong(vertices, count)) {
+  for (const MeshStep& step : LocatePixelsOnAxis(vertices, count)) {
     if (span == MeshSpan::kLine || last < 2) {
       all.push_back({step.vertex, {1 - step.part, step.part, 0}});
       continue;
@@ -66,7 +66,8 @@ std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
   return all;
 }
 
-std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count) {
+std::vector<MeshStep> LocatePixelsOnAxis(const std::vector<int>& vertices,
+                                         int count) {
   std::vector<MeshStep> steps(count);
   const int last_cell = static_cast<int>(vertices.size()) - 2;
   int k = 0;
@@ -98,9 +99,9 @@ Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
 MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
                            MeshSpan span) {
   const std::vector<MeshWeights> columns =
-      WeightsAlong(mesh.lattice.x, mesh.size.width, span);
+      ComputeWeightsOnAxis(mesh.lattice.x, mesh.size.width, span);
   const std::vector<MeshWeights> rows =
-      WeightsAlong(mesh.lattice.y, mesh.size.height, span);
+      ComputeWeightsOnAxis(mesh.lattice.y, mesh.size.height, span);
   const Area image = WholeImage(mesh.source_size);
   MeshError error;
   double sum = 0, worst = -1;

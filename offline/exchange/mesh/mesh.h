@@ -32,7 +32,8 @@ struct MeshStep {
   double part = 0;  ///< between vertices `vertex` and `vertex` + 1
 };
 /// Returns the steps of the output coordinates 0 to count - 1.
-std::vector<MeshStep> StepsAlong(const std::vector<int>& vertices, int count);
+std::vector<MeshStep> LocatePixelsOnAxis(const std::vector<int>& vertices,
+                                         int count);
 
 /// Interpolation of an engine between the vertices along one axis.
 enum class MeshSpan {
@@ -51,8 +52,8 @@ struct MeshWeights {
 };
 /// Returns the interpolation weights of the output coordinates 0 to count - 1.
 /// Quadratic interpolation assumes evenly spaced vertices.
-std::vector<MeshWeights> WeightsAlong(const std::vector<int>& vertices,
-                                      int count, MeshSpan span);
+std::vector<MeshWeights> ComputeWeightsOnAxis(const std::vector<int>& vertices,
+                                              int count, MeshSpan span);
 
 /// Sizes of the output image and of the camera's image, in pixels.
 struct MeshRequest {

@@ -13,11 +13,12 @@ class VertexField {
               std::vector<Eigen::Vector2d>* positions)
       : columns_(lattice.columns()),
         rows_(lattice.rows()),
-        places_(*positions) {}
+        positions_(*positions) {}
 
   // Extrapolates an unknown vertex linearly from known neighbours, averaged
   // over the eight directions; nullopt if all neighbours are unknown.
-  std::optional<Eigen::Vector2d> Continued(int column, int row) const {
+  std::optional<Eigen::Vector2d> ExtrapolateLinearly(int column,
+                                                     int row) const {
     Eigen::Vector2d sum(0, 0);
     int count = 0;
     for (int k = 0; k < 9; ++k) {
@@ -37,12 +38,12 @@ class VertexField {
     if (column < 0 || column >= columns_ || row < 0 || row >= rows_)
       return nullptr;
     const Eigen::Vector2d& position =
-        places_[static_cast<size_t>(row) * columns_ + column];
+        positions_[static_cast<size_t>(row) * columns_ + column];
     return position.allFinite() ? &position : nullptr;
   }
 
   int columns_, rows_;
-  const std::vector<Eigen::Vector2d>& places_;
+  const std::vector<Eigen::Vector2d>& positions_;
 };
 
 }  // namespace
@@ -50,8 +51,9 @@ class VertexField {
 std::vector<bool> FindRequiredVertices(
     const MeshLattice& lattice, const ImageSize& size,
     const std::vector<Eigen::Vector2d>& sources) {
-  const std::vector<MeshStep> columns = StepsAlong(lattice.x, size.width),
-                              rows = StepsAlong(lattice.y, size.height);
+  const std::vector<MeshStep> columns =
+                                  LocatePixelsOnAxis(lattice.x, size.width),
+                              rows = LocatePixelsOnAxis(lattice.y, size.height);
   const size_t width = lattice.columns();
   std::vector<bool> is_needed(lattice.num_vertices(), false);
   for (int y = 0; y < size.height; ++y)
@@ -81,8 +83,8 @@ void ExtrapolateVertices(const MeshLattice& lattice,
     std::vector<size_t> rest;
     for (const size_t k : unknown) {
       const auto position =
-          field.Continued(static_cast<int>(k % lattice.columns()),
-                          static_cast<int>(k / lattice.columns()));
+          field.ExtrapolateLinearly(static_cast<int>(k % lattice.columns()),
+                                    static_cast<int>(k / lattice.columns()));
       if (position)
         ring.emplace_back(k, *position);
       else
@@ -99,8 +101,10 @@ void BalanceVertices(MeshTable* mesh) {
   // maximum (3/4 of the mean) makes the errors symmetric about 0.
   constexpr double kPart = 0.75;
   const MeshLattice& lattice = mesh->lattice;
-  const std::vector<MeshStep> columns = StepsAlong(lattice.x, mesh->size.width),
-                              rows = StepsAlong(lattice.y, mesh->size.height);
+  const std::vector<MeshStep> columns = LocatePixelsOnAxis(lattice.x,
+                                                           mesh->size.width),
+                              rows = LocatePixelsOnAxis(lattice.y,
+                                                        mesh->size.height);
   const size_t right = lattice.columns() > 1 ? 1 : 0,
                below = lattice.rows() > 1 ? lattice.columns() : 0;
   std::vector<Eigen::Vector3d> sums(lattice.num_vertices(),

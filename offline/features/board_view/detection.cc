@@ -49,7 +49,7 @@ GreyImage MirrorImage(GreyImage image) {
   return image;
 }
 
-GreyImage Halved(const GreyImage& image) {
+GreyImage HalveImage(const GreyImage& image) {
   GreyLevels half;
   half.size = {image.size.width / 2, image.size.height / 2};
   half.levels.reserve(static_cast<size_t>(half.size.width) * half.size.height);

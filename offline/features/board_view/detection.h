@@ -49,7 +49,7 @@ GreyImage MirrorImage(GreyImage image);
 
 /// Halves width and height: pixel (x, y) is the mean of the 2 x 2 pixels from
 /// (2 x, 2 y) on.
-GreyImage Halved(const GreyImage& image);
+GreyImage HalveImage(const GreyImage& image);
 
 /// Converts pixel coordinates to and from an image downscaled by a factor of
 /// `scale` by averaging.

@@ -9,7 +9,7 @@ FeatureLattice::FeatureLattice(const Board& board)
       pixels_(board.num_points()),
       found_(board.num_points(), 0) {
   for (const Eigen::Vector3d& point : board.NominalPoints())
-    places_.push_back(point.head<2>() / board.square_m);
+    target_positions_.push_back(point.head<2>() / board.square_m);
 }
 
 void FeatureLattice::Set(int column, int row, const Eigen::Vector2d& pixel) {
@@ -29,14 +29,15 @@ std::vector<Correspondence> FeatureLattice::Around(int column, int row,
                                                    int reach,
                                                    bool with_itself) const {
   std::vector<Correspondence> around;
-  const Eigen::Vector2d& center = places_[board_->PointIndex(column, row)];
+  const Eigen::Vector2d& center =
+      target_positions_[board_->PointIndex(column, row)];
   for (int r = std::max(row - reach, 0);
        r <= std::min(row + reach, board_->rows - 1); ++r) {
     for (int c = std::max(column - reach, 0);
          c <= std::min(column + reach, board_->columns - 1); ++c) {
       const int index = board_->PointIndex(c, r);
       if (!found_[index] || (!with_itself && c == column && r == row)) continue;
-      const Eigen::Vector2d offset = places_[index] - center;
+      const Eigen::Vector2d offset = target_positions_[index] - center;
       around.push_back(
           {offset, pixels_[index], 1 / (1 + 0.5 * offset.squaredNorm())});
     }

@@ -42,7 +42,8 @@ class FeatureLattice {
 
  private:
   const Board* board_;
-  std::vector<Eigen::Vector2d> places_;  // target positions in squares
+  std::vector<Eigen::Vector2d>
+      target_positions_;  // target positions in squares
   std::vector<Eigen::Vector2d> pixels_;
   std::vector<char> found_;
   int num_found_ = 0;

@@ -59,7 +59,7 @@ cv::Mat LocalDifferences(const GreyImage& image) {
 
 // Returns the 85 % quantile of the absolute differences: up to about a tenth of
 // the image may be a hot object.
-double LargeDifference(const cv::Mat& differences) {
+double ComputeLargeDifference(const cv::Mat& differences) {
   constexpr double kLarge = 0.85, kManyDeviations = 10;
   const std::vector<float> sizes = cv::Mat(cv::abs(differences)).reshape(1, 1);
   return std::max(kManyDeviations, Quantile(sizes, kLarge));
@@ -67,10 +67,10 @@ double LargeDifference(const cv::Mat& differences) {
 
 // Estimates the noise of means over 8 x 8 pixels. Noise may be correlated
 // between neighbouring pixels, due to compression or demosaicing.
-std::vector<NoiseAtGreyLevel> CellNoise(const GreyImage& image) {
+std::vector<NoiseAtGreyLevel> EstimateCellNoise(const GreyImage& image) {
   std::vector<NoiseAtGreyLevel> noise = EstimateNoiseByGreyLevel(image);
   const std::vector<NoiseAtGreyLevel> halved =
-      EstimateNoiseByGreyLevel(Halved(image));
+      EstimateNoiseByGreyLevel(HalveImage(image));
   for (NoiseAtGreyLevel& n : noise) n.noise /= 7;
   for (size_t k = 0; k < std::min(noise.size(), halved.size()); ++k)
     noise[k].noise = std::max(noise[k].noise, halved[k].noise / 4);
@@ -78,7 +78,8 @@ std::vector<NoiseAtGreyLevel> CellNoise(const GreyImage& image) {
 }
 
 // Interpolates the noise linearly between grey levels.
-double NoiseAt(const std::vector<NoiseAtGreyLevel>& noise, double level) {
+double InterpolateNoise(const std::vector<NoiseAtGreyLevel>& noise,
+                        double level) {
   constexpr double kLeast = 1e-6;
   size_t k = 0;
   while (k < noise.size() && noise[k].level <= level) ++k;
@@ -120,7 +121,8 @@ std::optional<GreyImage> AmplifyLowContrast(const GreyImage& image) {
   const cv::Mat differences = LocalDifferences(amplified);
   cv::Mat bytes(differences.size(), CV_8U, amplified.bytes.data());
   differences.convertTo(bytes, CV_8U,
-                        kLargeBytes / LargeDifference(differences), kGreyByte);
+                        kLargeBytes / ComputeLargeDifference(differences),
+                        kGreyByte);
   return amplified;
 }
 
@@ -137,7 +139,7 @@ bool IsPureNoise(const GreyImage& image) {
              cv::INTER_AREA);
   cv::blur(cells, around, cv::Size(kAroundCells, kAroundCells),
            cv::Point(-1, -1), cv::BORDER_REFLECT);
-  const std::vector<NoiseAtGreyLevel> noise = CellNoise(image);
+  const std::vector<NoiseAtGreyLevel> noise = EstimateCellNoise(image);
   if (noise.empty()) return false;
   std::vector<float> differences;
   differences.reserve(cells.total());
@@ -145,7 +147,7 @@ bool IsPureNoise(const GreyImage& image) {
     for (int x = 0; x < cells.cols; ++x)
       differences.push_back(static_cast<float>(
           std::fabs(cells.at<float>(y, x) - around.at<float>(y, x)) /
-          NoiseAt(noise, around.at<float>(y, x))));
+          InterpolateNoise(noise, around.at<float>(y, x))));
   return Quantile(std::move(differences), 1 - kTailFraction) < kMaxSigmas;
 }
 
@@ -155,7 +157,7 @@ GreyImage Denoise(const GreyImage& image) {
   constexpr double kMaxNoise = 3, kWantedNoise = 1.5, kMaxBlurPx = 4;
   // Compression and demosaicing cause noise that is correlated between pixels.
   const double noise =
-      std::max(EstimateNoise(image), EstimateNoise(Halved(image))) *
+      std::max(EstimateNoise(image), EstimateNoise(HalveImage(image))) *
       std::max(1.0, kReadableContrast / ComputeContrast(image));
   if (!(noise > kMaxNoise)) return image;
   // A Gaussian filter reduces white noise by a factor of 2 sqrt(pi) sigma.

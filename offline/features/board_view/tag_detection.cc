@@ -70,7 +70,7 @@ int Quantile(const std::vector<uint8_t>& bytes, double part) {
 
 // libapriltag's thresholds are absolute grey levels, so dark images are
 // amplified.
-cv::Mat Brightened(const GreyImage& image) {
+cv::Mat BrightenImage(const GreyImage& image) {
   constexpr double kBright = 200, kMinGain = 1.5, kMaxGain = 8;
   const double gain =
       std::min(kMaxGain, kBright / std::max(1, Quantile(image.bytes, 0.99)));
@@ -184,14 +184,14 @@ bool IsQuickSearchThorough(const ImageSize& size) {
 
 std::vector<DetectedTag> DetectTags(const GreyImage& image, TagSearch search) {
   return DetectTagsInImage(
-      Brightened(image), TagFamily::k36h11,
+      BrightenImage(image), TagFamily::k36h11,
       search == TagSearch::kThorough ? 1 : QuickDecimation(image.size));
 }
 
 std::vector<std::string> DescribeOtherTags(const GreyImage& image) {
   std::vector<std::string> seen;
   const float decimate = QuickDecimation(image.size);
-  const cv::Mat view = Brightened(image);
+  const cv::Mat view = BrightenImage(image);
   cv::Mat mirrored;
   cv::flip(view, mirrored, 1);
   for (const DetectedTag& tag :

@@ -50,7 +50,7 @@ InkBlurrer::InkBlurrer(const Quadrants& quadrants, const BoardBlur& blur)
       steps_u_(quadrants.u().size()),
       steps_v_(quadrants.v().size()) {}
 
-InkBlurrer::Step InkBlurrer::StepAt(double offset, double sigma) {
+InkBlurrer::Step InkBlurrer::EvaluateBlurredStep(double offset, double sigma) {
   const double t = offset / sigma;
   constexpr double kFar = 6;
   if (t > kFar) return {kFar, 0, 1};
@@ -61,9 +61,9 @@ InkBlurrer::Step InkBlurrer::StepAt(double offset, double sigma) {
 
 BlurredInk InkBlurrer::At(double u, double v) {
   for (size_t i = 0; i < steps_u_.size(); ++i)
-    steps_u_[i] = StepAt(u - quadrants_.u()[i], blur_.sigma_u);
+    steps_u_[i] = EvaluateBlurredStep(u - quadrants_.u()[i], blur_.sigma_u);
   for (size_t j = 0; j < steps_v_.size(); ++j)
-    steps_v_[j] = StepAt(v - quadrants_.v()[j], blur_.sigma_v);
+    steps_v_[j] = EvaluateBlurredStep(v - quadrants_.v()[j], blur_.sigma_v);
   const double r = blur_.correlation;
   BlurredInk sum;
   for (size_t i = 0; i < steps_u_.size(); ++i) {
@@ -84,9 +84,9 @@ BlurredInk InkBlurrer::At(double u, double v) {
                           both * (a.t + r / 2 * a2 * b.t + r * r / 6 * a3 * b2);
       const double by_b = b.density * a.sum -
                           both * (b.t + r / 2 * b2 * a.t + r * r / 6 * b3 * a2);
-      sum.by_u += weight * by_a / blur_.sigma_u;
-      sum.by_v += weight * by_b / blur_.sigma_v;
-      sum.by_log_sigma -= weight * (by_a * a.t + by_b * b.t);
+      sum.J_u += weight * by_a / blur_.sigma_u;
+      sum.J_v += weight * by_b / blur_.sigma_v;
+      sum.J_log_sigma -= weight * (by_a * a.t + by_b * b.t);
     }
   }
   return sum;

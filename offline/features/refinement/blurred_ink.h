@@ -38,7 +38,7 @@ struct BoardBlur {
 /// Blurred ink from 0 to 1, and its derivatives with respect to u, v and the
 /// logarithm of both standard deviations.
 struct BlurredInk {
-  double ink = 0, by_u = 0, by_v = 0, by_log_sigma = 0;
+  double ink = 0, J_u = 0, J_v = 0, J_log_sigma = 0;
 };
 
 /// Blurs ink with the bivariate normal distribution of each quadrant,
@@ -56,7 +56,7 @@ class InkBlurrer {
   struct Step {
     double t, density, sum;  // t in standard deviations
   };
-  static Step StepAt(double offset, double sigma);
+  static Step EvaluateBlurredStep(double offset, double sigma);
 
   const Quadrants& quadrants_;
   BoardBlur blur_;

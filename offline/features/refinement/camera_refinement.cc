@@ -44,7 +44,7 @@ class Refiner {
           {&board, std::make_unique<FeatureRefiner>(board, options)});
   }
 
-  bool Knows(const std::string& image) const {
+  bool HasPose(const std::string& image) const {
     return std::any_of(boards_.begin(), boards_.end(), [&](const auto& board) {
       return pose_by_view_.count({image, board.first->id}) > 0;
     });
@@ -129,7 +129,7 @@ Dataset RefineFeaturesWithCamera(const std::vector<std::string>& paths,
   int num_done = 0;
   ParallelFor(count, NumThreads(num_threads), [&](int i) {
     if (!dataset.images[i].features.empty() &&
-        !refiner.Knows(dataset.images[i].image)) {
+        !refiner.HasPose(dataset.images[i].image)) {
       refined.images[i] = refiner.Refine({}, dataset.images[i]);
     } else if (!dataset.images[i].features.empty()) {
       const ImageMemoryBudget room(dataset.image_size);

@@ -22,7 +22,7 @@ constexpr int kRefinementRadius = 3;  // columns and rows of neighbours in
 constexpr int kRefinementDegree = 3;
 
 // Thresholds for rejecting features.
-constexpr double kMinWidthPx = 5.5;
+constexpr double kMinCircleWidthPx = 5.5;
 constexpr double kMaxMovePx = 2;
 constexpr double kMaxMoveSquares = 0.03;  // for large squares
 constexpr double kMaxAsymmetry = 0.6;     // fraction of the contrast
@@ -35,11 +35,11 @@ constexpr double kMinRefinedContrast = 0.5;  // grey levels
 constexpr double kMaxStdDevPx = 0.06;
 constexpr int kMaxIsolatedOutliers = 2;  // more indicate misnumbered features
 
-constexpr Tolerance kApproximate = {2, 0.1}, kRefined = {0.25, 0.03};
+constexpr Tolerance kCoarseTolerance = {2, 0.1}, kFineTolerance = {0.25, 0.03};
 
 // Predicts the position of a feature from its neighbours.
-bool Predicted(const FeatureLattice& lattice, const Feature& feature,
-               LocalMapping* mapping) {
+bool PredictPosition(const FeatureLattice& lattice, const Feature& feature,
+                     LocalMapping* mapping) {
   return FitLocalMapping(lattice.Around(feature.column, feature.row,
                                         kRefinementRadius, false),
                          kRefinementDegree, mapping) > 0;
@@ -62,15 +62,15 @@ bool Has(const FeatureLattice& lattice, const Place& p) {
 }
 
 // The next detected feature in a row or column.
-struct Way {
+struct LatticeStep {
   Place to;
-  bool is_sound;  // consistent with the adjacent steps
+  bool is_consistent;  // consistent with the adjacent steps
 };
 
 // Returns nullopt if there is no feature within kMaxSteps, or if the length of
 // a gap cannot be verified by steps on both sides.
-std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
-                            const Place& step) {
+std::optional<LatticeStep> FindStep(const FeatureLattice& lattice,
+                                    const Place& from, const Place& step) {
   constexpr int kMaxSteps = 3;
   constexpr double kToleranceSteps = 0.5;
   const auto at = [&](const Place& p) { return lattice.at(p.x(), p.y()); };
@@ -86,10 +86,10 @@ std::optional<Way> FindStep(const FeatureLattice& lattice, const Place& from,
     ++count;
   }
   if (count < 2 && num_steps > 1) return std::nullopt;
-  if (count == 0) return Way{to, true};
+  if (count == 0) return LatticeStep{to, true};
   one_step /= count;
   const double stddev_px = (at(to) - at(from) - num_steps * one_step).norm();
-  return Way{to, stddev_px <= kToleranceSteps * one_step.norm()};
+  return LatticeStep{to, stddev_px <= kToleranceSteps * one_step.norm()};
 }
 
 const std::array<Place, 4> kSteps = {Place(1, 0), Place(-1, 0), Place(0, 1),
@@ -111,7 +111,8 @@ std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
     for (size_t i = 0; i < group.size(); ++i) {
       for (const Place& step : kSteps) {
         const auto way = FindStep(lattice, group[i], step);
-        if (way && way->is_sound && Has(left, way->to)) take(way->to, &group);
+        if (way && way->is_consistent && Has(left, way->to))
+          take(way->to, &group);
       }
     }
     groups.push_back(std::move(group));
@@ -125,7 +126,7 @@ std::vector<std::vector<Place>> Groups(const FeatureLattice& lattice) {
 bool IsAtDiscontinuity(const FeatureLattice& lattice, const Place& p) {
   return std::any_of(kSteps.begin(), kSteps.end(), [&](const Place& step) {
     const auto way = FindStep(lattice, p, step);
-    return way && !way->is_sound;
+    return way && !way->is_consistent;
   });
 }
 
@@ -140,7 +141,7 @@ void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
   const auto groups = Groups(*lattice);
   bool is_in_doubt =
       std::count_if(detection->rejected.begin(), detection->rejected.end(),
-                    [](const auto& r) { return r.reason == kNotInLine; }) >
+                    [](const auto& r) { return r.reason == kNotCollinear; }) >
       kMaxIsolatedOutliers;
   for (const auto& group : groups)
     for (const Place& p : group) is_in_doubt |= IsAtDiscontinuity(*lattice, p);
@@ -155,11 +156,11 @@ void RejectIsolatedGroups(const Board& board, FeatureLattice* lattice,
 
 // One refinement pass over all features. Mappings are fitted to the positions
 // before the pass.
-struct Round {
+struct RefinementPass {
   const SymmetrySamples* samples;
   double max_move_px, max_move_squares;  // the larger one applies
   double noise;                          // standard deviation, grey levels
-  bool is_last;
+  bool is_last_pass;
   double tone = 0;  // see TagCornerOptions
 };
 
@@ -171,22 +172,24 @@ struct FeatureRefiner::Data {
   // Null for boards with point-symmetric features.
   std::unique_ptr<TagCornerRefiner> tag_corners;
 
-  double MaxMovePx(const LocalMapping& start, const Round& round) const;
-  double Tone(const GreyImage& image, const FeatureLattice& lattice,
-              double noise) const;
+  double MaxMovePx(const LocalMapping& start, const RefinementPass& pass) const;
+  double EstimateToneResponse(const GreyImage& image,
+                              const FeatureLattice& lattice,
+                              double noise) const;
   WindowFit Symmetry(const GreyImage& image, const Feature& feature,
                      const LocalMapping& start, bool center_only,
-                     const Round& round) const;
+                     const RefinementPass& pass) const;
   WindowFit FitTagCorner(const GreyImage& image, const Feature& feature,
                          const LocalMapping& start, bool has_known_edges,
-                         const Round& round) const;
+                         const RefinementPass& pass) const;
   WindowFit Fit(const GreyImage& image, const Feature& feature,
                 const LocalMapping& start, bool center_only,
-                const Round& round) const;
+                const RefinementPass& pass) const;
   std::string RefineOne(const GreyImage& image, const Feature& feature,
-                        const Round& round, const FeatureLattice& lattice,
-                        WindowMappings* windows, Eigen::Vector2d* pixel) const;
-  void RefineOnce(const GreyImage& image, const Round& round,
+                        const RefinementPass& pass,
+                        const FeatureLattice& lattice, WindowMappings* windows,
+                        Eigen::Vector2d* pixel) const;
+  void RefineOnce(const GreyImage& image, const RefinementPass& pass,
                   FeatureLattice* lattice, ImageDetection* detection) const;
   void RefineWithSymmetry(const GreyImage& image, FeatureLattice* lattice,
                           ImageDetection* detection) const;
@@ -207,24 +210,23 @@ FeatureRefiner::~FeatureRefiner() = default;
 
 // At most a third of the window, so that the window contains the feature.
 double FeatureRefiner::Data::MaxMovePx(const LocalMapping& start,
-                                       const Round& round) const {
-  return std::clamp(round.max_move_squares * start.SpacingPx(),
-                    round.max_move_px,
-                    std::max(round.max_move_px, options.window_px / 3.0));
+                                       const RefinementPass& pass) const {
+  return std::clamp(pass.max_move_squares * start.SpacingPx(), pass.max_move_px,
+                    std::max(pass.max_move_px, options.window_px / 3.0));
 }
 
 WindowFit FeatureRefiner::Data::Symmetry(const GreyImage& image,
                                          const Feature& feature,
                                          const LocalMapping& start,
                                          bool center_only,
-                                         const Round& round) const {
+                                         const RefinementPass& pass) const {
   SymmetryOptions symmetry;
   symmetry.refinement = options.refinement;
   symmetry.inverts_colors = ReflectionInvertsColors(board);
   symmetry.center_only = center_only;
-  symmetry.noise = round.noise;
-  symmetry.max_move_px = MaxMovePx(start, round);
-  return RefineSymmetry(image, *round.samples,
+  symmetry.noise = pass.noise;
+  symmetry.max_move_px = MaxMovePx(start, pass);
+  return RefineSymmetry(image, *pass.samples,
                         masks[board.PointIndex(feature.column, feature.row)],
                         start, symmetry);
 }
@@ -233,20 +235,20 @@ WindowFit FeatureRefiner::Data::FitTagCorner(const GreyImage& image,
                                              const Feature& feature,
                                              const LocalMapping& start,
                                              bool has_known_edges,
-                                             const Round& round) const {
+                                             const RefinementPass& pass) const {
   TagCornerOptions corner;
   corner.window_px = options.window_px;
   corner.has_known_edges = has_known_edges;
-  corner.max_move_px = MaxMovePx(start, round);
-  corner.noise = round.noise;
-  corner.tone = round.tone;
+  corner.max_move_px = MaxMovePx(start, pass);
+  corner.noise = pass.noise;
+  corner.tone = pass.tone;
   return tag_corners->Refine(image, {feature.column, feature.row, start},
                              corner);
 }
 
-double FeatureRefiner::Data::Tone(const GreyImage& image,
-                                  const FeatureLattice& lattice,
-                                  double noise) const {
+double FeatureRefiner::Data::EstimateToneResponse(const GreyImage& image,
+                                                  const FeatureLattice& lattice,
+                                                  double noise) const {
   if (!tag_corners) return 0;
   WindowMappings windows(board, lattice, image.size, options.window_px);
   std::vector<TagCorner> corners;
@@ -266,9 +268,9 @@ double FeatureRefiner::Data::Tone(const GreyImage& image,
 WindowFit FeatureRefiner::Data::Fit(const GreyImage& image,
                                     const Feature& feature,
                                     const LocalMapping& start, bool center_only,
-                                    const Round& round) const {
-  return tag_corners ? FitTagCorner(image, feature, start, false, round)
-                     : Symmetry(image, feature, start, center_only, round);
+                                    const RefinementPass& pass) const {
+  return tag_corners ? FitTagCorner(image, feature, start, false, pass)
+                     : Symmetry(image, feature, start, center_only, pass);
 }
 
 const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
@@ -278,7 +280,7 @@ const std::vector<SymmetryMask>& FeatureRefiner::masks() const {
 // Returns an empty string, or the reason for rejecting the feature.
 std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
                                             const Feature& feature,
-                                            const Round& round,
+                                            const RefinementPass& pass,
                                             const FeatureLattice& lattice,
                                             WindowMappings* windows,
                                             Eigen::Vector2d* pixel) const {
@@ -286,12 +288,12 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (window.degree == 0) return "too few neighbours";
   LocalMapping start = window.mapping;
   const bool center_only = window.degree > 1;
-  if (start.CircleWidthPx() < kMinWidthPx) return "too small";
+  if (start.CircleWidthPx() < kMinCircleWidthPx) return "too small";
   start.center = feature.pixel;
-  WindowFit result = Fit(image, feature, start, center_only, round);
+  WindowFit result = Fit(image, feature, start, center_only, pass);
   LocalMapping predicted;
-  if (!result.is_converged && Predicted(lattice, feature, &predicted))
-    result = Fit(image, feature, predicted, center_only, round);
+  if (!result.is_converged && PredictPosition(lattice, feature, &predicted))
+    result = Fit(image, feature, predicted, center_only, pass);
   if (!result.is_converged)
     return tag_corners ? "no corner nearby" : "no centre of symmetry nearby";
   // At the image's edge, a tag corner is constrained from one side only.
@@ -302,7 +304,7 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (result.contrast < kMinRefinedContrast) return "no contrast";
   // The RMS includes the noise of one value (tag corners), or of both values of
   // a difference (symmetry).
-  const double noise2 = round.noise * round.noise;
+  const double noise2 = pass.noise * pass.noise;
   const double signal2 = std::pow(result.contrast, 2) - noise2;
   if (tag_corners &&
       std::pow(result.rms, 2) - noise2 > std::pow(kMaxUnlikeness, 2) * signal2)
@@ -310,17 +312,17 @@ std::string FeatureRefiner::Data::RefineOne(const GreyImage& image,
   if (!tag_corners && std::pow(result.rms, 2) - 2 * noise2 >
                           std::pow(kMaxAsymmetry, 2) * signal2)
     return "not symmetric";
-  if (round.is_last && !(result.stddev_px < kMaxStdDevPx))
+  if (pass.is_last_pass && !(result.stddev_px < kMaxStdDevPx))
     return "below the noise";
-  if (round.is_last &&
-      !(std::hypot(result.stddev_px, window.bend_stddev_px) < kMaxStdDevPx))
+  if (pass.is_last_pass &&
+      !(std::hypot(result.stddev_px, window.sagitta_stddev_px) < kMaxStdDevPx))
     return "too much distortion";
   *pixel = result.mapping.center;
   return {};
 }
 
 void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
-                                      const Round& round,
+                                      const RefinementPass& pass,
                                       FeatureLattice* lattice,
                                       ImageDetection* detection) const {
   FeatureLattice refined = *lattice;
@@ -328,14 +330,14 @@ void FeatureRefiner::Data::RefineOnce(const GreyImage& image,
   for (const Feature& feature : lattice->Features()) {
     Eigen::Vector2d pixel;
     const std::string reason =
-        RefineOne(image, feature, round, *lattice, &windows, &pixel);
+        RefineOne(image, feature, pass, *lattice, &windows, &pixel);
     if (reason.empty())
       refined.Set(feature.column, feature.row, pixel);
     else
       Reject(board, feature.column, feature.row, reason, &refined, detection);
   }
   *lattice = refined;
-  RejectOutliers(board, image.size, kRefined, options.window_px, lattice,
+  RejectOutliers(board, image.size, kFineTolerance, options.window_px, lattice,
                  detection);
 }
 
@@ -350,7 +352,7 @@ void FeatureRefiner::Data::RefineWithSymmetry(const GreyImage& image,
   // Tag corners may move farther, since the tone is applied only now.
   RefineOnce(image,
              {&samples, tag_corners ? kMaxMovePx / 2 : kMaxMovePx / 4, 0, noise,
-              true, Tone(image, *lattice, noise)},
+              true, EstimateToneResponse(image, *lattice, noise)},
              lattice, detection);
 }
 
@@ -381,14 +383,14 @@ ImageDetection FeatureRefiner::Refine(
   FeatureLattice lattice(data_->board);
   for (const Feature& feature : approximate)
     lattice.Set(feature.column, feature.row, feature.pixel);
-  RejectOutliers(data_->board, image.size, kApproximate,
+  RejectOutliers(data_->board, image.size, kCoarseTolerance,
                  data_->options.window_px, &lattice, &detection);
   switch (data_->options.refinement) {
     case Refinement::kNone:
       break;
     case Refinement::kCornerSubpix:
       data_->RefineWithCornerModel(image, &lattice, &detection);
-      RejectOutliers(data_->board, image.size, kRefined,
+      RejectOutliers(data_->board, image.size, kFineTolerance,
                      data_->options.window_px, &lattice, &detection);
       break;
     default:
@@ -406,19 +408,20 @@ std::vector<Feature> FeatureRefiner::RefineWith(
   if (data_->options.refinement == Refinement::kNone ||
       data_->options.refinement == Refinement::kCornerSubpix)
     return features;
-  Round round = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
+  RefinementPass pass = {&data_->samples, kMaxMovePx / 4, 0, 0, true};
   if (data_->tag_corners) {
     FeatureLattice lattice(data_->board);
     for (const Feature& f : features) lattice.Set(f.column, f.row, f.pixel);
-    round.tone = data_->Tone(image, lattice, EstimateNoise(image));
+    pass.tone =
+        data_->EstimateToneResponse(image, lattice, EstimateNoise(image));
   }
   for (Feature& feature : features) {
     const auto mapping = get_mapping(feature);
     if (!mapping) continue;
     const WindowFit result =
         data_->tag_corners
-            ? data_->FitTagCorner(image, feature, *mapping, true, round)
-            : data_->Symmetry(image, feature, *mapping, true, round);
+            ? data_->FitTagCorner(image, feature, *mapping, true, pass)
+            : data_->Symmetry(image, feature, *mapping, true, pass);
     if (result.is_converged) feature.pixel = result.mapping.center;
   }
   return features;

@@ -16,11 +16,11 @@ namespace {
 constexpr int kSupersampling = 4;  // along each axis
 constexpr size_t kMinSamples = 40;
 constexpr double kMaxShiftPx = 1.5;  // after the search at integer pixels
-constexpr double kNearPx = 2;        // radius of the first search
-constexpr double kSurely = 0.7;      // minimum correlation to skip the larger
-                                     // search
-constexpr double kMatchedPx = 0.03;  // convergence threshold; symmetry refines
-                                     // further
+constexpr double kFirstSearchRadiusPx = 2;      // radius of the first search
+constexpr double kMinCertainCorrelation = 0.7;  // minimum correlation to skip
+                                                // the larger search
+constexpr double kConvergedShiftPx = 0.03;  // convergence threshold; symmetry
+                                            // refines further
 
 // Pixel offsets from the centre, and the rendered intensities (1: white).
 struct Rendering {
@@ -87,8 +87,10 @@ Rendering Render(const StarTexture& texture, const SymmetryMask& mask,
 }
 
 // Returns the samples that stay in the image if the centre moves by margin_px.
-Rendering Inside(const Rendering& rendering, const ImageSize& size,
-                 const Eigen::Vector2d& center, double margin_px) {
+Rendering SelectSamplesInImage(const Rendering& rendering,
+                               const ImageSize& size,
+                               const Eigen::Vector2d& center,
+                               double margin_px) {
   Rendering inside;
   const double x0 = margin_px - center.x(), y0 = margin_px - center.y();
   const double x1 = size.width - 1 - margin_px - center.x();
@@ -140,21 +142,22 @@ class ShiftedSamples {
     for (size_t i = 0; i < rendering.size(); i += kStride) {
       const Eigen::Array2f at(rendering.x[i], rendering.y[i]);
       const Eigen::Array2i pixel = (first + at).floor().cast<int>();
-      stay_inside_ &= (pixel >= reach).all() && (pixel < size - reach).all();
+      are_samples_inside_ &=
+          (pixel >= reach).all() && (pixel < size - reach).all();
       pixels_.push_back(pixel);
-      indices_.push_back(pixel.y() * image.size.width + pixel.x());
+      sample_offsets_.push_back(pixel.y() * image.size.width + pixel.x());
       white_.push_back(rendering.white[i]);
-      all_.q += rendering.white[i];
-      all_.qq += rendering.white[i] * rendering.white[i];
+      constant_moments_.q += rendering.white[i];
+      constant_moments_.qq += rendering.white[i] * rendering.white[i];
     }
-    all_.n = static_cast<double>(white_.size());
+    constant_moments_.n = static_cast<double>(white_.size());
   }
 
   // Returns the correlation of the samples that are in the image after a shift;
   // -1 if there are too few.
   double Correlation(int x, int y) const {
     const Moments moments =
-        stay_inside_ ? ComputeMoments(x, y) : ComputeMomentsInside(x, y);
+        are_samples_inside_ ? ComputeMoments(x, y) : ComputeMomentsInside(x, y);
     return moments.n * kStride < kMinSamples ? -1 : moments.Correlation();
   }
 
@@ -165,13 +168,14 @@ class ShiftedSamples {
     const float* shifted = image_.levels.data();
     const int shift = y * image_.size.width + x;
     float p = 0, pp = 0, pq = 0;
-    for (size_t i = 0; i < indices_.size(); ++i) {
-      const float level = shifted[indices_[i] + shift] - middle_;
+    for (size_t i = 0; i < sample_offsets_.size(); ++i) {
+      const float level = shifted[sample_offsets_[i] + shift] - middle_;
       p += level;
       pp += level * level;
       pq += level * white_[i];
     }
-    return {all_.n, p, all_.q, pp, pq, all_.qq};
+    return {constant_moments_.n, p, constant_moments_.q, pp, pq,
+            constant_moments_.qq};
   }
 
   Moments ComputeMomentsInside(int x, int y) const {
@@ -195,10 +199,10 @@ class ShiftedSamples {
   const GreyImage& image_;
   float middle_;
   std::vector<Eigen::Array2i> pixels_;
-  std::vector<int> indices_;
+  std::vector<int> sample_offsets_;
   std::vector<float> white_;
-  bool stay_inside_ = true;
-  Moments all_;  // terms that do not depend on the shift
+  bool are_samples_inside_ = true;
+  Moments constant_moments_;  // terms that do not depend on the shift
 };
 
 // Returns the position with the highest correlation among integer shifts.
@@ -225,7 +229,8 @@ class Matching {
   Matching(const GreyImage& image, const Rendering& rendering,
            const Eigen::Vector2d& start)
       : image_(image),
-        samples_(Inside(rendering, image.size, start, kMaxShiftPx + 1)),
+        samples_(SelectSamplesInImage(rendering, image.size, start,
+                                      kMaxShiftPx + 1)),
         middle_(ComputeMeanGreyLevel(image, start)) {
     const size_t whole = samples_.size() - samples_.size() % kLanes;
     for (auto* column : {&samples_.x, &samples_.y, &samples_.white})
@@ -237,8 +242,8 @@ class Matching {
 
   // Computes one Gauss-Newton step for shift, factor and bias. moments: values
   // before the step.
-  bool Step(const Eigen::Vector2d& center, double f, double b,
-            Eigen::Vector4d* step, Moments* moments) const {
+  bool TakeStep(const Eigen::Vector2d& center, double f, double b,
+                Eigen::Vector4d* step, Moments* moments) const {
     const auto x0 = static_cast<float>(center.x() - base_.x());
     const auto y0 = static_cast<float>(center.y() - base_.y());
     const int width = image_.size.width;
@@ -311,7 +316,7 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
   for (int i = 0; i < kMaxSteps; ++i) {
     Eigen::Vector4d step;
     Moments moments;
-    if (!matching.Step(result.center, f, b, &step, &moments)) return result;
+    if (!matching.TakeStep(result.center, f, b, &step, &moments)) return result;
     result.correlation = moments.Correlation();
     result.factor = moments.Factor();
     if (result.factor <= 0 || !std::isfinite(result.factor)) return result;
@@ -327,7 +332,7 @@ MatchingResult MatchWithin(const GreyImage& image, const Rendering& rendering,
     f += step[2];
     b += step[3];
     if ((result.center - first).norm() > kMaxShiftPx) return result;
-    if (move.norm() < kMatchedPx) break;
+    if (move.norm() < kConvergedShiftPx) break;
   }
   result.is_converged = true;
   return result;
@@ -351,10 +356,10 @@ MatchingResult MatchStar(const GreyImage& image, const StarTexture& texture,
   const Rendering rendering =
       Render(texture, mask, start, GetWindowSamples(window_px));
   if (rendering.size() < kMinSamples) return result;
-  result =
-      MatchWithin(image, rendering, start.center, std::min(search_px, kNearPx));
-  if (search_px <= kNearPx ||
-      (result.is_converged && result.correlation >= kSurely))
+  result = MatchWithin(image, rendering, start.center,
+                       std::min(search_px, kFirstSearchRadiusPx));
+  if (search_px <= kFirstSearchRadiusPx ||
+      (result.is_converged && result.correlation >= kMinCertainCorrelation))
     return result;
   return MatchWithin(image, rendering, start.center, search_px);
 }

@@ -96,19 +96,20 @@ void Reject(const Board& board, int column, int row, const std::string& reason,
 void RejectOutliers(const Board& board, const ImageSize& size,
                     const Tolerance& tolerance, int window_px,
                     FeatureLattice* lattice, ImageDetection* detection) {
-  LineOutlierFilter judge(board, size, tolerance, window_px, *lattice);
+  LineOutlierFilter outlier_filter(board, size, tolerance, window_px, *lattice);
   for (;;) {
     double worst = 1;
     int worst_column = -1, worst_row = -1;
     for (const Feature& f : lattice->Features()) {
-      const double deviation = judge.ComputeRelativeDeviation(f.column, f.row);
+      const double deviation =
+          outlier_filter.ComputeRelativeDeviation(f.column, f.row);
       if (deviation <= worst) continue;
       worst = deviation;
       worst_column = f.column;
       worst_row = f.row;
     }
     if (worst_column < 0) return;
-    Reject(board, worst_column, worst_row, kNotInLine, lattice, detection);
+    Reject(board, worst_column, worst_row, kNotCollinear, lattice, detection);
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-constexpr const char* kNotInLine = "inconsistent with its neighbours";
+constexpr const char* kNotCollinear = "inconsistent with its neighbours";
 
 /// Maximum distance of a feature from its prediction: px + squares * width of a
 /// square.
@@ -19,9 +19,9 @@ void Reject(const Board& board, int column, int row, const std::string& reason,
             FeatureLattice* lattice, ImageDetection* detection);
 
 /// Repeatedly removes the feature with the largest deviation, with the reason
-/// kNotInLine. Features are predicted from their neighbours by a polynomial and
-/// by a mapping with perspective, and by a lens model of the whole lattice: a
-/// feature is an inlier if one prediction is within the tolerance.
+/// kNotCollinear. Features are predicted from their neighbours by a polynomial
+/// and by a mapping with perspective, and by a lens model of the whole lattice:
+/// a feature is an inlier if one prediction is within the tolerance.
 void RejectOutliers(const Board& board, const ImageSize& size,
                     const Tolerance& tolerance, int window_px,
                     FeatureLattice* lattice, ImageDetection* detection);

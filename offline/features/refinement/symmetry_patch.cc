@@ -11,8 +11,8 @@ namespace {
 constexpr float kHalfway[4] = {0.61892f, -0.16603f, 0.05972f, -0.01261f};
 constexpr int kTaps = 4;
 
-inline float Halfway(float a0, float a1, float a2, float a3, float b0, float b1,
-                     float b2, float b3) {
+inline float InterpolateHalfway(float a0, float a1, float a2, float a3,
+                                float b0, float b1, float b2, float b3) {
   return kHalfway[0] * (a0 + b0) + kHalfway[1] * (a1 + b1) +
          kHalfway[2] * (a2 + b2) + kHalfway[3] * (a3 + b3);
 }
@@ -39,8 +39,8 @@ void CopySquare(const GreyImage& image, const Eigen::Vector2i& first, int side,
 void EnlargeRow(const float* in, int count, float* halfway, float* out) {
   in += kTaps - 1;
   for (int x = 0; x < count; ++x)
-    halfway[x] = Halfway(in[x], in[x - 1], in[x - 2], in[x - 3], in[x + 1],
-                         in[x + 2], in[x + 3], in[x + 4]);
+    halfway[x] = InterpolateHalfway(in[x], in[x - 1], in[x - 2], in[x - 3],
+                                    in[x + 1], in[x + 2], in[x + 3], in[x + 4]);
   for (int x = 0; x < count; ++x) {
     out[2 * x] = in[x];
     out[2 * x + 1] = halfway[x];
@@ -48,17 +48,18 @@ void EnlargeRow(const float* in, int count, float* halfway, float* out) {
 }
 
 // Interpolates the row halfway between `row` and the following one.
-void HalfwayRow(const float* row, int width, float* out) {
+void InterpolateHalfwayRow(const float* row, int width, float* out) {
   const auto at = [row, width](int y) { return row + y * width; };
   const float *a0 = at(0), *a1 = at(-1), *a2 = at(-2), *a3 = at(-3);
   const float *b0 = at(1), *b1 = at(2), *b2 = at(3), *b3 = at(4);
   for (int x = 0; x < width; ++x)
-    out[x] = Halfway(a0[x], a1[x], a2[x], a3[x], b0[x], b1[x], b2[x], b3[x]);
+    out[x] = InterpolateHalfway(a0[x], a1[x], a2[x], a3[x], b0[x], b1[x], b2[x],
+                                b3[x]);
 }
 
 // Returns a square with a side of 2 count values, upsampled from one with a
 // side of count + 2 kTaps - 1 values.
-std::vector<float> Enlarged(const std::vector<float>& square, int count) {
+std::vector<float> EnlargePatch(const std::vector<float>& square, int count) {
   const int side = count + 2 * kTaps - 1, width = 2 * count;
   std::vector<float> rows(static_cast<size_t>(side) * width);
   std::vector<float> halfway(count);
@@ -70,7 +71,7 @@ std::vector<float> Enlarged(const std::vector<float>& square, int count) {
     const float* row = &rows[static_cast<size_t>(y + kTaps - 1) * width];
     float* out = &enlarged[static_cast<size_t>(2 * y) * width];
     std::copy(row, row + width, out);
-    HalfwayRow(row, width, out + width);
+    InterpolateHalfwayRow(row, width, out + width);
   }
   return enlarged;
 }
@@ -99,7 +100,7 @@ SymmetryPatch::SymmetryPatch(const GreyImage& image, Refinement refinement,
   const int count = 2 * reach_px + 1, side = count + 2 * kTaps - 1;
   std::vector<float> square(static_cast<size_t>(side) * side);
   CopySquare(image, origin_.array() - (kTaps - 1), side, square.data());
-  std::vector<float> levels = Enlarged(square, count);
+  std::vector<float> levels = EnlargePatch(square, count);
   if (refinement != Refinement::kGradientsXY &&
       refinement != Refinement::kGradientMagnitude) {
     channels_.push_back(std::move(levels));

@@ -22,7 +22,7 @@ using ParameterMatrix = Eigen::Matrix<float, N, N>;
 
 constexpr float kScale = SymmetryPatch::kEnlargement;
 // Maximum distance of samples from the window due to curvature.
-constexpr float kSlackPx = 3;
+constexpr float kWindowMarginPx = 3;
 constexpr float kBorderPx = 1.5f;  // unused border of the image
 
 // Sample pairs of one feature as structure of arrays; lengths in upsampled
@@ -57,7 +57,7 @@ class PairMaker {
         center_(start.center.cast<float>()),
         x1_(size.width - 1 - kBorderPx),
         y1_(size.height - 1 - kBorderPx),
-        reach_(kScale * (window_px / 2 + kSlackPx)) {}
+        reach_(kScale * (window_px / 2 + kWindowMarginPx)) {}
 
   // Appends the pairs of the first num_lanes samples at index i. Omits pairs
   // with a sample outside the image or the symmetric area. Returns the number
@@ -159,7 +159,7 @@ class Problem {
         reflection_(patch.ComputeReflection(inverts_colors)) {}
 
   System<N> Evaluate(const LocalMapping& mapping) const {
-    const Parameters parameters = InPatch(mapping);
+    const Parameters parameters = TransformToPatch(mapping);
     System<N> system;
     for (const std::vector<float>& channel : patch_.channels()) {
       const float twice_middle =
@@ -174,7 +174,7 @@ class Problem {
   struct Parameters {
     float a00, a01, a10, a11, h0, h1, cx, cy;
   };
-  Parameters InPatch(const LocalMapping& m) const {
+  Parameters TransformToPatch(const LocalMapping& m) const {
     const Eigen::Matrix2f a = kScale * m.linear.cast<float>();
     const Eigen::Vector2f c = patch_.FromPixel(m.center).cast<float>();
     const Eigen::Vector2f h = m.perspective.cast<float>();
@@ -414,7 +414,8 @@ WindowFit RefineSymmetry(const GreyImage& image, const SymmetrySamples& samples,
   // One more pixel for the fraction of the start position, one for
   // interpolation.
   const int reach_px = samples.window_px / 2 +
-                       static_cast<int>(kSlackPx + options.max_move_px) + 2;
+                       static_cast<int>(kWindowMarginPx + options.max_move_px) +
+                       2;
   const SymmetryPatch patch(image, options.refinement, start.center.cast<int>(),
                             reach_px);
   const auto refine = options.center_only ? Refine<2> : Refine<8>;

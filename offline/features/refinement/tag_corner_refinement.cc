@@ -55,8 +55,8 @@ struct WindowPixel {
 };
 
 // Returns the board offset that is projected to a pixel.
-Vector2d OffsetAt(const LocalMapping& mapping, const Matrix2d& inverse,
-                  const Vector2d& pixel) {
+Vector2d ComputeBoardOffset(const LocalMapping& mapping,
+                            const Matrix2d& inverse, const Vector2d& pixel) {
   Vector2d offset = inverse * (pixel - mapping.center);
   constexpr int kSteps = 4;
   for (int k = 0; k < kSteps; ++k)
@@ -164,12 +164,12 @@ class CornerProblem {
           ApplyTone(std::clamp(1 - ink.ink, 0.0, 1.0), p[kTone]);
       const double residual = p[kBlackLevel] + white * light.seen - s.level;
       const double J_ink = -white * light.J_light;
-      const Vector2d J_board_pose = J_ink * Vector2d(ink.by_u, ink.by_v);
+      const Vector2d J_board_pose = J_ink * Vector2d(ink.J_u, ink.J_v);
       CornerParameters j;
       j.head<2>() = -inverse_.transpose() * J_board_pose;
       j[kRotationU] = -J_board_pose.dot(rotation_u_) * s.place.x();
       j[kRotationV] = -J_board_pose.dot(rotation_v_) * s.place.y();
-      j[kLogSigma] = J_ink * ink.by_log_sigma;
+      j[kLogSigma] = J_ink * ink.J_log_sigma;
       j[kBlackLevel] = 1;
       j[kWhiteLevel] = light.seen;
       j[kWhiteByX] = light.seen * s.x;
@@ -191,10 +191,10 @@ class CornerProblem {
 
  private:
   BoardBlur GetBlur(const CornerParameters& p) const {
-    const Vector2d by_u = inverse_.row(0), by_v = inverse_.row(1);
+    const Vector2d J_u = inverse_.row(0), J_v = inverse_.row(1);
     const double sigma = std::exp(p[kLogSigma]);
-    return {sigma * by_u.norm(), sigma * by_v.norm(),
-            by_u.dot(by_v) / (by_u.norm() * by_v.norm())};
+    return {sigma * J_u.norm(), sigma * J_v.norm(),
+            J_u.dot(J_v) / (J_u.norm() * J_v.norm())};
   }
 
   void AddPriors(const CornerParameters& p, CornerSystem* system) const {
@@ -287,11 +287,11 @@ struct TagCornerRefiner::Data {
   std::vector<PlacedMarker> tags;
   std::vector<Eigen::Vector3d> points_m;
 
-  std::vector<InkRectangle> InkAround(int column, int row,
-                                      int quarter_turns) const;
-  std::vector<WindowPixel> PixelsNear(const GreyImage& image, int column,
-                                      int row, const LocalMapping& start,
-                                      int window_px) const;
+  std::vector<InkRectangle> GetInkAround(int column, int row,
+                                         int quarter_turns) const;
+  std::vector<WindowPixel> ListPixelsNear(const GreyImage& image, int column,
+                                          int row, const LocalMapping& start,
+                                          int window_px) const;
   double ComputeTemplateCorrelation(const GreyImage& image, int column, int row,
                                     const LocalMapping& start,
                                     int quarter_turns) const;
@@ -300,7 +300,7 @@ struct TagCornerRefiner::Data {
                 double* tone) const;
 };
 
-std::vector<InkRectangle> TagCornerRefiner::Data::InkAround(
+std::vector<InkRectangle> TagCornerRefiner::Data::GetInkAround(
     int column, int row, int quarter_turns) const {
   const Vector2d corner_m = points_m[board.PointIndex(column, row)].head<2>();
   std::vector<InkRectangle> ink;
@@ -315,7 +315,7 @@ std::vector<InkRectangle> TagCornerRefiner::Data::InkAround(
 // Returns the pixels near the two edges of the corner: inside up to 0.6 of the
 // width of the tag's border, outside up to half of the gap between tags, but at
 // most one cell.
-std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
+std::vector<WindowPixel> TagCornerRefiner::Data::ListPixelsNear(
     const GreyImage& image, int column, int row, const LocalMapping& start,
     int window_px) const {
   constexpr double kBorderFraction = 0.6, kGapFraction = 0.5,
@@ -333,7 +333,7 @@ std::vector<WindowPixel> TagCornerRefiner::Data::PixelsNear(
     for (int x = middle.x() - half; x <= middle.x() + half; ++x) {
       if (x < 0 || y < 0 || x >= image.size.width || y >= image.size.height)
         continue;
-      const Vector2d place = OffsetAt(start, inverse, Vector2d(x, y));
+      const Vector2d place = ComputeBoardOffset(start, inverse, Vector2d(x, y));
       const Vector2d in = place.cwiseProduct(inside);
       const double depth = in.minCoeff();
       if (!(depth >= -outwards && depth <= inwards &&
@@ -399,7 +399,7 @@ WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
   WindowFit fit;
   fit.mapping = mapping;
   std::vector<WindowPixel> pixels =
-      PixelsNear(image, column, row, mapping, options.window_px);
+      ListPixelsNear(image, column, row, mapping, options.window_px);
   constexpr size_t kMinPixels = 60;
   if (pixels.size() < kMinPixels) return fit;
   int turns = 0;
@@ -411,7 +411,7 @@ WindowFit TagCornerRefiner::Data::Fit(const GreyImage& image,
     most = likeness;
     turns = k;
   }
-  const Quadrants quadrants(InkAround(column, row, turns),
+  const Quadrants quadrants(GetInkAround(column, row, turns),
                             options.window_px / mapping.CircleWidthPx());
   const CornerProblem problem(quadrants, mapping, std::move(pixels), options,
                               tone_stddev);

@@ -25,7 +25,7 @@ double ComputeSagittaPx(const LocalMapping& a, const LocalMapping& b,
                         const LocalMapping& scale, double radius_px) {
   constexpr int kDirections = 8;
   const Eigen::Matrix2d inverse = scale.linear.inverse();
-  const auto bend = [](const LocalMapping& m, const Eigen::Vector2d& s) {
+  const auto even_part = [](const LocalMapping& m, const Eigen::Vector2d& s) {
     return Eigen::Vector2d((m(s) + m(-s)) / 2 - m.center);
   };
   double most = 0;
@@ -34,7 +34,7 @@ double ComputeSagittaPx(const LocalMapping& a, const LocalMapping& b,
     const Eigen::Vector2d s =
         inverse *
         (radius_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-    most = std::max(most, (bend(a, s) - bend(b, s)).norm());
+    most = std::max(most, (even_part(a, s) - even_part(b, s)).norm());
   }
   return most;
 }
@@ -44,8 +44,8 @@ double ComputeSagittaPx(const LocalMapping& mapping, double radius_px) {
 }
 
 // Returns the RMS residual of a mapping after removing the mean.
-double ScatterPx(const LocalMapping& mapping,
-                 const std::vector<Correspondence>& around) {
+double ComputeScatterPx(const LocalMapping& mapping,
+                        const std::vector<Correspondence>& around) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double sum2 = 0;
   for (const Correspondence& c : around) {
@@ -61,9 +61,9 @@ double ScatterPx(const LocalMapping& mapping,
 
 const std::optional<LatticeCamera>& WindowMappings::Lens() {
   // Tag corners of an AprilGrid are not evenly spaced.
-  if (!is_lens_made_ && !board_.IsTagGrid())
+  if (!is_camera_fitted_ && !board_.IsTagGrid())
     lens_ = LatticeCamera::Fit(lattice_.Features(), size_);
-  is_lens_made_ = true;
+  is_camera_fitted_ = true;
   return lens_;
 }
 
@@ -77,7 +77,7 @@ std::optional<WindowMapping> WindowMappings::PredictWithCamera(int column,
   return WindowMapping{
       *seen, kWindowDegree,
       std::max(kCameraSagittaFraction * ComputeSagittaPx(*seen, window_px_ / 3),
-               kErrorFraction * ScatterPx(*seen, around))};
+               kErrorFraction * ComputeScatterPx(*seen, around))};
 }
 
 WindowMapping WindowMappings::At(int column, int row) {
@@ -98,10 +98,11 @@ WindowMapping WindowMappings::At(int column, int row) {
       is_known
           ? ComputeSagittaPx(window.mapping, nearer, window.mapping, radius_px)
           : sagitta_px;
-  window.bend_stddev_px = std::max(kSagittaFraction * sagitta_px,
-                                   kDifferenceFraction * difference_px);
+  window.sagitta_stddev_px = std::max(kSagittaFraction * sagitta_px,
+                                      kDifferenceFraction * difference_px);
   const auto camera_window = PredictWithCamera(column, row);
-  if (camera_window && camera_window->bend_stddev_px < window.bend_stddev_px)
+  if (camera_window &&
+      camera_window->sagitta_stddev_px < window.sagitta_stddev_px)
     return *camera_window;
   return window;
 }

@@ -15,7 +15,7 @@ struct WindowMapping {
   int degree = 0;  ///< degree of the polynomial; 0: no mapping
   /// Standard deviation of the centre in symmetry refinement, in pixels, due to
   /// lens curvature that the mapping does not compensate.
-  double bend_stddev_px = 0;
+  double sagitta_stddev_px = 0;
 };
 
 /// Local mappings within the windows of features: fitted to the neighbours of
@@ -38,7 +38,7 @@ class WindowMappings {
   const FeatureLattice& lattice_;
   ImageSize size_;
   double window_px_;
-  bool is_lens_made_ = false;
+  bool is_camera_fitted_ = false;
   std::optional<LatticeCamera> lens_;
 };
 

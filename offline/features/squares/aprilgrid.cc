@@ -34,37 +34,38 @@ namespace {
 // merges them with the tag into a shape that is not a quad. Dilating the white
 // areas by some pixels separates them. Small cells are resolved only in an
 // enlarged image.
-struct Preparation {
+struct Preprocessing {
   int scale;
   int growth_px;  // dilation in pixels of the enlarged image
 };
-constexpr Preparation kPreparations[] = {{1, 0}, {2, 1}, {1, 1},
-                                         {2, 2}, {1, 2}, {1, 3}};
+constexpr Preprocessing kPreprocessings[] = {{1, 0}, {2, 1}, {1, 1},
+                                             {2, 2}, {1, 2}, {1, 3}};
 constexpr double kMaxPixelsToEnlarge = 2.5e6;
 
 constexpr double kMinCorrelations[] = {0.7, 0.6};
 
-cv::Mat Prepared(const cv::Mat& image, const Preparation& preparation) {
+cv::Mat PreprocessImage(const cv::Mat& image,
+                        const Preprocessing& preprocessing) {
   cv::Mat prepared = image;
-  if (preparation.scale > 1)
-    cv::resize(image, prepared, cv::Size(), preparation.scale,
-               preparation.scale, cv::INTER_CUBIC);
-  if (preparation.growth_px == 0) return prepared;
-  const int side = 2 * preparation.growth_px + 1;
+  if (preprocessing.scale > 1)
+    cv::resize(image, prepared, cv::Size(), preprocessing.scale,
+               preprocessing.scale, cv::INTER_CUBIC);
+  if (preprocessing.growth_px == 0) return prepared;
+  const int side = 2 * preprocessing.growth_px + 1;
   cv::Mat grown;
   cv::dilate(prepared, grown, cv::Mat::ones(side, side, CV_8U));
   return grown;
 }
 
 // Converts the corners to the coordinates of the original image.
-void Undo(const Preparation& preparation, DetectedTag* tag) {
+void Undo(const Preprocessing& preprocessing, DetectedTag* tag) {
   const std::array<Eigen::Vector2d, 4> c = tag->corners;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector2d outwards = (c[k] - c[(k + 1) % 4]).normalized() +
                                      (c[k] - c[(k + 3) % 4]).normalized();
     tag->corners[k] =
-        ((c[k] + preparation.growth_px * outwards).array() + 0.5) /
-            preparation.scale -
+        ((c[k] + preprocessing.growth_px * outwards).array() + 0.5) /
+            preprocessing.scale -
         0.5;
   }
 }
@@ -86,20 +87,22 @@ std::vector<DetectedTag> FindGridTags(const GreyImage& image,
   const cv::Mat grey = ReadableImage(image);
   const TagDetector detector(families, {});
   std::vector<DetectedTag> found;
-  for (const Preparation& preparation : kPreparations) {
-    if (preparation.scale > 1 &&
+  for (const Preprocessing& preprocessing : kPreprocessings) {
+    if (preprocessing.scale > 1 &&
         static_cast<double>(grey.total()) > kMaxPixelsToEnlarge)
       continue;
-    const bool is_quick = preparation.scale == 1 && preparation.growth_px < 2;
+    const bool is_quick =
+        preprocessing.scale == 1 && preprocessing.growth_px < 2;
     if (search == TagSearch::kQuick && !is_quick) continue;
     const size_t num_before = found.size();
-    for (DetectedTag& tag : detector.Detect(Prepared(grey, preparation))) {
+    for (DetectedTag& tag :
+         detector.Detect(PreprocessImage(grey, preprocessing))) {
       if (std::any_of(found.begin(), found.begin() + num_before,
                       [&](const DetectedTag& f) {
                         return f.id == tag.id && f.family == tag.family;
                       }))
         continue;
-      Undo(preparation, &tag);
+      Undo(preprocessing, &tag);
       found.push_back(tag);
     }
   }
@@ -174,7 +177,7 @@ MarkerConstellation AprilGridLocator::Data::Constellation(
   for (int quarter_turns = 1; quarter_turns < 4; ++quarter_turns) {
     const MarkerConstellation turned(markers, pitch_m(),
                                      OnBoard(tags, quarter_turns));
-    if (turned.Agreement() > best.Agreement()) best = turned;
+    if (turned.CountConsistent() > best.CountConsistent()) best = turned;
   }
   return best;
 }
@@ -237,7 +240,7 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   const std::vector<DetectedTag> tags =
       data_->FindTags(image, TagSearch::kThorough);
   const MarkerConstellation seen = data_->Constellation(tags);
-  const MarkerConstellation fitting = seen.Consistent();
+  const MarkerConstellation fitting = seen.SelectConsistent();
   ImageDetection located;
   const FeatureLattice lattice = data_->FindCorners(image, fitting);
   located.features = lattice.Features();
@@ -259,7 +262,7 @@ ImageDetection AprilGridLocator::Locate(const GreyImage& image) const {
   if (fitting.size() == 0 &&
       data_->Constellation(
                data_->FindTags(MirrorImage(image), TagSearch::kQuick))
-              .Consistent()
+              .SelectConsistent()
               .size() > 0)
     located.warnings.push_back(
         fmt::format("board {} is mirrored", data_->board.id));

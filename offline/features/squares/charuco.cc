@@ -37,13 +37,15 @@ constexpr double kNearDistance = 2.3;
 constexpr int kMaxNearMarkers = 4;
 constexpr int kBorderCells = 1;
 
-Board WithOtherLayout(Board board) {
+Board MakeAlternativeLayout(Board board) {
   board.is_legacy = !board.is_legacy;
   return board;
 }
 
 // The layouts differ only if the number of rows of squares is even.
-bool HasTwoLayouts(const Board& board) { return (board.rows + 1) % 2 == 0; }
+bool HasAlternativeLayout(const Board& board) {
+  return (board.rows + 1) % 2 == 0;
+}
 
 }  // namespace
 
@@ -51,15 +53,16 @@ struct CharucoLocator::Data {
   explicit Data(const Board& b)
       : board(b),
         markers(BoardAppearance(b).markers()),
-        other_markers(BoardAppearance(WithOtherLayout(b)).markers()),
+        alternative_markers(
+            BoardAppearance(MakeAlternativeLayout(b)).markers()),
         dictionary(BoardDictionary(markers, kBorderCells)),
         growth(b),
-        other_growth(WithOtherLayout(b)) {}
+        alternative_growth(MakeAlternativeLayout(b)) {}
 
   Board board;
-  std::vector<PlacedMarker> markers, other_markers;
+  std::vector<PlacedMarker> markers, alternative_markers;
   cv::Ptr<cv::aruco::Dictionary> dictionary;
-  CornerGrowth growth, other_growth;
+  CornerGrowth growth, alternative_growth;
 
   std::vector<DetectedMarker> FindMarkers(const GreyImage& image) const {
     return FindArucoMarkers(image, dictionary, kBorderCells);
@@ -73,7 +76,7 @@ struct CharucoLocator::Data {
 
 int CharucoLocator::Data::NumConsistentMarkers(const GreyImage& image) const {
   return MarkerConstellation(markers, pitch_m(), FindMarkers(image))
-      .Consistent()
+      .SelectConsistent()
       .size();
 }
 
@@ -87,7 +90,7 @@ FeatureLattice CharucoLocator::Data::FindCorners(
     for (int column = 0; column < board.columns; ++column) {
       const Eigen::Vector2d corner_m(column * board.square_m,
                                      row * board.square_m);
-      const std::vector<DetectedMarker> near = constellation.Nearest(
+      const std::vector<DetectedMarker> near = constellation.FindNearest(
           corner_m, kNearDistance * board.square_m, kMaxNearMarkers);
       if (near.empty() || constellation.Distance(near[0], corner_m) >
                               kAdjacentDistance * board.square_m)
@@ -114,10 +117,10 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   ImageDetection located;
   MarkerConstellation markers(data_->markers, data_->pitch_m(), seen);
   bool is_other = false;
-  if (HasTwoLayouts(board)) {
-    const MarkerConstellation other(data_->other_markers, data_->pitch_m(),
-                                    seen);
-    is_other = other.Agreement() > std::max(0, markers.Agreement());
+  if (HasAlternativeLayout(board)) {
+    const MarkerConstellation other(data_->alternative_markers,
+                                    data_->pitch_m(), seen);
+    is_other = other.CountConsistent() > std::max(0, markers.CountConsistent());
     if (is_other) {
       markers = other;
       located.warnings.push_back(fmt::format(
@@ -129,7 +132,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
     }
   }
   const int num_seen = markers.size();
-  markers = markers.Consistent();
+  markers = markers.SelectConsistent();
   if (num_seen > 0 && markers.size() == 0)
     located.warnings.push_back(
         fmt::format("board {}: no two of the detected markers ({}) are "
@@ -138,7 +141,7 @@ ImageDetection CharucoLocator::Locate(const GreyImage& image) const {
   located.features =
       data_
           ->FindCorners(image, markers,
-                        is_other ? data_->other_growth : data_->growth)
+                        is_other ? data_->alternative_growth : data_->growth)
           .Features();
   constexpr int kMinMarkersForOrientation = 4;
   if (markers.size() < kMinMarkersForOrientation &&

@@ -45,19 +45,20 @@ class SeedFinder {
  public:
   explicit SeedFinder(const std::vector<Saddle>& saddles) : saddles_(saddles) {}
 
-  std::optional<Seed> SeedAt(const Saddle& origin) const {
+  std::optional<Seed> FindSeed(const Saddle& origin) const {
     const auto [a, b] = origin.Edges();
     for (const auto& [right, down] :
          {std::pair{a, b}, {b, -a}, {-a, -b}, {-b, a}})
-      if (const auto seed = SeedBetween(origin, right, down)) return seed;
+      if (const auto seed = FindSeedBetween(origin, right, down)) return seed;
     return std::nullopt;
   }
 
  private:
   using Direction = Eigen::Vector2d;
 
-  std::optional<Seed> SeedBetween(const Saddle& origin, const Direction& right,
-                                  const Direction& down) const {
+  std::optional<Seed> FindSeedBetween(const Saddle& origin,
+                                      const Direction& right,
+                                      const Direction& down) const {
     const bool is_dark = origin.IsDarkBetween(right, down);
     const auto along = [&](const Direction& direction) {
       return FindNearestSaddles(origin, [&](const Saddle& saddle) {
@@ -114,12 +115,12 @@ class SeedFinder {
 };
 
 // A lattice grown from a seed.
-struct Grown {
+struct GrownLattice {
   FeatureLattice lattice;
   std::vector<Feature> features;
 };
 
-bool IsOn(const Grown& grown, const Eigen::Vector2d& pixel) {
+bool IsOnLattice(const GrownLattice& grown, const Eigen::Vector2d& pixel) {
   constexpr double kNear = 0.3;  // fraction of the distance to a neighbour
   const FeatureLattice& lattice = grown.lattice;
   for (const Feature& f : grown.features)
@@ -144,7 +145,7 @@ ChessLatticeFinder::ChessLatticeFinder(int max_side)
 void ChessLatticeFinder::Find(
     const GreyImage& image,
     const std::function<bool(const FeatureLattice&)>& is_wanted) const {
-  std::vector<Grown> all;
+  std::vector<GrownLattice> all;
   const auto grow = [&](const Seed& seed) {
     FeatureLattice lattice(canvas_);
     const int row = canvas_.rows / 2;
@@ -172,11 +173,11 @@ void ChessLatticeFinder::Find(
     for (const Saddle& saddle : saddles) {
       if (num_seeds > kMaxSeeds) break;
       ++num_seeds;
-      if (std::any_of(all.begin(), all.end(), [&](const Grown& grown) {
-            return IsOn(grown, saddle.pixel);
+      if (std::any_of(all.begin(), all.end(), [&](const GrownLattice& grown) {
+            return IsOnLattice(grown, saddle.pixel);
           }))
         continue;
-      const auto seed = finder.SeedAt(saddle);
+      const auto seed = finder.FindSeed(saddle);
       if (!seed) continue;
       FeatureLattice lattice = grow(*seed);
       if (lattice.num_found() < kMinCorners) continue;
@@ -185,7 +186,7 @@ void ChessLatticeFinder::Find(
       all.push_back({std::move(lattice), std::move(features)});
     }
   }
-  for (Grown& grown : all)
+  for (GrownLattice& grown : all)
     if (growth_.GrowWithSpacingRatio(image, kCriterion, &grown.lattice) &&
         is_wanted(grown.lattice))
       return;

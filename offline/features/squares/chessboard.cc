@@ -70,8 +70,8 @@ Rectangle Bounds(const FeatureLattice& lattice) {
 
 // Whether most of the corners of a row or column that are predicted to be in
 // the image were detected.
-bool IsWellFilled(const GreyImage& image, const FeatureLattice& lattice,
-                  const Rectangle& line) {
+bool HasMostFeatures(const GreyImage& image, const FeatureLattice& lattice,
+                     const Rectangle& line) {
   constexpr int kMinFound = 2;
   int num_found = 0, num_missing = 0;
   for (int row = line.top; row <= line.bottom; ++row) {
@@ -95,10 +95,10 @@ struct SideContrast {
 };
 
 // Returns nullopt unless all four squares are in the image.
-std::optional<SideContrast> SideContrastAt(const GreyImage& image,
-                                           const FeatureLattice& lattice,
-                                           int column, int row, int to_column,
-                                           int to_row) {
+std::optional<SideContrast> ComputeSideContrast(const GreyImage& image,
+                                                const FeatureLattice& lattice,
+                                                int column, int row,
+                                                int to_column, int to_row) {
   LocalMapping mapping;
   if (!PredictFeature(lattice, column, row, &mapping)) return std::nullopt;
   mapping.center = lattice.at(column, row);
@@ -127,7 +127,7 @@ bool AlternatesOutside(const GreyImage& image, const FeatureLattice& lattice,
     for (int column = line.left; column <= line.right; ++column) {
       if (!lattice.Has(column, row)) continue;
       const auto contrast =
-          SideContrastAt(image, lattice, column, row, to_column, to_row);
+          ComputeSideContrast(image, lattice, column, row, to_column, to_row);
       if (!contrast) continue;
       sum.outside += contrast->outside;
       sum.inside += contrast->inside;
@@ -140,7 +140,7 @@ bool AlternatesOutside(const GreyImage& image, const FeatureLattice& lattice,
 // Whether an outermost row or column of the lattice belongs to a board.
 bool IsBoardLine(const GreyImage& image, const FeatureLattice& lattice,
                  const Rectangle& line, int to_column, int to_row) {
-  return IsWellFilled(image, lattice, line) &&
+  return HasMostFeatures(image, lattice, line) &&
          AlternatesOutside(image, lattice, line, to_column, to_row);
 }
 
@@ -205,8 +205,8 @@ bool IsPaperOutside(const GreyImage& image, const OutsideCorner& place) {
 
 // Whether the squares outside the outermost corners are visibly the last ones,
 // surrounded by paper.
-bool EndsTowards(const GreyImage& image, const FeatureLattice& lattice,
-                 const Rectangle& part, int to_column, int to_row) {
+bool IsBoardEndOnSide(const GreyImage& image, const FeatureLattice& lattice,
+                      const Rectangle& part, int to_column, int to_row) {
   int num_seen = 0, num_ends = 0;
   for (int row = part.top; row <= part.bottom; ++row) {
     for (int column = part.left; column <= part.right; ++column) {
@@ -261,7 +261,7 @@ struct Numbering {
   }
 
   // The square to the lower right of features with even column + row is dark.
-  bool HasRightColours(const Board& board) const {
+  bool HasExpectedColors(const Board& board) const {
     const auto [column, row] = Of(board, place.left, place.top);
     const bool is_dark =
         IsEven(place.left + place.top + quarter_turns + is_mirrored);
@@ -299,14 +299,14 @@ const Numbering& SelectMostUpright(const std::vector<Numbering>& numberings,
 }
 
 // Edges of a lattice rectangle that are known to be edges of the board.
-struct Ends {
+struct BoardEnds {
   bool left = false, top = false, right = false, bottom = false;
 };
 
 // Returns the possible positions of a board on the lattice that contain the
 // rectangle `part` of it; edges marked in `ends` must coincide.
 std::vector<Rectangle> ListPossiblePositions(const Rectangle& part,
-                                             const Ends& ends, int columns,
+                                             const BoardEnds& ends, int columns,
                                              int rows) {
   std::vector<Rectangle> places;
   for (int top = part.bottom - rows + 1; top <= part.top; ++top) {
@@ -332,17 +332,18 @@ struct ChessboardLocator::Data {
   ChessLatticeFinder finder;
   CornerGrowth growth;
 
-  std::vector<Numbering> Numberings(const Rectangle& part, const Ends& ends,
-                                    bool is_mirrored) const;
-  std::optional<Numbering> Number(const GreyImage& image,
-                                  const FeatureLattice& lattice,
-                                  const Rectangle& part,
-                                  std::string* warning) const;
+  std::vector<Numbering> ListNumberings(const Rectangle& part,
+                                        const BoardEnds& ends,
+                                        bool is_mirrored) const;
+  std::optional<Numbering> AssignNumbers(const GreyImage& image,
+                                         const FeatureLattice& lattice,
+                                         const Rectangle& part,
+                                         std::string* warning) const;
 };
 
 // Returns all possibilities regardless of colours.
-std::vector<Numbering> ChessboardLocator::Data::Numberings(
-    const Rectangle& part, const Ends& ends, bool is_mirrored) const {
+std::vector<Numbering> ChessboardLocator::Data::ListNumberings(
+    const Rectangle& part, const BoardEnds& ends, bool is_mirrored) const {
   std::vector<Numbering> numberings;
   for (int turns = 0; turns < 4; ++turns) {
     const int columns = IsEven(turns) ? board.columns : board.rows;
@@ -356,15 +357,16 @@ std::vector<Numbering> ChessboardLocator::Data::Numberings(
 
 // Numbers the corners of a region of the lattice if there is a single
 // possibility; otherwise sets the warning.
-std::optional<Numbering> ChessboardLocator::Data::Number(
+std::optional<Numbering> ChessboardLocator::Data::AssignNumbers(
     const GreyImage& image, const FeatureLattice& lattice,
     const Rectangle& part, std::string* warning) const {
   const auto right_ones = [&](std::vector<Numbering> numberings) {
-    numberings.erase(std::remove_if(numberings.begin(), numberings.end(),
-                                    [&](const Numbering& numbering) {
-                                      return !numbering.HasRightColours(board);
-                                    }),
-                     numberings.end());
+    numberings.erase(
+        std::remove_if(numberings.begin(), numberings.end(),
+                       [&](const Numbering& numbering) {
+                         return !numbering.HasExpectedColors(board);
+                       }),
+        numberings.end());
     return numberings;
   };
   const auto is_unambiguous = [](const std::vector<Numbering>& numberings) {
@@ -374,7 +376,7 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
         return false;
     return !numberings.empty();
   };
-  const std::vector<Numbering> all = Numberings(part, {}, false);
+  const std::vector<Numbering> all = ListNumberings(part, {}, false);
   const auto unlike_board = [&] {
     return fmt::format(
         "a chessboard of {} x {} corners, which does not match board {}",
@@ -394,14 +396,14 @@ std::optional<Numbering> ChessboardLocator::Data::Number(
         is_mirrored ? "board {} is mirrored, or its colours are inverted"
                     : "the colours of board {} are inverted",
         board.id);
-    return SelectMostUpright(Numberings(part, {}, is_mirrored), lattice);
+    return SelectMostUpright(ListNumberings(part, {}, is_mirrored), lattice);
   }
   const auto ends_towards = [&](int to_column, int to_row) {
-    return EndsTowards(image, lattice, part, to_column, to_row);
+    return IsBoardEndOnSide(image, lattice, part, to_column, to_row);
   };
-  const Ends ends = {ends_towards(-1, 0), ends_towards(0, -1),
-                     ends_towards(1, 0), ends_towards(0, 1)};
-  right = right_ones(Numberings(part, ends, false));
+  const BoardEnds ends = {ends_towards(-1, 0), ends_towards(0, -1),
+                          ends_towards(1, 0), ends_towards(0, 1)};
+  right = right_ones(ListNumberings(part, ends, false));
   if (is_unambiguous(right)) return SelectMostUpright(right, lattice);
   *warning = right.empty()
                  ? unlike_board()
@@ -427,7 +429,7 @@ ImageDetection ChessboardLocator::Locate(const GreyImage& image) const {
   const auto is_wanted = [&](const FeatureLattice& seen) {
     const Rectangle part = ComputeReliableRectangle(image, seen);
     std::string warning;
-    const auto numbering = data_->Number(image, seen, part, &warning);
+    const auto numbering = data_->AssignNumbers(image, seen, part, &warning);
     if (!numbering) {
       if (seen.num_found() > max_failures) {
         max_failures = seen.num_found();

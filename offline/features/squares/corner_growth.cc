@@ -43,7 +43,8 @@ bool HasDirectNeighbour(const FeatureLattice& lattice, int column, int row) {
 
 using Step = std::complex<double>;  // between two features, pixels
 
-Step StepTo(const FeatureLattice& lattice, int column, int row, int x, int y) {
+Step ComputeStepToNeighbor(const FeatureLattice& lattice, int column, int row,
+                           int x, int y) {
   const Eigen::Vector2d step =
       lattice.at(column, row) - lattice.at(column - x, row - y);
   return {step.x(), step.y()};
@@ -51,12 +52,12 @@ Step StepTo(const FeatureLattice& lattice, int column, int row, int x, int y) {
 
 // Returns the step across a line at a feature: to the next feature or from the
 // previous one.
-std::optional<Step> StepAcross(const FeatureLattice& lattice, int column,
-                               int row, int x, int y) {
+std::optional<Step> ComputeStepAcross(const FeatureLattice& lattice, int column,
+                                      int row, int x, int y) {
   if (lattice.Has(column + x, row + y))
-    return StepTo(lattice, column + x, row + y, x, y);
+    return ComputeStepToNeighbor(lattice, column + x, row + y, x, y);
   if (lattice.Has(column - x, row - y))
-    return StepTo(lattice, column, row, x, y);
+    return ComputeStepToNeighbor(lattice, column, row, x, y);
   return std::nullopt;
 }
 
@@ -67,10 +68,11 @@ bool PredictWithSpacingRatio(const FeatureLattice& lattice, int column, int row,
   for (int k = 1; k <= 3; ++k)
     if (!lattice.Has(column - k * x, row - k * y)) return false;
   const auto across =
-      StepAcross(lattice, column - x, row - y, std::abs(y), std::abs(x));
+      ComputeStepAcross(lattice, column - x, row - y, std::abs(y), std::abs(x));
   if (!across) return false;
-  const Step last = StepTo(lattice, column - x, row - y, x, y);
-  const Step ratio = last / StepTo(lattice, column - 2 * x, row - 2 * y, x, y);
+  const Step last = ComputeStepToNeighbor(lattice, column - x, row - y, x, y);
+  const Step ratio =
+      last / ComputeStepToNeighbor(lattice, column - 2 * x, row - 2 * y, x, y);
   const Step next = last * ratio;
   const Step here = next * (1.0 + ratio) / 2.0 * static_cast<double>(x + y);
   const Eigen::Vector2d along(here.real(), here.imag());

@@ -16,7 +16,7 @@ constexpr double kStepSquares = 0.06;
 constexpr int kNumSamples = DrawnPatch::kSamples * DrawnPatch::kSamples;
 static_assert(kNumSamples % kLanes == 0);
 
-float Interpolated(const GreyImage& image, float x, float y) {
+float InterpolateBilinear(const GreyImage& image, float x, float y) {
   const int ix = std::min(static_cast<int>(x), image.size.width - 2);
   const int iy = std::min(static_cast<int>(y), image.size.height - 2);
   const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
@@ -81,7 +81,7 @@ class PatchOverlay {
     for (int i = 0; i < kNumSamples; ++i) {
       const float x = x_[i] + shift.x(), y = y_[i] + shift.y();
       if (!(x >= 0 && y >= 0 && x <= x1 && y <= y1)) continue;
-      (*seen)[count] = Interpolated(image_, x, y);
+      (*seen)[count] = InterpolateBilinear(image_, x, y);
       (*drawn)[count++] = patch_.levels()[i];
     }
     return count;
@@ -132,8 +132,8 @@ std::optional<double> ComputeMeanGreyLevel(const GreyImage& image,
     for (const double dy : {-kReach, 0.0, kReach}) {
       const Eigen::Vector2d at = mapping(offset + Eigen::Vector2d(dx, dy));
       if (!WholeImage(image.size).Contains(at)) return std::nullopt;
-      sum += Interpolated(image, static_cast<float>(at.x()),
-                          static_cast<float>(at.y()));
+      sum += InterpolateBilinear(image, static_cast<float>(at.x()),
+                                 static_cast<float>(at.y()));
     }
   }
   return sum / 9;

@@ -55,26 +55,27 @@ MarkerConstellation::MarkerConstellation(
     if (times[marker.index] == 1) seen_.push_back(marker);
 }
 
-MarkerConstellation MarkerConstellation::Consistent() const {
+MarkerConstellation MarkerConstellation::SelectConsistent() const {
   MarkerConstellation consistent = *this;
   consistent.seen_.clear();
   for (const DetectedMarker& marker : seen_)
-    if (Confirmations(marker) > 0) consistent.seen_.push_back(marker);
+    if (CountConfirming(marker) > 0) consistent.seen_.push_back(marker);
   return consistent;
 }
 
-int MarkerConstellation::Agreement() const {
+int MarkerConstellation::CountConsistent() const {
   int agreement = 0;
-  for (const DetectedMarker& marker : seen_) agreement += Confirmations(marker);
+  for (const DetectedMarker& marker : seen_)
+    agreement += CountConfirming(marker);
   return agreement;
 }
 
 double MarkerConstellation::Distance(const DetectedMarker& marker,
                                      const Eigen::Vector2d& point_m) const {
-  return (CenterOnBoard(marker) - point_m).norm();
+  return (GetCenterOnBoard(marker) - point_m).norm();
 }
 
-std::vector<DetectedMarker> MarkerConstellation::Nearest(
+std::vector<DetectedMarker> MarkerConstellation::FindNearest(
     const Eigen::Vector2d& point_m, double distance_m, int count) const {
   std::vector<DetectedMarker> nearest;
   for (const DetectedMarker& marker : seen_)
@@ -90,7 +91,7 @@ std::vector<DetectedMarker> MarkerConstellation::Nearest(
 LocalMapping MarkerConstellation::MappingAt(
     const Eigen::Vector2d& point_m, double square_m,
     const std::vector<DetectedMarker>& markers) const {
-  const Eigen::Matrix3d homography = ImageFromBoard(markers);
+  const Eigen::Matrix3d homography = EstimateImageFromBoard(markers);
   const Eigen::Vector3d origin = homography * point_m.homogeneous();
   const double unit = square_m / origin.z();
   LocalMapping mapping;
@@ -102,7 +103,7 @@ LocalMapping MarkerConstellation::MappingAt(
 }
 
 // Estimates the homography from the board's plane to the image.
-Eigen::Matrix3d MarkerConstellation::ImageFromBoard(
+Eigen::Matrix3d MarkerConstellation::EstimateImageFromBoard(
     const std::vector<DetectedMarker>& markers) const {
   std::vector<cv::Point2d> board, image;
   for (const DetectedMarker& marker : markers) {
@@ -128,17 +129,17 @@ std::array<Eigen::Vector2d, 4> MarkerConstellation::CornersOnBoard(
           placed.corner + down};
 }
 
-Eigen::Vector2d MarkerConstellation::CenterOnBoard(
+Eigen::Vector2d MarkerConstellation::GetCenterOnBoard(
     const DetectedMarker& marker) const {
   const PlacedMarker& placed = (*placed_)[marker.index];
   return placed.corner.array() + placed.side_m() / 2;
 }
 
-int MarkerConstellation::Confirmations(const DetectedMarker& marker) const {
+int MarkerConstellation::CountConfirming(const DetectedMarker& marker) const {
   int confirmations = 0;
   for (const DetectedMarker& witness :
-       Nearest(CenterOnBoard(marker), kWitnessDistance * pitch_m_,
-               kNumWitnesses + 1))
+       FindNearest(GetCenterOnBoard(marker), kWitnessDistance * pitch_m_,
+                   kNumWitnesses + 1))
     if (witness.index != marker.index)
       confirmations += Confirms(witness, marker) ? 1 : -1;
   return confirmations;
@@ -148,11 +149,12 @@ int MarkerConstellation::Confirmations(const DetectedMarker& marker) const {
 // neighbour, with its nominal position.
 bool MarkerConstellation::Confirms(const DetectedMarker& witness,
                                    const DetectedMarker& marker) const {
-  const Eigen::Matrix3d board_from_image = ImageFromBoard({witness}).inverse();
+  const Eigen::Matrix3d board_from_image =
+      EstimateImageFromBoard({witness}).inverse();
   const Eigen::Vector2d found =
       (board_from_image * marker.center_px().homogeneous()).hnormalized();
-  const Eigen::Vector2d expected = CenterOnBoard(marker);
-  const double distance = (expected - CenterOnBoard(witness)).norm();
+  const Eigen::Vector2d expected = GetCenterOnBoard(marker);
+  const double distance = (expected - GetCenterOnBoard(witness)).norm();
   // The comparison is false also if a degenerate homography yields NaN.
   return (found - expected).norm() <
          kMarkerTolerance * pitch_m_ + kTolerancePerDistance * distance;

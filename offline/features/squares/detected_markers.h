@@ -36,10 +36,10 @@ class MarkerConstellation {
 
   /// Returns only the markers that are consistent with most of their
   /// neighbours.
-  MarkerConstellation Consistent() const;
+  MarkerConstellation SelectConsistent() const;
   /// Returns the number of consistent pairs of neighbours minus that of
   /// inconsistent ones.
-  int Agreement() const;
+  int CountConsistent() const;
 
   const std::vector<DetectedMarker>& seen() const { return seen_; }
   int size() const { return static_cast<int>(seen_.size()); }
@@ -47,8 +47,8 @@ class MarkerConstellation {
   double Distance(const DetectedMarker& marker,
                   const Eigen::Vector2d& point_m) const;
   /// Returns at most `count` markers within a distance, nearest first.
-  std::vector<DetectedMarker> Nearest(const Eigen::Vector2d& point_m,
-                                      double distance_m, int count) const;
+  std::vector<DetectedMarker> FindNearest(const Eigen::Vector2d& point_m,
+                                          double distance_m, int count) const;
   /// Returns the local mapping around a board point, from a homography fitted
   /// to the corners of the given markers. square_m: unit of offsets.
   LocalMapping MappingAt(const Eigen::Vector2d& point_m, double square_m,
@@ -57,10 +57,10 @@ class MarkerConstellation {
  private:
   std::array<Eigen::Vector2d, 4> CornersOnBoard(
       const DetectedMarker& marker) const;
-  Eigen::Matrix3d ImageFromBoard(
+  Eigen::Matrix3d EstimateImageFromBoard(
       const std::vector<DetectedMarker>& markers) const;
-  Eigen::Vector2d CenterOnBoard(const DetectedMarker& marker) const;
-  int Confirmations(const DetectedMarker& marker) const;
+  Eigen::Vector2d GetCenterOnBoard(const DetectedMarker& marker) const;
+  int CountConfirming(const DetectedMarker& marker) const;
   bool Confirms(const DetectedMarker& witness,
                 const DetectedMarker& marker) const;
 

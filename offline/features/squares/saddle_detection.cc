@@ -12,7 +12,7 @@ namespace {
 constexpr double kSmoothingPx = 1.2;
 constexpr double kMinStrength = 0.2;  // grey levels per squared pixel
 
-cv::Mat Scaled(const GreyImage& image, double scale) {
+cv::Mat ScaleImage(const GreyImage& image, double scale) {
   const cv::Mat levels(image.size.height, image.size.width, CV_32F,
                        const_cast<float*>(image.levels.data()));
   cv::Mat scaled;
@@ -45,7 +45,7 @@ Derivatives DerivativesAt(const cv::Mat& image, int x, int y) {
 }
 
 // Returns minus the determinant of the Hessian at each pixel.
-cv::Mat Strengths(const cv::Mat& image) {
+cv::Mat ComputeStrengths(const cv::Mat& image) {
   cv::Mat strengths = cv::Mat::zeros(image.size(), CV_32F);
   for (int y = 1; y + 1 < image.rows; ++y) {
     const float* above = image.ptr<float>(y - 1);
@@ -91,8 +91,8 @@ std::array<Eigen::Vector2d, 2> Saddle::Edges() const {
 
 std::vector<Saddle> FindSaddles(const GreyImage& image, double scale,
                                 int max_count) {
-  const cv::Mat smooth = Scaled(image, scale);
-  const cv::Mat strengths = Strengths(smooth);
+  const cv::Mat smooth = ScaleImage(image, scale);
+  const cv::Mat strengths = ComputeStrengths(smooth);
   std::vector<Saddle> saddles;
   for (int y = 2; y + 2 < smooth.rows; ++y) {
     for (int x = 2; x + 2 < smooth.cols; ++x) {

@@ -67,7 +67,7 @@ class CellReader {
              const LatticeCamera& lens)
       : image_(image), lattice_(lattice), lens_(lens) {}
 
-  bool has_lens() const { return lens_.has_value(); }
+  bool has_camera() const { return lens_.has_value(); }
 
   // Adds a correspondence between a lattice position and a pixel.
   void Add(const Eigen::Vector2d& place, const Eigen::Vector2d& pixel) {
@@ -327,7 +327,7 @@ class Identification {
     for (CellReader& reader : readers_) {
       chance = std::min(
           chance, ComputeFalseAlarmProbability(placement, false, &reader));
-      if (corners.empty() || reader.has_lens()) continue;
+      if (corners.empty() || reader.has_camera()) continue;
       CellReader with_corners = reader;
       for (const Correspondence& corner : corners)
         with_corners.Add(corner.offset, corner.pixel);

@@ -19,7 +19,8 @@ constexpr int kMaxStarDistance = 2;       // in squares from the nearest star
 constexpr double kMinLayoutContrast = 8;  // grey levels
 // Maximum fractions of mismatches among all samples, and among samples at
 // positions without a detected star.
-constexpr double kMaxWrong = 0.1, kMaxWrongNearStars = 0.15;
+constexpr double kMaxMismatchFraction = 0.1,
+                 kMaxMismatchFractionNearStars = 0.15;
 // Minimum number of samples, and of squares containing them, at which the best
 // placement matches and a rival does not.
 constexpr int kMinMoreRight = 12, kMinSquaresRight = 2;
@@ -33,31 +34,32 @@ Eigen::Vector2d GetSubcellOffset(int part) {
          Eigen::Vector2d(0.5, 0.5);
 }
 
-enum class Shade : char { kUnsure, kWhite, kBlack };
+enum class SquareColor : char { kUncertain, kWhite, kBlack };
 
 template <typename IsBlack>
-Shade ComputeShade(const Eigen::Vector2d& center, const IsBlack& is_black_at) {
+SquareColor ClassifyColor(const Eigen::Vector2d& center,
+                          const IsBlack& is_black_at) {
   constexpr double kMargin = 0.045;  // squares
   const bool is_black = is_black_at(center);
   for (const double v : {-kMargin, kMargin})
     for (const double u : {-kMargin, kMargin})
       if (is_black_at(center + Eigen::Vector2d(u, v)) != is_black)
-        return Shade::kUnsure;
-  return is_black ? Shade::kBlack : Shade::kWhite;
+        return SquareColor::kUncertain;
+  return is_black ? SquareColor::kBlack : SquareColor::kWhite;
 }
 
-// The expected appearance of a board at all sample points; kUnsure near edges
-// between black and white.
+// The expected appearance of a board at all sample points; kUncertain near
+// edges between black and white.
 class ExpectedSubcells {
  public:
   explicit ExpectedSubcells(const Board& board)
       : columns_(board.columns + 2), rows_(board.rows + 2) {
     const BoardAppearance appearance(board);
-    shades_.reserve(static_cast<size_t>(columns_) * rows_ * kSubcellsPerSquare);
+    colors_.reserve(static_cast<size_t>(columns_) * rows_ * kSubcellsPerSquare);
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < columns_; ++column)
         for (int part = 0; part < kSubcellsPerSquare; ++part)
-          shades_.push_back(ComputeShade(
+          colors_.push_back(ClassifyColor(
               Eigen::Vector2d(column - 1, row - 1) + GetSubcellOffset(part),
               [&](const Eigen::Vector2d& p) {
                 return appearance.IsBlack(board.square_m * p);
@@ -65,11 +67,12 @@ class ExpectedSubcells {
   }
 
   // The appearance is defined up to one square outside the outermost features.
-  bool Knows(const Eigen::Vector2i& place) const {
+  bool HasSegments(const Eigen::Vector2i& place) const {
     return place.x() >= -1 && place.y() >= -1 && place.x() < columns_ - 1 &&
            place.y() < rows_ - 1;
   }
-  Shade At(const Eigen::Vector2i& place, const Eigen::Vector2d& offset) const {
+  SquareColor At(const Eigen::Vector2i& place,
+                 const Eigen::Vector2d& offset) const {
     const Eigen::Array2i part = ((offset.array() + 0.5) * kSubcellsPerSide)
                                     .floor()
                                     .cast<int>()
@@ -77,13 +80,13 @@ class ExpectedSubcells {
                                     .min(kSubcellsPerSide - 1);
     const size_t square =
         static_cast<size_t>(place.y() + 1) * columns_ + place.x() + 1;
-    return shades_[square * kSubcellsPerSquare + part.y() * kSubcellsPerSide +
+    return colors_[square * kSubcellsPerSquare + part.y() * kSubcellsPerSide +
                    part.x()];
   }
 
  private:
   int columns_, rows_;
-  std::vector<Shade> shades_;
+  std::vector<SquareColor> colors_;
 };
 
 // A sample that is clearly black or white.
@@ -157,11 +160,12 @@ class SubcellReader {
       const Eigen::Vector2d offset = GetSubcellOffset(part);
       const auto level = SampleGreyLevel(mapping, offset);
       if (!level) continue;
-      const Shade shade = ComputeShade(offset, [&](const Eigen::Vector2d& p) {
-        return IsBlackInStar(segments_, p.x(), p.y());
-      });
-      if (shade == Shade::kUnsure) continue;
-      const bool is_black = shade == Shade::kBlack;
+      const SquareColor shade =
+          ClassifyColor(offset, [&](const Eigen::Vector2d& p) {
+            return IsBlackInStar(segments_, p.x(), p.y());
+          });
+      if (shade == SquareColor::kUncertain) continue;
+      const bool is_black = shade == SquareColor::kBlack;
       sums[is_black] += *level;
       ++counts[is_black];
     }
@@ -202,48 +206,51 @@ class SubcellReader {
 
 // The result of comparing each sample with a placement: 1 match, -1 mismatch, 0
 // undefined.
-struct Verdicts {
+struct LayoutComparison {
   std::vector<signed char> subcell_values;
-  int num_right = 0, num_wrong = 0;
-  int num_right_nearby = 0, num_wrong_nearby = 0;  // at positions without a
-                                                   // star
+  int num_matches = 0, num_mismatches = 0;
+  int num_nearby_matches = 0, num_nearby_mismatches = 0;  // at positions
+                                                          // without a star
 
   bool IsPlausible() const {
-    return num_wrong <= kMaxWrong * (num_right + num_wrong) &&
-           num_wrong_nearby <=
-               kMaxWrongNearStars * (num_right_nearby + num_wrong_nearby);
+    return num_mismatches <=
+               kMaxMismatchFraction * (num_matches + num_mismatches) &&
+           num_nearby_mismatches <=
+               kMaxMismatchFractionNearStars *
+                   (num_nearby_matches + num_nearby_mismatches);
   }
 };
 
-Verdicts CollectAssessments(const LatticePlacement& placement,
-                            const ExpectedSubcells& expected,
-                            const std::vector<SampledSubcell>& seen) {
-  Verdicts verdicts;
-  verdicts.subcell_values.reserve(seen.size());
+LayoutComparison CollectAssessments(const LatticePlacement& placement,
+                                    const ExpectedSubcells& expected,
+                                    const std::vector<SampledSubcell>& seen) {
+  LayoutComparison comparison;
+  comparison.subcell_values.reserve(seen.size());
   for (const SampledSubcell& part : seen) {
     const Eigen::Vector2i place =
         placement.OnBoard(part.place.x(), part.place.y());
     signed char assessment = 0;
-    if (expected.Knows(place)) {
+    if (expected.HasSegments(place)) {
       const Eigen::Vector2d on_board = placement.OnBoard(
           Eigen::Vector2d(part.place.cast<double>() + part.offset));
-      const Shade shade = expected.At(place, on_board - place.cast<double>());
-      if (shade != Shade::kUnsure)
-        assessment = (shade == Shade::kBlack) == part.is_black ? 1 : -1;
+      const SquareColor shade =
+          expected.At(place, on_board - place.cast<double>());
+      if (shade != SquareColor::kUncertain)
+        assessment = (shade == SquareColor::kBlack) == part.is_black ? 1 : -1;
     } else if (part.is_on_star) {
       assessment = -1;
     }
-    verdicts.subcell_values.push_back(assessment);
-    verdicts.num_right += assessment > 0;
-    verdicts.num_wrong += assessment < 0;
-    verdicts.num_right_nearby += assessment > 0 && !part.is_on_star;
-    verdicts.num_wrong_nearby += assessment < 0 && !part.is_on_star;
+    comparison.subcell_values.push_back(assessment);
+    comparison.num_matches += assessment > 0;
+    comparison.num_mismatches += assessment < 0;
+    comparison.num_nearby_matches += assessment > 0 && !part.is_on_star;
+    comparison.num_nearby_mismatches += assessment < 0 && !part.is_on_star;
   }
-  return verdicts;
+  return comparison;
 }
 
-bool Refutes(const Verdicts& a, const Verdicts& b,
-             const std::vector<SampledSubcell>& seen) {
+bool Contradicts(const LayoutComparison& a, const LayoutComparison& b,
+                 const std::vector<SampledSubcell>& seen) {
   int num_a = 0, num_b = 0, num_squares = 0;
   const Eigen::Vector2i* last_square = nullptr;
   for (size_t i = 0; i < seen.size(); ++i) {
@@ -267,19 +274,21 @@ std::optional<LatticePlacement> AssignWithLayout(const GreyImage& image,
   const std::vector<SampledSubcell> seen =
       SubcellReader(image, lattice, board.segments).ReadAll();
   const ExpectedSubcells expected(board);
-  std::vector<Verdicts> verdicts;
-  verdicts.reserve(placements.size());
+  std::vector<LayoutComparison> comparison;
+  comparison.reserve(placements.size());
   for (const LatticePlacement& placement : placements)
-    verdicts.push_back(CollectAssessments(placement, expected, seen));
-  const auto best = std::min_element(verdicts.begin(), verdicts.end(),
-                                     [](const Verdicts& a, const Verdicts& b) {
-                                       return a.num_wrong - a.num_right <
-                                              b.num_wrong - b.num_right;
-                                     });
+    comparison.push_back(CollectAssessments(placement, expected, seen));
+  const auto best = std::min_element(
+      comparison.begin(), comparison.end(),
+      [](const LayoutComparison& a, const LayoutComparison& b) {
+        return a.num_mismatches - a.num_matches <
+               b.num_mismatches - b.num_matches;
+      });
   if (!best->IsPlausible()) return std::nullopt;
-  for (const Verdicts& rival : verdicts)
-    if (&rival != &*best && !Refutes(*best, rival, seen)) return std::nullopt;
-  return placements[best - verdicts.begin()];
+  for (const LayoutComparison& rival : comparison)
+    if (&rival != &*best && !Contradicts(*best, rival, seen))
+      return std::nullopt;
+  return placements[best - comparison.begin()];
 }
 
 bool AreOnBoard(const std::vector<Feature>& others,

@@ -12,7 +12,8 @@ namespace {
 constexpr double kMaxFractionOnTags = 0.2, kMaxFractionOutside = 0.4;
 
 // Rotates (column, row) by multiples of 90 degrees, clockwise on the board.
-Eigen::Vector2d Rotated(int quarter_turns, const Eigen::Vector2d& p) {
+Eigen::Vector2d RotateByQuarterTurns(int quarter_turns,
+                                     const Eigen::Vector2d& p) {
   switch (quarter_turns & 3) {
     case 0:
       return p;
@@ -25,8 +26,8 @@ Eigen::Vector2d Rotated(int quarter_turns, const Eigen::Vector2d& p) {
   }
 }
 
-bool Fits(const LatticePlacement& placement, const std::vector<Feature>& stars,
-          const Board& board) {
+bool FitsOnBoard(const LatticePlacement& placement,
+                 const std::vector<Feature>& stars, const Board& board) {
   const auto limit = [&](double part) {
     return std::max(1, static_cast<int>(part * stars.size()));
   };
@@ -59,7 +60,8 @@ void AddPlacementsOfRotation(int quarter_turns,
          ++column) {
       placement.column = column;
       placement.row = row;
-      if (Fits(placement, stars, board)) placements->push_back(placement);
+      if (FitsOnBoard(placement, stars, board))
+        placements->push_back(placement);
     }
   }
 }
@@ -68,7 +70,8 @@ void AddPlacementsOfRotation(int quarter_turns,
 
 Eigen::Vector2d LatticePlacement::OnBoard(
     const Eigen::Vector2d& on_lattice) const {
-  return Rotated(quarter_turns, on_lattice) + Eigen::Vector2d(column, row);
+  return RotateByQuarterTurns(quarter_turns, on_lattice) +
+         Eigen::Vector2d(column, row);
 }
 
 Eigen::Vector2i LatticePlacement::OnBoard(int lattice_column,
@@ -81,7 +84,8 @@ Eigen::Vector2i LatticePlacement::OnBoard(int lattice_column,
 
 Eigen::Vector2d LatticePlacement::OnLattice(
     const Eigen::Vector2d& on_board) const {
-  return Rotated(4 - quarter_turns, on_board - Eigen::Vector2d(column, row));
+  return RotateByQuarterTurns(4 - quarter_turns,
+                              on_board - Eigen::Vector2d(column, row));
 }
 
 std::vector<LatticePlacement> ListPlacements(const std::vector<Feature>& stars,

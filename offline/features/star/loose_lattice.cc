@@ -108,7 +108,7 @@ Basis RotateByQuarter(const Basis& linear) {
   return turned;
 }
 
-LocalMapping Shifted(LocalMapping mapping, const Eigen::Vector2d& offset) {
+LocalMapping ShiftMapping(LocalMapping mapping, const Eigen::Vector2d& offset) {
   mapping.center += mapping.linear * offset;
   return mapping;
 }
@@ -153,7 +153,7 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
         const double search_px = std::max(2.0, 0.15 * mapping.SpacingPx());
         for (const Eigen::Vector2d& offset :
              {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}})
-          total += correlation(Shifted(mapping, offset), search_px);
+          total += correlation(ShiftMapping(mapping, offset), search_px);
         if (total > (best ? best->total + kMinTotalGain : kMinTotal))
           best = Seed{mapping, total};
       }
@@ -163,12 +163,12 @@ std::optional<LooseLatticeFinder::Seed> LooseLatticeFinder::SeedAt(
   return best;
 }
 
-// Returns up to kEnough seeds in descending order of the correlation; removes
+// Returns up to kMaxSeeds seeds in descending order of the correlation; removes
 // the candidates that were tried.
 std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
     const GreyImage& smaller, double scale,
     std::vector<StarCandidate>* candidates) const {
-  constexpr size_t kEnough = 4;
+  constexpr size_t kMaxSeeds = 4;
   std::vector<StarCandidate> all = *candidates;
   for (StarCandidate& candidate : all)
     candidate.pixel = ToDownscaled(candidate.pixel, scale);
@@ -177,7 +177,7 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSeeds(
   // the stars.
   std::mt19937 random(1);
   for (int trial = 0;
-       trial < kMaxTrials && !candidates->empty() && seeds.size() < kEnough;
+       trial < kMaxTrials && !candidates->empty() && seeds.size() < kMaxSeeds;
        ++trial) {
     const auto chosen = candidates->begin() + random() % candidates->size();
     const auto seed = SeedAt(smaller, all, ToDownscaled(chosen->pixel, scale));
@@ -197,9 +197,9 @@ std::vector<LooseLatticeFinder::Seed> LooseLatticeFinder::FindSimilarStars(
     const Seed& seed) const {
   if (board_.segments != 4) return {};
   std::vector<Seed> others(3, seed);
-  others[0].mapping = Shifted(seed.mapping, {0.5, 0.5});
-  others[1].mapping = Shifted(seed.mapping, {0.5, 0});
-  others[2].mapping = Shifted(seed.mapping, {0, 0.5});
+  others[0].mapping = ShiftMapping(seed.mapping, {0.5, 0.5});
+  others[1].mapping = ShiftMapping(seed.mapping, {0.5, 0});
+  others[2].mapping = ShiftMapping(seed.mapping, {0, 0.5});
   for (const int turned : {1, 2})
     others[turned].mapping.linear = RotateByQuarter(seed.mapping.linear);
   return others;
@@ -214,7 +214,7 @@ FeatureLattice LooseLatticeFinder::GrowFrom(const GreyImage& image,
   for (int row = -1; row <= 1; ++row)
     for (int column = -1; column <= 1; ++column)
       growth.Try(mid + column, mid + row,
-                 Shifted(seed.mapping, Eigen::Vector2d(column, row)), 0.2,
+                 ShiftMapping(seed.mapping, Eigen::Vector2d(column, row)), 0.2,
                  kMinCorrelation);
   growth.Grow();
   return growth.lattice();
@@ -238,7 +238,7 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
       lattices.push_back(GrowFrom(image, other, kMinCorrelationRatio));
       lattices.push_back(GrowFrom(image, other, kMinReducedCorrelationRatio));
     }
-    RemoveExplained(lattices[1], candidates);
+    RemoveUsedCandidates(lattices[1], candidates);
     lattices.erase(std::remove_if(lattices.begin(), lattices.end(),
                                   [](const FeatureLattice& lattice) {
                                     return lattice.num_found() < kMinStars;
@@ -249,8 +249,8 @@ std::vector<FeatureLattice> LooseLatticeFinder::Find(
   return {};
 }
 
-void RemoveExplained(const FeatureLattice& lattice,
-                     std::vector<StarCandidate>* candidates) {
+void RemoveUsedCandidates(const FeatureLattice& lattice,
+                          std::vector<StarCandidate>* candidates) {
   constexpr double kNear = 0.75;  // fraction of the spacing
   for (const Feature& f : lattice.Features()) {
     double spacing_px = 0;

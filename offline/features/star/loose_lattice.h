@@ -55,8 +55,8 @@ class LooseLatticeFinder {
 };
 
 /// Removes candidates on or near the stars of a lattice.
-void RemoveExplained(const FeatureLattice& lattice,
-                     std::vector<StarCandidate>* candidates);
+void RemoveUsedCandidates(const FeatureLattice& lattice,
+                          std::vector<StarCandidate>* candidates);
 
 }  // namespace raygrid
 

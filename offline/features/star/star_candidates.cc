@@ -43,7 +43,7 @@ cv::Mat Kernel(int power) {
   return kernel;
 }
 
-cv::Mat Filtered(const cv::Mat& image, int power_x, int power_y) {
+cv::Mat FilterImage(const cv::Mat& image, int power_x, int power_y) {
   cv::Mat filtered;
   // sepFilter2D() computes a correlation, so odd powers keep their sign.
   cv::sepFilter2D(image, filtered, CV_32F, Kernel(power_x), Kernel(power_y),
@@ -63,9 +63,9 @@ GradientMaps MakeMaps(const cv::Mat& image) {
   maps.xy = gx.mul(gy);
   maps.yy = gy.mul(gy);
   const cv::Mat all = maps.xx + maps.yy;
-  const cv::Mat s = Filtered(maps.xx, 2, 0) + 2 * Filtered(maps.xy, 1, 1) +
-                    Filtered(maps.yy, 0, 2);
-  maps.energy = (Filtered(all, 2, 0) + Filtered(all, 0, 2)) / 2;
+  const cv::Mat s = FilterImage(maps.xx, 2, 0) +
+                    2 * FilterImage(maps.xy, 1, 1) + FilterImage(maps.yy, 0, 2);
+  maps.energy = (FilterImage(all, 2, 0) + FilterImage(all, 0, 2)) / 2;
   maps.scatter = s / (maps.energy + 1e-3f);
   return maps;
 }
@@ -80,12 +80,12 @@ bool IsLocalMinimum(const cv::Mat& map, int x, int y) {
 }
 
 // Isotropy of the gradient directions (0 to 1), and intersection of the edges.
-struct Junction {
+struct JunctionFit {
   double isotropy = 0;
   Eigen::Vector2d offset = {0, 0};
 };
 
-Junction Examine(const GradientMaps& maps, int x, int y) {
+JunctionFit FitJunction(const GradientMaps& maps, int x, int y) {
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   for (int dy = -kRadiusPx; dy <= kRadiusPx; ++dy) {
@@ -100,7 +100,7 @@ Junction Examine(const GradientMaps& maps, int x, int y) {
       right += weight * product * Eigen::Vector2d(dx, dy);
     }
   }
-  Junction junction;
+  JunctionFit junction;
   const double trace = sum.trace();
   if (trace <= 0) return junction;
   junction.isotropy = 4 * sum.determinant() / (trace * trace);
@@ -119,7 +119,7 @@ void FindCandidatesAtScale(const cv::Mat& image, double scale,
       if (scatter > kMaxScatter || maps.energy.at<float>(y, x) < min_energy ||
           !IsLocalMinimum(maps.scatter, x, y))
         continue;
-      const Junction junction = Examine(maps, x, y);
+      const JunctionFit junction = FitJunction(maps, x, y);
       constexpr double kMaxOffsetPx = 2;
       if (junction.isotropy < kMinIsotropy ||
           junction.offset.norm() > kMaxOffsetPx)
@@ -132,7 +132,8 @@ void FindCandidatesAtScale(const cv::Mat& image, double scale,
 
 // Returns the candidates without duplicates: of those closer than 3 px (found
 // at several scales), the one with the least scatter is kept.
-std::vector<StarCandidate> Distinct(std::vector<StarCandidate> candidates) {
+std::vector<StarCandidate> RemoveDuplicates(
+    std::vector<StarCandidate> candidates) {
   constexpr double kSamePx = 3;
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const StarCandidate& a, const StarCandidate& b) {
@@ -167,7 +168,7 @@ std::vector<StarCandidate> FindStarCandidates(const GreyImage& image) {
     scaled = half;
     scale *= 2;
   }
-  return Distinct(std::move(found));
+  return RemoveDuplicates(std::move(found));
 }
 
 }  // namespace raygrid

@@ -20,10 +20,11 @@ namespace {
 // Minimum number of star candidates for which a board is searched.
 constexpr size_t kMinCandidates = 8;
 constexpr int kMaxLooseLattices = 3;
-// Maximum numbers of unsuccessful searches per detected star: above kMaxInVain
-// a lattice is rejected; above kMaxInVainIfFound it may have been extended
-// wrongly near the image's edge, and the search for its board continues.
-constexpr double kMaxInVain = 0.25, kMaxInVainIfFound = 0.05;
+// Maximum numbers of unsuccessful searches per detected star: above
+// kMaxFailuresPerStar a lattice is rejected; above kMaxFailuresPerStarIfFound
+// it may have been extended wrongly near the image's edge, and the search for
+// its board continues.
+constexpr double kMaxFailuresPerStar = 0.25, kMaxFailuresPerStarIfFound = 0.05;
 
 struct StarBoard {
   StarBoard(const Board& board, const DetectionOptions& options)
@@ -59,9 +60,9 @@ class Search {
   void Run() {
     GrowFromTags(DetectTags(image_, TagSearch::kQuick));
     if (IsComplete()) return;
-    LookForLooseLattices(image_, 1);
-    const bool may_have_other_stars = MayHaveOtherStars();
-    LookInSmallerImages();
+    SearchLooseLattices(image_, 1);
+    const bool may_have_other_stars = HasUnexplainedCandidates();
+    SearchSmallerImages();
     if (may_have_other_stars && !IsComplete() &&
         !IsQuickSearchThorough(image_.size))
       GrowFromTags(DetectTags(image_, TagSearch::kThorough));
@@ -75,10 +76,12 @@ class Search {
 
  private:
   bool IsFound(size_t board) const {
-    return growths_[board] && growths_[board]->IsSound(kMaxInVainIfFound);
+    return growths_[board] &&
+           growths_[board]->HasFewFailures(kMaxFailuresPerStarIfFound);
   }
   bool IsBoardDetected(size_t board) const {
-    return growths_[board] && growths_[board]->IsSound(kMaxInVain);
+    return growths_[board] &&
+           growths_[board]->HasFewFailures(kMaxFailuresPerStar);
   }
   bool AreAllBoardsDetected() const {
     for (size_t b = 0; b < boards_.size(); ++b)
@@ -91,7 +94,7 @@ class Search {
     return true;
   }
   // Whether boards are missing and enough star candidates remain.
-  bool MayHaveOtherStars() const {
+  bool HasUnexplainedCandidates() const {
     return !IsComplete() && candidates_.size() >= kMinCandidates;
   }
   bool HasUnknownTag() const {
@@ -136,25 +139,26 @@ class Search {
   }
 
   // Searches lattices of unidentified boards in an image downscaled by `scale`.
-  void LookForLooseLattices(const GreyImage& smaller, double scale) {
+  void SearchLooseLattices(const GreyImage& smaller, double scale) {
     candidates_ = FindStarCandidates(smaller);
     for (StarCandidate& candidate : candidates_)
       candidate.pixel = FromDownscaled(candidate.pixel, scale);
     for (size_t b = 0; b < boards_.size(); ++b)
-      if (IsFound(b)) RemoveExplained(growths_[b]->lattice(), &candidates_);
+      if (IsFound(b))
+        RemoveUsedCandidates(growths_[b]->lattice(), &candidates_);
     for (const auto& [segments, finder] : finders_)
       GrowFromLooseLattices(segments, *finder, smaller, scale);
   }
 
   // Large stars are searched in downscaled images, because their interiors
   // contain many structures that resemble small stars.
-  void LookInSmallerImages() {
+  void SearchSmallerImages() {
     constexpr double kMinScale = 4;
     GreyImage smaller = image_;
     for (double scale = 2; scale <= kMinScale && !AreAllBoardsDetected();
          scale *= 2) {
-      smaller = Halved(smaller);
-      LookForLooseLattices(smaller, scale);
+      smaller = HalveImage(smaller);
+      SearchLooseLattices(smaller, scale);
     }
   }
 
@@ -168,7 +172,7 @@ class Search {
         missing.push_back(b);
         tagged.push_back(&boards_[b]->tagged);
       }
-      if (missing.empty() || !MayHaveOtherStars()) return;
+      if (missing.empty() || !HasUnexplainedCandidates()) return;
       const auto lattices = finder.Find(image_, smaller, scale, &candidates_);
       if (lattices.empty()) return;
       has_unidentified_stars_ |=
@@ -232,7 +236,7 @@ class Search {
     }
     growth->Grow();
     growth->GrowAcrossGaps();
-    RemoveExplained(growth->lattice(), &candidates_);
+    RemoveUsedCandidates(growth->lattice(), &candidates_);
     Put(b, std::move(growth));
   }
 
@@ -269,7 +273,7 @@ void StarDetector::Data::Refine(const GreyImage& image, const StarBoard& star,
                                 ImageDetection* detection) const {
   ImageDetection found =
       star.refiner.Refine(image, growth.lattice().Features());
-  Append(growth.Rejected(), &detection->rejected);
+  Append(growth.ListRejected(), &detection->rejected);
   Append(found.rejected, &detection->rejected);
   if (found.features.size() < kMinStarsOnBoard) {
     detection->warnings.push_back(

@@ -112,12 +112,13 @@ StarGrowth::StarGrowth(const GreyImage& image, const Board& board,
       tags_(std::move(tags)),
       lattice_(board),
       correlations_(board.num_points(), 0),
-      tried_with_(board.num_points(), 0) {}
+      num_neighbors_at_last_attempt_(board.num_points(), 0) {}
 
 void StarGrowth::Grow() {
   // Reliable stars first, so that they predict the positions of the others.
   for (const double min_correlation : {0.7, 0.5, 0.35}) {
-    std::fill(tried_with_.begin(), tried_with_.end(), -1);
+    std::fill(num_neighbors_at_last_attempt_.begin(),
+              num_neighbors_at_last_attempt_.end(), -1);
     for (const VisibleTag& seen : tags_)
       if (lattice_.num_found() < kMinStarsOnBoard || !HasAdjacentStar(seen.tag))
         StartAtNeighbour(seen, min_correlation);
@@ -174,14 +175,14 @@ bool StarGrowth::AgreesWithTags() const {
                      [&](const VisibleTag& seen) { return Agrees(seen); });
 }
 
-bool StarGrowth::IsSound(double max_in_vain) const {
+bool StarGrowth::HasFewFailures(double max_in_vain) const {
   return lattice_.num_found() >= kMinStarsOnBoard &&
-         Rejected().size() <= max_in_vain * lattice_.num_found();
+         ListRejected().size() <= max_in_vain * lattice_.num_found();
 }
 
-std::vector<RejectedFeature> StarGrowth::Rejected() const {
+std::vector<RejectedFeature> StarGrowth::ListRejected() const {
   std::vector<RejectedFeature> rejected;
-  for (const auto& [feature, reason] : attempts_)
+  for (const auto& [feature, reason] : last_attempts_)
     if (!lattice_.Has(feature.second, feature.first))
       rejected.push_back(
           {{board_.id, feature.second, feature.first, reason.first},
@@ -242,14 +243,15 @@ bool StarGrowth::Sweep(double min_correlation) {
           !(HasDirectNeighbour(column, row) || IsAdjacentToTag(column, row)))
         continue;
       const int count = lattice_.CountNeighbours(column, row);
-      if (count > tried_with_[board_.PointIndex(column, row)])
+      if (count >
+          num_neighbors_at_last_attempt_[board_.PointIndex(column, row)])
         candidates.push_back({-count, row, column});
     }
   }
   std::sort(candidates.begin(), candidates.end());
   const int before = lattice_.num_found();
   for (const auto& [count, row, column] : candidates) {
-    tried_with_[board_.PointIndex(column, row)] = -count;
+    num_neighbors_at_last_attempt_[board_.PointIndex(column, row)] = -count;
     LocalMapping mapping;
     if (Predict(column, row, &mapping) &&
         Try(column, row, mapping, -count >= 8 ? 0.12 : 0.25, min_correlation))
@@ -345,7 +347,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
     // Stars that the image's edge may hide do not count as unsuccessful
     // searches.
     if (IsVisible(image_.size, mapping, INFINITY, 0))
-      attempts_[{row, column}] = {mapping.center, reason};
+      last_attempts_[{row, column}] = {mapping.center, reason};
     return false;
   };
   if (!(spacing_px >= kMinStarSpacingPx)) return refuse("too small");
@@ -364,7 +366,7 @@ bool StarGrowth::Try(int column, int row, const LocalMapping& mapping,
       !IsVisible(image_.size, found, window_radius_px, 0))
     return false;
   if (IsOccupied(column, row, match.center, mapping) ||
-      FoldsBack(column, row, match.center))
+      IsFolded(column, row, match.center))
     return refuse("duplicate of another star");
   lattice_.Set(column, row, match.center);
   correlations_[board_.PointIndex(column, row)] = match.correlation;
@@ -393,8 +395,8 @@ MatchingResult StarGrowth::Match(const SymmetryMask& mask,
   smaller.center = ToDownscaled(mapping.center, scale);
   smaller.linear /= scale;
   const MatchingResult rough =
-      MatchStar(Smaller(level), texture_, mask, smaller, options_.window_px,
-                search_px / scale);
+      MatchStar(GetDownscaledImage(level), texture_, mask, smaller,
+                options_.window_px, search_px / scale);
   if (!rough.is_converged) return near;
   LocalMapping moved = mapping;
   moved.center = FromDownscaled(rough.center, scale);
@@ -404,10 +406,11 @@ MatchingResult StarGrowth::Match(const SymmetryMask& mask,
 }
 
 // Returns the image halved `level` times.
-const GreyImage& StarGrowth::Smaller(int level) {
-  while (static_cast<int>(smaller_.size()) < level)
-    smaller_.push_back(Halved(smaller_.empty() ? image_ : smaller_.back()));
-  return smaller_[level - 1];
+const GreyImage& StarGrowth::GetDownscaledImage(int level) {
+  while (static_cast<int>(downscaled_images_.size()) < level)
+    downscaled_images_.push_back(HalveImage(
+        downscaled_images_.empty() ? image_ : downscaled_images_.back()));
+  return downscaled_images_[level - 1];
 }
 
 // Returns the mean correlation of the detected neighbours; 0 if there are none.
@@ -439,8 +442,8 @@ bool StarGrowth::IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
 
 // Whether the step from the previous star in a row or column is reversed or
 // much shorter than the step before: an extrapolated polynomial may fold.
-bool StarGrowth::FoldsBack(int column, int row,
-                           const Eigen::Vector2d& pixel) const {
+bool StarGrowth::IsFolded(int column, int row,
+                          const Eigen::Vector2d& pixel) const {
   constexpr double kMinPart = 0.3;  // fraction of the previous step
   for (const auto& [u, v] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
     if (!lattice_.Has(column + u, row + v) ||

@@ -66,11 +66,11 @@ class StarGrowth {
   bool AgreesWithTags() const;
   /// Whether there are enough stars, with at most max_in_vain unsuccessful
   /// searches per star.
-  bool IsSound(double max_in_vain) const;
+  bool HasFewFailures(double max_in_vain) const;
 
   const FeatureLattice& lattice() const { return lattice_; }
   /// Returns the positions of unsuccessful searches, with the reasons.
-  std::vector<RejectedFeature> Rejected() const;
+  std::vector<RejectedFeature> ListRejected() const;
 
  private:
   bool Agrees(const VisibleTag& seen) const;
@@ -86,11 +86,11 @@ class StarGrowth {
                       LocalMapping* mapping) const;
   MatchingResult Match(const SymmetryMask& mask, const LocalMapping& mapping,
                        double search_px);
-  const GreyImage& Smaller(int level);
+  const GreyImage& GetDownscaledImage(int level);
   double CorrelationAround(int column, int row) const;
   bool IsOccupied(int column, int row, const Eigen::Vector2d& pixel,
                   const LocalMapping& mapping) const;
-  bool FoldsBack(int column, int row, const Eigen::Vector2d& pixel) const;
+  bool IsFolded(int column, int row, const Eigen::Vector2d& pixel) const;
 
   const GreyImage& image_;
   const Board& board_;
@@ -98,14 +98,15 @@ class StarGrowth {
   const std::vector<SymmetryMask>& masks_;
   const DetectionOptions& options_;
   std::vector<VisibleTag> tags_;
-  std::vector<GreyImage> smaller_;  // each half the size of the previous one
+  std::vector<GreyImage>
+      downscaled_images_;  // each half the size of the previous one
   FeatureLattice lattice_;
   double min_correlation_ratio_ = 0;
-  std::vector<double> correlations_;  // by feature
-  std::vector<int> tried_with_;       // one per feature
+  std::vector<double> correlations_;                // by feature
+  std::vector<int> num_neighbors_at_last_attempt_;  // one per feature
   // number of neighbours at the last attempt, one per feature; -1: none
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
-      attempts_;
+      last_attempts_;
 };
 
 }  // namespace raygrid

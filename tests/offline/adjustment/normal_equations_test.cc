@@ -96,9 +96,11 @@ void AddDensePrior(const GaussianPrior& prior, const AdjustmentState& state,
     dense->g.segment<3>(layout.Point(i)) +=
         prior.points_precision * (state.points[i] - prior.points_mean[i]);
   }
-  const bool has_flex = state.HasPerViewDeformation() ||
-                        (state.HasStaticDeformation() && layout.num_shapes > 0);
-  for (int i = 0; has_flex && i < static_cast<int>(state.flex.size()); ++i)
+  const bool has_per_view_deformation =
+      state.HasPerViewDeformation() ||
+      (state.HasStaticDeformation() && layout.num_shapes > 0);
+  for (int i = 0;
+       has_per_view_deformation && i < static_cast<int>(state.flex.size()); ++i)
     for (int mode = 0; mode < state.modes.count(); ++mode) {
       const int row = state.HasPerViewDeformation()
                           ? layout.Pose(i) + 6 + mode
@@ -141,7 +143,7 @@ std::unique_ptr<NormalEquations> BuildFrom(
                                             prior_equations, num_threads);
   return std::make_unique<LargeEquations>(
       layout, jacobians, prior_equations, state, kTolerance, num_threads,
-      std::make_shared<LargeEquations::Memory>());
+      std::make_shared<LargeEquations::Workspace>());
 }
 
 std::unique_ptr<NormalEquations> BuildEquations(const std::vector<View>& views,
@@ -396,7 +398,7 @@ struct SmoothProblem {
 
   LargeEquations Equations(
       double tolerance,
-      const std::shared_ptr<LargeEquations::Memory>& memory) const {
+      const std::shared_ptr<LargeEquations::Workspace>& memory) const {
     const ParameterLayout layout(problem.state, {});
     return {
         layout,        jacobians, PriorEquations(prior, problem.state, layout),
@@ -459,7 +461,7 @@ TEST(LargeEquations, SolveForEachSideAsIfItWasAlone) {
   SmoothProblem smooth = MakeSmoothProblem(13);  // taken as 8, 4 and 1
   smooth.sides.col(2) *= 1e6;
   smooth.sides.col(5).setZero();
-  const auto memory = std::make_shared<LargeEquations::Memory>();
+  const auto memory = std::make_shared<LargeEquations::Workspace>();
   const LargeEquations equations = smooth.Equations(kTolerance, memory);
   Eigen::MatrixXd together, alone;
   ASSERT_TRUE(equations.SolveFor(kLambda, smooth.sides, &together));
@@ -475,7 +477,7 @@ TEST(LargeEquations, TellWhatTheirSolutionsLeave) {
   constexpr double kLambda = 1e-6, kTolerance = 0.01;
   constexpr int kSides = 8;
   SmoothProblem smooth = MakeSmoothProblem(kSides);
-  const auto memory = std::make_shared<LargeEquations::Memory>();
+  const auto memory = std::make_shared<LargeEquations::Workspace>();
   Eigen::MatrixXd right, solution, rest, exact;
   for (const double weight : {1.0, 1.3, 1.25, 1.26}) {
     smooth.prior.cameras[0].groups[0].weight = weight;

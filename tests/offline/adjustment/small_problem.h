@@ -99,7 +99,8 @@ inline PriorGroup PriorOfCenter() {
   Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(OpenCvModel::kCount, 1);
   direction(OpenCvModel::kCx) = 1;
   direction(OpenCvModel::kCy) = 0.5;
-  group.Free({direction, Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1)});
+  group.Unpenalize(
+      {direction, Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1)});
   return group;
 }
 
@@ -110,8 +111,8 @@ inline Eigen::MatrixXd WeightedPrecision(const CameraPrior& prior) {
   for (const PriorGroup& group : prior.groups)
     sum += group.weight * Eigen::MatrixXd(group.precision);
   for (const PriorGroup& group : prior.groups)
-    if (group.freed.cols() > 0)
-      sum -= group.weight * group.freed * group.freed.transpose();
+    if (group.unpenalized.cols() > 0)
+      sum -= group.weight * group.unpenalized * group.unpenalized.transpose();
   return sum;
 }
 

@@ -79,8 +79,10 @@ TEST(MakeSmoothnessPrior, ScattersAsItHolds) {
   const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(k).matrixL();
   Eigen::MatrixXd without(root.rows(), root.cols());
   for (Eigen::Index i = 0; i < root.cols(); ++i)
-    without.col(i) = ProjectOutRelaxed(group.free, group.freed, root.col(i));
-  const Eigen::MatrixXd expected = k - group.freed * group.freed.transpose();
+    without.col(i) =
+        ProjectOutUnpenalized(group.free, group.unpenalized, root.col(i));
+  const Eigen::MatrixXd expected =
+      k - group.unpenalized * group.unpenalized.transpose();
   EXPECT_LT((without * without.transpose() - expected).norm(), 1e-9 * k.norm());
 }
 
@@ -92,7 +94,8 @@ OpenCvModel TiltedLens(double p1_px) {
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(OpenCvModel::kCount);
   parameters.head<4>() << 510, 510, 319.5, 239.5;
   lens.SetParameters(parameters);
-  parameters[kP1] = p1_px / DecentringPixels(lens, lens.area())[kP1];
+  parameters[kP1] =
+      p1_px / ComputeDecentringDisplacement(lens, lens.area())[kP1];
   lens.SetParameters(parameters);
   return lens;
 }
@@ -106,7 +109,8 @@ BaseModel WithTiltPrecision(double precision) {
   const OpenCvModel lens = TiltedLens(0);
   BaseModel base;
   base.model = std::make_shared<OpenCvModel>(lens);
-  const Eigen::VectorXd pixels = DecentringPixels(lens, lens.area());
+  const Eigen::VectorXd pixels =
+      ComputeDecentringDisplacement(lens, lens.area());
   base.precision = precision * pixels.cwiseAbs2();
   return base;
 }
@@ -216,7 +220,7 @@ TEST(MakeSmoothnessPrior, TakesASpreadOfZeros) {
   const PriorGroup with =
       MakeSmoothnessPrior(base, {}, {}, {Bump(base.area(), 0)}).groups[0];
   EXPECT_TRUE(with.free.allFinite());
-  EXPECT_TRUE(with.freed.allFinite());
+  EXPECT_TRUE(with.unpenalized.allFinite());
 }
 
 // A grid is turned by 1e-3, and its corners, which hardly any pixel is seen

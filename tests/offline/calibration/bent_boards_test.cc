@@ -99,7 +99,7 @@ HeldOutResiduals HeldOutErrors(double flexed_px, double alone_px,
       residual.image = "image_" + std::to_string(image);
       residual.column = i;
       residual.error_px = {flexed_px + spread / 4, 0};
-      errors.flexed[0].push_back(residual);
+      errors.with_deformation[0].push_back(residual);
       residual.error_px.x() = alone_px + spread;
       errors.alone[0].push_back(residual);
     }
@@ -148,12 +148,13 @@ TEST(EvaluateWithDeformation, FindsTheNoiseWhereBoardsBend) {
   const SimulatedObservations seen = SimulateDeformation(0.0004);
   const SimulatedCamera camera = ExampleSimulatedCamera();
   const RigModel rig = {{&camera}, {Pose()}};
-  const auto flexed =
+  const auto with_deformation =
       EvaluateWithDeformation(rig, {seen.dataset}, TestBoard(), 2).front();
   const Evaluation rigid = EvaluateCamera(camera, seen.dataset, TestBoard(), 2);
   EXPECT_GT(ComputeErrorMetrics(rigid.residuals).rms_px, 0.1);
-  EXPECT_LT(ComputeErrorMetrics(flexed).rms_px, 0.02 * std::sqrt(2) * 1.2);
-  for (const FeatureResidual& residual : flexed)
+  EXPECT_LT(ComputeErrorMetrics(with_deformation).rms_px,
+            0.02 * std::sqrt(2) * 1.2);
+  for (const FeatureResidual& residual : with_deformation)
     EXPECT_EQ((residual.column + residual.row) % 2, 1);
 }
 

@@ -34,7 +34,7 @@ CalibrationOptions CoarseOptionsOf(const std::string& model) {
 }
 
 double FitTurnRad(const CameraModel& camera) {
-  return ComputeCameraFrame(camera).AngleRad();
+  return ComputeCanonicalFrame(camera).AngleRad();
 }
 
 double AxisRad(const CameraModel& camera) {

@@ -42,7 +42,7 @@ Found Search(const std::vector<Residuals>& of_resolutions, int medium) {
   return {search.value().chosen, static_cast<int>(search->tried.size())};
 }
 
-TEST(ComputeLossGain, IsInDeviationsAsImagesDiffer) {
+TEST(ComputeLossZScore, IsInDeviationsAsImagesDiffer) {
   // Losses are half squares: of 0.2 px in all images, against 0.1 px or 0.3.
   Residuals others = ErrorsOf(0.2), residuals = ErrorsOf(0.1);
   for (FeatureResidual& residual : residuals)
@@ -51,26 +51,26 @@ TEST(ComputeLossGain, IsInDeviationsAsImagesDiffer) {
   const double mean = (11 * gain - loss) / 12;
   const double variance =
       (11 * std::pow(gain - mean, 2) + std::pow(loss + mean, 2)) / 11;
-  EXPECT_NEAR(ComputeLossGain(others, residuals),
+  EXPECT_NEAR(ComputeLossZScore(others, residuals),
               mean / std::sqrt(variance / 12), 1e-9);
-  EXPECT_NEAR(ComputeLossGain(residuals, others),
+  EXPECT_NEAR(ComputeLossZScore(residuals, others),
               -mean / std::sqrt(variance / 12), 1e-9);
 }
 
-TEST(ComputeLossGain, CountsWhatOneOfBothLacksAsAPixelOff) {
+TEST(ComputeLossZScore, CountsWhatOneOfBothLacksAsAPixelOff) {
   const Residuals all = ErrorsOf(0.2);
   const Residuals some(all.begin() + 2 * kFeaturesPerImage, all.end());
-  EXPECT_GT(ComputeLossGain(some, all), 1);
-  EXPECT_GT(ComputeLossGain({}, ErrorsOf(0.2, 0.01)), 10);
+  EXPECT_GT(ComputeLossZScore(some, all), 1);
+  EXPECT_GT(ComputeLossZScore({}, ErrorsOf(0.2, 0.01)), 10);
 }
 
-TEST(ComputeLossGain, NeedsTwoImages) {
+TEST(ComputeLossZScore, NeedsTwoImages) {
   const Residuals all = ErrorsOf(0.2), less = ErrorsOf(0.1);
   const auto first = [](const Residuals& residuals) {
     return Residuals(residuals.begin(), residuals.begin() + kFeaturesPerImage);
   };
-  EXPECT_EQ(ComputeLossGain(first(all), first(less)), 0);
-  EXPECT_EQ(ComputeLossGain({}, {}), 0);
+  EXPECT_EQ(ComputeLossZScore(first(all), first(less)), 0);
+  EXPECT_EQ(ComputeLossZScore({}, {}), 0);
 }
 
 TEST(KnotSpacingSearch, GoesOnWhileTheLossSurelyFalls) {

@@ -5,9 +5,9 @@
 namespace raygrid {
 namespace {
 
-std::string TextOf(double noticed) {
+std::string TextOf(double min_detectable_error) {
   return UncertainOperatingParameter{OperatingParameter::kTemperature, 50, 16,
-                                     noticed, 10}
+                                     min_detectable_error, 10}
       .Text();
 }
 

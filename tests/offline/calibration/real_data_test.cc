@@ -22,7 +22,7 @@ std::string Folder() {
   return std::string(RAYGRID_REAL_DATA) + "/stereo_left/";
 }
 
-bool IsAtTarget() {
+bool HasReachedView() {
   for (const char* name : {"features.csv", "split.csv", "pattern.yaml"})
     if (!std::filesystem::exists(Folder() + name)) return false;
   return true;
@@ -94,7 +94,7 @@ ErrorMetrics HeldOutOfModel(const std::string& model, const RealData& data) {
 }
 
 TEST(RealData, GenericCameraHasTheLeastHeldOutError) {
-  if (!IsAtTarget())
+  if (!HasReachedView())
     GTEST_SKIP() << "no real data in " << Folder()
                  << "; name their folder with -DRAYGRID_REAL_DATA";
   const RealData data = ReadRealData();

@@ -132,7 +132,7 @@ TEST(ResidualBudget, NamesBendsOfACalibrationWithRigidBoards) {
   // Only things that were not tried are advised.
   EXPECT_NE(AssessBudget(budget).advice.find("--rigid-target"),
             std::string::npos);
-  budget.facts.tried_deformation = true;
+  budget.facts.has_tried_deformation = true;
   EXPECT_NE(AssessBudget(budget).advice.find("glass"), std::string::npos);
 }
 
@@ -206,16 +206,16 @@ TEST(AssessBudget, AdvisesNothingThatWasDone) {
       has(advice(ErrorCause::kImagePosition, facts), "--model central"));
   EXPECT_TRUE(
       has(advice(ErrorCause::kBoardPosition, facts), "--fix-target-geometry"));
-  facts.tried_generic = true;
+  facts.has_tried_generic_model = true;
   EXPECT_FALSE(has(advice(ErrorCause::kImagePosition, facts), "--model"));
   facts.model = "central-generic";
-  facts.points_free = facts.tried_deformation = true;
+  facts.has_estimated_points = facts.has_tried_deformation = true;
   facts.knot_spacing_px = 80;
   EXPECT_TRUE(
       has(advice(ErrorCause::kImagePosition, facts), "--knot-spacing-px 40"));
   EXPECT_TRUE(has(advice(ErrorCause::kBoardPosition, facts), "print"));
   EXPECT_TRUE(has(advice(ErrorCause::kDeformation, facts), "glass"));
-  facts.tried_finer = true;
+  facts.has_tried_finer_grid = true;
   EXPECT_TRUE(has(advice(ErrorCause::kImagePosition, facts), "add images"));
   EXPECT_FALSE(
       has(advice(ErrorCause::kImagePosition, facts), "--knot-spacing-px"));
@@ -241,18 +241,18 @@ TEST(AssessBudget, NamesNoCauseThatAnotherExplainsAsWell) {
   EXPECT_NE(
       AssessBudget(budget).advice.find("first use --model central-generic"),
       std::string::npos);
-  budget.facts.tried_generic = true;
+  budget.facts.has_tried_generic_model = true;
   EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.model = "central-generic";
-  budget.facts.points_free = false;
+  budget.facts.has_estimated_points = false;
   EXPECT_NE(AssessBudget(budget).advice.find(
                 "first calibrate without --fix-target-geometry"),
             std::string::npos);
-  budget.facts.points_free = true;
+  budget.facts.has_estimated_points = true;
   EXPECT_NE(
       AssessBudget(budget).advice.find("first use --model noncentral-generic"),
       std::string::npos);
-  budget.facts.tried_noncentral = true;
+  budget.facts.has_tried_noncentral_model = true;
   EXPECT_EQ(AssessBudget(budget).advice.find("--model"), std::string::npos);
   budget.facts.better_model = "noncentral-generic";
   EXPECT_NE(AssessBudget(budget).advice.find(
@@ -267,10 +267,10 @@ TEST(AssessBudget, AdvisesOfTheRestWhatTheVerdictDoes) {
   budget.noise = 0.3;
   budget.rest = 0.7;
   budget.facts.model = "central-generic";
-  budget.facts.tried_noncentral = true;
+  budget.facts.has_tried_noncentral_model = true;
   EXPECT_EQ(AssessBudget(budget).limit, "unexplained");
   EXPECT_EQ(AssessBudget(budget).advice, "try --knot-spacing-px auto");
-  budget.facts.knot_spacing_selected = budget.facts.tried_finer = true;
+  budget.facts.knot_spacing_selected = budget.facts.has_tried_finer_grid = true;
   EXPECT_NE(AssessBudget(budget).advice.find("are no better; look for blur"),
             std::string::npos);
 }

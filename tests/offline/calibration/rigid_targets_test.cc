@@ -46,7 +46,7 @@ SimulatedRig Row(int num_cameras) {
 // Two cameras that never see one board together.
 SimulatedRigObservations WithoutSharedBoards(uint64_t seed) {
   FixedBoards fixed = FarApart();
-  fixed.never_shared = true;
+  fixed.without_shared_views = true;
   return SimulateRig(Row(2), SeveralBoards(3), fixed, Views(60, seed));
 }
 

@@ -16,17 +16,17 @@ CentralGeneric GridOf(const std::string& lens) {
   return FittedGrid(*MakeSimulatedCamera(lens, {640, 480}), 40);
 }
 
-TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
+TEST(CanonicalFrame, DoesNotDependOnHowTheCameraIsTurned) {
   for (const char* lens : {"example", "wide", "fisheye"}) {
     const CentralGeneric camera = GridOf(lens);
     const Eigen::Quaterniond frame =
-        ComputeCameraFrame(camera).frame_from_camera;
+        ComputeCanonicalFrame(camera).frame_from_camera;
     for (const Eigen::Vector3d& vector :
          {Eigen::Vector3d(0.1, -0.6, 0.05), Eigen::Vector3d(0, 0.01, 1),
           Eigen::Vector3d(-0.3, 0.3, 0)}) {
       const Eigen::Quaterniond turn = RotationFromVector(vector);
-      const CameraFrame turned =
-          ComputeCameraFrame(RotatedCamera(camera, turn));
+      const CanonicalFrame turned =
+          ComputeCanonicalFrame(RotatedCamera(camera, turn));
       EXPECT_LT(AngleOf(turned.frame_from_camera * turn * frame.conjugate()),
                 1e-6)
           << lens;
@@ -34,29 +34,30 @@ TEST(CameraFrame, DoesNotDependOnHowTheCameraIsTurned) {
   }
 }
 
-TEST(CameraFrame, OfALensIsTheLenssOwn) {
-  const CameraFrame frame = ComputeCameraFrame(FittedGrid(ExampleLens(), 20));
+TEST(CanonicalFrame, OfALensIsTheLenssOwn) {
+  const CanonicalFrame frame =
+      ComputeCanonicalFrame(FittedGrid(ExampleLens(), 20));
   EXPECT_EQ(frame.lens, "opencv");
   EXPECT_LT(frame.AngleRad(), kMaxFrameRotationRad);
-  EXPECT_EQ(ComputeCameraFrame(ExampleLens()).AngleRad(), 0);
+  EXPECT_EQ(ComputeCanonicalFrame(ExampleLens()).AngleRad(), 0);
 }
 
 // Least squares alone would turn the lens by degrees to follow the bumps.
-TEST(CameraFrame, IsNotTurnedByBumps) {
+TEST(CanonicalFrame, IsNotTurnedByBumps) {
   const CentralGeneric camera = GridOf("example");
   for (const std::string& lens : ListModelNames(ModelUse::kCompare))
-    EXPECT_LT(ComputeCameraFrame(camera, lens).AngleRad(), 1 * M_PI / 180)
+    EXPECT_LT(ComputeCanonicalFrame(camera, lens).AngleRad(), 1 * M_PI / 180)
         << lens;
 }
 
-TEST(CameraFrame, OnceTurnedNeedsNoRotation) {
+TEST(CanonicalFrame, OnceTurnedNeedsNoRotation) {
   const CentralGeneric camera = GridOf("example");
   const Eigen::Quaterniond astray = RotationFromVector({0.2, -0.5, 0.1});
   const auto off = Rotated(camera, astray);
-  const CameraFrame frame = ComputeCameraFrame(*off);
+  const CanonicalFrame frame = ComputeCanonicalFrame(*off);
   EXPECT_GT(frame.AngleRad(), 30 * M_PI / 180);
   const auto turned = Rotated(*off, frame.frame_from_camera);
-  EXPECT_LT(ComputeCameraFrame(*turned).AngleRad(), kMaxFrameRotationRad);
+  EXPECT_LT(ComputeCanonicalFrame(*turned).AngleRad(), kMaxFrameRotationRad);
   for (const std::string& lens : ListModelNames(ModelUse::kCompare))
     EXPECT_LT(
         AngleOf(

@@ -35,7 +35,7 @@ OperatingPointModel UnevenStackOfBoth() {
 // Files have deviations at a range's ends, which are looked for there.
 TEST(OperatingRange, SpreadEndsAtItsEnds) {
   const OperatingRange range = {OperatingParameter::kTemperature, 30.8, 63.9};
-  const std::vector<double> values = range.Spread(5);
+  const std::vector<double> values = range.SampleValues(5);
   ASSERT_EQ(values.size(), 5u);
   EXPECT_EQ(values.front(), 30.8);
   EXPECT_EQ(values.back(), 63.9);
@@ -116,15 +116,15 @@ TEST(OperatingPointModel, WhereConditionsAreHeldIsAStackOverTheOthers) {
                               const CentralGeneric& b) {
     EXPECT_LT((a.Parameters() - b.Parameters()).cwiseAbs().maxCoeff(), 1e-15);
   };
-  const OperatingPointModel warm = stack.Hold({std::nullopt, 55});
+  const OperatingPointModel warm = stack.FixValues({std::nullopt, 55});
   ASSERT_EQ(warm.ranges().size(), 1u);
   EXPECT_EQ(warm.ranges()[0].condition, OperatingParameter::kLensPosition);
   EXPECT_EQ(warm.orders(), std::vector<int>{3});
   expect_same(warm.At({1.5}), stack.At({1.5, 55}));
-  const OperatingPointModel near = stack.Hold({4, std::nullopt});
+  const OperatingPointModel near = stack.FixValues({4, std::nullopt});
   EXPECT_EQ(near.orders(), std::vector<int>{2});
   expect_same(near.At({22}), stack.At({4, 22}));
-  const OperatingPointModel both = stack.Hold({4, 22});
+  const OperatingPointModel both = stack.FixValues({4, 22});
   EXPECT_TRUE(both.ranges().empty());
   expect_same(both.At({}), stack.At({4, 22}));
   expect_same(stack.SliceAlong(1).At({22}), stack.At({3, 22}));

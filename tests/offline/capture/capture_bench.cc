@@ -78,7 +78,8 @@ void Time(const std::string& spec, const std::string& lens,
   const double median = seconds[seconds.size() / 2];
   std::printf("%-32s %4d x %-4d  %6.1f frames/s  slowest %5.1f ms  %s\n",
               spec.c_str(), size.width, size.height, 1 / median,
-              1e3 * seconds.back(), guide.knowledge() ? "" : "camera unknown");
+              1e3 * seconds.back(),
+              guide.information() ? "" : "camera unknown");
 }
 
 }  // namespace

@@ -65,8 +65,8 @@ TEST(CaptureGuide, LeadsToACameraThatIsKnown) {
   EXPECT_TRUE(guide.is_done());
   EXPECT_FALSE(guide.next());
   EXPECT_EQ(guide.num_expected(), 0);
-  ASSERT_TRUE(guide.knowledge());
-  EXPECT_LE(guide.knowledge()->Percentile95Px(), 0.07);
+  ASSERT_TRUE(guide.information());
+  EXPECT_LE(guide.information()->Percentile95Px(), 0.07);
   ASSERT_TRUE(expected);
   EXPECT_LT(std::abs(*expected - (num_images - 6)), 6);
 }
@@ -108,14 +108,15 @@ TEST(CaptureGuide, ForgetsAnImageThatIsRemoved) {
   GuidedCapture capture({});
   for (int k = 0; k < 5; ++k) capture.Add(capture.Follow(capture.Guide()));
   const CaptureGuide before = capture.Guide();
-  const double before_px = before.knowledge()->Percentile95Px();
+  const double before_px = before.information()->Percentile95Px();
   const ImageFeatures image = capture.Follow(before);
   capture.Add(image);
-  EXPECT_LT(capture.Guide().knowledge()->Percentile95Px(), before_px);
+  EXPECT_LT(capture.Guide().information()->Percentile95Px(), before_px);
   capture.live().Remove(image.image);
   const CaptureGuide after = capture.Guide();
   EXPECT_EQ(after.num_images(), 5);
-  EXPECT_NEAR(after.knowledge()->Percentile95Px(), before_px, 0.2 * before_px);
+  EXPECT_NEAR(after.information()->Percentile95Px(), before_px,
+              0.2 * before_px);
 }
 
 // ---- Outlines ---------------------------------------------------------------

@@ -143,23 +143,24 @@ TEST(CameraInformation, GrowsWithImages) {
   for (const int count : {6, 12, 24}) {
     const LiveCamera live = GetCamera({images.begin(), images.begin() + count});
     ASSERT_TRUE(live.adjusted());
-    const auto knowledge = CameraInformation::Of(*live.adjusted());
-    ASSERT_TRUE(knowledge);
-    EXPECT_LT(knowledge->Percentile95Px(), last_px);
-    EXPECT_LT(knowledge->RmsPx(), 10);
-    last_px = knowledge->Percentile95Px();
+    const auto information = CameraInformation::Of(*live.adjusted());
+    ASSERT_TRUE(information);
+    EXPECT_LT(information->Percentile95Px(), last_px);
+    EXPECT_LT(information->RmsPx(), 10);
+    last_px = information->Percentile95Px();
   }
 }
 
 TEST(CameraInformation, GainsNothingFromNoFeatures) {
   const LiveCamera live = GetCamera(ImagesOf(5).images);
   ASSERT_TRUE(live.adjusted());
-  const auto knowledge = CameraInformation::Of(*live.adjusted());
-  ASSERT_TRUE(knowledge);
-  EXPECT_EQ(knowledge->ComputeGain({}, {}, {}), 0);
+  const auto information = CameraInformation::Of(*live.adjusted());
+  ASSERT_TRUE(information);
+  EXPECT_EQ(information->ComputeGain({}, {}, {}), 0);
   Pose behind;
   behind.translation.z() = -5;
-  EXPECT_EQ(knowledge->PredictViewGain(TestBoard().boards.front(), behind), 0);
+  EXPECT_EQ(information->PredictViewGain(TestBoard().boards.front(), behind),
+            0);
 }
 
 // ---- What comes next --------------------------------------------------------
@@ -185,9 +186,9 @@ TEST(NextView, LooksWhereNothingWasSeen) {
   for (ImageFeatures& image : images) AddNoise(noise, &random, &image.features);
   const LiveCamera live = GetCamera(images);
   ASSERT_TRUE(live.adjusted());
-  const auto knowledge = CameraInformation::Of(*live.adjusted());
-  ASSERT_TRUE(knowledge);
-  const auto next = FindBestNextView(*knowledge, board);
+  const auto information = CameraInformation::Of(*live.adjusted());
+  ASSERT_TRUE(information);
+  const auto next = FindBestNextView(*information, board);
   ASSERT_TRUE(next);
   double rightmost_px = 0;
   for (const Feature& feature :
@@ -197,22 +198,23 @@ TEST(NextView, LooksWhereNothingWasSeen) {
   EXPECT_GT(next->gain, 0.3);
   // More than any view that was.
   for (const Pose& pose : live.adjusted()->state.rig_from_pattern)
-    EXPECT_GT(next->gain, 2 * knowledge->PredictViewGain(board, pose));
+    EXPECT_GT(next->gain, 2 * information->PredictViewGain(board, pose));
 }
 
 TEST(NextView, IsAnotherOneWhereTheBestIsAvoided) {
   const LiveCamera live = GetCamera(ImagesOf(6).images);
-  const auto knowledge = CameraInformation::Of(*live.adjusted());
-  ASSERT_TRUE(knowledge);
+  const auto information = CameraInformation::Of(*live.adjusted());
+  ASSERT_TRUE(information);
   const Board board = TestBoard().boards.front();
-  const auto best = FindBestNextView(*knowledge, board);
+  const auto best = FindBestNextView(*information, board);
   ASSERT_TRUE(best);
   const auto other =
-      FindBestNextView(*knowledge, board, {best->camera_from_board});
+      FindBestNextView(*information, board, {best->camera_from_board});
   ASSERT_TRUE(other);
   EXPECT_LE(other->gain, best->gain);
-  EXPECT_FALSE(IsAtTarget(knowledge->camera(), board, other->camera_from_board,
-                          best->camera_from_board));
+  EXPECT_FALSE(HasReachedView(information->camera(), board,
+                              other->camera_from_board,
+                              best->camera_from_board));
 }
 
 TEST(NextView, BeginsWithFourTiltedViews) {

@@ -22,8 +22,8 @@ class GuidedRig : public testing::Test {
     return {RotationFromVector({0.01, -0.15, 0.02}), {-0.12, 0.01, 0.02}};
   }
 
-  RigGuide Guide(bool leaves_connecting = false) {
-    options_.leaves_connecting = leaves_connecting;
+  RigGuide Guide(bool skip_connecting_views = false) {
+    options_.skip_connecting_views = skip_connecting_views;
     std::vector<GuidedCamera> cameras;
     for (size_t c = 0; c < live_.size(); ++c) {
       const auto count = static_cast<int>(live_[c].images().images.size());
@@ -82,7 +82,8 @@ class GuidedRig : public testing::Test {
   void FollowUntilBothAreKnown() {
     for (int k = 0; k < 12; ++k) {
       const RigGuide guide = Guide();
-      if (guide.guide(0)->knowledge() && guide.guide(1)->knowledge()) return;
+      if (guide.guide(0)->information() && guide.guide(1)->information())
+        return;
       ASSERT_TRUE(guide.next());
       Follow(*guide.next(), false);
     }
@@ -149,7 +150,7 @@ TEST_F(GuidedRig, LeadsToARigThatIsKnown) {
   const CameraLink& link = guide.links()[0].link;
   EXPECT_LE(link.RmsPx(), 0.15);
   for (int c = 0; c < 2; ++c)
-    EXPECT_LE(guide.guide(c)->knowledge()->Percentile95Px(), 0.15);
+    EXPECT_LE(guide.guide(c)->information()->Percentile95Px(), 0.15);
   EXPECT_LT(ErrorPx(link), 0.2);
 }
 

@@ -65,8 +65,8 @@ CameraFile RadialFile() {
   file.camera = std::make_shared<CentralRadial>(
       ImageSize{640, 480}, Area{1, 2, 630, 470}, 1.7,
       std::vector<double>{0.01, 0.02, 1.0 / 30, 0.04},
-      CentralRadial::OtherParameters{200, 201, 322, 236, 1e-3, -8e-4, 2e-5,
-                                     3e-4});
+      CentralRadial::PlanarParameters{200, 201, 322, 236, 1e-3, -8e-4, 2e-5,
+                                      3e-4});
   return file;
 }
 
@@ -356,13 +356,13 @@ TEST(CameraFile, KeepsUncertaintyAndMask) {
   EXPECT_EQ(read.uncertainty->mask.is_valid, file.uncertainty->mask.is_valid);
   EXPECT_EQ(read.uncertainty->max_stddev_px, 0.025);
   EXPECT_EQ(read.uncertainty->modes.columns, 2);
-  EXPECT_EQ(read.uncertainty->modes.rest_px, 0.004);
+  EXPECT_EQ(read.uncertainty->modes.residual_px, 0.004);
   EXPECT_EQ(read.uncertainty->modes.displacements_px,
             file.uncertainty->modes.displacements_px);
-  EXPECT_EQ(read.uncertainty->modes.beyond.scale, 0.001);
-  EXPECT_EQ(read.uncertainty->modes.beyond.shift_px, 0.375);
-  EXPECT_EQ(read.uncertainty->modes.beyond.tilt_rad, 0.0005);
-  EXPECT_EQ(read.uncertainty->modes.beyond.local_px, 0.03);
+  EXPECT_EQ(read.uncertainty->modes.excess_errors.scale, 0.001);
+  EXPECT_EQ(read.uncertainty->modes.excess_errors.shift_px, 0.375);
+  EXPECT_EQ(read.uncertainty->modes.excess_errors.tilt_rad, 0.0005);
+  EXPECT_EQ(read.uncertainty->modes.excess_errors.local_px, 0.03);
   EXPECT_EQ(FormatCameraFile(read), text);
 }
 

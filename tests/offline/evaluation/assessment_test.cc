@@ -216,10 +216,10 @@ TEST(Assessment, AdvisesNothingThatWasTried) {
   metrics.tried.knot_spacing_selected = true;
   metrics.tried.knot_spacing_px = 26.8;
   EXPECT_TRUE(HasReason(AssessCalibration(metrics), "--knot-spacing-px 13"));
-  metrics.tried.tried_finer = true;
+  metrics.tried.has_tried_finer_grid = true;
   EXPECT_FALSE(HasReason(AssessCalibration(metrics), "cells"));
   EXPECT_TRUE(HasReason(AssessCalibration(metrics), "noncentral-generic"));
-  metrics.tried.tried_noncentral = true;
+  metrics.tried.has_tried_noncentral_model = true;
   EXPECT_FALSE(HasReason(AssessCalibration(metrics), "noncentral-generic"));
   EXPECT_TRUE(HasReason(AssessCalibration(metrics), "are no better"));
 }
@@ -228,7 +228,7 @@ TEST(Assessment, SendsNobodyFromModelToModelAndBack) {
   CalibrationMetrics metrics = GoodFigures();
   metrics.tried.model = "opencv";
   metrics.neighbor_correlation = 0.6;
-  metrics.tried.tried_generic = true;
+  metrics.tried.has_tried_generic_model = true;
   EXPECT_FALSE(
       HasReason(AssessCalibration(metrics), "--model central-generic"));
   metrics.better_model = {"central-generic", 0.1, 0.11};
@@ -353,7 +353,7 @@ TEST(Assessment, SaysWhereAndHowMuchExtrapolationMatters) {
             "the corners of the image are extrapolated: expect errors up to "
             "0.72 px there (12 % of the image); move the target into that "
             "part, or use the valid region only");
-  metrics.extrapolated->where = "left edge";
+  metrics.extrapolated->image_regions = "left edge";
   EXPECT_TRUE(HasReason(AssessCalibration(metrics),
                         "the left edge of the image is extrapolated"));
   // Errors below the limit of the valid region do not matter.

@@ -21,8 +21,9 @@ PopulationCovariance SpreadOfFocalLengths() {
   spread.rows = 13;
   const SimulatedCamera mean = LensFamily::Mean();
   auto& field = spread.displacements_px.emplace_back();
-  for (const auto& displacement : ComputeDisplacements(
-           mean, LensFamily::Longer(kFocalScatter), spread.Places(mean.area())))
+  for (const auto& displacement :
+       ComputeDisplacements(mean, LensFamily::Longer(kFocalScatter),
+                            spread.GetPositions(mean.area())))
     field.push_back(displacement.value());
   return spread;
 }

@@ -47,11 +47,11 @@ TEST(ComparePredictions, FindsTheBetterOne) {
   const auto better = ResidualsOfImages(20, 0.01, 1),
              worse = ResidualsOfImages(20, 0.03, 2);
   const PredictionComparison forth = ComparePredictions(better, worse);
-  EXPECT_STREQ(forth.Better(), "first");
+  EXPECT_STREQ(forth.NameBetterCamera(), "first");
   EXPECT_LT(forth.first.rms_px, forth.second.rms_px);
   EXPECT_EQ(forth.images.size(), 20u);
   const PredictionComparison back = ComparePredictions(worse, better);
-  EXPECT_STREQ(back.Better(), "second");
+  EXPECT_STREQ(back.NameBetterCamera(), "second");
   EXPECT_EQ(back.probability, forth.probability);
 }
 
@@ -61,10 +61,10 @@ TEST(ComparePredictions, DoesNotGuess) {
     num_decided += std::string("neither") !=
                    ComparePredictions(ResidualsOfImages(12, 0.02, seed),
                                       ResidualsOfImages(12, 0.02, seed + 1000))
-                       .Better();
+                       .NameBetterCamera();
   EXPECT_LE(num_decided, 6);  // of 200, where 2 are expected
   const auto same = ResidualsOfImages(12, 0.02, 3);
-  EXPECT_STREQ(ComparePredictions(same, same).Better(), "neither");
+  EXPECT_STREQ(ComparePredictions(same, same).NameBetterCamera(), "neither");
 }
 
 TEST(ComparePredictions, CountsOnlyWhatBothSee) {

@@ -69,23 +69,26 @@ TEST(UncertaintySummary, SharesAreOfTheImageCircle) {
 
 TEST(UncertaintySummary, SaysWhatIsExtrapolated) {
   const auto camera = Camera();
-  const auto where = [&](const auto& is_beyond) {
+  const auto image_regions = [&](const auto& is_beyond) {
     return SummarizeExtrapolatedRegion(*camera, std::nullopt,
                                        SupportedBut(is_beyond), Lattice(1, 3))
-        .where;
+        .image_regions;
   };
-  EXPECT_EQ(where([](const auto&) { return false; }), "");
-  EXPECT_EQ(where(IsInCorner), "corners");
-  EXPECT_EQ(where([](const auto& p) { return IsInCorner(p) && p.x() < 320; }),
-            "top left and bottom left corners");
-  EXPECT_EQ(where([](const auto& p) { return p.x() < 60; }), "left edge");
-  EXPECT_EQ(where([](const auto& p) { return p.x() < 60 || p.y() > 420; }),
-            "left and bottom edges");
-  EXPECT_EQ(where([](const auto& p) {
+  EXPECT_EQ(image_regions([](const auto&) { return false; }), "");
+  EXPECT_EQ(image_regions(IsInCorner), "corners");
+  EXPECT_EQ(
+      image_regions([](const auto& p) { return IsInCorner(p) && p.x() < 320; }),
+      "top left and bottom left corners");
+  EXPECT_EQ(image_regions([](const auto& p) { return p.x() < 60; }),
+            "left edge");
+  EXPECT_EQ(
+      image_regions([](const auto& p) { return p.x() < 60 || p.y() > 420; }),
+      "left and bottom edges");
+  EXPECT_EQ(image_regions([](const auto& p) {
               return p.x() < 60 || (IsInCorner(p) && p.x() > 320);
             }),
             "left edge and top right and bottom right corners");
-  EXPECT_EQ(where([](const auto& p) {
+  EXPECT_EQ(image_regions([](const auto& p) {
               return std::min({p.x(), p.y(), 640 - p.x(), 480 - p.y()}) < 60;
             }),
             "edges");

@@ -207,7 +207,7 @@ TEST(MakeKeyedFormats, ReadOpenSfm) {
   ExpectLens(Read(scene).cameras.at(0), kPinholeLens, &Lens::Pinhole);
   // A scene may have more points than a list of cameras may have values.
   std::string points;
-  for (size_t k = 0; k < kMaxTreeMarks / 4; ++k)
+  for (size_t k = 0; k < kMaxStructureCharacters / 4; ++k)
     points += fmt::format("{}\"{}\": {{\"color\": [1, 2]}}", k ? ", " : "", k);
   ExpectLens(Read(TextWith(scene, "\"shots\"",
                            "\"points\": {" + points + "}, \"shots\""))

@@ -68,7 +68,7 @@ TEST_F(LensChoice, MeasuresTheLensThatIsWritten) {
     for (double x = 0; x < kChoiceImage.width; x += 5) {
       const Eigen::Vector2d pixel(x, y);
       const Eigen::Vector3d ray =
-          chosen.fit->lens_from_camera * wide->Unproject(pixel).value();
+          chosen.fit->fitted_from_camera * wide->Unproject(pixel).value();
       const double error =
           (written->Project(ray, nullptr, 1e9).value() - pixel).norm();
       sum += error * error;

@@ -81,7 +81,7 @@ TEST(MakeOcamCalibFormat, WritesTheNearestPolynomial) {
       sum += polynomial[k] * std::pow(x, k);
     return sum;
   };
-  const Eigen::Quaterniond turn = chosen.fit->lens_from_camera;
+  const Eigen::Quaterniond turn = chosen.fit->fitted_from_camera;
   for (double x = 5; x < 640; x += 45)
     for (double y = 5; y < 480; y += 45) {
       const Eigen::Vector3d ray = turn * camera->Unproject({x, y}).value();

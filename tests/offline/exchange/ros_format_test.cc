@@ -148,7 +148,7 @@ TEST(MakeRosFormat, FindsThePosesOfAPair) {
   pair[1].rectified = pair[0].rectified;
   pair[1].rectified->r = second.toRotationMatrix();
   pair[1].rectified->p(0, 3) = -40;
-  ComputePairPoses(&pair);
+  ComputeStereoPoses(&pair);
   const Eigen::Vector3d point(0.3, -0.2, 2);
   const auto in_view = [&](const InputCamera& camera) {
     return Eigen::Vector3d(camera.rectified->r *
@@ -161,7 +161,7 @@ TEST(MakeRosFormat, FindsThePosesOfAPair) {
   // A camera alone says nothing.
   pair[1].rectified.reset();
   pair[0].camera_from_rig.reset();
-  ComputePairPoses(&pair);
+  ComputeStereoPoses(&pair);
   EXPECT_FALSE(pair[0].camera_from_rig);
 }
 

@@ -13,7 +13,7 @@ constexpr ImageSize kSeenSize = {1280, 960};
 
 using Brightness = std::function<double(const Eigen::Vector2d& pixel)>;
 
-GreyLevels ImageOf(const Brightness& brightness) {
+GreyLevels SimulateImageFeatures(const Brightness& brightness) {
   GreyLevels image;
   image.size = kSeenSize;
   for (int y = 0; y < kSeenSize.height; ++y)
@@ -25,7 +25,8 @@ GreyLevels ImageOf(const Brightness& brightness) {
 
 std::optional<ImageCircle> FoundIn(const std::vector<Brightness>& images) {
   BrightestCells cells = BrightestCells::Over(kSeenSize);
-  for (const Brightness& image : images) cells.Add(ImageOf(image));
+  for (const Brightness& image : images)
+    cells.Add(SimulateImageFeatures(image));
   return FindImageCircle(cells);
 }
 

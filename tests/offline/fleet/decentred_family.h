@@ -51,12 +51,13 @@ class DecentredFamilyLens : public DecentredCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override {
-    return DecentredCamera::DirectionOf(place + Displacement(place));
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& place) const override {
+    return DecentredCamera::DirectionFromPosition(place + Displacement(place));
   }
-  std::optional<Eigen::Vector2d> PlaceOf(
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override {
-    const auto middle = DecentredCamera::PlaceOf(direction);
+    const auto middle = DecentredCamera::PositionFromDirection(direction);
     constexpr double kFar = 2;
     if (!middle || middle->norm() > kFar) return std::nullopt;
     constexpr int kRounds = 30;  // each leaves a twentieth of the error or less

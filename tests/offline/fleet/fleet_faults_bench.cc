@@ -44,7 +44,8 @@ class FamilyMemberLens : public AsymmetricCamera {
   }
 
  protected:
-  Eigen::Vector3d DirectionOf(const Eigen::Vector2d& place) const override {
+  Eigen::Vector3d DirectionFromPosition(
+      const Eigen::Vector2d& place) const override {
     constexpr int kRounds = 60;  // each leaves half of the error or less
     const Eigen::Vector2d image =
         (kSize.width * place - member_.centre_px) / member_.focal_px;
@@ -52,7 +53,7 @@ class FamilyMemberLens : public AsymmetricCamera {
     for (int round = 0; round < kRounds; ++round) ray = image / Scale(ray);
     return ray.homogeneous();
   }
-  std::optional<Eigen::Vector2d> PlaceOf(
+  std::optional<Eigen::Vector2d> PositionFromDirection(
       const Eigen::Vector3d& direction) const override {
     // Beyond, distortion turns back.
     const double farthest = std::sqrt(-1 / (3 * member_.k1));

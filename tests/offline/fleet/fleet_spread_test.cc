@@ -72,11 +72,11 @@ TEST(EstimatePopulationCovariance, IsLessWhatFilesSay) {
   stated.modes.columns = all->columns;
   stated.modes.rows = all->rows;
   // More than focal lengths do in the second order.
-  stated.modes.rest_px = 0.1;
+  stated.modes.residual_px = 0.1;
   auto& mode = stated.modes.displacements_px.emplace_back();
   for (const auto& displacement :
        ComputeDisplacements(mean, LensFamily::Longer(0.7 * kFocalPart),
-                            all->Places(mean.area())))
+                            all->GetPositions(mean.area())))
     mode.push_back(displacement.value());
   for (CameraFile& unit : units) unit.uncertainty = stated;
   const auto left = EstimatePopulationCovariance(mean, units);

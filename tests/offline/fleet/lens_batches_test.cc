@@ -64,7 +64,7 @@ TEST(LensBatches, EqualOnesSeldomDiffer) {
     bool differs = false;
     for (int k = 0; k < 3; ++k) {
       differs |= comparison.metrics[k].differs;
-      num_even[k] += comparison.metrics[k].chance < 0.5;
+      num_even[k] += comparison.metrics[k].p_value < 0.5;
     }
     num_different += differs;
   }
@@ -84,7 +84,7 @@ TEST(LensBatches, HaveTheChanceOfATextbook) {
       fleet, {"a", "a", "a", "b", "b", "b", "c", "c", "c"}, {});
   // Between 42 / 2, within 6 / 6: F(2, 6) = 21. With two degrees of freedom,
   // its chance is (1 + 2 F / 6)^-3.
-  EXPECT_NEAR(comparison.metrics[1].chance, std::pow(8, -3), 1e-12);
+  EXPECT_NEAR(comparison.metrics[1].p_value, std::pow(8, -3), 1e-12);
   EXPECT_NEAR(comparison.metrics[1].within_batch_stddev, 1, 1e-12);
 }
 

@@ -199,7 +199,7 @@ TEST(HandEye, ScaleErrorsAndOptimismAreReported) {
     pose.base_from_gripper.translation *= 1.01;
   HandEyeResult result =
       CalibrateHandEye(robot.observations, Mounting::kEyeInHand, {});
-  EXPECT_NEAR(result.scale->value, 0.01, 5 * result.scale->std_dev + 1e-3);
+  EXPECT_NEAR(result.scale->value, 0.01, 5 * result.scale->stddev + 1e-3);
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_HAS(result.warnings[0], "lengths of the robot");
   result = CalibrateHandEye(SimulateRobot({}, 11).observations,
@@ -216,7 +216,7 @@ TEST(HandEye, TheSuggestedPoseHelpsAsPredicted) {
       CalibrateHandEye(robot.observations, options.mounting, {});
   ASSERT_TRUE(before.suggestion);
   const SuggestedPose& next = *before.suggestion;
-  EXPECT_LT(next.new_translation_sd_m, 0.7 * next.translation_sd_m);
+  EXPECT_LT(next.new_translation_stddev_m, 0.7 * next.translation_stddev_m);
   HandEyeObservation added = robot.observations[0];
   added.base_from_gripper = next.base_from_gripper;
   added.camera_from_target = PredictTargetPose(
@@ -227,7 +227,7 @@ TEST(HandEye, TheSuggestedPoseHelpsAsPredicted) {
       {before.fit.noise.rotation_rad, before.fit.noise.translation_m});
   EXPECT_NEAR(
       ListTransforms(after.fit, options.mounting)[0].TranslationStdDev() /
-          next.new_translation_sd_m,
+          next.new_translation_stddev_m,
       1, 0.1);
 }
 

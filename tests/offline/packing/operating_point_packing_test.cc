@@ -42,7 +42,7 @@ struct PackedStack {
 };
 
 // Packed once for all tests: the reference is at 4 dioptres.
-const PackedStack& Stack() {
+const PackedStack& GetOperatingPointModel() {
   static const PackedStack* const made = [] {
     auto* stack = new PackedStack;
     stack->samples = SelectSamples(RG_OPERATING_PARAMETER_LENS_POSITION, 0, 10,
@@ -72,7 +72,7 @@ rg_camera OpenAt(const BlobCamera& blob, double dioptres) {
 const double kConditions[] = {0.31, 2.2, 3.99, 5.05, 6.6, 8.1, 9.9};
 
 TEST(SelectSamples, TakesAsFewAsDo) {
-  const OperatingPointSamples& samples = Stack().samples;
+  const OperatingPointSamples& samples = GetOperatingPointModel().samples;
   EXPECT_GE(samples.values.size(), 3u);
   EXPECT_LE(samples.values.size(), 12u);
   EXPECT_EQ(samples.values.front(), 0);
@@ -80,13 +80,13 @@ TEST(SelectSamples, TakesAsFewAsDo) {
   const OperatingPointSamples looser =
       SelectSamples(RG_OPERATING_PARAMETER_LENS_POSITION, 0, 10, CameraAt, 0.1);
   EXPECT_LT(looser.values.size(), samples.values.size());
-  std::printf("%zu knots, blob %zu bytes, %zu knots at 0.1 px\n",
-              samples.values.size(), Stack().packed.blob.size(),
-              looser.values.size());
+  std::printf(
+      "%zu knots, blob %zu bytes, %zu knots at 0.1 px\n", samples.values.size(),
+      GetOperatingPointModel().packed.blob.size(), looser.values.size());
 }
 
 TEST(StackPacking, RaysAreTheLensesAtUnseenConditions) {
-  const BlobCamera blob("stack", Stack().packed.blob);
+  const BlobCamera blob("stack", GetOperatingPointModel().packed.blob);
   double worst_px = 0, worst_back_px = 0;
   for (const double dioptres : kConditions) {
     const rg_camera camera = OpenAt(blob, dioptres);
@@ -118,8 +118,8 @@ TEST(StackPacking, RaysAreTheLensesAtUnseenConditions) {
 // Ramps show where a pixel comes from: 16 bits have 1/90 px a step.
 TEST(StackPacking, FramesAreTheLensesAtUnseenConditions) {
   constexpr int kScale = 90;
-  const BlobCamera blob("stack", Stack().packed.blob);
-  const VirtualView& view = Stack().view;
+  const BlobCamera blob("stack", GetOperatingPointModel().packed.blob);
+  const VirtualView& view = GetOperatingPointModel().view;
   double worst_px = 0;
   for (const double dioptres : kConditions) {
     rg_camera camera = OpenAt(blob, dioptres);
@@ -164,7 +164,7 @@ TEST(StackPacking, FramesAreTheLensesAtUnseenConditions) {
 // Vertices and bends at a condition lie between those of its knots: the tables
 // are alike, and the blob's own are, too.
 TEST(StackPacking, TablesAreAlike) {
-  const PackedStack& stack = Stack();
+  const PackedStack& stack = GetOperatingPointModel();
   const BlobCamera blob("stack", stack.packed.blob);
   ASSERT_NE(blob.blob().stack, 0u);
   rg_stack_section section;
@@ -186,7 +186,7 @@ TEST(StackPacking, ViewsMayReachBeyondTheArea) {
   file.camera = std::make_shared<CentralGeneric>(CameraAt(4));
   PackOptions options;
   options.remaps = {ViewOf(*file.camera, {320, 240}, 75)};
-  options.stack = Stack().samples;
+  options.stack = GetOperatingPointModel().samples;
   const PackedCamera packed = PackCamera(file, options);
   EXPECT_LE(packed.remaps[0].error_px, 0.05);
   const BlobCamera blob("stack", packed.blob);

@@ -173,8 +173,8 @@ RandomLens RandomRadial(TestRandom* random) {
   const ImageSize size = {640, 480};
   return {std::make_shared<CentralRadial>(
               size, WholeImage(size), max_angle, spline,
-              CentralRadial::OtherParameters{f[0], f[1], f[2], f[3], tilt[0],
-                                             tilt[1], tilt[2], tilt[3]}),
+              CentralRadial::PlanarParameters{f[0], f[1], f[2], f[3], tilt[0],
+                                              tilt[1], tilt[2], tilt[3]}),
           [=](const Eigen::Vector3d& ray) {
             return Fisheye(
                 ray, f,

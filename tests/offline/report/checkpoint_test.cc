@@ -14,7 +14,7 @@ Checkpoint ExampleCheckpoint() {
   again.images = {{"a.png", {{0, 3, 4, {1.0 / 3, 2}}}}, {"b.png", {}}};
   HeldOutResiduals held_out;
   held_out.alone = {{{"a.png", 0, 3, 4, {1, 2}, {0.1, -1}}}};
-  held_out.flexed = {{{"a.png", 0, 5, 4, {3, 2}, {0.2, -2}}}};
+  held_out.with_deformation = {{{"a.png", 0, 5, 4, {3, 2}, {0.2, -2}}}};
   checkpoint.trials = {{2, {80.0 / 3}, true, held_out}};
   return checkpoint;
 }
@@ -33,7 +33,7 @@ TEST(Checkpoint, IsReadBackExactly) {
   EXPECT_EQ(first.trials[0].knot_spacings_px.front(), 80.0 / 3);
   EXPECT_TRUE(first.trials[0].rigid_boards);
   EXPECT_EQ(first.trials[0].held_out.alone[0][0].error_px.y(), -1);
-  EXPECT_EQ(first.trials[0].held_out.flexed[0][0].error_px.y(), -2);
+  EXPECT_EQ(first.trials[0].held_out.with_deformation[0][0].error_px.y(), -2);
 }
 
 TEST(Checkpoint, OfOtherInputsOrMalformedIsRefused) {

@@ -97,8 +97,8 @@ TEST(ResultKeys, BudgetsOfVersion1AreRead) {
   EXPECT_EQ(budget.rest, 0.05);
   EXPECT_TRUE(budget.is_column_delay_indistinguishable);
   EXPECT_EQ(budget.facts.knot_spacing_px, 40);
-  EXPECT_TRUE(budget.facts.tried_finer);
-  EXPECT_TRUE(budget.facts.tried_noncentral);
+  EXPECT_TRUE(budget.facts.has_tried_finer_grid);
+  EXPECT_TRUE(budget.facts.has_tried_noncentral_model);
   EXPECT_EQ(budget.Of(ErrorCause::kImagePosition).unobservable_reason,
             "too few");
   EXPECT_EQ(budget.Of(ErrorCause::kBoardPosition).sequential_share, 0.02);

@@ -40,7 +40,7 @@ TEST(BumpyCamera, HasBumpsOfItsHeightAllOverTheImage) {
         double highest = 0;
         for (double v = y; v < y + side; ++v)
           for (double u = x; u < x + side; ++u)
-            highest = std::max(highest, lens.Shift({u, v}).norm());
+            highest = std::max(highest, lens.ComputeShift({u, v}).norm());
         EXPECT_GT(highest, 0.15);
         EXPECT_LT(highest, 0.3);
       }
@@ -53,11 +53,12 @@ TEST(BumpyCamera, HasBumpsAsWideAsAskedAtHalfTheirHeight) {
   Eigen::Vector2d top(0, 0);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x)
-      if (lens.Shift(Eigen::Vector2d(x, y)).norm() > lens.Shift(top).norm())
+      if (lens.ComputeShift(Eigen::Vector2d(x, y)).norm() >
+          lens.ComputeShift(top).norm())
         top = {x, y};
-  const double there = lens.Shift(top).norm();
+  const double there = lens.ComputeShift(top).norm();
   EXPECT_NEAR(there, 1, 0.05);
-  EXPECT_NEAR(lens.Shift(top - Eigen::Vector2d(kWidthPx / 2, 0)).norm(),
+  EXPECT_NEAR(lens.ComputeShift(top - Eigen::Vector2d(kWidthPx / 2, 0)).norm(),
               there / 2, 0.05);
 }
 
@@ -65,8 +66,8 @@ TEST(BumpyCamera, ShiftsWithoutAJumpWhereBumpsBeginToCount) {
   const BumpyCamera lens(LensBehindBumps(), kBumpyArea, {20, 0.2, 0, 1});
   for (int y = 0; y < 240; y += 7)
     for (double x = 39; x < 319; x += 40)  // the lattice's lines
-      EXPECT_LT((lens.Shift({x + 1e-9, double(y)}) -
-                 lens.Shift({x - 1e-9, double(y)}))
+      EXPECT_LT((lens.ComputeShift({x + 1e-9, double(y)}) -
+                 lens.ComputeShift({x - 1e-9, double(y)}))
                     .norm(),
                 1e-7);
 }

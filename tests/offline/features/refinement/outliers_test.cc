@@ -46,7 +46,7 @@ TEST(RejectOutliers, RemovesAStarThatIsAnothersWhateverTheLens) {
     ASSERT_EQ(outliers.size(), 1u) << lens;
     EXPECT_EQ(outliers[0].feature.column, 8);
     EXPECT_EQ(outliers[0].feature.row, 6);
-    EXPECT_EQ(outliers[0].reason, kNotInLine);
+    EXPECT_EQ(outliers[0].reason, kNotCollinear);
   }
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr ImageSize kPatchSize = {60, 50};
 
-GreyImage ImageOf(const std::function<double(double x, double y)>& level) {
+GreyImage SimulateImageFeatures(
+    const std::function<double(double x, double y)>& level) {
   GreyImage image;
   image.size = kPatchSize;
   for (int y = 0; y < kPatchSize.height; ++y)
@@ -61,8 +62,8 @@ TEST(SymmetryPatch, EnlargesWavesFourPixelsLong) {
   };
   constexpr int kReach = 12;
   const Eigen::Vector2i center(30, 25);
-  const SymmetryPatch patch(ImageOf(wave), Refinement::kIntensities, center,
-                            kReach);
+  const SymmetryPatch patch(SimulateImageFeatures(wave),
+                            Refinement::kIntensities, center, kReach);
   ASSERT_EQ(patch.channels().size(), 1u);
   EXPECT_EQ(patch.side(), 50);
   EXPECT_EQ(patch.FromPixel({30, 25}), Eigen::Vector2d(24, 24));
@@ -78,7 +79,8 @@ TEST(SymmetryPatch, EnlargesWavesFourPixelsLong) {
 }
 
 TEST(SymmetryPatch, RepeatsTheImagesEdge) {
-  const GreyImage image = ImageOf([](double x, double) { return 4 * x; });
+  const GreyImage image =
+      SimulateImageFeatures([](double x, double) { return 4 * x; });
   const SymmetryPatch patch(image, Refinement::kIntensities, {1, 48}, 8);
   const std::vector<float>& levels = patch.channels()[0];
   EXPECT_NEAR(levels[0], 0, 1e-4);
@@ -87,7 +89,8 @@ TEST(SymmetryPatch, RepeatsTheImagesEdge) {
 }
 
 TEST(SymmetryPatch, HasAsManyChannelsAsTheRefinementWants) {
-  const GreyImage image = ImageOf([](double x, double y) { return x + 2 * y; });
+  const GreyImage image =
+      SimulateImageFeatures([](double x, double y) { return x + 2 * y; });
   const SymmetryPatch xy(image, Refinement::kGradientsXY, {30, 25}, 8);
   ASSERT_EQ(xy.channels().size(), 2u);
   const int middle = 17 * xy.side() + 17;
@@ -124,7 +127,7 @@ double Odd(const Eigen::Vector2d& s) {
 // Seen through the mapping, by Newton's method backwards.
 GreyImage SeenThrough(const LocalMapping& mapping,
                       double (*pattern)(const Eigen::Vector2d&)) {
-  return ImageOf([&](double x, double y) {
+  return SimulateImageFeatures([&](double x, double y) {
     const Eigen::Vector2d pixel(x, y);
     Eigen::Vector2d s = Eigen::Vector2d::Zero();
     for (int i = 0; i < 20; ++i)

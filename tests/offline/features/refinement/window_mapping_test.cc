@@ -48,7 +48,7 @@ TEST(WindowMappings, FollowALensThatBendsMuch) {
     by_polynomial += (BendAt(polynomial) - *truth).squaredNorm();
     by_windows += (BendAt(window.mapping) - *truth).squaredNorm();
     EXPECT_LT((BendAt(window.mapping) - *truth).norm(),
-              3 * window.bend_stddev_px)
+              3 * window.sagitta_stddev_px)
         << f.column << " " << f.row;
   }
   EXPECT_GT(num_by_lens, 10);
@@ -65,7 +65,7 @@ TEST(WindowMappings, AreTheNeighboursPolynomialsWhereALensBendsLittle) {
   WindowMappings windows(board, lattice, kCloseViewSize, kMappedWindowPx);
   const WindowMapping window = windows.At(5, 5);
   EXPECT_EQ(window.degree, 3);
-  EXPECT_EQ(window.bend_stddev_px, 0);
+  EXPECT_EQ(window.sagitta_stddev_px, 0);
   EXPECT_NEAR(window.mapping.linear(0, 0), 40, 1e-9);
   EXPECT_LT(window.mapping.curvature.norm(), 1e-6);
 }

@@ -201,7 +201,7 @@ double ThreadMs() {
 }
 
 // Rendered, or as it was kept.
-GreyImage ImageOf(const Scene &scene, const std::string &file) {
+GreyImage SimulateImageFeatures(const Scene &scene, const std::string &file) {
   if (!file.empty() && std::filesystem::exists(file))
     return MakeGreyImage(ReadImage(file, true));
   const Image image = Photograph(scene);
@@ -210,7 +210,7 @@ GreyImage ImageOf(const Scene &scene, const std::string &file) {
 }
 
 Outcome Measure(const Scene &scene, const std::string &file) {
-  const GreyImage grey = ImageOf(scene, file);
+  const GreyImage grey = SimulateImageFeatures(scene, file);
   const double start_ms = ThreadMs();
   const ImageDetection detection = scene.target->detector->Detect(grey);
   const double ms = ThreadMs() - start_ms;
