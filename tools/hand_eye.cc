@@ -353,7 +353,7 @@ void Print(const HandEyeArguments& arguments, const HandEyeInput& input,
       result.rotations.Rms(1) * kToDegrees,
       result.rotations.Rms(2) * kToDegrees,
       FormatWeakestDirection(ListTransforms(result.fit, mounting)[1],
-                             NamesOf(mounting)));
+                             GetFrameNames(mounting)));
   if (result.suggestion) PrintSuggestion(*result.suggestion);
   for (size_t i = 0; i < result.poses.size(); ++i)
     if (!result.poses[i].is_used)

@@ -409,7 +409,7 @@ void Run(SimulateArguments arguments, const CommonOptions& common) {
     throw Error(ExitCode::kUsage,
                 "--fixed-boards requires a pattern with at least two boards");
   if (arguments.boards_around &&
-      (arguments.fixed.never_shared || arguments.move_board_mm > 0))
+      (arguments.fixed.without_shared_views || arguments.move_board_mm > 0))
     throw Error(ExitCode::kUsage,
                 "--boards-around cannot be combined with --no-common-boards or "
                 "--move-board-mm");

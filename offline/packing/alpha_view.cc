@@ -13,7 +13,7 @@ struct UsablePixels {
   std::optional<ImageCircle> circle;
 
   bool IsValid(const Eigen::Vector2d& pixel) const {
-    return area.IsValid(pixel) && (!circle || circle->IsValid(pixel));
+    return area.Contains(pixel) && (!circle || circle->Contains(pixel));
   }
 };
 
