@@ -110,7 +110,7 @@ KeyedModel ParseModel(const std::string& text,
   KeyedModel model;
   model.external_model = MakeLens(name, words);
   model.external_model.origin = origin;
-  model.says = text.substr(colon + 1, arrow - colon - 1);
+  model.model_selector = text.substr(colon + 1, arrow - colon - 1);
   model.values = first_values + " " + text.substr(arrow + 2);
   return model;
 }
@@ -139,7 +139,8 @@ KeyedFormat ParseHeading(const std::string& text) {
   return format;
 }
 
-// Adds what a line of keyed_formats.inc says. first_values: those of "all".
+// Adds the entries of a line of keyed_formats.inc. first_values: those of
+// "all".
 void AddLine(const std::string& keyword, const std::string& rest,
              std::string* first_values, KeyedFormat* format) {
   static const std::map<std::string, std::string KeyedFormat::*> texts = {
