@@ -293,11 +293,12 @@ void CalibrateUnit(const UnitJob& job, const std::string& fingerprint,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
   const int code =
-      end.signal ? static_cast<int>(ExitCode::kInput) : end.exit_code;
-  if (code == static_cast<int>(ExitCode::kOutput) && !HasRoom(job))
-    throw Error(ExitCode::kOutput, job.unit.serial + ": " + end.last_error);
+      end.signal ? static_cast<int>(ExitCode::kInvalidInput) : end.exit_code;
+  if (code == static_cast<int>(ExitCode::kOutputFailed) && !HasRoom(job))
+    throw Error(ExitCode::kOutputFailed,
+                job.unit.serial + ": " + end.last_error);
   const bool is_done =
-      code == 0 || code == static_cast<int>(ExitCode::kQuality);
+      code == 0 || code == static_cast<int>(ExitCode::kQualityTooLow);
   if (end.signal || !is_done || !fs::exists(job.folder + "/result.json")) {
     RecordFailure(
         job, code,
@@ -333,7 +334,8 @@ std::vector<PendingUnit> FindPending(const std::vector<const UnitJob*>& jobs,
       else
         unlink(job->failure_file.c_str());
     } catch (const InputError& error) {
-      RecordFailure(*job, static_cast<int>(ExitCode::kInput), error.what());
+      RecordFailure(*job, static_cast<int>(ExitCode::kInvalidInput),
+                    error.what());
     }
   return pending;
 }
@@ -370,13 +372,13 @@ UnitRow ReadRow(const UnitJob& job, const MetricLimits& limits) {
   if (fs::exists(job.failure_file, ignored)) {
     row.status = "error";
     row.reason = job.failure_file + ": corrupt; run the batch again";
-    row.exit_code = static_cast<int>(ExitCode::kInput);
+    row.exit_code = static_cast<int>(ExitCode::kInvalidInput);
     return row;
   }
   const auto record = ReadRecord(job.folder + "/" + kUnitFile);
   if (!record) {
     row.reason = "not calibrated yet";
-    row.exit_code = static_cast<int>(ExitCode::kInput);
+    row.exit_code = static_cast<int>(ExitCode::kInvalidInput);
     return row;
   }
   try {
@@ -384,7 +386,7 @@ UnitRow ReadRow(const UnitJob& job, const MetricLimits& limits) {
   } catch (const InputError& error) {
     row.status = "error";
     row.reason = error.what();
-    row.exit_code = static_cast<int>(ExitCode::kInput);
+    row.exit_code = static_cast<int>(ExitCode::kInvalidInput);
     return row;
   }
 }
@@ -408,7 +410,7 @@ std::vector<UnitRow> ReadRows(const std::vector<const UnitJob*>& jobs,
 int ComputeExitCode(const std::vector<UnitRow>& rows) {
   int code = 0;
   for (const UnitRow& row : rows) {
-    if (row.status == "fail") return static_cast<int>(ExitCode::kQuality);
+    if (row.status == "fail") return static_cast<int>(ExitCode::kQualityTooLow);
     if (code == 0 && HasNoResult(row)) code = row.exit_code;
   }
   return code;
@@ -471,7 +473,7 @@ void RequireSeparateResultFolders(const std::vector<UnitJob>& jobs) {
                                            result.begin(), result.end())
                                      .first == folder.end())
         throw Error(
-            ExitCode::kOutput,
+            ExitCode::kOutputFailed,
             fmt::format("{}: the result of unit {} would be written into its "
                         "image folder; use another folder with -o",
                         job.folder, job.unit.serial));

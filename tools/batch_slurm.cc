@@ -69,7 +69,7 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
                 "(offline/fleet/README.md)");
   if (end.exit_code != 0)
     throw Error(
-        ExitCode::kOutput,
+        ExitCode::kOutputFailed,
         fmt::format("--slurm: sbatch refused: {}",
                     end.lines.empty() ? "no message" : end.lines.back()));
   for (const std::string& line : end.lines) {
@@ -78,7 +78,8 @@ std::string SubmittedJob(const std::vector<std::string>& options) {
         job.find_first_not_of("0123456789") == std::string::npos)
       return job;
   }
-  throw Error(ExitCode::kOutput, "--slurm: sbatch did not print a job ID");
+  throw Error(ExitCode::kOutputFailed,
+              "--slurm: sbatch did not print a job ID");
 }
 
 }  // namespace

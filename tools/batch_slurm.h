@@ -11,7 +11,8 @@ namespace raygrid {
 /// Submits a plan's units to Slurm as an array of at most 1,000 tasks, and a
 /// job that gathers the results after all tasks. Tasks may be requeued at any
 /// time. Prints what was submitted. Throws Error(kUsage) if Slurm is not
-/// installed, and Error(kOutput) with Slurm's message if it rejects the jobs.
+/// installed, and Error(kOutputFailed) with Slurm's message if it rejects the
+/// jobs.
 void SubmitToSlurm(const std::string& plan, const std::string& output,
                    size_t num_units, const CommonOptions& common);
 

@@ -176,7 +176,7 @@ void UseSession(CalibrateArguments* arguments) {
     arguments->images.clear();
     for (const Session& session : cameras) {
       if (session.frames.empty())
-        throw Error(ExitCode::kTooFew,
+        throw Error(ExitCode::kInsufficientData,
                     fmt::format("{}: {}no frame was kept; continue the session "
                                 "with raygrid capture --resume",
                                 folder.string(),
@@ -294,7 +294,7 @@ void RequireSuccess(const Assessment& assessment, bool is_interrupted,
                             "continue with --resume",
                             folder));
   if (assessment.word == "fail")
-    throw Error(ExitCode::kQuality,
+    throw Error(ExitCode::kQualityTooLow,
                 fmt::format("verdict: fail: {}; do not use the camera in {} "
                             "until this is fixed",
                             assessment.failure, folder));
@@ -306,7 +306,7 @@ void RequireBlobs(const RigResult& result, const ResultExtras& extras,
   for (size_t c = 0; c < extras.cameras.size(); ++c)
     if (extras.cameras[c].packing && extras.cameras[c].blob.empty())
       throw Error(
-          ExitCode::kQuality,
+          ExitCode::kQualityTooLow,
           fmt::format("{}/{}camera.raygrid {}; all other files were written",
                       folder, CameraFolder(result, c),
                       fmt::join(extras.cameras[c].packing->warnings, "; ")));

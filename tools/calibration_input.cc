@@ -102,7 +102,8 @@ RefineFeaturesCallback MakeRefinement(const Measurements& measurements,
   };
 }
 
-// Throws Error(kTooFew) without features, and the errors of RequireConsistent.
+// Throws Error(kInsufficientData) without features, and the errors of
+// RequireConsistent.
 void RequireUsable(const std::string& source,
                    const CalibrateArguments& arguments,
                    const Measurements& measurements, const Pattern& pattern) {
@@ -110,7 +111,7 @@ void RequireUsable(const std::string& source,
   RequireConsistent(source, dataset, pattern);
   if (dataset.num_features() == 0)
     throw Error(
-        ExitCode::kTooFew,
+        ExitCode::kInsufficientData,
         fmt::format("{}no target found in any of {} images; {}",
                     arguments.cameras.empty() ? "" : source + ": ",
                     dataset.images.size(),
@@ -411,7 +412,7 @@ Measurements DetectAll(const std::vector<std::string>& images,
   measurements.left_out = ReportSkippedImages(found.left_out);
   if (const auto other =
           SuggestOtherBoard(detection, pattern, pattern_name, common.threads))
-    throw Error(ExitCode::kTooFew, *other);
+    throw Error(ExitCode::kInsufficientData, *other);
   if (!common.quiet) {
     for (const std::string& warning : SummarizeWarnings(detection))
       fmt::print(stderr, "raygrid: {}\n", Printable(warning));

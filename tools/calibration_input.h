@@ -90,8 +90,8 @@ void ExcludeCopies(Measurements* measurements,
                    const std::vector<std::string>& hold_out = {});
 
 /// Detects the pattern in images and folders. Unusable images are listed on
-/// stderr and skipped. Throws Error(kTooFew) if they show another board than
-/// the pattern, which messages call pattern_name.
+/// stderr and skipped. Throws Error(kInsufficientData) if they show another
+/// board than the pattern, which messages call pattern_name.
 Measurements DetectAll(const std::vector<std::string>& images,
                        const Pattern& pattern, const std::string& pattern_name,
                        const CommonOptions& common,
@@ -109,7 +109,8 @@ Measurements Measure(const std::vector<std::string>& images,
 FeaturesByCamera ReadFeatureInputs(const CalibrateArguments& arguments);
 
 /// Detects features in the images of each camera, or uses the given features. A
-/// single camera has no name. Throws Error: kUsage, kTooFew; InputError.
+/// single camera has no name. Throws Error: kUsage, kInsufficientData;
+/// InputError.
 std::vector<Measurements> CollectMeasurements(
     const CalibrateArguments& arguments, const CommonOptions& common,
     const FeaturesByCamera& given, const Pattern& pattern, ProgressBar* bar);
@@ -134,7 +135,7 @@ std::vector<CalibrationInput> MakeCalibrationInputs(
 IntrinsicsByCamera ReadKnownIntrinsics(const CalibrateArguments& arguments,
                                        const FeaturesByCamera& given);
 
-/// Throws Error(kOutput) if the result would overwrite the pattern, the
+/// Throws Error(kOutputFailed) if the result would overwrite the pattern, the
 /// features or an image.
 void RequireNoInputReplaced(const CalibrateArguments& arguments,
                             const std::vector<std::string>& images);

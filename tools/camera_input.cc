@@ -229,7 +229,7 @@ void RequireSeparateFolders(const std::vector<std::string>& images,
     std::error_code ignored;
     if (std::filesystem::equivalent(among, folder, ignored))
       throw Error(
-          ExitCode::kOutput,
+          ExitCode::kOutputFailed,
           fmt::format(
               "{}: contains the input image {}; use another output folder, so "
               "that outputs are not read as images next time",
@@ -242,7 +242,7 @@ void PrintOrWrite(const std::string& path, const std::string& text) {
     WriteFile(path, text);
   else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
            std::fflush(stdout) != 0)
-    throw Error(ExitCode::kOutput, "cannot write to standard output");
+    throw Error(ExitCode::kOutputFailed, "cannot write to standard output");
 }
 
 std::string ConvertCsvToJson(const std::string& csv,

@@ -70,8 +70,9 @@ std::optional<ValidityMask> SelectVisibleMask(const std::string& outside,
 void WarnAboutFailedCalibration(const std::string& path,
                                 const CameraFile& file);
 
-/// Throws Error(kOutput) if images would be written to the folder of the images
-/// that they are generated from, and would be read as input the next time.
+/// Throws Error(kOutputFailed) if images would be written to the folder of the
+/// images that they are generated from, and would be read as input the next
+/// time.
 void RequireSeparateFolders(const std::vector<std::string>& images,
                             const std::string& folder);
 

@@ -55,9 +55,10 @@ std::vector<std::string> UseSession(const CameraFile& file,
   for (const SessionFrame& frame : cameras[0].frames)
     arguments->images.push_back(SessionFramePath(folder, "", frame.image));
   if (arguments->images.empty())
-    throw Error(ExitCode::kTooFew, folder +
-                                       ": no frame was kept; continue the "
-                                       "session with raygrid capture --resume");
+    throw Error(ExitCode::kInsufficientData,
+                folder +
+                    ": no frame was kept; continue the "
+                    "session with raygrid capture --resume");
   return file.capture
              ? ListDifferences(*file.capture, GetCaptureSettings(cameras[0]))
              : std::vector<std::string>();
@@ -77,7 +78,7 @@ Dataset Gather(const CheckArguments& arguments, const CommonOptions& common,
     rejected->insert(rejected->end(), images.begin(), images.end());
   Dataset dataset = std::move(measurements.dataset);
   if (dataset.num_features() == 0)
-    throw Error(ExitCode::kTooFew, "no target found in the images");
+    throw Error(ExitCode::kInsufficientData, "no target found in the images");
   if (dataset.image_size != size)
     throw InputError(
         fmt::format("the images have {} x {} pixels, the camera {} x {}; use "
@@ -188,11 +189,11 @@ void Run(CheckArguments arguments, const CommonOptions& common) {
   else if (!common.quiet)
     Print(check, stands);
   if (check.change.is_degraded)
-    throw Error(ExitCode::kQuality,
+    throw Error(ExitCode::kQualityTooLow,
                 fmt::format("the camera has changed ({}); calibrate it again",
                             fmt::join(check.change.moved, ", ")));
   if (!check.change.is_conclusive)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "inconclusive: no change detected, but a shift or scale change "
                 "of 1 % of the image would go undetected; take more or sharper "
                 "images, with the target tilted and filling the image");

@@ -18,7 +18,7 @@ namespace raygrid {
 namespace {
 
 [[noreturn]] void FailToStart(int error) {
-  throw Error(ExitCode::kOutput,
+  throw Error(ExitCode::kOutputFailed,
               fmt::format("cannot start a process ({}); close other programs, "
                           "or try again later",
                           std::strerror(error)));

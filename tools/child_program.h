@@ -14,8 +14,8 @@ struct ChildEnd {
 };
 
 /// Runs raygrid without a terminal until it ends, and discards its output. The
-/// child is killed if this program ends. Throws Error(kOutput) if no process
-/// can be started.
+/// child is killed if this program ends. Throws Error(kOutputFailed) if no
+/// process can be started.
 ChildEnd RunChild(const std::vector<std::string>& arguments);
 
 /// Exit status and output lines of a child process.
@@ -26,7 +26,7 @@ struct ProgramEnd {
 };
 
 /// Runs a program from the PATH, without a terminal, until it ends. Throws
-/// Error(kOutput) if no process can be started.
+/// Error(kOutputFailed) if no process can be started.
 ProgramEnd RunProgram(const std::string& name,
                       const std::vector<std::string>& arguments);
 

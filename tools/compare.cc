@@ -56,7 +56,7 @@ PredictionComparison Predict(const CompareArguments& arguments,
   const PredictionComparison prediction =
       ComparePredictions(residuals(first), residuals(second));
   if (prediction.images.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 arguments.features +
                     ": no pose could be estimated with both cameras; check "
                     "that features and pattern belong to them");

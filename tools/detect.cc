@@ -138,7 +138,7 @@ void RequireFeatures(const FolderDetection& found, const Pattern& pattern,
   std::string seen;
   for (const std::string& warning : SummarizeWarnings(found))
     seen += "; " + warning;
-  throw Error(ExitCode::kTooFew,
+  throw Error(ExitCode::kInsufficientData,
               fmt::format("no target found in any of {} images{}; {}",
                           found.images.size(), seen,
                           DescribeExpectedBoards(pattern, arguments.pattern)));
@@ -194,7 +194,7 @@ void Run(const DetectArguments& arguments, const CommonOptions& common) {
   }
   if (const auto other =
           SuggestOtherBoard(found, pattern, arguments.pattern, common.threads))
-    throw Error(ExitCode::kTooFew, *other);
+    throw Error(ExitCode::kInsufficientData, *other);
   RequireFeatures(found, pattern, arguments);
   if (!common.quiet) {
     PrintImagesWithoutFeatures(found);

@@ -163,7 +163,7 @@ void RequireSmallError(const Exported& camera, const SelectedModel& chosen,
   const ModelFit& fit = *chosen.fit;
   if (fit.num_unrepresentable == 0 && fit.max_px <= *max_fit_error_px) return;
   throw Error(
-      ExitCode::kQuality,
+      ExitCode::kQualityTooLow,
       fmt::format(
           "{}: the fit error of {} exceeds --max-fit-error-px {:g}: {}; {}",
           camera.path, chosen.lens.external_model->name, *max_fit_error_px,

@@ -85,7 +85,7 @@ void UseRuntimeRays(const CameraInput& camera, Dataset* dataset) {
 
 void RequireLocalized(size_t count) {
   if (count == 0)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "no pose could be estimated; check that features and pattern "
                 "belong to this camera");
 }

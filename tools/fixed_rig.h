@@ -39,7 +39,7 @@ std::vector<Dataset> ReadRigFeatures(const FixedRig& rig,
 /// assigns the ray of the runtime, which is in fixed point.
 void UseRuntimeRays(const CameraInput& camera, Dataset* dataset);
 
-/// Throws Error(kTooFew) if nothing was localized.
+/// Throws Error(kInsufficientData) if nothing was localized.
 void RequireLocalized(size_t count);
 
 /// Formats metrics as a phrase.

@@ -581,9 +581,10 @@ void Inspect(const std::string& path, const std::optional<uint64_t>& slot_size,
   else
     PrintText(facts);
   if (facts["kind"] == "slots" && !facts.contains("newest"))
-    throw Error(ExitCode::kBlob, path +
-                                     ": neither slot contains a valid blob; "
-                                     "write one with raygrid update");
+    throw Error(ExitCode::kInvalidBlob,
+                path +
+                    ": neither slot contains a valid blob; "
+                    "write one with raygrid update");
 }
 
 }  // namespace

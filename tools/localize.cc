@@ -147,7 +147,7 @@ std::vector<CameraImages> GatherFeatures(const FixedRig& rig,
   for (const CameraImages& camera : cameras)
     num_features += camera.dataset.num_features();
   if (num_features == 0)
-    throw Error(ExitCode::kTooFew, "no target found in the images");
+    throw Error(ExitCode::kInsufficientData, "no target found in the images");
   return cameras;
 }
 
@@ -363,7 +363,7 @@ void RequireNoImageReplaced(const LocalizeArguments& arguments,
 void RequireNoCalibration(const std::string& folder) {
   for (const char* name : {"result.json", "camera.yaml", "rig.yaml"})
     if (std::filesystem::exists(std::filesystem::path(folder) / name))
-      throw Error(ExitCode::kOutput,
+      throw Error(ExitCode::kOutputFailed,
                   fmt::format("{}: contains a calibration ({}), whose files "
                               "would be replaced; use another output folder",
                               folder, name));

@@ -195,7 +195,7 @@ bool IsOutputLost() {
 }
 
 int FailToPrint() {
-  return Fail(ExitCode::kOutput,
+  return Fail(ExitCode::kOutputFailed,
               "cannot write to standard output; results are in the output "
               "files only, if any");
 }
@@ -257,10 +257,10 @@ int main(int argc, char** argv) {
   } catch (const raygrid::Error& error) {
     return raygrid::Fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return raygrid::Fail(raygrid::ExitCode::kInput,
+    return raygrid::Fail(raygrid::ExitCode::kInvalidInput,
                          "not enough memory for this input");
   } catch (const std::exception& error) {
     if (raygrid::IsOutputLost()) return raygrid::FailToPrint();
-    return raygrid::Fail(raygrid::ExitCode::kInput, error.what());
+    return raygrid::Fail(raygrid::ExitCode::kInvalidInput, error.what());
   }
 }

@@ -43,7 +43,7 @@ std::optional<Eigen::Vector2d> Project(const CameraInput& input,
 
 void RequireProjection(const std::string& path, const CameraInput& input) {
   if (!input.blob || input.blob->CanProject()) return;
-  throw Error(ExitCode::kBlob,
+  throw Error(ExitCode::kInvalidBlob,
               fmt::format("{}: has no inverse grid and cannot project; pack it "
                           "again, or use its camera.yaml",
                           path));

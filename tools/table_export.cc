@@ -292,7 +292,7 @@ void RequireSmallMeshError(const TableFormat& format,
                   format.name, *most, FormatMeshError(error));
   if (!unit.reason.empty()) text += "; " + unit.reason;
   if (!arguments.max_fit_error_px) text += ", or set --max-fit-error-px";
-  throw Error(ExitCode::kQuality, text);
+  throw Error(ExitCode::kQualityTooLow, text);
 }
 
 // The errors for all interpolation methods that the hardware unit may use.

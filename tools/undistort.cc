@@ -64,7 +64,7 @@ void RequireSize(const std::string& path, const ImageSize& size,
                  const ImageSize& expected, const char* owner,
                  const char* remedy) {
   if (size != expected)
-    throw Error(ExitCode::kBlob,
+    throw Error(ExitCode::kInvalidBlob,
                 fmt::format("{}: {} x {} pixels, but {} {} x {}; {}", path,
                             size.width, size.height, owner, expected.width,
                             expected.height, remedy));
@@ -160,7 +160,7 @@ std::optional<SensorMode> SelectMode(const UndistortArguments& arguments,
     if (mode.name == arguments.mode) return mode;
     names.push_back(mode.name);
   }
-  throw Error(ExitCode::kBlob,
+  throw Error(ExitCode::kInvalidBlob,
               fmt::format("{}: no remap table for sensor mode '{}' ({}); add "
                           "one with raygrid pack --mode, or use camera.yaml",
                           arguments.camera, arguments.mode,

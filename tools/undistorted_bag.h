@@ -20,7 +20,7 @@ namespace raygrid {
 /// a pinhole.
 class UndistortedBag {
  public:
-  /// Throws Error(kOutput), as the other functions do.
+  /// Throws Error(kOutputFailed), as the other functions do.
   UndistortedBag(const std::string& path, const VirtualView& view);
   /// Removes the incomplete file.
   ~UndistortedBag();

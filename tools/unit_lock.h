@@ -10,8 +10,8 @@ namespace raygrid {
 class UnitLock {
  public:
   /// Waits until no other process holds the lock. File systems without locks
-  /// are assumed not to be shared. Throws Error(kOutput) if the file cannot be
-  /// created.
+  /// are assumed not to be shared. Throws Error(kOutputFailed) if the file
+  /// cannot be created.
   UnitLock(const std::string& folder, const std::string& serial);
   ~UnitLock();
   UnitLock(const UnitLock&) = delete;

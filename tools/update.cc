@@ -47,7 +47,7 @@ class SlotStore {
     if (file_ < 0 || fstat(file_, &status) != 0) ThrowWriteError(path_, errno);
     if (!S_ISREG(status.st_mode) && !S_ISBLK(status.st_mode)) {
       close(file_);
-      throw Error(ExitCode::kOutput,
+      throw Error(ExitCode::kOutputFailed,
                   path_ +
                       ": not a file or block device; for MTD use "
                       "/dev/mtdblock, or flash the file written by update");
@@ -111,7 +111,7 @@ void RequireSlotSize(uint64_t slot_size, const UpdateArguments& arguments,
                             slot_size));
   if (SlotSizeFor(blob) > slot_size)
     throw Error(
-        ExitCode::kOutput,
+        ExitCode::kOutputFailed,
         fmt::format("{}: requires {} bytes including its header, but a slot "
                     "has {}; reduce the blob, or use a larger --slot-size",
                     arguments.blob, SlotSizeFor(blob), slot_size));

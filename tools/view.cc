@@ -65,7 +65,7 @@ Image ReadPhotograph(const std::string& path, const ImageSize& expected) {
   Image image = ReadImage(path, false);
   if (image.size != expected)
     throw Error(
-        ExitCode::kBlob,
+        ExitCode::kInvalidBlob,
         fmt::format("{}: {} x {} pixels, but the camera is calibrated for {} x "
                     "{}; use an image of the calibrated sensor mode",
                     path, image.size.width, image.size.height, expected.width,

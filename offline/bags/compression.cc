@@ -166,7 +166,7 @@ void DecompressZstdFile(const std::string& from, const std::string& to) {
   }
   output.flush();
   if (!output)
-    throw Error(ExitCode::kOutput,
+    throw Error(ExitCode::kOutputFailed,
                 to + ": cannot be written; the decompressed bag needs space, "
                      "set TMPDIR to a folder that has it");
   if (!is_done) throw InputError(from + ": truncated; copy it again");

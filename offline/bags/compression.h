@@ -23,7 +23,7 @@ constexpr uint64_t kUnknownSize = ~uint64_t{0};
 bool IsZstd(std::string_view data);
 
 /// Decompresses a zstd file to another file. Throws InputError, naming `from`,
-/// and Error(kOutput), naming `to`.
+/// and Error(kOutputFailed), naming `to`.
 void DecompressZstdFile(const std::string& from, const std::string& to);
 
 }  // namespace raygrid

@@ -121,7 +121,7 @@ void Calibration::OptimizeWithRigidTargets(
     adjusted_ = AdjustTogether(all, rejected);
   } catch (const Error& error) {
     const auto descriptions = DescribeRigidTargets({}, result_.board_pairs);
-    if (error.code() != ExitCode::kInitialization || descriptions.empty())
+    if (error.code() != ExitCode::kInitializationFailed || descriptions.empty())
       throw;
     throw Error(error.code(),
                 fmt::format("{}; {}", error.what(), descriptions.front()));
@@ -192,10 +192,11 @@ void Calibration::EvaluateHeldOutImages() {
   // detected.
   const bool creates_new_folds = IsRig() || !bodies_.empty();
   Folds new_folds;
-  if (creates_new_folds) new_folds = MakeFolds(Splits(), InitialCameras());
+  if (creates_new_folds)
+    new_folds = MakeFolds(GetSplits(), GetInitialCameras());
   new_folds.base_model = adjusted_.problem.base_model;
   HeldOutResiduals held_out = EvaluateHeldOut(
-      adjusted_, pattern_, Splits(), validation, KnotSpacingsPx(),
+      adjusted_, pattern_, GetSplits(), validation, KnotSpacingsPx(),
       creates_new_folds ? &new_folds : &first.folds, &trials);
   result_.held_out = std::move(held_out.together);
   result_.cross_validated = options_.hold_out.empty();

@@ -95,8 +95,8 @@ struct CalibrationOptions {
 /// Calibrates a single camera, or the cameras of a rig and their poses, from
 /// features. Images of the same name belong to one frame. The rig's frame of
 /// reference is the first camera's. With known intrinsics of all cameras, only
-/// poses and the target geometry are estimated. Throws Error: kTooFew or
-/// kInitialization; kUsage if boards are implausibly far away, or if known
+/// poses and the target geometry are estimated. Throws Error: kInsufficientData
+/// or kInitialization; kUsage if boards are implausibly far away, or if known
 /// intrinsics are for images of another size.
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options);

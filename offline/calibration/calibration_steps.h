@@ -81,8 +81,8 @@ class Calibration {
   void SplitResiduals();
   void ReportFlatBoards();
   void LocalizeDuplicates();
-  std::vector<Split> Splits() const;
-  std::vector<const CameraModel*> InitialCameras() const;
+  std::vector<Split> GetSplits() const;
+  std::vector<const CameraModel*> GetInitialCameras() const;
   std::vector<double> KnotSpacingsPx() const;
   // Returns whether per-view deformation is estimated; in a rig, if most
   // cameras require it.

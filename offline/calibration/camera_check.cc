@@ -120,7 +120,7 @@ CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
     images.insert(image);
   }
   if (views.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "no pose could be estimated; check that features and pattern "
                 "belong to this camera");
   check.num_images = static_cast<int>(images.size());

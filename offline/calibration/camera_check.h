@@ -19,7 +19,7 @@ struct CameraCheck {
 /// Tests whether a camera has changed since its calibration: its images are
 /// localized, then tested (evaluation/camera_change.h). Near-duplicates are
 /// rejected, as they add no information. Throws InputError if the file has no
-/// uncertainty, Error(kTooFew).
+/// uncertainty, Error(kInsufficientData).
 CameraCheck CheckCamera(const CameraFile& file, const Dataset& dataset,
                         const Pattern& pattern, int num_threads);
 

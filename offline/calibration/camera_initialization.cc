@@ -266,11 +266,11 @@ class InitializationTrials {
     if (HasAcceptableCamera()) return *best_;
     if (!best_)
       throw Error(
-          ExitCode::kInitialization,
+          ExitCode::kInitializationFailed,
           "initialization failed: no initial camera fits these features; check "
           "columns and rows of the pattern, and add tilted views");
     throw Error(
-        ExitCode::kInitialization,
+        ExitCode::kInitializationFailed,
         fmt::format("initialization failed: the initial camera fits only "
                     "{:.0f} % of {} features; check the pattern, and add "
                     "tilted views that cover the image",
@@ -307,7 +307,7 @@ void TryAll(const Dataset& dataset, const Pattern& pattern,
 
 void RequireImages(const CalibrationProblem& problem) {
   if (NumImages(problem) < kMinImages)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 fmt::format("only {} {} with at least {} features on a board: "
                             "at least {} are required, and {} are recommended",
                             NumImages(problem),
@@ -343,7 +343,7 @@ AdjustmentResult InitializeKnownCamera(const CameraModel& camera,
   AdjustmentResult known =
       LocalizeDatasetViews(FixedCamera(camera), dataset, pattern, num_threads);
   if (known.problem.views.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "no target pose could be estimated with the known intrinsics; "
                 "check that they belong to this camera, and the pattern");
   known.problem.area = area;

@@ -12,7 +12,7 @@ constexpr int kMinImages = 3;
 /// Initializes and optimizes a parametric camera from the observations alone;
 /// area is the calibrated area. The optional camera `known`, estimated from
 /// almost the same observations, is used as the initial value. Throws Error:
-/// kTooFew, kInitialization.
+/// kInsufficientData, kInitializationFailed.
 AdjustmentResult InitializeCamera(const Dataset& dataset,
                                   const Pattern& pattern,
                                   const AdjustmentOptions& options,
@@ -21,7 +21,7 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
 
 /// Replaces InitializeCamera() for a camera with known intrinsics: estimates
 /// only the target poses. The returned state contains the camera as
-/// FixedCamera. Throws Error(kTooFew) if there are none.
+/// FixedCamera. Throws Error(kInsufficientData) if there are none.
 AdjustmentResult InitializeKnownCamera(const CameraModel& camera,
                                        const Dataset& dataset,
                                        const Pattern& pattern, AreaChoice area,

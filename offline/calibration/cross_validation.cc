@@ -118,8 +118,8 @@ void SkipIfDisconnected(size_t num_cameras, const Work& work) {
   try {
     work();
   } catch (const Error& error) {
-    if (num_cameras < 2 || (error.code() != ExitCode::kTooFew &&
-                            error.code() != ExitCode::kInitialization))
+    if (num_cameras < 2 || (error.code() != ExitCode::kInsufficientData &&
+                            error.code() != ExitCode::kInitializationFailed))
       throw;
   }
 }

@@ -144,7 +144,7 @@ void Calibration::InitializeFromImages(CameraInProgress* camera) const {
     camera->lens.problem.prior_population = options_.prior_population;
   } catch (const Error& error) {
     const size_t num_others = CountDuplicates(camera->result.near_duplicates);
-    if (error.code() != ExitCode::kTooFew || num_others == 0) throw;
+    if (error.code() != ExitCode::kInsufficientData || num_others == 0) throw;
     throw Error(error.code(),
                 fmt::format("{}; {} more are near-duplicate views: move and "
                             "tilt the target between images",

@@ -290,7 +290,7 @@ void RequireAgreement(const std::vector<std::string>& names, int first,
                       const ImageSize& size) {
   if (best.error_px <= kMaxRelativeDisagreement * size.width) return;
   throw Error(
-      ExitCode::kInitialization,
+      ExitCode::kInitializationFailed,
       fmt::format("cameras {} and {}: no relative pose fits their {} common "
                   "views (best median error {:.0f} px); images of the same "
                   "name must be synchronized, and the cameras rigidly mounted",
@@ -497,7 +497,7 @@ void RequireConnected(const std::vector<std::string>& names,
   }
   if (groups.size() < 2) return;
   throw Error(
-      ExitCode::kInitialization,
+      ExitCode::kInitializationFailed,
       fmt::format(
           "the cameras are not connected: no frame shows a board with at least "
           "{} features in two of the groups {}; capture such frames, or move "

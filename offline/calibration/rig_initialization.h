@@ -24,8 +24,9 @@ std::vector<std::vector<int>> ConnectedGroups(
 std::vector<std::vector<int>> ConnectedGroups(
     const std::vector<AdjustmentResult>& cameras);
 
-/// Throws Error(kInitialization), naming the groups of cameras, unless all
-/// cameras are connected by shared views, directly or through other cameras.
+/// Throws Error(kInitializationFailed), naming the groups of cameras, unless
+/// all cameras are connected by shared views, directly or through other
+/// cameras.
 void RequireConnected(const std::vector<std::string>& names,
                       const CalibrationProblem& problem);
 
@@ -48,7 +49,7 @@ RigRotations ResolveRotationsAcrossCameras(
 /// form a tree that connects all cameras. Optimizes everything with fixed
 /// points; views that are inconsistent with other cameras, or other boards of
 /// their target, are added to rejected, by camera. A single camera without
-/// rigid targets is unchanged. Throws Error(kInitialization).
+/// rigid targets is unchanged. Throws Error(kInitializationFailed).
 AdjustmentResult InitializeRig(
     const std::vector<std::string>& names,
     const std::vector<AdjustmentResult>& cameras,

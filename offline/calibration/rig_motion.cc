@@ -232,7 +232,7 @@ class MotionConnection {
           pattern_.boards[pair.first_target].id,
           pattern_.boards[pair.second_target].id);
     throw Error(
-        ExitCode::kInitialization,
+        ExitCode::kInitializationFailed,
         fmt::format("{}, {}: these cameras share no view, and in their {} "
                     "common frames {}",
                     NameGroup(pair.first_group), NameGroup(pair.second_group),

@@ -29,8 +29,8 @@ bool CanConnectByMotion(const CalibrationProblem& problem,
 /// @param groups   camera indices of each group, in the order of `names`
 /// @param adjusted adjustment of each group, with independent boards
 /// @param pairs    boards whose relative poses were compared
-/// Throws Error(kInitialization) if the motion does not determine the relative
-/// pose, with the motion that is missing, or if no relative pose fits.
+/// Throws Error(kInitializationFailed) if the motion does not determine the
+/// relative pose, with the motion that is missing, or if no relative pose fits.
 void ConnectByMotion(const std::vector<std::string>& names,
                      const std::vector<std::vector<int>>& groups,
                      const std::vector<AdjustmentResult>& adjusted,

@@ -191,7 +191,7 @@ Pattern EstimateTargetGeometry(const RigModel& rig,
       rig, LocalizeFrames(rig, datasets, pattern, num_threads));
   AdjustmentState& state = adjusted.state;
   if (static_cast<int>(state.rig_from_pattern.size()) < kMinTargetPoses)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 fmt::format("cannot estimate the target geometry: {} of at "
                             "least {} poses; use more images",
                             state.rig_from_pattern.size(), kMinTargetPoses));

@@ -30,7 +30,7 @@ constexpr int kMinTargetPoses = 3;
 /// Returns the pattern with estimated points, and estimated relative poses of
 /// the boards of rigid targets, for fixed cameras. The scale of the target is
 /// estimated with a rig or a non-central camera; with a central camera, the
-/// nominal scale is kept. Throws Error(kTooFew).
+/// nominal scale is kept. Throws Error(kInsufficientData).
 Pattern EstimateTargetGeometry(const RigModel& rig,
                                const std::vector<Dataset>& datasets,
                                const Pattern& pattern, int num_threads);

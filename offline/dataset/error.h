@@ -10,13 +10,13 @@ namespace raygrid {
 enum class ExitCode {
   kDone = 0,
   kUsage = 1,
-  kInput = 2,           ///< an input is unreadable or malformed
-  kTooFew = 3,          ///< too few features or images
-  kInitialization = 4,  ///< initialization failed
+  kInvalidInput = 2,          ///< an input is unreadable or malformed
+  kInsufficientData = 3,      ///< too few features or images
+  kInitializationFailed = 4,  ///< initialization failed
   kNotConverged = 5,
-  kQuality = 6,  ///< a quality gate failed
-  kOutput = 7,   ///< an output could not be written
-  kBlob = 8      ///< a blob is corrupt, unsupported or does not match
+  kQualityTooLow = 6,  ///< a quality gate failed
+  kOutputFailed = 7,   ///< an output could not be written
+  kInvalidBlob = 8     ///< a blob is corrupt, unsupported or does not match
 };
 
 /// An error that ends a command: one line with what failed, where, and the
@@ -34,7 +34,7 @@ class Error : public std::runtime_error {
 class InputError : public Error {
  public:
   explicit InputError(const std::string& message)
-      : Error(ExitCode::kInput, message) {}
+      : Error(ExitCode::kInvalidInput, message) {}
 };
 
 }  // namespace raygrid

@@ -180,7 +180,7 @@ int Rename(const std::string& from, const std::string& to) {
 }  // namespace
 
 void ThrowWriteError(const std::string& path, int error) {
-  throw Error(ExitCode::kOutput,
+  throw Error(ExitCode::kOutputFailed,
               fmt::format("{}: cannot be written ({}); free disk space, or use "
                           "another path with -o",
                           path, std::strerror(error)));
@@ -282,7 +282,7 @@ void RequireNoInputReplaced(const std::vector<std::string>& inputs,
     const auto identity = identify(path);
     if (identity && input_by_identity.count(*identity))
       throw Error(
-          ExitCode::kOutput,
+          ExitCode::kOutputFailed,
           fmt::format(
               "{}: would overwrite the input {}; use another output path", path,
               input_by_identity[*identity]));

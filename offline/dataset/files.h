@@ -16,8 +16,8 @@ enum class Links { kFollow, kReplace };
 
 /// Files that are written atomically as a group: temporary files in the folders
 /// of the targets are renamed when all are complete. Otherwise throws
-/// Error(kOutput) and removes them. Creates missing folders. Pipes and devices
-/// are written directly, also through links, unless links are replaced.
+/// Error(kOutputFailed) and removes them. Creates missing folders. Pipes and
+/// devices are written directly, also through links, unless links are replaced.
 class OutputFiles {
  public:
   void Add(const std::string& path, std::string contents,
@@ -32,20 +32,20 @@ class OutputFiles {
   std::vector<File> files_;
 };
 
-/// Throws Error(kOutput) for a path that is not writable; error is errno.
+/// Throws Error(kOutputFailed) for a path that is not writable; error is errno.
 [[noreturn]] void ThrowWriteError(const std::string& path, int error);
 
 /// Writes a single file.
 void WriteFile(const std::string& path, std::string contents);
 
-/// Throws Error(kOutput) if an output file is also an input, under any name;
-/// empty names are ignored.
+/// Throws Error(kOutputFailed) if an output file is also an input, under any
+/// name; empty names are ignored.
 void RequireNoInputReplaced(const std::vector<std::string>& inputs,
                             const std::vector<std::string>& outputs);
 
-/// Throws Error(kOutput) early if a folder, which is created if missing, is not
-/// writable; Error(kUsage) instead of creating a folder with the name of a
-/// file, such as camera.yaml.
+/// Throws Error(kOutputFailed) early if a folder, which is created if missing,
+/// is not writable; Error(kUsage) instead of creating a folder with the name of
+/// a file, such as camera.yaml.
 void RequireWritableFolder(const std::string& folder);
 
 /// The same, but does not leave a folder behind that did not exist.

@@ -18,7 +18,7 @@ namespace raygrid {
 class OutputFolder {
  public:
   /// Creates the folder if needed, and the hidden temporary folder. Throws
-  /// Error(kOutput).
+  /// Error(kOutputFailed).
   explicit OutputFolder(const std::string& folder);
   /// Removes the hidden folder, including files that were not committed.
   ~OutputFolder();
@@ -29,8 +29,8 @@ class OutputFolder {
   const std::string& path() const { return hidden_; }
 
   /// Replaces the folder's files by the new files of the same names, and
-  /// removes stale files, given by their relative paths. Throws Error(kOutput),
-  /// leaving the folder unchanged.
+  /// removes stale files, given by their relative paths. Throws
+  /// Error(kOutputFailed), leaving the folder unchanged.
   void Commit(const std::set<std::string>& stale);
 
  private:

@@ -179,7 +179,7 @@ SelectedModel SelectExternalModel(
         return ChoiceRmsPx(*lens.fit) <= accepted_px;
       });
   if (chosen == fits.end() || chosen->fit->num_pixels == 0)
-    throw Error(ExitCode::kQuality,
+    throw Error(ExitCode::kQualityTooLow,
                 fmt::format("{} cannot represent any pixel of this camera's "
                             "valid region; export an undistorted view of it",
                             sorted.front()->name));

@@ -42,7 +42,7 @@ struct SelectedModel {
 /// first one is selected. Pixels outside the valid region have a negligible
 /// weight; without a mask, all pixels are valid. Non-central cameras require
 /// non-central models and vice versa: otherwise throws Error(kUsage). Throws
-/// Error(kQuality) if no model can represent any valid pixel.
+/// Error(kQualityTooLow) if no model can represent any valid pixel.
 SelectedModel SelectExternalModel(
     const std::vector<const ExternalModel*>& external_models,
     const CameraModel& camera, const ValidityMask* valid_region,

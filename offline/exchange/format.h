@@ -175,8 +175,9 @@ void RequireCameras(const ExchangeContents& contents, const std::string& path);
 std::vector<std::string> ReadCompanionFiles(const Format& format,
                                             const std::string& path);
 
-/// Returns paths and texts of all files of a request. Throws Error(kOutput) if
-/// a file exists that must not be replaced and has other contents.
+/// Returns paths and texts of all files of a request. Throws
+/// Error(kOutputFailed) if a file exists that must not be replaced and has
+/// other contents.
 std::vector<std::pair<std::string, std::string>> WriteWithCompanions(
     const Format& format, WriteRequest request);
 

@@ -168,7 +168,7 @@ void AddEndWarning(const std::string& text, ExchangeContents* contents) {
 void RequireNoConflictingFile(const CompanionFile& file) {
   if (std::filesystem::exists(file.path) && ReadFile(file.path) != file.text)
     throw Error(
-        ExitCode::kOutput,
+        ExitCode::kOutputFailed,
         file.path +
             ": already exists with different contents; use another folder");
 }

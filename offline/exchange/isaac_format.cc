@@ -529,7 +529,7 @@ void RequireSmallProjectionError(const ExportedCamera& table,
   if (!table.max_error_px || (choice.error.max_px <= *table.max_error_px &&
                               choice.error.num_lost == 0))
     return;
-  throw Error(ExitCode::kQuality,
+  throw Error(ExitCode::kQualityTooLow,
               fmt::format("isaac: the error exceeds {:g} px even with the "
                           "largest table of {} x {} directions: {}",
                           *table.max_error_px, choice.side, choice.side,

@@ -35,7 +35,7 @@ std::string NpyHeader(const NpyArray& array) {
 }
 
 [[noreturn]] void FailToZip(const char* why) {
-  throw Error(ExitCode::kOutput,
+  throw Error(ExitCode::kOutputFailed,
               fmt::format("cannot create the archive: {}", why));
 }
 

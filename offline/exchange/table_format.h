@@ -106,7 +106,7 @@ struct TableFormat {
   std::vector<std::string> endings;
 
   /// The non-null function determines the source. Throws Error(kUsage), and
-  /// Error(kQuality) if the maximum error is exceeded.
+  /// Error(kQualityTooLow) if the maximum error is exceeded.
   TableOutput (*write_blob)(const BlobTable& blob) = nullptr;
   TableOutput (*write_view)(const ViewTable& view) = nullptr;
   TableOutput (*write_rays)(const RayTable& rays) = nullptr;

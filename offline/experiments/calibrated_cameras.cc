@@ -116,7 +116,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
                                  const ModelChoice& choice,
                                  const ExperimentOptions& options) {
   if (features.hold_out.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "too few images to hold some out; use at least five");
   const ImageSize& size = features.dataset.image_size;
   CalibrationOptions calibration;
@@ -156,7 +156,7 @@ std::vector<FittedCamera> FitModels(const NamedCamera& camera) {
                       fitted.model_from_camera});
   }
   if (fits.empty())
-    throw Error(ExitCode::kInitialization,
+    throw Error(ExitCode::kInitializationFailed,
                 camera.name + ": no parametric model fits this camera");
   return fits;
 }
@@ -182,7 +182,8 @@ ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
                        double(models.size()));
   }
   if (compared.cameras.empty())
-    throw Error(ExitCode::kInitialization, "no model could be calibrated");
+    throw Error(ExitCode::kInitializationFailed,
+                "no model could be calibrated");
   if (features.truth)
     compared.cameras.push_back({"truth", features.truth, std::nullopt});
   else

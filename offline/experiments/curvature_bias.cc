@@ -206,7 +206,7 @@ std::vector<Photograph> SelectPhotographs(const ExperimentOptions& options) {
   for (auto& [name, photograph] : by_name)
     if (!photograph.poses.empty()) photographs.push_back(std::move(photograph));
   if (photographs.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "--image: no pose could be estimated; check that the image "
                 "names match those of the features");
   return photographs;

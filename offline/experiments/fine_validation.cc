@@ -137,7 +137,7 @@ FineImages SimulateFineImages(const CameraModel& camera, const Board& board,
     (i % kTestEvery == kTestEvery - 1 ? split.test : split.training)
         .images.push_back(std::move(images[i]));
   if (split.test.images.empty())
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "too few images to hold some out; use at least five");
   return split;
 }
@@ -304,7 +304,8 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
                          double(models.size() * options.bump_widths_px.size()));
     }
     if (pictures.empty())
-      throw Error(ExitCode::kInitialization, "no model could be calibrated");
+      throw Error(ExitCode::kInitializationFailed,
+                  "no model could be calibrated");
     table.chart.series.push_back(std::move(series));
     table.pictures.push_back(
         {fmt::format("directions-{:g}px", width_px),

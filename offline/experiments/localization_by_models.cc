@@ -29,7 +29,7 @@ std::vector<PointPixelMatch> MakeScene(const ComparedCameras& compared,
   std::vector<PointPixelMatch> scene;
   for (int tries = 0; static_cast<int>(scene.size()) < kPoints; ++tries) {
     if (tries == kMaxTries)
-      throw Error(ExitCode::kTooFew,
+      throw Error(ExitCode::kInsufficientData,
                   "localization: the valid regions of the cameras hardly "
                   "overlap; calibrate from more images");
     const double x = random->Uniform(area.x0 + 1, area.x1 - 1);

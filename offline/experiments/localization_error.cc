@@ -189,7 +189,7 @@ LocalizationError SummarizeCandidate(
   }
   summary.num_compared = static_cast<int>(absolute[0].size());
   if (summary.num_compared == 0)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 "no feature was found in all variants; reduce --blur-px or "
                 "--read-noise, or use more --images");
   summary.rms_px = (squares / summary.num_compared).sqrt();

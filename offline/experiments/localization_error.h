@@ -34,7 +34,7 @@ Board ExperimentChessboard();
 /// Evaluates only features that are found in all boards by all methods (paper,
 /// "Calibration Pattern Evaluation": "for fairness"). Ordered by board and
 /// method. Throws Error(kUsage) if the boards do not fit into the image,
-/// Error(kTooFew) if no feature is found by all.
+/// Error(kInsufficientData) if no feature is found by all.
 std::vector<LocalizationError> MeasureLocalization(
     const std::vector<DetectedBoard>& boards, const ExperimentOptions& options);
 

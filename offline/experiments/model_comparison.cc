@@ -79,7 +79,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
     full_scale_px = std::max(full_scale_px, d.p99_px);
   }
   if (differences.empty())
-    throw Error(ExitCode::kInitialization, "no model could be fitted");
+    throw Error(ExitCode::kInitializationFailed, "no model could be fitted");
   for (size_t i = 0; i < differences.size(); ++i) {
     const ModelDifference& d = differences[i];
     const auto places = Places(d);

@@ -108,7 +108,8 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
     if (options.progress) options.progress(double(i + 1) / double(count));
   }
   if (pictures.empty())
-    throw Error(ExitCode::kInitialization, "no model could be calibrated");
+    throw Error(ExitCode::kInitializationFailed,
+                "no model could be calibrated");
   table.chart.series = {series.training, series.test};
   const Image wheel = DrawDirectionLegend(96);
   table.pictures.push_back(

@@ -369,7 +369,7 @@ ExperimentResult MeasureRepeatability(const ExperimentOptions& options) {
     }
     if (all.known.count() == 0)
       throw Error(
-          ExitCode::kTooFew,
+          ExitCode::kInsufficientData,
           "no two halves give overlapping valid regions; use more images");
     table.rows.push_back(MakeRow(sets[i].name, "all", all,
                                  ComputeIndependentParameters(repetitions)));

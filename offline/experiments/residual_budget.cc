@@ -107,8 +107,9 @@ ExperimentResult ComputeUserBudget(const ExperimentOptions& options) {
   const BudgetInput input = MakeUserInput(options.data, options.num_threads);
   const ResidualBudget budget = ComputeResidualBudget(input);
   if (!budget.unobservable_reason.empty())
-    throw Error(ExitCode::kTooFew, "residual-budget: not observable: " +
-                                       budget.unobservable_reason);
+    throw Error(
+        ExitCode::kInsufficientData,
+        "residual-budget: not observable: " + budget.unobservable_reason);
   ExperimentResult table;
   table.conditions = {
       {"residuals",

@@ -287,7 +287,8 @@ DepthErrorMap CompareToSurface(const StereoCloud& cloud,
     seen.push_back(*point);
   }
   if (matched.size() < kMinMatches)
-    throw Error(ExitCode::kTooFew, "stereo-depth: too few stereo matches");
+    throw Error(ExitCode::kInsufficientData,
+                "stereo-depth: too few stereo matches");
   const Eigen::Matrix4d similarity =
       EstimateRobustSimilarity(cloud, matched, seen);
   DepthErrorMap map;

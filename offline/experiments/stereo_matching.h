@@ -51,7 +51,7 @@ Surface MakeSurface(const StereoCloud& cloud, const StereoRig& cameras,
 
 /// Depth errors of a cloud relative to a surface, after alignment by a
 /// similarity (Umeyama, 1991), over the cloud's lattice; NaN where undefined.
-/// CompareToSurface() throws Error(kTooFew).
+/// CompareToSurface() throws Error(kInsufficientData).
 struct DepthErrorMap {
   int columns = 0, num_matched = 0;
   std::vector<double> error_mm;

@@ -112,7 +112,7 @@ Trajectory SimulateTrajectory(const ComparedCameras& compared, uint64_t seed) {
         view.observations.push_back({k, seen});
     }
     if (view.observations.size() < kMinObserved)
-      throw Error(ExitCode::kTooFew,
+      throw Error(ExitCode::kInsufficientData,
                   "trajectory-drift: the common valid region of the cameras is "
                   "too small; calibrate from more images");
     trajectory.views.push_back(std::move(view));
@@ -141,7 +141,7 @@ Trajectory MakeTrajectory(const ColmapModel& model, const Area& area) {
   }
   if (static_cast<int>(trajectory.views.size()) < 2 * kFirstFrames)
     throw Error(
-        ExitCode::kTooFew,
+        ExitCode::kInsufficientData,
         fmt::format("--colmap-model: only {} images have at least {} points in "
                     "the calibrated area; at least {} are required",
                     trajectory.views.size(), kMinObserved, 2 * kFirstFrames));

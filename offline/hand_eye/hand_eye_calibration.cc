@@ -62,7 +62,7 @@ std::vector<int> WithinLimit(const Observations& observations,
 }
 
 [[noreturn]] void ThrowUndetermined() {
-  throw Error(ExitCode::kInitialization,
+  throw Error(ExitCode::kInitializationFailed,
               "the poses do not determine the hand-eye transformation; add "
               "poses with rotations of 20° or more about different axes");
 }
@@ -103,7 +103,7 @@ FitOfSubset FitWithoutOutliers(const Observations& observations,
     if (within == result.used) break;
     if (within.size() < min_used)
       throw Error(
-          ExitCode::kInitialization,
+          ExitCode::kInitializationFailed,
           fmt::format("only {} of {} poses agree with each other; check that "
                       "robot poses and images belong together",
                       within.size(), observations.size()));
@@ -293,7 +293,7 @@ HandEyeResult CalibrateHandEye(const Observations& observations,
                                Mounting mounting,
                                const StatedRobotNoise& stated) {
   if (static_cast<int>(observations.size()) < kMinHandEyePoses)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 fmt::format("{} of at least {} poses with images; use 10 or "
                             "more, rotated about different axes",
                             observations.size(), kMinHandEyePoses));

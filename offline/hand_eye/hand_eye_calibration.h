@@ -55,10 +55,10 @@ struct HandEyeResult {
 
 /// Estimates camera_from_mount and anchor_from_target: a robust linear start,
 /// removal of poses that do not fit, RefineHandEye(), cross-validation and
-/// observability. Throws Error(kTooFew) for too few poses, and
-/// Error(kInitialization) if rotations are missing, or if no solution fits;
-/// says so if it would fit with inverted robot poses, another order of the
-/// quaternion, or rows that are shifted.
+/// observability. Throws Error(kInsufficientData) for too few poses, and
+/// Error(kInitializationFailed) if rotations are missing, or if no solution
+/// fits; says so if it would fit with inverted robot poses, another order of
+/// the quaternion, or rows that are shifted.
 HandEyeResult CalibrateHandEye(
     const std::vector<HandEyeObservation>& observations, Mounting mounting,
     const StatedRobotNoise& stated);

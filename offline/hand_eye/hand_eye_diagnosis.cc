@@ -77,14 +77,14 @@ void RequireRotations(const RotationSpread& rotations, Mounting mounting) {
   const HandEyeNames names = GetFrameNames(mounting);
   if (rotations.Rms(0) < kMinRotationRad)
     throw Error(
-        ExitCode::kInitialization,
+        ExitCode::kInitializationFailed,
         fmt::format("the gripper does not rotate (RMS {:.2g}°), so the "
                     "translation of {} is not determined; add poses with "
                     "rotations of 20° or more about two axes",
                     rotations.Rms(0) * kToDegrees, names.camera_from_mount));
   if (rotations.Rms(1) < kMinRotationRad)
     throw Error(
-        ExitCode::kInitialization,
+        ExitCode::kInitializationFailed,
         fmt::format("the gripper rotates about one axis only, {} in the frame "
                     "of the {}, so the camera's position along it is not "
                     "determined; add poses tilted by 20° or more about "
@@ -172,7 +172,7 @@ void RequireFit(const std::vector<HandEyeObservation>& observations,
                          "one; align the rows",
                          direction > 0 ? "previous" : "next"));
   throw Error(
-      ExitCode::kInitialization,
+      ExitCode::kInitializationFailed,
       fmt::format("no hand-eye transformation fits the robot poses: half of "
                   "them differ by {:.3g} mm and {:.3g}° or more; {}",
                   1000 * start.translation_m, start.rotation_rad * kToDegrees,

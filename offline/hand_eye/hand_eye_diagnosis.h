@@ -11,8 +11,8 @@ namespace raygrid {
 /// Formats an axis, whose sign is arbitrary: "[0.00, 1.00, 0.00]".
 std::string FormatAxis(const Eigen::Vector3d& axis);
 
-/// Throws Error(kInitialization) if the mount does not rotate, or about one
-/// axis only, with what remains undetermined and which motion is missing.
+/// Throws Error(kInitializationFailed) if the mount does not rotate, or about
+/// one axis only, with what remains undetermined and which motion is missing.
 void RequireRotations(const RotationSpread& rotations, Mounting mounting);
 
 /// Throws InputError if robot poses are in other units than the target's poses:
@@ -20,9 +20,9 @@ void RequireRotations(const RotationSpread& rotations, Mounting mounting);
 void RequireSameUnit(const std::vector<HandEyeObservation>& observations,
                      Mounting mounting);
 
-/// Throws Error(kInitialization) if a robust start does not fit, or if inverted
-/// robot poses fit much better. Says so if poses would fit with another order
-/// of the quaternion, or if the rows are shifted by one.
+/// Throws Error(kInitializationFailed) if a robust start does not fit, or if
+/// inverted robot poses fit much better. Says so if poses would fit with
+/// another order of the quaternion, or if the rows are shifted by one.
 void RequireFit(const std::vector<HandEyeObservation>& observations,
                 Mounting mounting, const RobustStart& start);
 

@@ -21,7 +21,7 @@ bool HasBlobMagic(const std::string& bytes) {
 }
 
 [[noreturn]] void ThrowReadError(const std::string& name, rg_status status) {
-  throw Error(ExitCode::kBlob,
+  throw Error(ExitCode::kInvalidBlob,
               fmt::format("{}: {}; pack it again from camera.yaml", name,
                           rg_status_text(status)));
 }

@@ -23,8 +23,8 @@ namespace raygrid {
 /// A blob in memory, opened by the runtime.
 class BlobCamera {
  public:
-  /// Throws Error(kBlob) if the runtime rejects the blob. name: file name in
-  /// error messages.
+  /// Throws Error(kInvalidBlob) if the runtime rejects the blob. name: file
+  /// name in error messages.
   BlobCamera(const std::string& name, const std::string& bytes);
 
   // The runtime's camera points into words_, which moving does not relocate.
@@ -45,7 +45,7 @@ class BlobCamera {
   /// Returns the range of the operating-point model, as in camera.yaml; nullopt
   /// if the blob has none.
   std::optional<OperatingRange> Range() const;
-  /// Sets the operating point within its range. Throws Error(kBlob).
+  /// Sets the operating point within its range. Throws Error(kInvalidBlob).
   void SetOperatingPoint(double value);
 
   bool CanProject() const { return camera_.inverse; }
@@ -72,8 +72,8 @@ class BlobCamera {
   /// Returns the line delay; nullopt if the blob does not contain it.
   std::optional<LineDelay> GetRowTime() const;
 
-  /// Returns the virtual view of a remap table. Throws Error(kBlob) if there is
-  /// no table with this index; so do the next two functions.
+  /// Returns the virtual view of a remap table. Throws Error(kInvalidBlob) if
+  /// there is no table with this index; so do the next two functions.
   VirtualView GetRemapView(uint32_t remap_index) const;
   ImageSize FrameSize(uint32_t remap_index) const;
   /// Returns whether a table is an inverse remap, from the view's image to the
@@ -98,7 +98,7 @@ class BlobCamera {
  private:
   Eigen::Vector2d ControlPoint(const Eigen::Vector2i& place,
                                int upper_sample) const;
-  // Returns the camera with a remap table selected; throws Error(kBlob).
+  // Returns the camera with a remap table selected; throws Error(kInvalidBlob).
   rg_camera WithTable(uint32_t remap_index) const;
 
   std::vector<uint32_t> words_;

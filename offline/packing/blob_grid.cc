@@ -276,7 +276,7 @@ BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
   if (valid.is_valid != before) made.valid = valid;
   if (!valid.HasValidCells())
     throw Error(
-        ExitCode::kQuality,
+        ExitCode::kQualityTooLow,
         fmt::format(
             "no part of this {} camera can be represented by a grid within {} "
             "px; check that its parameters match the model and image size",

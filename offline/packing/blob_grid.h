@@ -31,7 +31,7 @@ struct BlobGrid {
 /// there is a mask; otherwise, a grid of up to 256 cells that excludes nearly
 /// the minimum number of pixels. Control points outside the format's range are
 /// moved into it. region: the camera's, or NULL for a grid that the format
-/// represents exactly. Throws Error(kQuality) if no grid fits the camera
+/// represents exactly. Throws Error(kQualityTooLow) if no grid fits the camera
 /// anywhere.
 BlobGrid MakeBlobGrid(const CameraModel& camera, const RegularRegion* region,
                       const ValidityMask* valid_region, double max_error_px);
@@ -47,12 +47,13 @@ struct GridSection {
   ControlPoints control_points;
 };
 
-/// Quantizes a grid. Throws Error(kQuality) for a knot spacing below 1 px.
+/// Quantizes a grid. Throws Error(kQualityTooLow) for a knot spacing below 1
+/// px.
 GridSection QuantizeGrid(const CentralGeneric& camera);
 
 /// Returns the points of the observation lines in q28 metres, x, y, z for each
 /// control point; fitted if `grid` is not the camera's own grid. Throws
-/// Error(kQuality) for points outside the format's range.
+/// Error(kQualityTooLow) for points outside the format's range.
 std::vector<int32_t> QuantizeLinePoints(const NonCentralGeneric& camera,
                                         const BSplineSurface& grid);
 

@@ -12,10 +12,10 @@ constexpr double kMaxPackingErrorPx = 0.002;
 /// Maximum unprojection error that 16-bit control points may add.
 constexpr double kMaxInt16ErrorRad = 1e-6;
 
-/// Throws Error(kQuality): a blob cannot represent the camera. what: the
+/// Throws Error(kQualityTooLow): a blob cannot represent the camera. what: the
 /// reason.
 [[noreturn]] inline void ThrowDoesNotFitBlob(const std::string& what) {
-  throw Error(ExitCode::kQuality,
+  throw Error(ExitCode::kQualityTooLow,
               "this camera cannot be stored in a blob: " + what);
 }
 

@@ -81,7 +81,7 @@ BlobGrids::BlobGrids(const GridTask& task, double max_error_px,
                    task.num_threads, contents);
     if (points->error().px <= max_error_px) return;
   }
-  throw Error(ExitCode::kQuality,
+  throw Error(ExitCode::kQualityTooLow,
               fmt::format("unprojection error of packing would be {:.2g} px, "
                           "above the limit of {}",
                           points->error().px, max_error_px));

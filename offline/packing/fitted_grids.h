@@ -50,7 +50,7 @@ struct GridsToPack {
 class BlobGrids {
  public:
   /// Fits and quantizes the grids, and stores the section of the first grid in
-  /// *contents. Throws Error(kQuality).
+  /// *contents. Throws Error(kQualityTooLow).
   BlobGrids(const GridTask& task, double max_error_px,
             rg_blob_contents* contents);
   BlobGrids(const BlobGrids&) = delete;

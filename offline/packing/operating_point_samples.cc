@@ -79,7 +79,7 @@ OperatingPointSamples SelectSamples(
     stack->condition = condition;
     return *std::move(stack);
   }
-  throw Error(ExitCode::kQuality,
+  throw Error(ExitCode::kQualityTooLow,
               fmt::format("{} samples, the maximum, cannot represent the "
                           "camera from {} to {} within {} px; reduce the range",
                           RG_MAX_STACK_SAMPLES, low, high, max_error_px));

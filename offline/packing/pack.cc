@@ -49,7 +49,7 @@ std::optional<std::string> WarnAboutProjection(
 
 void RequirePackable(const CameraModel& camera) {
   if (!camera.IsCentral() && !camera.DirectionGrid())
-    throw Error(ExitCode::kQuality,
+    throw Error(ExitCode::kQualityTooLow,
                 fmt::format("a {} camera cannot be packed; fit {} to it first",
                             camera.Name(), models::kNonCentralGeneric));
   if (camera.image_size().width > static_cast<int>(RG_MAX_IMAGE_SIZE) ||

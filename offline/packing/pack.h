@@ -46,8 +46,8 @@ struct OperatingPointSamples {
 /// Chooses evenly spaced samples of a camera over a range of a condition. Uses
 /// the fewest samples for which the interpolation error between neighbours, at
 /// three intermediate values and over the area, is at most max_error_px. All
-/// cameras have grids of equal size over one area. Throws Error(kQuality) if 64
-/// samples do not suffice.
+/// cameras have grids of equal size over one area. Throws Error(kQualityTooLow)
+/// if 64 samples do not suffice.
 OperatingPointSamples SelectSamples(
     rg_operating_parameter condition, double low, double high,
     const std::function<CentralGeneric(double)>& camera_at,
@@ -118,8 +118,8 @@ PackingMetrics ComputePackingMetrics(const PackedCamera& packed);
 /// central camera gets an inverse grid if possible; warnings state where it
 /// does not find valid pixels. The remap of a noncentral-generic camera uses
 /// its directions, which is exact for points at infinity, or the given scene.
-/// Throws Error(kQuality) if the limits cannot be met anywhere or the format
-/// cannot represent the camera.
+/// Throws Error(kQualityTooLow) if the limits cannot be met anywhere or the
+/// format cannot represent the camera.
 PackedCamera PackCamera(const CameraFile& file, const PackOptions& options);
 
 /// Makes a blob with a default table: of the camera's image size and the

@@ -17,8 +17,8 @@
 
 namespace raygrid {
 
-/// Writes a blob with these contents. Throws Error(kQuality) if the format
-/// cannot represent them.
+/// Writes a blob with these contents. Throws Error(kQualityTooLow) if the
+/// format cannot represent them.
 std::string WriteBlob(const rg_blob_contents& contents);
 
 /// Control points of grids with equal layout, the first in the blob itself and

@@ -374,7 +374,7 @@ std::vector<RemapTable> FitTables(const std::vector<TableInput>& asked,
   // Larger errors make an image unusable.
   constexpr double kMaxUsefulErrorPx = 1;
   throw Error(
-      ExitCode::kQuality,
+      ExitCode::kQualityTooLow,
       fmt::format("the remap error is {:.2g} px with the smallest blocks; {}",
                   worst_px,
                   worst_px <= kMaxUsefulErrorPx

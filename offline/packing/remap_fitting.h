@@ -40,11 +40,11 @@ using PixelFilter = std::function<bool(const Eigen::Vector2d& pixel)>;
 /// geometric error is at most max_error_px: vertices and bends approximately
 /// minimize the maximum error over all pixels, are quantized, and then measured
 /// in the runtime's arithmetic. Deterministic for any number of threads.
-/// Sources outside the calibrated area become border. Throws Error(kQuality) if
-/// blocks of 8 px exceed the limit, and Error(kUsage) if the images are too
-/// large for the format or the view does not overlap the calibrated area.
-/// Blocks without any shown source become border, too. go_on is called
-/// regularly and may throw, to cancel the fit.
+/// Sources outside the calibrated area become border. Throws
+/// Error(kQualityTooLow) if blocks of 8 px exceed the limit, and Error(kUsage)
+/// if the images are too large for the format or the view does not overlap the
+/// calibrated area. Blocks without any shown source become border, too. go_on
+/// is called regularly and may throw, to cancel the fit.
 ///
 /// For several cameras, at different operating points of one camera: one table
 /// each, which differ only in residuals, bends and errors. A block is border if

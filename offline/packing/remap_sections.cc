@@ -27,7 +27,7 @@ std::vector<RemapTable> FitDefaultTables(
                             num_threads, go_on, {}, rough);
     } catch (const Error& error) {
       fault = error.what();
-      if (error.code() != ExitCode::kQuality) break;
+      if (error.code() != ExitCode::kQualityTooLow) break;
     }
   try {
     std::vector<RemapTable> tables = FitRemapTables(
@@ -107,8 +107,8 @@ std::vector<RemapTable> FitTables(
                      ? InaccurateBlocks::kReject
                      : InaccurateBlocks::kExclude);
     } catch (const Error& error) {
-      if (error.code() == ExitCode::kQuality && options.is_table_bound_soft &&
-          bound_px < kMaxPx)
+      if (error.code() == ExitCode::kQualityTooLow &&
+          options.is_table_bound_soft && bound_px < kMaxPx)
         continue;
       if (options.remaps.size() == 1) throw;
       throw Error(error.code(),

@@ -29,8 +29,8 @@ struct PackingTruth {
 /// Measures the runtime's unprojection by a blob against the truth, at every
 /// pixel of the blob's area, subsampled to at most 16 million. Errors in pixels
 /// are measured in the valid region, except where rays hardly change between
-/// pixels, as outside a fisheye's image circle. Throws Error(kQuality) if the
-/// runtime rejects the blob.
+/// pixels, as outside a fisheye's image circle. Throws Error(kQualityTooLow) if
+/// the runtime rejects the blob.
 UnprojectionError MeasureUnprojection(const PackingTruth& truth,
                                       const std::string& blob, int num_threads);
 

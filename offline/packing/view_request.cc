@@ -289,7 +289,7 @@ VirtualView MakeAreaView(const CameraModel& camera) {
         view.center_px.cwiseAbs().maxCoeff() <= kMaxCenterPx)
       return view;
   }
-  throw Error(ExitCode::kQuality,
+  throw Error(ExitCode::kQualityTooLow,
               "no pinhole view contains the calibrated area");
 }
 

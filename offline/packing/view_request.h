@@ -55,9 +55,9 @@ VirtualView MakeModeView(const CameraModel& camera, const SensorMode& mode,
                          const ViewRequest& request);
 
 /// Makes a pinhole view of the camera's image size that just covers the part of
-/// the calibrated area within 70 degrees of the axis. Throws Error(kQuality) if
-/// this part is empty, or so far from the axis that a blob cannot store the
-/// view.
+/// the calibrated area within 70 degrees of the axis. Throws
+/// Error(kQualityTooLow) if this part is empty, or so far from the axis that a
+/// blob cannot store the view.
 VirtualView MakeAreaView(const CameraModel& camera);
 
 }  // namespace raygrid

@@ -63,7 +63,7 @@ MeasuredCamera MeasureImages(const InputCameraData& given,
       DetectFeatures(found.paths, pattern, {}, nullptr, num_threads, progress);
   if (const auto other =
           SuggestOtherBoard(detection, pattern, pattern_name, num_threads))
-    throw Error(ExitCode::kTooFew, *other);
+    throw Error(ExitCode::kInsufficientData, *other);
   MeasuredCamera camera;
   camera.left_out = ListRejectedImages(found.left_out);
   for (RejectedImage& skipped : ListRejectedImages(detection.skipped))
@@ -88,7 +88,7 @@ void RequireUsable(const InputCameraData& given, const MeasuredCamera& camera,
       given.name.empty() ? "features" : "camera " + given.name;
   RequireConsistent(source, camera.dataset, pattern);
   if (camera.dataset.num_features() == 0)
-    throw Error(ExitCode::kTooFew,
+    throw Error(ExitCode::kInsufficientData,
                 fmt::format("{}: no target found in any of {} images; {}",
                             source, camera.dataset.images.size(),
                             DescribeExpectedBoards(pattern, pattern_name)));

@@ -125,7 +125,7 @@ OutputCamera SelectModels(
       (chosen.fit->num_unrepresentable > 0 ||
        chosen.fit->max_px > *max_fit_error_px))
     throw Error(
-        ExitCode::kQuality,
+        ExitCode::kQualityTooLow,
         fmt::format("the fit error of {} exceeds max_fit_error {:g}: {}",
                     chosen.lens.external_model->name, *max_fit_error_px,
                     FormatModelFit(*chosen.fit)));

@@ -317,7 +317,7 @@ Image ContactSheet(const std::vector<SheetRow>& rows,
   }
   DrawMarks(marks, y + kLineHeight / 2, width, cr);
   if (cairo_status(cr) != CAIRO_STATUS_SUCCESS)
-    throw Error(ExitCode::kOutput,
+    throw Error(ExitCode::kOutputFailed,
                 std::string("cannot draw the sheet: ") +
                     cairo_status_to_string(cairo_status(cr)));
   return CopySurface(surface.get());

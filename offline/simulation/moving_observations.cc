@@ -142,7 +142,7 @@ MovingObservations SimulateMovingObservations(const CameraModel& camera,
   }
   if (seen.dataset.images.empty())
     throw Error(
-        ExitCode::kTooFew,
+        ExitCode::kInsufficientData,
         fmt::format(
             "none of {} frames shows {} features; reduce --features-per-image",
             options.num_images, options.features_per_image));

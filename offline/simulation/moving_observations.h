@@ -24,7 +24,8 @@ struct MovingObservations {
 /// Simulates the pattern's first board in consecutive frames with a rolling
 /// shutter: at most options.num_images frames, without those that show too few
 /// features. options.num_shots and per-view deformation are ignored.
-/// Reproducible on any machine. Throws Error(kTooFew) if no frame shows enough.
+/// Reproducible on any machine. Throws Error(kInsufficientData) if no frame
+/// shows enough.
 MovingObservations SimulateMovingObservations(const CameraModel& camera,
                                               const Pattern& pattern,
                                               const SimulationOptions& options,

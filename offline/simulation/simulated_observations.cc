@@ -163,7 +163,7 @@ SimulatedObservations SimulateObservations(const CameraModel& camera,
   while (static_cast<int>(images.size()) <
          options.num_images * options.num_shots) {
     if (++num_tries > kMaxTries)
-      throw Error(ExitCode::kTooFew,
+      throw Error(ExitCode::kInsufficientData,
                   fmt::format("none of {} random poses shows {} features; "
                               "reduce --features-per-image",
                               kMaxTries, options.features_per_image));

@@ -37,8 +37,8 @@ struct SimulatedObservations {
 /// Simulates exact or noisy observations of the pattern's first board, all over
 /// the field of view and partly outside it, at distances from which it is half
 /// to nearly twice as wide as the image, tilted by up to 60 degrees.
-/// Reproducible on any machine. Throws Error(kTooFew) if images with as many
-/// features are too rare.
+/// Reproducible on any machine. Throws Error(kInsufficientData) if images with
+/// as many features are too rare.
 SimulatedObservations SimulateObservations(const CameraModel& camera,
                                            const Pattern& pattern,
                                            const SimulationOptions& options);

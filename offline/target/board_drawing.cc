@@ -36,7 +36,7 @@ void FinishSurface(cairo_surface_t* surface) {
   const cairo_status_t status = cairo_surface_status(surface);
   cairo_surface_destroy(surface);
   if (status != CAIRO_STATUS_SUCCESS)
-    throw Error(ExitCode::kOutput, cairo_status_to_string(status));
+    throw Error(ExitCode::kOutputFailed, cairo_status_to_string(status));
 }
 
 std::string RenderPng(int width, int height,
@@ -51,7 +51,7 @@ std::string RenderPng(int width, int height,
       cairo_surface_write_to_png_stream(surface, AppendBytes, &png);
   FinishSurface(surface);
   if (status != CAIRO_STATUS_SUCCESS)
-    throw Error(ExitCode::kOutput, cairo_status_to_string(status));
+    throw Error(ExitCode::kOutputFailed, cairo_status_to_string(status));
   return png;
 }
 

@@ -20,7 +20,7 @@ void DrawBoard(const BoardAppearance& appearance, const Eigen::Vector2d& corner,
 cairo_status_t AppendBytes(void* text, const unsigned char* data,
                            unsigned int length);
 
-/// Finishes and destroys the surface. Throws Error(kOutput).
+/// Finishes and destroys the surface. Throws Error(kOutputFailed).
 void FinishSurface(cairo_surface_t* surface);
 
 /// Draws a PNG of width x height pixels and returns its bytes.

@@ -151,7 +151,7 @@ void RequireFrames(const CaptureArguments& arguments,
                    const CaptureState& state) {
   if (!state.kept.empty()) return;
   throw Error(
-      ExitCode::kTooFew,
+      ExitCode::kInsufficientData,
       fmt::format("no frame was kept, the last one because '{}'{}; check that "
                   "the board matches {}",
                   state.word, state.hint.empty() ? "" : " (" + state.hint + ")",

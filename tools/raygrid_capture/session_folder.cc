@@ -40,7 +40,7 @@ int LockFolder(const std::string& folder) {
   if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
   close(lock);
   throw Error(
-      ExitCode::kOutput,
+      ExitCode::kOutputFailed,
       folder +
           ": in use by another capture; stop it first, or use another folder");
 }
@@ -53,11 +53,12 @@ SessionFolder::SessionFolder(const std::string& folder, const Pattern& pattern,
     : folder_(folder) {
   const bool is_session = IsSession(folder);
   if (is_session && !resume)
-    throw Error(ExitCode::kOutput, folder +
-                                       ": contains a session; continue it with "
-                                       "--resume, or use another folder");
+    throw Error(ExitCode::kOutputFailed,
+                folder +
+                    ": contains a session; continue it with "
+                    "--resume, or use another folder");
   if (resume && !is_session)
-    throw Error(ExitCode::kInput,
+    throw Error(ExitCode::kInvalidInput,
                 folder + ": contains no session to resume; omit --resume");
   RequireWritableFolder(folder);
   lock_ = LockFolder(folder);
@@ -93,9 +94,10 @@ void SessionFolder::AdoptPattern(const std::string& path,
     WriteFile(path, text);
     has_made_pattern_ = true;
   } else if (FormatPattern(ReadPattern(path)) != text) {
-    throw Error(ExitCode::kOutput, path +
-                                       ": describes another target; pass it "
-                                       "with --pattern, or use another folder");
+    throw Error(ExitCode::kOutputFailed,
+                path +
+                    ": describes another target; pass it "
+                    "with --pattern, or use another folder");
   }
 }
 

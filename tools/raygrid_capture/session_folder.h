@@ -43,7 +43,7 @@ class SessionFolder {
   /// Returns an unused frame name: frame-0001.png and so on, or the name of the
   /// photograph.
   std::string NewName(const std::string& photograph);
-  /// Adds a frame set. Throws Error(kOutput); earlier frame sets are not
+  /// Adds a frame set. Throws Error(kOutputFailed); earlier frame sets are not
   /// affected.
   void Save(std::vector<FrameToSave> frames);
   void Remove(const std::string& image);

@@ -88,7 +88,7 @@ struct UnitMesh {
 struct MeshUnit {
   /// Throws Error(kUsage) for sizes and steps that the engine does not support.
   MeshLattice (*lattice)(const MeshRequest& request) = nullptr;
-  /// Throws Error(kQuality) if a displacement exceeds the engine's range.
+  /// Throws Error(kQualityTooLow) if a displacement exceeds the engine's range.
   UnitMesh (*write)(const MeshTable& mesh) = nullptr;
   /// Default of --max-fit-error-px, and the reason for this limit, which the
   /// error message includes.

@@ -34,7 +34,7 @@ int64_t LdcOffset(const MeshTable& mesh, size_t k, double offset, char axis) {
   const int64_t fixed = FixedPoint(offset, kLdcScale, INT16_MIN, INT16_MAX);
   if (mesh.is_needed[k] && std::abs(fixed - offset * kLdcScale) > 1)
     throw Error(
-        ExitCode::kQuality,
+        ExitCode::kQualityTooLow,
         fmt::format(
             "--to ti-ldc: pixel {}, {} of the undistorted view has a "
             "displacement of {:.0f} px along {}, above the limit of 4095 px",

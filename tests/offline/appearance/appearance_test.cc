@@ -16,7 +16,7 @@ Board ParsedBoard(const std::string& keys) {
 
 void ExpectBoardRefused(const std::string& keys,
                         const std::vector<std::string>& words) {
-  ExpectError(ExitCode::kInput, words, [&] { ParsedBoard(keys); });
+  ExpectError(ExitCode::kInvalidInput, words, [&] { ParsedBoard(keys); });
 }
 
 Board StarBoard(int segments) {
@@ -204,7 +204,7 @@ TEST(BoardAppearance, TagsHaveTheBorderAndNumbersThatAreStated) {
 }
 
 TEST(BoardAppearance, UnknownTagFamiliesAreRefused) {
-  ExpectError(ExitCode::kInput, {"tag36h9", "tag25h9"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"tag36h9", "tag25h9"}, [&] {
     ParsePattern("p",
                  "raygrid_pattern: 1\nboards:\n  - {id: 1, kind: aprilgrid, "
                  "columns: 10, rows: 8, square_m: 0.03, spacing_ratio: 0.3, "
@@ -215,18 +215,19 @@ TEST(BoardAppearance, UnknownTagFamiliesAreRefused) {
 TEST(BoardAppearance, UnknownMarkersAreRefused) {
   Board star = StarBoard(16);
   star.tags[0].id = 587;
-  ExpectError(ExitCode::kInput, {"587"}, [&] { BoardAppearance{star}; });
+  ExpectError(ExitCode::kInvalidInput, {"587"}, [&] { BoardAppearance{star}; });
   Board charuco = ParsedBoard(kCharuco);
   charuco.dictionary = "DICT_9X9";
-  ExpectError(ExitCode::kInput, {"DICT_9X9"},
+  ExpectError(ExitCode::kInvalidInput, {"DICT_9X9"},
               [&] { BoardAppearance{charuco}; });
   charuco = ParsedBoard(kCharuco);
   charuco.first_marker = 45;
-  ExpectError(ExitCode::kInput, {"marker 50"},
+  ExpectError(ExitCode::kInvalidInput, {"marker 50"},
               [&] { BoardAppearance{charuco}; });
   Board points;
   points.kind = "points";
-  ExpectError(ExitCode::kInput, {"'points'"}, [&] { BoardAppearance{points}; });
+  ExpectError(ExitCode::kInvalidInput, {"'points'"},
+              [&] { BoardAppearance{points}; });
 }
 
 TEST(Pattern, StarBoardsHaveNoFeaturesUnderTags) {
@@ -273,7 +274,7 @@ TEST(Pattern, BoardsNeedDifferentTags) {
   const std::string keys =
       ", kind: star, columns: 7, rows: 6, square_m: 0.01, "
       "tags: [{id: 3, column: 2, row: 1, squares: 3}]}\n";
-  ExpectError(ExitCode::kInput, {"tag 3", "board 0", "board 1"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"tag 3", "board 0", "board 1"}, [&] {
     ParsePattern("p", "raygrid_pattern: 1\nboards:\n  - {id: 0" + keys +
                           "  - {id: 1" + keys);
   });

@@ -50,9 +50,9 @@ std::set<std::string> ImagesOf(const std::vector<FeatureResidual>& residuals) {
 }
 
 TEST(Calibrate, NeedsThreeImages) {
-  ExpectError(ExitCode::kTooFew, {"2 images"},
+  ExpectError(ExitCode::kInsufficientData, {"2 images"},
               [] { Calibrate(Simulate(2), TestBoard(), Coarse()); });
-  ExpectError(ExitCode::kTooFew, {},
+  ExpectError(ExitCode::kInsufficientData, {},
               [] { Calibrate(Dataset(), TestBoard(), Coarse()); });
 }
 
@@ -83,7 +83,7 @@ TEST(Calibrate, FeaturesWithoutABoardHaveNoStart) {
   for (ImageFeatures& image : dataset.images)
     for (Feature& feature : image.features)
       feature.pixel = random.PixelIn({0, 0, 639, 479});
-  ExpectError(ExitCode::kInitialization, {},
+  ExpectError(ExitCode::kInitializationFailed, {},
               [&] { Calibrate(dataset, TestBoard(), Coarse()); });
 }
 

@@ -248,7 +248,7 @@ TEST(CheckCamera, SaysWhereALocalChangeIsAndHowLarge) {
 TEST(CheckCamera, NeedsToKnowHowWellTheCameraIsKnown) {
   CameraFile camera = Cameras()[0];
   camera.uncertainty->modes = {};
-  ExpectError(ExitCode::kInput, {"calibrate"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"calibrate"}, [&] {
     CheckCamera(camera, Observe(2, 240, 5), FineTestBoard(), 1);
   });
 }

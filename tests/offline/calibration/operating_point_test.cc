@@ -308,7 +308,7 @@ TEST(CalibrateOperatingPoints, RefusesAnImageAtTwoValues) {
   Sweep sweep = TakeSweep(OperatingParameter::kLensPosition, {0, 5, 10}, 3);
   std::vector<ImageFeatures>& images = sweep.input.dataset.images;
   images.back().features = images.front().features;
-  ExpectError(ExitCode::kInput,
+  ExpectError(ExitCode::kInvalidInput,
               {images.front().image, images.back().image, "0 and 10"},
               [&] { CalibrateSweep(sweep); });
 }

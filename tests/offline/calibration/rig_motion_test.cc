@@ -58,7 +58,7 @@ RigResult CalibrateKnown(const SimulatedRig& rig,
 void ExpectUnconnected(const std::vector<std::string>& words,
                        const SimulatedRig& rig,
                        const SimulatedRigObservations& seen) {
-  ExpectError(ExitCode::kInitialization, words,
+  ExpectError(ExitCode::kInitializationFailed, words,
               [&] { CalibrateKnown(rig, seen); });
 }
 

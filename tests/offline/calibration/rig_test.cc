@@ -171,7 +171,7 @@ TEST(CalibrateRig, NamesGroupsThatAreNotConnected) {
       SimulateRig(Fan(), TestBoard(), CollectFrameSets(36));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   for (ImageFeatures& image : inputs[2].dataset.images) image.image += ".bmp";
-  ExpectError(ExitCode::kInitialization, {"{left, right}, {rear}"},
+  ExpectError(ExitCode::kInitializationFailed, {"{left, right}, {rear}"},
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
@@ -186,7 +186,7 @@ TEST(CalibrateRig, OneBoardAtOneInstantConnects) {
         if ((feature.board == 7) == (c == 1)) kept.push_back(feature);
       image.features = kept;
     }
-  ExpectError(ExitCode::kInitialization, {"{left}, {right}"},
+  ExpectError(ExitCode::kInitializationFailed, {"{left}, {right}"},
               [&] { Calibrate(Inputs(seen), TwoTestBoards(), Quick()); });
 }
 
@@ -267,7 +267,8 @@ TEST(CalibrateRig, RefusesImagesThatAreOfOtherInstantsAltogether) {
   auto& images = inputs[1].dataset.images;
   for (size_t i = 0; i < images.size() / 2; ++i)
     std::swap(images[i].features, images[images.size() - 1 - i].features);
-  ExpectError(ExitCode::kInitialization, {"left", "right", "synchronized"},
+  ExpectError(ExitCode::kInitializationFailed,
+              {"left", "right", "synchronized"},
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
@@ -283,7 +284,7 @@ TEST(CalibrateRig, NamesTheCameraWithTooFewImages) {
                               }),
                images.end());
   images.resize(2);
-  ExpectError(ExitCode::kTooFew, {"camera right", "2 images"},
+  ExpectError(ExitCode::kInsufficientData, {"camera right", "2 images"},
               [&] { Calibrate(inputs, TestBoard(), Quick()); });
 }
 
@@ -342,12 +343,12 @@ TEST(CalibrateRig, RefusesOneCameraAsTwo) {
   const auto seen = SimulateRig(Stereo(), TestBoard(), CollectFrameSets(8));
   std::vector<CalibrationInput> inputs = Inputs(seen);
   inputs[1].dataset = inputs[0].dataset;
-  ExpectError(ExitCode::kInput, {"'left'", "'right'", "share an image"},
+  ExpectError(ExitCode::kInvalidInput, {"'left'", "'right'", "share an image"},
               [&] { Calibrate(inputs, TestBoard(), {}); });
   inputs = Inputs(seen);
   const std::string copied = inputs[0].dataset.images[2].image;
   inputs[1].dataset.images[5].features = inputs[0].dataset.images[2].features;
-  ExpectError(ExitCode::kInput,
+  ExpectError(ExitCode::kInvalidInput,
               {"'left'", "'right'", copied, inputs[1].dataset.images[5].image},
               [&] { Calibrate(inputs, TestBoard(), {}); });
 }

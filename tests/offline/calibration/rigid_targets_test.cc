@@ -73,13 +73,14 @@ Pose TrueRelation(const SimulatedRigObservations& seen, int first, int second) {
       for (const BoardPose& b : poses)
         if (a.board == first && b.board == second && a.image == b.image)
           return a.camera_from_board.Inverse() * b.camera_from_board;
-  throw Error(ExitCode::kTooFew, "the boards are never seen together");
+  throw Error(ExitCode::kInsufficientData,
+              "the boards are never seen together");
 }
 
 bool IsFixed(const RigResult& result, int first, int second) {
   for (const BoardPair& pair : result.board_pairs)
     if (pair.first == first && pair.second == second) return pair.fixed;
-  throw Error(ExitCode::kTooFew, "nothing is known of the boards");
+  throw Error(ExitCode::kInsufficientData, "nothing is known of the boards");
 }
 
 TEST(CalibrateRigidTargets, ConnectCamerasThatNeverSeeOneBoardTogether) {
@@ -115,7 +116,7 @@ TEST(CalibrateRigidTargets, AreForbiddenByAnOption) {
     Calibrate(CamerasOf(seen), seen.true_pattern, options);
     ADD_FAILURE() << "the cameras were connected";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kInitialization);
+    EXPECT_EQ(error.code(), ExitCode::kInitializationFailed);
     EXPECT_TRUE(std::string(error.what()).find("not connected") !=
                 std::string::npos)
         << error.what();

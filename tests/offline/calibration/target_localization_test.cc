@@ -184,7 +184,7 @@ TEST(EstimateTargetGeometry, RefusesTwoPoses) {
   const OpenCvModel camera = ExampleLens();
   const SimulatedObservations seen =
       SimulateObservations(camera, TestBoard(), LocalizedViews(2, 0.05));
-  ExpectError(ExitCode::kTooFew, {"2 of at least 3 poses"}, [&] {
+  ExpectError(ExitCode::kInsufficientData, {"2 of at least 3 poses"}, [&] {
     EstimateTargetGeometry({{&camera}, {Pose()}}, {seen.dataset}, TestBoard(),
                            1);
   });

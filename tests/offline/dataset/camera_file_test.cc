@@ -77,7 +77,8 @@ CameraFile ReadCameraText(const std::string& text) {
 }
 
 void ExpectCameraRefused(const std::string& text) {
-  ExpectError(ExitCode::kInput, {"camera.yaml"}, [&] { ReadCameraText(text); });
+  ExpectError(ExitCode::kInvalidInput, {"camera.yaml"},
+              [&] { ReadCameraText(text); });
 }
 
 // The text with one part of it replaced.
@@ -324,7 +325,7 @@ TEST(CameraFile, OtherDocumentsAreRefused) {
   ExpectCameraRefused(Replaced(generic, "central-generic", "pinhole"));
   ExpectCameraRefused(Replaced(generic, "stereographic", "mercator"));
   ExpectCameraRefused(Replaced(FormatCameraFile(OpenCvFile()), "k6:", "k7:"));
-  ExpectError(ExitCode::kInput, {"nowhere.yaml"},
+  ExpectError(ExitCode::kInvalidInput, {"nowhere.yaml"},
               [] { ReadCameraFile("nowhere.yaml"); });
 }
 
@@ -435,7 +436,7 @@ TEST(CameraFile, RefusesAMalformedSpread) {
   const std::string before = text.substr(0, spread), own = text.substr(spread);
   const auto refused = [&](const std::string& from, const std::string& to,
                            const std::string& told) {
-    ExpectError(ExitCode::kInput,
+    ExpectError(ExitCode::kInvalidInput,
                 {"spread: " + told, "use the file as written by raygrid batch"},
                 [&] { ReadCameraText(before + Replaced(own, from, to)); });
   };
@@ -490,7 +491,7 @@ TEST(CameraFile, HoldsViewsAndHowTheyAreTurned) {
             1e-9);
   EXPECT_EQ(FormatCameraFile(read), text);
   const size_t at = text.find("254.5");
-  ExpectError(ExitCode::kInput, {"view.camera.yaml", "positive"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"view.camera.yaml", "positive"}, [&] {
     ParseCameraFile("view.camera.yaml",
                     text.substr(0, at) + "0" + text.substr(at + 5));
   });

@@ -22,7 +22,7 @@ std::map<std::string, Dataset> ReadFeaturesText(const std::string& text) {
 void ExpectFeaturesRefused(const std::string& text,
                            std::vector<std::string> words) {
   words.push_back("features.csv");
-  ExpectError(ExitCode::kInput, words, [&] { ReadFeaturesText(text); });
+  ExpectError(ExitCode::kInvalidInput, words, [&] { ReadFeaturesText(text); });
 }
 
 TEST(ReadFeatures, ReadsImagesInTheFilesOrder) {
@@ -138,7 +138,7 @@ TEST(ReadFeatures, RefusesFeaturesStatedTwice) {
 
 TEST(ReadFeatures, RefusesFilesWithoutFeatures) {
   ExpectFeaturesRefused(kHeader, {"no features"});
-  ExpectError(ExitCode::kInput, {"nowhere.csv"},
+  ExpectError(ExitCode::kInvalidInput, {"nowhere.csv"},
               [] { ReadFeatures("nowhere.csv"); });
 }
 
@@ -201,10 +201,10 @@ TEST(RenameImagesByNumber, TakesTheLastNumber) {
 
 TEST(RenameImagesByNumber, RefusesNamesThatTellNoInstant) {
   Dataset none = ImagesNamed({"a1.png", "left.jpg2"});
-  ExpectError(ExitCode::kInput, {"camera left", "left.jpg2"},
+  ExpectError(ExitCode::kInvalidInput, {"camera left", "left.jpg2"},
               [&] { RenameImagesByNumber("camera left", &none); });
   Dataset twice = ImagesNamed({"1_left2.png", "3_left02.png"});
-  ExpectError(ExitCode::kInput, {"1_left2.png", "3_left02.png"},
+  ExpectError(ExitCode::kInvalidInput, {"1_left2.png", "3_left02.png"},
               [&] { RenameImagesByNumber("camera left", &twice); });
 }
 
@@ -249,7 +249,7 @@ TEST(RequireConsistent, RefusesForeignFeatures) {
        {Feature{1, 0, 0, {1, 1}}, Feature{0, 9, 0, {1, 1}},
         Feature{0, 0, 6, {1, 1}}, Feature{0, -1, 0, {1, 1}},
         Feature{0, 0, 0, {640, 1}}, Feature{0, 0, 0, {1, -0.6}}})
-    ExpectError(ExitCode::kInput, {"f.csv", "a.png"}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"f.csv", "a.png"}, [&] {
       RequireConsistent("f.csv", OneFeature(feature), pattern);
     });
 }

@@ -27,10 +27,10 @@ TEST(Files, ReadFileInvertsWriteFile) {
 
 TEST(Files, UnreadableFilesAreNamed) {
   const TemporaryFolder folder;
-  ExpectError(ExitCode::kInput, {"missing.csv"},
+  ExpectError(ExitCode::kInvalidInput, {"missing.csv"},
               [&] { ReadFile(folder / "missing.csv"); });
   fs::create_directory(folder / "dir.csv");
-  ExpectError(ExitCode::kInput, {"dir.csv"},
+  ExpectError(ExitCode::kInvalidInput, {"dir.csv"},
               [&] { ReadFile(folder / "dir.csv"); });
 }
 
@@ -56,7 +56,7 @@ void ExpectNothingWritten(const std::string& good, const std::string& bad,
   files.Add(folder / good, "new");
   files.Add(folder / bad, "new");
   files.Add(folder / "last", "new");
-  ExpectError(ExitCode::kOutput, {folder / bad.substr(0, bad.find('/'))},
+  ExpectError(ExitCode::kOutputFailed, {folder / bad.substr(0, bad.find('/'))},
               [&] { files.Commit(); });
   EXPECT_EQ(folder.Count(), count);
   EXPECT_TRUE(fs::is_empty(folder / "directory"));
@@ -135,7 +135,7 @@ TEST(RequireNoInputReplaced, KnowsAFileUnderAnyName) {
   fs::create_hard_link(folder / "a", folder / "twin");
   const std::vector<std::string> inputs = {folder / "b", folder / "a", ""};
   for (const char* name : {"a", "./b", "link", "twin"})
-    ExpectError(ExitCode::kOutput, {name, "would overwrite"},
+    ExpectError(ExitCode::kOutputFailed, {name, "would overwrite"},
                 [&] { RequireNoInputReplaced(inputs, {folder / name}); });
   RequireNoInputReplaced(inputs, {folder / "c", ""});
   RequireNoInputReplaced({"/dev/null"}, {"/dev/null"});
@@ -143,7 +143,7 @@ TEST(RequireNoInputReplaced, KnowsAFileUnderAnyName) {
 
 TEST(ReadFile, DevicesAreRefused) {
   for (const char* device : {"/dev/zero", "/dev/null"})
-    ExpectError(ExitCode::kInput, {device}, [&] { ReadFile(device); });
+    ExpectError(ExitCode::kInvalidInput, {device}, [&] { ReadFile(device); });
 }
 
 TEST(RequireWritableFolder, MakesTheFolderAndLeavesItEmpty) {
@@ -152,7 +152,7 @@ TEST(RequireWritableFolder, MakesTheFolderAndLeavesItEmpty) {
   EXPECT_TRUE(fs::is_directory(folder / "new/results"));
   EXPECT_TRUE(fs::is_empty(folder / "new/results"));
   WriteFile(folder / "regular", "");
-  ExpectError(ExitCode::kOutput, {"regular"},
+  ExpectError(ExitCode::kOutputFailed, {"regular"},
               [&] { RequireWritableFolder(folder / "regular/x"); });
 }
 
@@ -181,7 +181,7 @@ TEST(ImageFiles, DamagedImagesAreNamed) {
   WriteFile(folder / "empty.png", "");
   WriteFile(folder / "text.png", "no image");
   for (const char* name : {"empty.png", "text.png"})
-    ExpectError(ExitCode::kInput, {name},
+    ExpectError(ExitCode::kInvalidInput, {name},
                 [&] { ReadImage(folder / name, true); });
 }
 
@@ -230,7 +230,7 @@ TEST(ImageFiles, PicturesOfRaygridAndUnknownKindsAreLeftOutOfFolders) {
 TEST(ImageFiles, FoldersWithoutImagesAreRefused) {
   const TemporaryFolder folder;
   WriteFile(folder / "in/notes.txt", "");
-  ExpectError(ExitCode::kInput, {"no images"},
+  ExpectError(ExitCode::kInvalidInput, {"no images"},
               [&] { FindImages({folder / "in"}); });
 }
 
@@ -245,7 +245,7 @@ TEST(ParallelFor, CallsTheBodyOnceForEachIndex) {
 
 TEST(ParallelFor, RethrowsWhatABodyThrows) {
   for (const int num_threads : {1, 3})
-    ExpectError(ExitCode::kInput, {"seven"}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"seven"}, [&] {
       ParallelFor(100, num_threads, [](int i) {
         if (i == 7) throw InputError("seven");
       });

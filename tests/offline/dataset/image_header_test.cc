@@ -112,7 +112,7 @@ std::string Tiff(const std::vector<std::array<uint32_t, 3>>& entries) {
 }
 
 void ExpectHeaderRefused(const std::string& file, const std::string& word) {
-  ExpectError(ExitCode::kInput, {"a.tif", word},
+  ExpectError(ExitCode::kInvalidInput, {"a.tif", word},
               [&] { ParseImageHeader("a.tif", file); });
 }
 

@@ -56,7 +56,7 @@ TEST(JpegEnd, CutJpegIsRefusedWhateverFollows) {
         // A scan of several that is whole looks like the only one.
         if (parameters == kKindsOfJpeg[1] && file != cut && file != cut + zeros)
           continue;
-        ExpectError(ExitCode::kInput, {"a", "corrupt"},
+        ExpectError(ExitCode::kInvalidInput, {"a", "corrupt"},
                     [&] { DecodeGreyLevels("a", file); });
       }
     }
@@ -68,7 +68,7 @@ TEST(JpegEnd, JpegWithoutAnEndIsWholeIfItsScanIs) {
     const std::string jpeg = Jpeg(parameters);
     const std::string endless = jpeg.substr(0, jpeg.size() - 2);
     if (parameters == kKindsOfJpeg[1])
-      ExpectError(ExitCode::kInput, {"a", "corrupt"},
+      ExpectError(ExitCode::kInvalidInput, {"a", "corrupt"},
                   [&] { DecodeGreyLevels("a", endless); });
     else
       EXPECT_EQ(DecodeGreyLevels("a", endless).levels,

@@ -88,7 +88,7 @@ TEST(OutputFolder, IsAsItWasWithoutCommit) {
   EXPECT_EQ(FilesIn(folder / ""), before);
   // Nor with one that cannot be.
   fs::create_directory(out + "/b");
-  ExpectError(ExitCode::kOutput, {"/b"}, [&] { Replace(out); });
+  ExpectError(ExitCode::kOutputFailed, {"/b"}, [&] { Replace(out); });
   EXPECT_EQ(FilesIn(folder / ""), before);
 }
 

@@ -20,7 +20,8 @@ std::string ChessboardYaml(const std::string& columns, const std::string& rows,
 void ExpectPatternRefused(const std::string& yaml,
                           std::vector<std::string> words) {
   words.push_back("p.yaml");
-  ExpectError(ExitCode::kInput, words, [&] { ParsePattern("p.yaml", yaml); });
+  ExpectError(ExitCode::kInvalidInput, words,
+              [&] { ParsePattern("p.yaml", yaml); });
 }
 
 TEST(Pattern, PointsLieRowByRowOnTheLattice) {

@@ -34,7 +34,7 @@ TEST(RectifiedFile, SaysWhatIsWrong) {
            {"- [0, 150, 120, 0]", "- [0, .nan, 120, 0]", "P1"},
            {"- [150, 0, 160, -15]", "- [150, 0, 160]", "P2"},
            {"- [150, 0, 160, -15]", "- [-150, 0, 160, 0]", "P2"}})
-    ExpectError(ExitCode::kInput, {"f", word}, [&, &o = old, &b = by] {
+    ExpectError(ExitCode::kInvalidInput, {"f", word}, [&, &o = old, &b = by] {
       ParseRectifiedFile("f", PairWith(o, b));
     });
 }

@@ -52,7 +52,8 @@ TEST(RigFile, RefusesWhatIsMalformed) {
         replaced("file", "path"), replaced("x: -0.125", "x: .inf"),
         std::string("raygrid_rig: 1\ncameras:\n"), std::string("- a\n"),
         std::string("raygrid_rig: [\n")})
-    ExpectError(ExitCode::kInput, {"rig.yaml"}, [&] { ReadRigText(text); });
+    ExpectError(ExitCode::kInvalidInput, {"rig.yaml"},
+                [&] { ReadRigText(text); });
 }
 
 PoseCovariance ExampleCovariance() {
@@ -92,7 +93,7 @@ TEST(RigFile, RefusesWrongCovariances) {
   wrong[1](0, 0) = -wrong[1](0, 0);
   wrong[2](0, 1) = wrong[2](1, 0) = 1;  // correlation above 1
   for (const PoseCovariance& covariance : wrong)
-    ExpectError(ExitCode::kInput, {"rig.yaml", "covariance"}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"rig.yaml", "covariance"}, [&] {
       ReadRigText(
           FormatRigFile(ExampleRigCameras(), {{"left", "aft-2", covariance}}));
     });
@@ -100,7 +101,7 @@ TEST(RigFile, RefusesWrongCovariances) {
            {{"left", "top", good}},
            {{"left", "left", good}},
            {{"left", "aft-2", good}, {"aft-2", "left", good}}})
-    ExpectError(ExitCode::kInput, {"relative_poses"}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"relative_poses"}, [&] {
       ReadRigText(FormatRigFile(ExampleRigCameras(), pairs));
     });
   const std::string text =
@@ -110,9 +111,9 @@ TEST(RigFile, RefusesWrongCovariances) {
     const size_t begin = changed.find("      - [") + 9;
     return changed.replace(begin, changed.find(',', begin) - begin, by);
   };
-  ExpectError(ExitCode::kInput, {"6 rows of 6"},
+  ExpectError(ExitCode::kInvalidInput, {"6 rows of 6"},
               [&] { ReadRigText(replaced("1, 2")); });
-  ExpectError(ExitCode::kInput, {"must be finite"},
+  ExpectError(ExitCode::kInvalidInput, {"must be finite"},
               [&] { ReadRigText(replaced(".nan")); });
 }
 

@@ -35,7 +35,7 @@ TEST(Printable, LeavesTextAndEscapesWhatMovesATerminal) {
 
 TEST(RequireTextFile, NamesTheLineOfWhatIsNoText) {
   EXPECT_NO_THROW(RequireTextFile("f.csv", "a\nb\n"));
-  ExpectError(ExitCode::kInput, {"f.csv, line 2", "UTF-8"},
+  ExpectError(ExitCode::kInvalidInput, {"f.csv, line 2", "UTF-8"},
               [] { RequireTextFile("f.csv", "a\nb\xe9\n"); });
   for (const char* text : {"\xef\xbb\xbf"
                            "a",
@@ -43,7 +43,7 @@ TEST(RequireTextFile, NamesTheLineOfWhatIsNoText) {
                            "a",
                            "\xfe\xff"
                            "a"})
-    ExpectError(ExitCode::kInput, {"f.csv", "byte order mark"},
+    ExpectError(ExitCode::kInvalidInput, {"f.csv", "byte order mark"},
                 [&] { RequireTextFile("f.csv", text); });
 }
 

@@ -121,7 +121,7 @@ TEST(MakeBasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
       TextWith(TextWith(kBasalt, "\"ds\"", "\"kb4\""), "\"xi\": -0.25,",
                "\"k1\": 0.01, \"k2\": 0.02, \"k3\": 0.03, \"k4\": 0.04,");
   // alpha is a number of another model.
-  ExpectError(ExitCode::kInput, {"intrinsics[0]", "'alpha'", "kb4"},
+  ExpectError(ExitCode::kInvalidInput, {"intrinsics[0]", "'alpha'", "kb4"},
               [&] { ParseBasalt(fisheye); });
   EXPECT_EQ(ParseBasalt(TextWith(fisheye, "\"alpha\": 0.5625", "\"alpha\": 0"))
                 .cameras[0]
@@ -132,7 +132,7 @@ TEST(MakeBasaltFormat, ReadsUnifiedCamerasAndFisheyes) {
 TEST(MakeBasaltFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseBasalt(TextWith(kBasalt, old, by)); });
   };
   expect("\"ds\"", "\"fov\"", {"f: intrinsics[0]", "'fov'", "pinhole-radtan8"});

@@ -190,13 +190,14 @@ TEST(MakeColmapFormat, WritesImagesAndNoPoints) {
     EXPECT_EQ(back.translation, pose.translation);
   }
   camera.poses.push_back({"a.png", 4, {}});
-  ExpectError(ExitCode::kInput, {"boards 3 and 4", "COLMAP"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"boards 3 and 4", "COLMAP"}, [&] {
     format.write_beside({"m/cameras.txt", {camera}});
   });
   camera.poses = {{"a b.png", 3, {}}};
-  ExpectError(ExitCode::kInput, {"a b.png", "space", "cameras.bin"}, [&] {
-    format.write_beside({"m/cameras.txt", {camera}});
-  });
+  ExpectError(ExitCode::kInvalidInput, {"a b.png", "space", "cameras.bin"},
+              [&] {
+                format.write_beside({"m/cameras.txt", {camera}});
+              });
   EXPECT_EQ(format.write_beside({"m/cameras.bin", {camera}}).size(), 2u);
 }
 
@@ -206,25 +207,28 @@ TEST(MakeColmapFormat, SaysWhichPosesItLeavesOut) {
   // A model without rigs has one for each camera.
   EXPECT_TRUE(ParseColmap(kColmapCameras, "1 1 CAMERA 1\n2 1 CAMERA 2\n")
                   .warnings.empty());
-  ExpectError(ExitCode::kInput, {"camera 7", "does not exist"}, [] {
+  ExpectError(ExitCode::kInvalidInput, {"camera 7", "does not exist"}, [] {
     ParseColmap(kColmapCameras, TextWith(kColmapRigs, "CAMERA 2", "CAMERA 7"));
   });
-  ExpectError(
-      ExitCode::kInput, {"m/rigs.txt, line 4", "not a unit quaternion"}, [] {
-        ParseColmap(kColmapCameras,
+  ExpectError(ExitCode::kInvalidInput,
+              {"m/rigs.txt, line 4", "not a unit quaternion"}, [] {
+                ParseColmap(
+                    kColmapCameras,
                     TextWith(TextWith(kColmapRigs, "0.80000000000000004", "0"),
                              "0.59999999999999998", "0"));
+              });
+  ExpectError(ExitCode::kInvalidInput, {"m/images.txt", "camera 9", "b c.png"},
+              [] {
+                ParseColmap(kColmapCameras, "",
+                            TextWith(kColmapImages, "0.5 1 b", "0.5 9 b"));
+              });
+  ExpectError(
+      ExitCode::kInvalidInput, {"m/images.txt, line 6", "three fields"}, [] {
+        ParseColmap(kColmapCameras, "", TextWith(kColmapImages, " 7\n", "\n"));
       });
-  ExpectError(ExitCode::kInput, {"m/images.txt", "camera 9", "b c.png"}, [] {
-    ParseColmap(kColmapCameras, "",
-                TextWith(kColmapImages, "0.5 1 b", "0.5 9 b"));
-  });
-  ExpectError(ExitCode::kInput, {"m/images.txt, line 6", "three fields"}, [] {
-    ParseColmap(kColmapCameras, "", TextWith(kColmapImages, " 7\n", "\n"));
-  });
-  ExpectError(ExitCode::kInput, {"m/rigs.txt, line 4", "too few fields"}, [] {
-    ParseColmap(kColmapCameras, TextWith(kColmapRigs, " 1 2 3", ""));
-  });
+  ExpectError(
+      ExitCode::kInvalidInput, {"m/rigs.txt, line 4", "too few fields"},
+      [] { ParseColmap(kColmapCameras, TextWith(kColmapRigs, " 1 2 3", "")); });
 }
 
 TEST(MakeColmapFormat, RefusesInOneLine) {
@@ -246,7 +250,7 @@ TEST(MakeColmapFormat, RefusesInOneLine) {
       {ColmapBinary() + "x", {"1 byte after its end"}},
   };
   for (const auto& [file, words] : cases)
-    ExpectError(ExitCode::kInput, words, [&, &file = file] {
+    ExpectError(ExitCode::kInvalidInput, words, [&, &file = file] {
       for (const InputCamera& camera : ParseColmap(file).cameras)
         MakeCameraModel(camera.lens);
     });
@@ -257,12 +261,13 @@ TEST(MakeColmapFormat, RefusesEveryTruncation) {
                     rigs = EncodeColmapRig(ParseColmapRigs("", kColmapRigs)[0]);
   const Format format = MakeColmapFormat();
   for (size_t size = 0; size < cameras.size(); ++size)
-    ExpectError(ExitCode::kInput, {"cameras.txt", "truncated after"}, [&] {
-      ReadExchangeFile(&format,
-                       {"cameras.txt", cameras.substr(0, size), "", {}});
-    });
+    ExpectError(
+        ExitCode::kInvalidInput, {"cameras.txt", "truncated after"}, [&] {
+          ReadExchangeFile(&format,
+                           {"cameras.txt", cameras.substr(0, size), "", {}});
+        });
   for (size_t size = 1; size < rigs.size(); ++size)
-    ExpectError(ExitCode::kInput, {"truncated after"},
+    ExpectError(ExitCode::kInvalidInput, {"truncated after"},
                 [&] { ParseColmap(cameras, rigs.substr(0, size)); });
 }
 
@@ -286,7 +291,7 @@ TEST(MakeColmapFormat, TakesDamagedBytesForNothingElse) {
             camera.camera_from_rig.value_or(Pose{}).translation.allFinite());
       }
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ExitCode::kInput) << error.what();
+      EXPECT_EQ(error.code(), ExitCode::kInvalidInput) << error.what();
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
   }

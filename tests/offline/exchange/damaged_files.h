@@ -71,7 +71,7 @@ bool IsRefused(const Read& read) {
     read();
     return false;
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::kInput) << error.what();
+    EXPECT_EQ(error.code(), ExitCode::kInvalidInput) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     return true;
   }

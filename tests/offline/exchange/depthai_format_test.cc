@@ -94,7 +94,7 @@ TEST(MakeDepthAiFormat, WritesTheRotationsOfAPair) {
 TEST(MakeDepthAiFormat, SaysWhatItDoesNotTake) {
   const auto refused = [](const std::vector<std::string>& words,
                           const std::string& from, const std::string& to) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseDevice(Replaced(kDevice, from, to)); });
   };
   refused({"cameraData[0]", "cameraType 3"}, "\"cameraType\": 0",

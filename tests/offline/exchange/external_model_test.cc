@@ -118,7 +118,7 @@ TEST(ExternalModel, RefusesNumbersThatNoLensHas) {
   const ExternalModel external_model = MakeOpenCvModel("four", 4);
   const auto expect = [&](std::vector<double> values, ImageSize size,
                           const char* word) {
-    ExpectError(ExitCode::kInput, {word}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {word}, [&] {
       MakeCameraModel({&external_model, size, std::move(values)});
     });
   };

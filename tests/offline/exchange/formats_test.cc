@@ -147,8 +147,8 @@ TEST(GetFormats, AreToldApart) {
         EXPECT_EQ(other.recognizes && other.recognizes(text), &other == &format)
             << text << " for " << other.name;
         if (&other == &format) continue;
-        ExpectError(ExitCode::kInput, {"front.yaml", format.name, other.name},
-                    [&, &text = text] {
+        ExpectError(ExitCode::kInvalidInput,
+                    {"front.yaml", format.name, other.name}, [&, &text = text] {
                       ReadExchangeFile(&other, {"front.yaml", text, "", {}});
                     });
       }
@@ -156,7 +156,7 @@ TEST(GetFormats, AreToldApart) {
   }
   EXPECT_EQ(RecognizeFormat("raygrid_camera: 1\n"), nullptr);
   EXPECT_EQ(RecognizeFormat(""), nullptr);
-  ExpectError(ExitCode::kInput, {"x.yaml", "supported format"}, [] {
+  ExpectError(ExitCode::kInvalidInput, {"x.yaml", "supported format"}, [] {
     ReadExchangeFile(nullptr, {"x.yaml", "hello", "", {}});
   });
 }
@@ -218,7 +218,7 @@ TEST(GetFormats, LeaveNoKeyOutWithoutAWord) {
                                      {"lens_type", "\"catadioptric\""},
                                      {"projection_type", "\"double_sphere\""},
                                      {"affine", "0.1"}})
-      ExpectError(ExitCode::kInput, {"front.yaml", key},
+      ExpectError(ExitCode::kInvalidInput, {"front.yaml", key},
                   [&, &k = key, &v = value] { read_with(k, v); });
     const size_t usual =
         ReadExchangeFile(nullptr, {"front.yaml", text, "", SizeToSay(format)})
@@ -240,7 +240,7 @@ TEST(GetFormats, RefuseOptionsAgainstTheFile) {
       return ReadExchangeFile(nullptr,
                               {"front.yaml", text, external_model, size});
     };
-    ExpectError(ExitCode::kInput,
+    ExpectError(ExitCode::kInvalidInput,
                 {"front.yaml", "320x240", "640x480", "--mode"}, [&] {
                   read_with("", ImageSize{320, 240});
                 });
@@ -248,7 +248,8 @@ TEST(GetFormats, RefuseOptionsAgainstTheFile) {
     for (const ExternalModel& other : format.external_models)
       if (FindModelInfo(other.model) &&
           other.model != camera.lens.external_model->model)
-        ExpectError(ExitCode::kInput, {"front.yaml", "--model " + other.name},
+        ExpectError(ExitCode::kInvalidInput,
+                    {"front.yaml", "--model " + other.name},
                     [&] { read_with(other.name, {}); });
   }
 }

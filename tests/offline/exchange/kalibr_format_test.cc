@@ -141,7 +141,7 @@ TEST(MakeKalibrFormat, ReadsALastLineWithoutItsEnd) {
 TEST(MakeKalibrFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseKalibr(TextWith(kCamchain, old, by)); });
   };
   expect("radtan", "fov", {"f: cam0", "'fov'", "pinhole-radtan"});

@@ -48,9 +48,9 @@ TEST(MakeKeyedFormats, ReadCamodocal) {
       TextWith(fisheye, "projection_parameters:", "distortion_parameters:"),
       "   mu:", "projection_parameters:\n   mu:");
   ExpectLens(Read(converted).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  ExpectError(ExitCode::kInput, {"f: ", "'SCARAMUZZA'", "MEI"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'SCARAMUZZA'", "MEI"},
               [&] { Read(TextWith(fisheye, "KANNALA_BRANDT", "SCARAMUZZA")); });
-  ExpectError(ExitCode::kInput, {"f: ", "mirror_parameters/xi"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "mirror_parameters/xi"},
               [&] { Read(TextWith(mei, "xi:", "other:")); });
 }
 
@@ -63,7 +63,8 @@ TEST(MakeKeyedFormats, ReadOrbSlam) {
   const auto one = Read(old, kImage);
   ExpectLens(one.cameras.at(0), kPinholeLens, &Lens::Pinhole);
   EXPECT_TRUE(one.warnings.empty());
-  ExpectError(ExitCode::kInput, {"f: ", "--image-size"}, [&] { Read(old); });
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "--image-size"},
+              [&] { Read(old); });
   // OpenVSLAM's name of the model; another value is another lens.
   const std::string fisheye =
       TextWith(TextWith(old, "Camera.p1: 0.001", "Camera.k3: 0.004"),
@@ -72,7 +73,7 @@ TEST(MakeKeyedFormats, ReadOrbSlam) {
                "Camera.cols: 640\nCamera.rows: 480");
   EXPECT_EQ(Read(fisheye).cameras.at(0).lens.external_model->model,
             "thin-prism-fisheye");
-  ExpectError(ExitCode::kInput, {"f: ", "equirectangular"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "equirectangular"}, [&] {
     Read(TextWith(fisheye, "\"fisheye\"", "equirectangular"));
   });
   const auto camera = [](const std::string& word, const char* cx) {
@@ -121,7 +122,7 @@ TEST(MakeKeyedFormats, ReadEurocAndOkvis) {
                         "410, 411", "290, 291"),
                "-0.21, 0.06, 0.001, -0.002", "0.03, -0.01, 0.004, -0.001");
   ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  ExpectError(ExitCode::kInput, {"f: ", "'omni'"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'omni'"},
               [&] { Read(TextWith(euroc, "pinhole", "omni")); });
   const std::string okvis =
       "%YAML:1.0\ncameras:\n     - {T_SC:\n        " + pose +
@@ -161,7 +162,7 @@ TEST(MakeKeyedFormats, ReadGyroflow) {
            {"\"digital_lens\": null", "\"digital_lens\": \"gopro_superview\"",
             "digital_lens"},
            {"_stretch\": 1.0", "_stretch\": 1.33", "1.33"}})
-    ExpectError(ExitCode::kInput, {"f: ", word},
+    ExpectError(ExitCode::kInvalidInput, {"f: ", word},
                 [&, &o = old, &b = by] { Read(TextWith(text, o, b)); });
 }
 
@@ -188,7 +189,7 @@ TEST(MakeKeyedFormats, ReadAnipose) {
              Eigen::Vector3d(1, 3, 3))
                 .norm(),
             1e-12);
-  ExpectError(ExitCode::kInput, {"f: ", "line"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "line"},
               [&] { Read(TextWith(text, "[ 640, 480,]", "[ 640")); });
 }
 
@@ -213,7 +214,7 @@ TEST(MakeKeyedFormats, ReadOpenSfm) {
                            "\"points\": {" + points + "}, \"shots\""))
                  .cameras.at(0),
              kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "'spherical'"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'spherical'"},
               [&] { Read(TextWith(text, "brown", "spherical")); });
   const auto simple = Read(
       "{\"a\": {\"projection_type\": \"perspective\", \"width\": 640, "
@@ -249,7 +250,7 @@ TEST(MakeKeyedFormats, ReadCalibTexts) {
       "-0.002\n",
       kImage);
   ExpectLens(commented.cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "supported format"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "supported format"},
               [] { Read("410 411.5 322.5 238\n410 411.5 322.5 238\n"); });
   const auto ini = Read(
       "# intrinsics\n\n[image]\n\nwidth\n640\n\nheight\n480\n\n[front]\n\n"
@@ -323,7 +324,7 @@ TEST(MakeKeyedFormats, ReadCamerasOfSvo) {
   EXPECT_LT(
       (*rig.cameras[1].camera_from_rig * Eigen::Vector3d(0.5, 0, 0)).norm(),
       1e-12);
-  ExpectError(ExitCode::kInput, {"f: ", "cam0: ", "'omni'"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "cam0: ", "'omni'"},
               [&] { Read(TextWith(text, "type: pinhole", "type: omni")); });
 }
 
@@ -350,9 +351,9 @@ TEST(MakeKeyedFormats, ReadVikit) {
       "cam_fx: 290\ncam_fy: 291.5\ncam_cx: 322.5\ncam_cy: 238\n"
       "k1: 0.03\nk2: -0.01\nk3: 0.004\nk4: -0.001\n";
   ExpectLens(Read(fisheye).cameras.at(0), kFisheyeLens, &Lens::Fisheye);
-  ExpectError(ExitCode::kInput, {"f: ", "'PinholeAtan'", "supported"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'PinholeAtan'", "supported"},
               [&] { Read(TextWith(text, "Pinhole", "PinholeAtan")); });
-  ExpectError(ExitCode::kInput, {"f: ", "k1"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "k1"},
               [&] { Read(text + "k1: 0.3\n"); });
 }
 
@@ -367,7 +368,7 @@ TEST(MakeKeyedFormats, ReadAssignments) {
   ExpectLens(read.cameras.at(0), kPinholeLens, &Lens::Pinhole);
   EXPECT_EQ(read.cameras[0].lens.size, kImage);
   EXPECT_TRUE(read.warnings.empty());
-  ExpectError(ExitCode::kInput, {"f: ", "'alpha_c'", "0.001"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'alpha_c'", "0.001"}, [&] {
     Read(TextWith(text, "alpha_c = 0.000", "alpha_c = 0.001"));
   });
   const auto of_side = [](const std::string& side) {
@@ -430,7 +431,7 @@ TEST(MakeKeyedFormats, TellLinesOfNumbersFromPoses) {
 
 // Both would be cameras of another image.
 TEST(MakeKeyedFormats, JudgeLengthsByTheImage) {
-  ExpectError(ExitCode::kInput, {"f: ", "fx 0.64", "fractions"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "fx 0.64", "fractions"},
               [] { Read("0.64 0.86 0.5 0.5\n", kImage); });
   const std::string line = "410 411.5 322.5 238\n";
   EXPECT_TRUE(Read(line, kImage).warnings.empty());
@@ -530,7 +531,7 @@ TEST(MakeKeyedFormats, WriteProjectionsOfKitti) {
             1e-15);
   request.cameras[1].camera_from_rig->rotation =
       Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY());
-  ExpectError(ExitCode::kInput, {"rotated", "rectified.yaml"},
+  ExpectError(ExitCode::kInvalidInput, {"rotated", "rectified.yaml"},
               [&] { format.write(request); });
 }
 

@@ -32,7 +32,7 @@ TEST(MakeLibcameraFormat, ReadsTheModuleOfATuningFile) {
   EXPECT_EQ(camera.lens.Value("cx"), 959.25);
   EXPECT_EQ(camera.lens.Value("p2"), -0.002);
   EXPECT_EQ(camera.lens.Value("k3"), 0.05);
-  ExpectError(ExitCode::kInput, {"--image-size"}, [] {
+  ExpectError(ExitCode::kInvalidInput, {"--image-size"}, [] {
     ReadExchangeFile(RecognizeFormat(kTuning), {"f", kTuning, "", {}});
   });
 }
@@ -40,7 +40,7 @@ TEST(MakeLibcameraFormat, ReadsTheModuleOfATuningFile) {
 TEST(MakeLibcameraFormat, SaysWhatItDoesNotTake) {
   const auto refused = [](const std::vector<std::string>& words,
                           const std::string& from, const std::string& to) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseTuning(kTuning, from, to); });
   };
   refused({"modules", "Dewarp"}, "Dewarp", "Other");

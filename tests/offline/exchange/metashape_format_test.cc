@@ -93,7 +93,7 @@ TEST(MakeMetashapeFormat, ReadsTheSensorsOfADocument) {
   const auto first = ParseMetashape(document(begin));
   EXPECT_EQ(first.cameras.at(0).lens.Value("fy"), 3000);
   EXPECT_EQ(first.warnings.size(), 2u);
-  ExpectError(ExitCode::kInput, {"f: contains no camera"},
+  ExpectError(ExitCode::kInvalidInput, {"f: contains no camera"},
               [&] { ParseMetashape(document("")); });
 }
 
@@ -115,7 +115,7 @@ TEST(MakeMetashapeFormat, ReadsASkewAsAGrid) {
 TEST(MakeMetashapeFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseMetashape(TextWith(kMetashape, old, by)); });
   };
   expect("frame", "equisolid_fisheye",

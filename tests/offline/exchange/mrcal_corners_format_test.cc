@@ -49,7 +49,7 @@ TEST(MakeMrcalCornersFormat, LeavesOutCornersWithoutWeight) {
 TEST(MakeMrcalCornersFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words, [&] {
+    ExpectError(ExitCode::kInvalidInput, words, [&] {
       ParseMrcalCorners(TextWith(kMrcalCorners, old, by), ImageSize{4, 3});
     });
   };
@@ -60,19 +60,19 @@ TEST(MakeMrcalCornersFormat, SaysWhatIsMissingOrWrong) {
   expect("level", "size", {"'size'", "level"});
   expect("level", "level more", {"columns must be"});
   expect("a/1.png 20 20 0", "b 20 20 0", {"not contiguous", "a/1.png"});
-  ExpectError(ExitCode::kInput, {"f", "--board-size", "10x10"},
+  ExpectError(ExitCode::kInvalidInput, {"f", "--board-size", "10x10"},
               [] { ParseMrcalCorners(kMrcalCorners, {}); });
   // Rows are too short to tell if many corners are missing.
   std::string whole = TextWith(kMrcalCorners, "20 30 -", "20 30 0");
   whole = TextWith(whole, "40 30 -1", "40 30 0");
   whole = TextWith(whole, "a/1.png - - -", "a/1.png 30 40 0");
-  ExpectError(ExitCode::kInput, {"columns first", "4x3"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"columns first", "4x3"}, [&] {
     ParseMrcalCorners(whole, ImageSize{3, 4});
   });
   EXPECT_EQ(
       ParseMrcalCorners(whole, ImageSize{4, 3}).corners[0].features.size(),
       12u);
-  ExpectError(ExitCode::kInput, {"no corners"}, [] {
+  ExpectError(ExitCode::kInvalidInput, {"no corners"}, [] {
     ParseMrcalCorners("# filename x y\na - -\n", ImageSize{3, 4});
   });
 }

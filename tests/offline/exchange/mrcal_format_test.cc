@@ -62,7 +62,7 @@ TEST(MakeMrcalFormat, ReadsTheNamesOfOldVersions) {
                                     "0.1, 0.01, 0.001, 0.002, 0.003,", "");
   EXPECT_EQ(ParseMrcal(none).cameras.at(0).lens.external_model->name,
             "LENSMODEL_PINHOLE");
-  ExpectError(ExitCode::kInput, {"CAHVOR"},
+  ExpectError(ExitCode::kInvalidInput, {"CAHVOR"},
               [&] { ParseMrcal(TextWith(old, "OPENCV5", "CAHVOR")); });
 }
 
@@ -110,7 +110,7 @@ TEST(MakeMrcalFormat, ReadsSplines) {
             Eigen::Vector4d(300, 301, 320, 240));
   const auto refused = [&](const std::string& old, const std::string& by,
                            const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseMrcal(TextWith(text, old, by)); });
   };
   refused("order=3", "order=2", {"only splines of order 3"});
@@ -138,7 +138,7 @@ TEST(MakeMrcalFormat, RefusesInOneLine) {
       {MrcalWith("    [ 600, 0 ],\n    [ 600, 400 ],\n", ""),
        {"valid_intrinsics_region", "3 points"}}};
   for (const auto& [text, words] : cases)
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&, &text = text] { ParseMrcal(text); });
   const std::string whole = kMrcal;
   for (size_t size = 160; size + 2 < whole.size(); size += 7)

@@ -35,7 +35,7 @@ TEST(MakeOcamCalibFormat, IsReadAsItsGrid) {
                                   0.9998 * x + 0.0004 * y + 238.5);
       EXPECT_LT((grid->Project(ray).value() - pixel).norm(), 0.01);
     }
-  ExpectError(ExitCode::kInput, {"f: ", "affine"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "affine"},
               [&] { Read(text.substr(0, text.find("0.9998"))); });
 }
 

@@ -67,7 +67,7 @@ TEST(MakeNerfstudioFormat, ReadsTheFlagOfFisheyes) {
                 .cameras.at(0)
                 .lens.external_model->name,
             "OPENCV");
-  ExpectError(ExitCode::kInput, {"f: ", "is_fisheye", "OPENCV"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "is_fisheye", "OPENCV"}, [&] {
     ParseNerfstudio(with("\"is_fisheye\": true, \"camera_model\": \"OPENCV\""));
   });
 }
@@ -87,7 +87,8 @@ TEST(MakeNerfstudioFormat, ReadsWhatFramesSayOfOneCamera) {
   EXPECT_NE(contents.warnings[0].find("frames[0]: transform_matrix"),
             std::string::npos);
   ExpectError(
-      ExitCode::kInput, {"frames[1]: fl_x differs", "a single camera"}, [&] {
+      ExitCode::kInvalidInput, {"frames[1]: fl_x differs", "a single camera"},
+      [&] {
         ParseNerfstudio(TextWith(text, frame + ", " + frame,
                                  frame + ", " + TextWith(frame, "50", "60")));
       });
@@ -132,7 +133,7 @@ TEST(MakeNerfstudioFormat, WritesWhatItReads) {
   }
   EXPECT_NE(text.find("\"k4\": 0.0,"), std::string::npos);
   camera.poses[1].board = 3;
-  ExpectError(ExitCode::kInput, {"--poses", "boards 0 and 3"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"--poses", "boards 0 and 3"}, [&] {
     MakeNerfstudioFormat().write({"f.json", {camera}});
   });
   camera.poses.clear();
@@ -145,7 +146,7 @@ TEST(MakeNerfstudioFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& text, const std::string& old,
                          const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseNerfstudio(TextWith(text, old, by)); });
   };
   expect(kTransforms, "OPENCV", "FISHEYE624",

@@ -112,11 +112,11 @@ TEST(OpenCvFormat, ReadsOmnidir) {
         501 * (y * g + 1e-3 * (r2 + 2 * y * y) - 2 * 2e-3 * x * y) + 240);
     EXPECT_LT((lens->Project(point).value() - expected).norm(), 1e-9);
   }
-  ExpectError(ExitCode::kInput, {"f: ", "omnidir", "--model opencv4"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "omnidir", "--model opencv4"},
               [&] { Parse(four + "xi: 1.25\n", "opencv4"); });
-  ExpectError(ExitCode::kInput, {"f: ", "xi", "is_fisheye"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "xi", "is_fisheye"},
               [&] { Parse(four + "xi: 1.25\nis_fisheye: 1\n"); });
-  ExpectError(ExitCode::kInput, {"f: ", "'xi'"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'xi'"},
               [&] { Parse(four + "camera_model: omnidirectional\n"); });
 }
 
@@ -128,7 +128,8 @@ TEST(OpenCvFormat, RefusesAnotherModelThanTheFileSays) {
         {"fisheye_model: 0\n", "fisheye"},
         {"distortion_model: plumb_bob\n", "fisheye"},
         {"", "opencv8"}})
-    ExpectError(ExitCode::kInput, {"f: ", std::string("--model ") + model},
+    ExpectError(ExitCode::kInvalidInput,
+                {"f: ", std::string("--model ") + model},
                 [&, &l = line, &m = model] { Parse(four + l, m); });
 }
 
@@ -186,7 +187,7 @@ TEST(OpenCvFormat, ReadsPairs) {
     }
   }
   std::vector<InputCamera> one(1);
-  ExpectError(ExitCode::kInput, {"f: ", "R and T", "import"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "R and T", "import"},
               [&] { AssignPairPose(Pose{}, "f", &one); });
 }
 
@@ -220,7 +221,7 @@ TEST(OpenCvFormat, ReadsSeveralCameras) {
 TEST(OpenCvFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& text,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words, [&] { Parse(text); });
+    ExpectError(ExitCode::kInvalidInput, words, [&] { Parse(text); });
   };
   expect(TextWith(kYaml, "image_width", "other"), {"f: ", "--image-size"});
   expect(TextWith(kYaml, "camera_matrix", "other"), {"camera_matrix"});
@@ -272,7 +273,7 @@ TEST(OpenCvFormat, ReadsWhatASampleCalibratedWith) {
                                                {"8.25", ".nan"},
                                                {"cols: 6", "cols: 4"},
                                                {"1.57", "x1.57"}})
-    ExpectError(ExitCode::kInput, {"f: "}, [&, &o = old, &b = by] {
+    ExpectError(ExitCode::kInvalidInput, {"f: "}, [&, &o = old, &b = by] {
       Parse(TextWith(kYaml + std::string(kCorners), o, b));
     });
 }
@@ -286,7 +287,7 @@ TEST(OpenCvFormat, TakesCornersOnlyWithTheirBoard) {
     const InputCamera camera = Parse(kYaml + text).cameras.at(0);
     EXPECT_TRUE(camera.features.empty());
     EXPECT_NE(camera.missing_features_reason.find(word), std::string::npos);
-    ExpectError(ExitCode::kInput, {"f: ", "image_points", word},
+    ExpectError(ExitCode::kInvalidInput, {"f: ", "image_points", word},
                 [&] { Parse(text); });
   }
   const ExchangeContents alone = Parse(kCorners);

@@ -60,13 +60,15 @@ TEST(PublishedCameras, ReadBoofCv) {
       "- 0.06", "- 0.05");
   ExpectLens(Read(omni + "mirror_offset: 1.25\n").cameras.at(0), kOmniLens,
              &Lens::Omni);
-  ExpectError(ExitCode::kInput, {"f: ", "mirror_offset"}, [&] { Read(omni); });
-  ExpectError(ExitCode::kInput, {"f: ", "'kannala_brandt'"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "mirror_offset"},
+              [&] { Read(omni); });
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'kannala_brandt'"}, [&] {
     Read(TextWith(text, "pinhole_radial_tangential", "kannala_brandt"));
   });
-  ExpectError(ExitCode::kInput, {"f: ", "radial", "4 coefficients"}, [&] {
-    Read(TextWith(text, "  - 0.06\n", "  - 0.06\n  - 0.1\n  - 0.2\n"));
-  });
+  ExpectError(
+      ExitCode::kInvalidInput, {"f: ", "radial", "4 coefficients"}, [&] {
+        Read(TextWith(text, "  - 0.06\n", "  - 0.06\n  - 0.1\n  - 0.2\n"));
+      });
   // A skew is approximated, and said.
   const auto skewed = Read(BoofCvCamera("pinhole_radial_tangential", "1.5") +
                            kBoofCvDistortion);
@@ -143,7 +145,7 @@ TEST(PublishedCameras, ReadOpenMvg) {
                                     "-0.001]")))
                  .cameras.at(0),
              kSingleFisheye, &Lens::Fisheye);
-  ExpectError(ExitCode::kInput, {"f: ", "'NAME'", "supported"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'NAME'", "supported"},
               [&] { Read(OpenMvgScene(OpenMvgCamera(id, kMvgBase))); });
   ExpectLens(Read(OpenMvgScene(
                       OpenMvgCamera(TextWith(id, "NAME", "pinhole"), kMvgBase)))
@@ -186,11 +188,11 @@ TEST(PublishedCameras, ReadAliceVision) {
                                  "\"radialk3\"")))
                  .cameras.at(0),
              kRadialLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "distortionParams"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "distortionParams"},
               [&] { Read(scene(pinhole)); });
   const auto refuse = [&](const std::string& from, const std::string& to,
                           const char* word) {
-    ExpectError(ExitCode::kInput, {"f: ", word},
+    ExpectError(ExitCode::kInvalidInput, {"f: ", word},
                 [&] { Read(scene(TextWith(recent, from, to))); });
   };
   refuse("\"pixelRatio\": \"1\"", "\"pixelRatio\": \"1.5\"", "pixelRatio");
@@ -295,7 +297,7 @@ TEST(PublishedCameras, ReadTextsOfDepthSensors) {
       "m_calibrationColorIntrinsic = 410 0 322.5 0 0 411.5 238 0 0 0 1 0 0 0 0 "
       "1\n";
   ExpectLens(Read(sens).cameras.at(0), {kPinholeLens.k, {}}, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "camera matrix"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "camera matrix"},
               [&] { Read(TextWith(sens, "322.5 0 0", "322.5 7 0")); });
   const auto anything = Read(
       "K: 410 0 322.5 0 411.5 238 0 0 1\nD: -0.21 0.06 0.001 -0.002\n"
@@ -329,7 +331,7 @@ TEST(PublishedCameras, ReadSectionsOfDepthSensors) {
   EXPECT_EQ(zed.cameras[1].lens.size, (ImageSize{1280, 720}));
   EXPECT_EQ(zed.cameras[1].name, "LEFT_CAM_HD");
   ExpectLens(zed.cameras[1], kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "k4"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "k4"}, [&] {
     Read("[LEFT_CAM_HD]\n" + camera + "k4=0.1\n[STEREO]\nBaseline=119.9\n");
   });
   const std::string intrinsic =
@@ -370,7 +372,7 @@ TEST(PublishedCameras, ReadAzureKinect) {
       {kPinholeLens.k, {-0.21, 0.06, 1e-3, -2e-3, 0, 0.01, 0.002, 0.003}},
       &Lens::Pinhole);
   EXPECT_EQ(read.cameras[0].camera_from_rig->translation.x(), -0.03);
-  ExpectError(ExitCode::kInput, {"f: ", "number 11", "0.5"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "number 11", "0.5"}, [&] {
     Read(TextWith(text, "0.003, 0, 0, ", "0.003, 0.5, 0, "));
   });
 }
@@ -393,14 +395,15 @@ TEST(PublishedCameras, ReadIntrinsicAndDistortion) {
                  .cameras.at(0),
              {kPinholeLens.k, {}}, &Lens::Pinhole);
   // Other keys of the camera are not skipped.
-  ExpectError(ExitCode::kInput, {"f: ", "distortion_model", "spherical"}, [&] {
-    Read("{\"RGB\": " +
-         TextWith(camera, "{\"width\"",
-                  "{\"distortion_model\": \"spherical\", \"width\"") +
-         "}");
-  });
+  ExpectError(
+      ExitCode::kInvalidInput, {"f: ", "distortion_model", "spherical"}, [&] {
+        Read("{\"RGB\": " +
+             TextWith(camera, "{\"width\"",
+                      "{\"distortion_model\": \"spherical\", \"width\"") +
+             "}");
+      });
   for (const char* model : {"2", "5"})
-    ExpectError(ExitCode::kInput, {"f: ", "model: ", model}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"f: ", "model: ", model}, [&] {
       Read(
           "{\"RGB\": " +
           TextWith(camera, "\"model\": 4", std::string("\"model\": ") + model) +
@@ -420,7 +423,7 @@ TEST(PublishedCameras, ReadOtherNamesOfMatrices) {
       "   data: [ -0.21, 0.06, 0.001, -0.002, 0. ]\nImageSize: [ 640, 480 ]\n"
       "ReprojectionError: 0.1\nDistModel: plumb_bob\n";
   ExpectLens(Read(autoware).cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "DistModel", "scaramuzza"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "DistModel", "scaramuzza"},
               [&] { Read(TextWith(autoware, "plumb_bob", "scaramuzza")); });
   const std::string opencalib =
       "{\"center_camera-intrinsic\": {\"device_type\": \"camera\", \"param\": "
@@ -429,10 +432,11 @@ TEST(PublishedCameras, ReadOtherNamesOfMatrices) {
       "[0, 0, 1]]}, \"cam_dist\": {\"cols\": 5, \"data\": [[-0.21, 0.06, "
       "0.001, -0.002, 0]]}}}}";
   ExpectLens(Read(opencalib).cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "img_dist_type", "scaramuzza"}, [&] {
-    Read(TextWith(opencalib, "\"img_dist_w\"",
-                  "\"img_dist_type\": \"scaramuzza\", \"img_dist_w\""));
-  });
+  ExpectError(
+      ExitCode::kInvalidInput, {"f: ", "img_dist_type", "scaramuzza"}, [&] {
+        Read(TextWith(opencalib, "\"img_dist_w\"",
+                      "\"img_dist_type\": \"scaramuzza\", \"img_dist_w\""));
+      });
   const auto panoptic = Read(
       "{\"cameras\": [{\"name\": \"00_00\", \"type\": \"hd\", \"resolution\": "
       "[640, 480], \"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], "
@@ -456,7 +460,7 @@ TEST(PublishedCameras, ReadZerosForNothing) {
       "  intrinsics: [410, 411.5, 322.5, 238]\n  resolution: [640, 480]\n"
       "  rostopic: /cam0\n";
   ExpectLens(Read(kalibr).cameras.at(0), kPinholeLens, &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "list of 4 numbers"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "list of 4 numbers"},
               [&] { Read(TextWith(kalibr, "-0.002, 0.0", "-0.002, 0.1")); });
   const auto ros = Read(
       "header:\n  frame_id: front\nheight: 480.0\nwidth: 640.0\n"

@@ -128,7 +128,7 @@ TEST(MakePuzzlepaintFormat, SaysWhatIsMissingOrWrong) {
   const std::string text = WrittenGrid(GridLens()).first;
   const auto expect = [&](const std::string& old, const std::string& by,
                           const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParsePuzzlepaint(TextWith(text, old, by)); });
   };
   expect("type : Central", "type : Radial",
@@ -174,7 +174,7 @@ TEST(MakePuzzlepaintFormat, ReadsPosesOfImagesThatWereUsed) {
 TEST(MakePuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words, [&] {
+    ExpectError(ExitCode::kInvalidInput, words, [&] {
       ParsePuzzlepaintPoses("f", TextWith(kOnePose, old, by));
     });
   };
@@ -192,7 +192,7 @@ TEST(MakePuzzlepaintFormat, SaysWhatIsWrongWithPosesAndPoints) {
        {std::tuple("[1.0, ", "[", "three coordinates"),
         {"index: 0", "index: 1", "point_index 1: out of range, 1 points"},
         {"id: 5", "id: -5", "feature_id"}})
-    ExpectError(ExitCode::kInput, {word},
+    ExpectError(ExitCode::kInvalidInput, {word},
                 [&, text = TextWith(points, old, by)] {
                   ParsePuzzlepaintPoints("f", text);
                 });
@@ -248,7 +248,7 @@ TEST(MakePuzzlepaintFormat, NumbersImagesAsTheDatasetOrTheirNamesDo) {
   EXPECT_EQ(numbers(WrittenPoses({"b.png"}, bytes)), std::vector<int>{2});
   EXPECT_EQ(numbers(WrittenPoses({"7", "2"}, "")), (std::vector<int>{2, 7}));
   EXPECT_EQ(numbers(WrittenPoses({"7", "x"}, "")), (std::vector<int>{0, 1}));
-  ExpectError(ExitCode::kInput, {"'d.png' is not in s/dataset.bin"},
+  ExpectError(ExitCode::kInvalidInput, {"'d.png' is not in s/dataset.bin"},
               [&] { WrittenPoses({"d.png"}, bytes); });
 }
 
@@ -273,7 +273,7 @@ TEST(MakePuzzlepaintFormat, RefusesStatesThatTheProgramWouldNotFind) {
     MakePuzzlepaintFormat().write_beside({"s/front.yaml", cameras});
   });
   cameras[0].poses[1].board = 3;
-  ExpectError(ExitCode::kInput, {"boards 0 and 3", "puzzlepaint"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"boards 0 and 3", "puzzlepaint"}, [&] {
     MakePuzzlepaintFormat().write_beside({"s/intrinsics0.yaml", cameras});
   });
 }

@@ -120,9 +120,9 @@ TEST(MakePythonFormat, FindsCameras) {
       "\"distortion.inverse_brown_conrady\", \"coeffs\": [0, 0, 0, 0, 0]}}";
   ExpectLens(Read(real).cameras.at(0), {{410, 411.5, 322.5, 238}, {}},
              &Lens::Pinhole);
-  ExpectError(ExitCode::kInput, {"f: ", "inverse_brown_conrady"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "inverse_brown_conrady"},
               [&] { Read(TextWith(real, "[0, 0,", "[0.1, 0,")); });
-  ExpectError(ExitCode::kInput, {"f: ", "modified_brown_conrady"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "modified_brown_conrady"}, [&] {
     Read(TextWith(TextWith(real, "inverse", "modified"), "[0, 0,", "[0.1, 0,"));
   });
 }
@@ -151,7 +151,7 @@ TEST(MakePythonFormat, ReadsCoefficientsByTheirNames) {
       with("\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001");
   ExpectLens(fisheye.cameras.at(0), {k, kFisheyeLens.d}, &Lens::Fisheye);
   EXPECT_EQ(fisheye.warnings.size(), 1u);
-  ExpectError(ExitCode::kInput, {"f: ", "cv::fisheye", "'model'"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "cv::fisheye", "'model'"}, [&] {
     with(
         "\"k1\": 0.03, \"k2\": -0.01, \"k3\": 0.004, \"k4\": -0.001, "
         "\"model\": \"pinhole\"");
@@ -179,8 +179,8 @@ TEST(MakePythonFormat, TakesCamerasWithoutDistortion) {
     EXPECT_NE(read.warnings[0].find("no distortion"), std::string::npos);
   }
   // It may have coefficients under a name that is not known.
-  ExpectError(ExitCode::kInput, {"f: ", "'distortion_coefficients' is missing"},
-              [] {
+  ExpectError(ExitCode::kInvalidInput,
+              {"f: ", "'distortion_coefficients' is missing"}, [] {
                 Read(
                     "{\"K\": [[410, 0, 322.5], [0, 411.5, 238], [0, 0, 1]], "
                     "\"width\": 640, \"height\": 480, \"distort_params\": "
@@ -200,10 +200,10 @@ TEST(MakePythonFormat, KnowsWhatSaysNothingOfTheLens) {
   ASSERT_EQ(read.warnings.size(), 1u);
   for (const char* word : {"camera_model", "alpha"})
     EXPECT_NE(read.warnings[0].find(word), std::string::npos);
-  ExpectError(ExitCode::kInput, {"f: ", "'k1'"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "'k1'"},
               [&] { Read(TextWith(text, "\"k1\": -0.21", "\"k1\": -0.3")); });
   for (const char* other : {"inverse_brown_conrady", "Scaramuzza", "division"})
-    ExpectError(ExitCode::kInput, {"f: ", other},
+    ExpectError(ExitCode::kInvalidInput, {"f: ", other},
                 [&] { Read(TextWith(text, "OmniVision OV5640", other)); });
 }
 

@@ -55,7 +55,7 @@ TEST(RadialModel, ReadsGyroflow) {
         return 1 + 0.03 * r - 0.09 * r * r + 0.02 * std::pow(r, 3);
       },
       0.01);
-  ExpectError(ExitCode::kInput, {"f: ", "skew"}, [] {
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "skew"}, [] {
     Read(TextWith(GyroflowProfile("ptlens", "0.02, -0.09, 0.03"), "[[500, 0,",
                   "[[500, 1,"));
   });
@@ -101,9 +101,10 @@ TEST(RadialModel, ReadsLensfun) {
            {"-0.05", "nan", "k1"},
            {"<calibration>", "<aspect-ratio>2:3</aspect-ratio><calibration>",
             "aspect-ratio"}})
-    ExpectError(ExitCode::kInput, {"f: ", word},
+    ExpectError(ExitCode::kInvalidInput, {"f: ", word},
                 [&, &o = old, &b = by] { Read(TextWith(text, o, b), kImage); });
-  ExpectError(ExitCode::kInput, {"f: ", "--image-size"}, [&] { Read(text); });
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "--image-size"},
+              [&] { Read(text); });
 }
 
 }  // namespace

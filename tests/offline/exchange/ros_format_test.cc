@@ -93,7 +93,7 @@ TEST(MakeRosFormat, ReadsWhatNeedNotBeThere) {
   // No size: the option says it.
   const std::string unsized = TextWith(TextWith(text, "image_width: 640\n", ""),
                                        "image_height: 480\n", "");
-  ExpectError(ExitCode::kInput, {"f: ", "--image-size"},
+  ExpectError(ExitCode::kInvalidInput, {"f: ", "--image-size"},
               [&] { ParseRos(unsized); });
   EXPECT_EQ(ReadExchangeFile(nullptr, {"f", unsized, "", ImageSize{64, 48}})
                 .cameras.at(0)
@@ -118,13 +118,13 @@ TEST(MakeRosFormat, KnowsFisheyesByTheirOlderNames) {
   for (const char* against :
        {"distortion_model: plumb_bob\ncamera_model: fisheye",
         "is_fisheye: true", "xi: 1.5", "camera_model: omni"})
-    ExpectError(ExitCode::kInput, {"f: "}, [&] { model_of(against); });
+    ExpectError(ExitCode::kInvalidInput, {"f: "}, [&] { model_of(against); });
 }
 
 TEST(MakeRosFormat, SaysWhatIsMissingOrWrong) {
   const auto expect = [](const std::string& old, const std::string& by,
                          const std::vector<std::string>& words) {
-    ExpectError(ExitCode::kInput, words,
+    ExpectError(ExitCode::kInvalidInput, words,
                 [&] { ParseRos(TextWith(kCameraInfo, old, by)); });
   };
   expect("plumb_bob", "Brown Conrady", {"f: ", "'Brown Conrady'", "plumb_bob"});

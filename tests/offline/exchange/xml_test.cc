@@ -39,13 +39,14 @@ TEST(Xml, SaysWhereItIsBroken) {
            {"<!-- ", "unclosed token"},
            {"<1a/>x", "not well-formed"},
            {"<!DOCTYPE a [<!ENTITY x 'y'>]>\n<a>&x;</a>", "document type"}})
-    ExpectError(ExitCode::kInput, {word}, [&, &t = text] { ParseXml(t); });
+    ExpectError(ExitCode::kInvalidInput, {word},
+                [&, &t = text] { ParseXml(t); });
 }
 
 TEST(Xml, RefusesElementsThatAreTooDeep) {
   std::string deep;
   for (int k = 0; k < 100000; ++k) deep += "<a>";
-  ExpectError(ExitCode::kInput, {"too deep"}, [&] { ParseXml(deep); });
+  ExpectError(ExitCode::kInvalidInput, {"too deep"}, [&] { ParseXml(deep); });
 }
 
 }  // namespace

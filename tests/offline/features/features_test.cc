@@ -32,7 +32,7 @@ TEST(PatternDetector, BoardsOfAllKindsAreFound) {
 
 TEST(PatternDetector, OptionsOutOfRangeAreRefused) {
   for (const int window_px : {0, 3, 20, 103, -21})
-    ExpectError(ExitCode::kInput, {"window", "odd"}, [&] {
+    ExpectError(ExitCode::kInvalidInput, {"window", "odd"}, [&] {
       PatternDetector(CharucoPattern(7, 5),
                       {Refinement::kIntensities, window_px});
     });
@@ -100,26 +100,26 @@ TEST_F(DetectFeaturesTest, MostImagesTellTheSize) {
 TEST_F(DetectFeaturesTest, RefusesImagesOfWhichNoSizeIsTheMostFrequent) {
   const std::string a = AddEmpty("a.png"), b = AddEmpty("b.png", 641);
   const std::string c = AddEmpty("c.png"), d = AddEmpty("d.png", 641);
-  ExpectError(ExitCode::kInput, {"b.png", "641 x 480"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"b.png", "641 x 480"}, [&] {
     Detect({a, b});
   });
-  ExpectError(ExitCode::kInput, {"b.png", "641 x 480"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"b.png", "641 x 480"}, [&] {
     Detect({a, b, c, d});
   });
 }
 
 TEST_F(DetectFeaturesTest, RefusesWhatCannotBeDetectedOrRead) {
-  ExpectError(ExitCode::kInput, {"nowhere.png"},
+  ExpectError(ExitCode::kInvalidInput, {"nowhere.png"},
               [&] { Detect({"nowhere.png"}); });
-  ExpectError(ExitCode::kInput, {"nowhere.png", "other 1 image"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"nowhere.png", "other 1 image"}, [&] {
     Detect({"nowhere.png", "neither.png"});
   });
   pattern_.boards[0].kind = "circles";
-  ExpectError(ExitCode::kInput, {"circles"}, [&] { Detect({}); });
+  ExpectError(ExitCode::kInvalidInput, {"circles"}, [&] { Detect({}); });
 }
 
 TEST_F(DetectFeaturesTest, RefusesTwoImagesOfOneName) {
-  ExpectError(ExitCode::kInput, {"a.png", "same name"}, [&] {
+  ExpectError(ExitCode::kInvalidInput, {"a.png", "same name"}, [&] {
     Detect({AddEmpty("a.png"), folder_ / "sub/../a.png"});
   });
 }

@@ -43,7 +43,7 @@ TEST(GreyLevels, ColourAndEightBitsAreAsReadImageHasThem) {
 TEST(GreyLevels, DamagedFilesAreRefused) {
   const TemporaryFolder folder;
   WriteFile(folder / "a.png", "this is no image");
-  ExpectError(ExitCode::kInput, {"a.png", "not an image"},
+  ExpectError(ExitCode::kInvalidInput, {"a.png", "not an image"},
               [&] { ReadGreyLevels(folder / "a.png"); });
 }
 

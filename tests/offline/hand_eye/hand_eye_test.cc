@@ -133,10 +133,10 @@ TEST(HandEye, MissingMotionIsNamed) {
     const auto one_axis = [&] {
       CalibrateHandEye(SimulateRobot(options, 6).observations, mounting, {});
     };
-    EXPECT_HAS(ErrorOfCall(one_axis, ExitCode::kInitialization),
+    EXPECT_HAS(ErrorOfCall(one_axis, ExitCode::kInitializationFailed),
                "about one axis only");
     options.turn_rad = 1e-4;
-    EXPECT_HAS(ErrorOfCall(one_axis, ExitCode::kInitialization),
+    EXPECT_HAS(ErrorOfCall(one_axis, ExitCode::kInitializationFailed),
                "does not rotate");
   }
   const SimulatedRobot robot = SimulateRobot({}, 6);
@@ -146,7 +146,7 @@ TEST(HandEye, MissingMotionIsNamed) {
                                      robot.observations.begin() + 2},
                                     Mounting::kEyeInHand, {});
                  },
-                 ExitCode::kTooFew),
+                 ExitCode::kInsufficientData),
              "2 of at least 3 poses");
 }
 
@@ -157,7 +157,7 @@ TEST(HandEye, OtherConventionsAreRecognized) {
     change(&robot.observations);
     return ErrorOfCall(
         [&] { CalibrateHandEye(robot.observations, mounting, {}); },
-        ExitCode::kInitialization);
+        ExitCode::kInitializationFailed);
   };
   EXPECT_HAS(error_with([](auto* poses) {
                for (auto& pose : *poses)
@@ -187,10 +187,10 @@ TEST(HandEye, OtherUnitsAreRecognized) {
   const auto check = [&] {
     RequireSameUnit(robot.observations, Mounting::kEyeInHand);
   };
-  EXPECT_HAS(ErrorOfCall(check, ExitCode::kInput), "--robot-unit mm");
+  EXPECT_HAS(ErrorOfCall(check, ExitCode::kInvalidInput), "--robot-unit mm");
   for (auto& pose : robot.observations)
     pose.base_from_gripper.translation *= 1e-6;
-  EXPECT_HAS(ErrorOfCall(check, ExitCode::kInput), "--robot-unit m,");
+  EXPECT_HAS(ErrorOfCall(check, ExitCode::kInvalidInput), "--robot-unit m,");
 }
 
 TEST(HandEye, ScaleErrorsAndOptimismAreReported) {

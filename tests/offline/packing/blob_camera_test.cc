@@ -43,11 +43,11 @@ TEST(BlobCamera, RefusesDamagedBlobsByName) {
   for (size_t i = 0; i < Packed().blob.size(); i += 997) {
     std::string damaged = Packed().blob;
     damaged[i] ^= 0x10;
-    ExpectError(ExitCode::kBlob, {"d.raygrid"},
+    ExpectError(ExitCode::kInvalidBlob, {"d.raygrid"},
                 [&] { BlobCamera("d.raygrid", damaged); });
   }
   for (const size_t size : {size_t{0}, size_t{3}, Packed().blob.size() - 1})
-    ExpectError(ExitCode::kBlob, {"d.raygrid"}, [&] {
+    ExpectError(ExitCode::kInvalidBlob, {"d.raygrid"}, [&] {
       BlobCamera("d.raygrid", Packed().blob.substr(0, size));
     });
 }
@@ -135,12 +135,13 @@ TEST(BlobCamera, UndistortRefusesImagesOfAnotherSize) {
   Image image;
   image.size = {320, 240};
   image.pixels.resize(320 * 240);
-  ExpectError(ExitCode::kBlob, {}, [&] { Opened().Undistort(image, 0); });
+  ExpectError(ExitCode::kInvalidBlob, {},
+              [&] { Opened().Undistort(image, 0); });
 }
 
 TEST(BlobCamera, UndistortNeedsARemap) {
   const BlobCamera blob("p", PackCamera(GenericFile(), PackOptions()).blob);
-  ExpectError(ExitCode::kBlob, {}, [&] {
+  ExpectError(ExitCode::kInvalidBlob, {}, [&] {
     blob.Undistort(Made(1, [](int, int, int) { return 0; }), 0);
   });
 }
@@ -150,7 +151,7 @@ TEST(BlobCamera, TellsTheViewOfItsTable) {
   EXPECT_EQ(view.size, Virtual().size);
   EXPECT_LT((view.focal_px - Virtual().focal_px).norm(), 1e-4);
   EXPECT_LT((view.center_px - Virtual().center_px).norm(), 1e-4);
-  ExpectError(ExitCode::kBlob, {}, [] { Opened().GetRemapView(1); });
+  ExpectError(ExitCode::kInvalidBlob, {}, [] { Opened().GetRemapView(1); });
 }
 
 }  // namespace

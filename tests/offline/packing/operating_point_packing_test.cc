@@ -202,14 +202,14 @@ TEST(StackPacking, KnotsThatDoNotFitEachOtherAreRefused) {
       RG_OPERATING_PARAMETER_TEMPERATURE, {20, 30}, {CameraAt(0), CameraAt(1)}};
   EXPECT_NO_THROW(PackCamera(file, options));
   options.stack->values = {30, 20};
-  ExpectError(ExitCode::kQuality, {"ascend"},
+  ExpectError(ExitCode::kQualityTooLow, {"ascend"},
               [&] { PackCamera(file, options); });
   options.stack->values = {20};
-  ExpectError(ExitCode::kQuality, {"2 to 64"},
+  ExpectError(ExitCode::kQualityTooLow, {"2 to 64"},
               [&] { PackCamera(file, options); });
   options.stack->values = {20, 30};
   options.stack->cameras[1] = FittedGrid(LensAt(1), 60);
-  ExpectError(ExitCode::kQuality, {"equal size"},
+  ExpectError(ExitCode::kQualityTooLow, {"equal size"},
               [&] { PackCamera(file, options); });
 }
 
@@ -218,7 +218,7 @@ TEST(SelectSamples, RefusesRangesThatNeedTooMany) {
   const auto coarse_at = [](double dioptres) {
     return FittedGrid(LensAt(dioptres), 160);
   };
-  ExpectError(ExitCode::kQuality, {"64 samples"}, [&] {
+  ExpectError(ExitCode::kQualityTooLow, {"64 samples"}, [&] {
     SelectSamples(RG_OPERATING_PARAMETER_LENS_POSITION, 0, 10, coarse_at, 1e-7);
   });
 }

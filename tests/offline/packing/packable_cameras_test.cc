@@ -63,7 +63,7 @@ TEST(PackSupportedSections, ShowsTheAreaWhereTheUsualViewShowsNothingOfIt) {
 TEST(PackSupportedSections, ShowsTheAreaWhereTheUsualTableIsNotExact) {
   const OpenCvModel lens =
       Lens({640, 480}, {142.2337, 140, 342.2337, 340}, 60, {168, 236}, 0.26);
-  ExpectError(ExitCode::kQuality, {"remap error"},
+  ExpectError(ExitCode::kQualityTooLow, {"remap error"},
               [&] { PackUsualView(lens); });
   const PackedCamera packed = PackLens(lens);
   EXPECT_FALSE(packed.blob.empty());

@@ -44,7 +44,7 @@ TEST(PackCamera, TighterBoundTakesSmallerBlocksAndIsKept) {
 }
 
 TEST(PackCamera, BoundThatCannotBeKeptIsAnError) {
-  ExpectError(ExitCode::kQuality, {"--max-error-px"},
+  ExpectError(ExitCode::kQualityTooLow, {"--max-error-px"},
               [] { PackCamera(GenericFile(), WithRemap(1e-4)); });
 }
 

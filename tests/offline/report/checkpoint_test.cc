@@ -62,7 +62,7 @@ TEST(Checkpoint, ThatWasAlteredIsRefused) {
     altered.replace(altered.find(number), 1, "2");
     ASSERT_NE(altered, text) << number;
     WriteFile(path, altered);
-    ExpectError(ExitCode::kInput, {"resume.json", "was modified"},
+    ExpectError(ExitCode::kInvalidInput, {"resume.json", "was modified"},
                 [&] { ReadCheckpoints(path, "cafe"); });
   }
 }
@@ -75,7 +75,8 @@ TEST(Residuals, OfMoreRowsThanACalibrationLeaves) {
   for (size_t k = 0; k <= kMaxResidualRows; ++k)
     text += "rejected,a,0,0,0,1,1,0,0\n";
   WriteFile(path, text);
-  ExpectError(ExitCode::kInput, {"residuals.csv, line 2000002", "2000000 rows"},
+  ExpectError(ExitCode::kInvalidInput,
+              {"residuals.csv, line 2000002", "2000000 rows"},
               [&] { ReadResiduals(path); });
 }
 

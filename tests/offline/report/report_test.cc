@@ -324,7 +324,7 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
                                  "poses.csv", "pattern.yaml", "features.csv"}) {
     WriteResultTo(out, PlainResult());
     std::filesystem::remove(out + "/" + name);
-    ExpectError(ExitCode::kInput, {name, "missing", "calibrate"},
+    ExpectError(ExitCode::kInvalidInput, {name, "missing", "calibrate"},
                 [&] { ReportOf(out); });
   }
   for (const char* text :
@@ -333,7 +333,8 @@ TEST(ResultFolder, MissingFilesAndOtherVersionsAreNamed) {
         "\"verdict\": \"pass\", \"reasons\": []}"}) {
     WriteResultTo(out, PlainResult());
     WriteFile(out + "/result.json", text);
-    ExpectError(ExitCode::kInput, {"result.json", "rerun the calibration"},
+    ExpectError(ExitCode::kInvalidInput,
+                {"result.json", "rerun the calibration"},
                 [&] { ReportOf(out); });
   }
 }

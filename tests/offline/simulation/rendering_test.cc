@@ -272,9 +272,9 @@ TEST(MakeSimulatedCamera, FisheyeSeesBehindTheImagePlane) {
 }
 
 TEST(MakeSimulatedCamera, UnknownNamesAreRefused) {
-  ExpectError(ExitCode::kInput, {"fisheye190"},
+  ExpectError(ExitCode::kInvalidInput, {"fisheye190"},
               [] { MakeSimulatedCamera("zoom", kSize); });
-  ExpectError(ExitCode::kInput, {"640x480"},
+  ExpectError(ExitCode::kInvalidInput, {"640x480"},
               [] { MakeSimulatedCamera("example", kSize); });
 }
 
@@ -309,7 +309,7 @@ TEST(RenderObservations, ImagesThatHardlyOccurAreRefused) {
   const Pattern pattern = ChessboardPattern(10, 8, 0.02);
   SimulationOptions options;
   options.features_per_image = 81;  // one more than there are
-  ExpectError(ExitCode::kTooFew, {"81 features"}, [&] {
+  ExpectError(ExitCode::kInsufficientData, {"81 features"}, [&] {
     SimulateObservations(*MakeSimulatedCamera("pinhole", kSize), pattern,
                          options);
   });
