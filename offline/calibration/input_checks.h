@@ -10,7 +10,7 @@ namespace raygrid {
 
 /// Checks the input before any expensive step. Throws Error: kUsage for no
 /// camera, an unknown model, unknown held-out images, and two cameras of one
-/// name; kInitialization for a rig whose cameras are not connected by shared
+/// name; kInitializationFailed for a rig whose cameras are not connected by shared
 /// views.
 void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
