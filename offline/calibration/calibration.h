@@ -96,8 +96,8 @@ struct CalibrationOptions {
 /// features. Images of the same name belong to one frame. The rig's frame of
 /// reference is the first camera's. With known intrinsics of all cameras, only
 /// poses and the target geometry are estimated. Throws Error: kInsufficientData
-/// or kInitializationFailed; kUsage if boards are implausibly far away, or if known
-/// intrinsics are for images of another size.
+/// or kInitializationFailed; kUsage if boards are implausibly far away, or if
+/// known intrinsics are for images of another size.
 RigResult Calibrate(const std::vector<CalibrationInput>& cameras,
                     const Pattern& pattern, const CalibrationOptions& options);
 

@@ -10,8 +10,8 @@ namespace raygrid {
 
 /// Checks the input before any expensive step. Throws Error: kUsage for no
 /// camera, an unknown model, unknown held-out images, and two cameras of one
-/// name; kInitializationFailed for a rig whose cameras are not connected by shared
-/// views.
+/// name; kInitializationFailed for a rig whose cameras are not connected by
+/// shared views.
 void RequireValidInput(const std::vector<CalibrationInput>& cameras,
                        const Pattern& pattern,
                        const CalibrationOptions& options);

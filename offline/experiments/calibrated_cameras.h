@@ -63,8 +63,8 @@ struct ComparedCameras {
 /// Calibrates the models from simulated features and adds the true camera; or
 /// from the user's features, with the last model as the reference. Of the
 /// user's cameras, the last is the reference; if it is the only one, parametric
-/// models are fitted to it in its valid region. Throws Error: kInitializationFailed
-/// if no model can be calibrated.
+/// models are fitted to it in its valid region. Throws Error:
+/// kInitializationFailed if no model can be calibrated.
 ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
                                       const std::vector<std::string>& models);
 
