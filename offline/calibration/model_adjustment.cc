@@ -235,14 +235,15 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              AdjustmentResult* adjusted,
                              const AdjustmentResult* warm) {
   const AdjustmentResult start = *adjusted;
+  const bool can_judge = CanJudge(start.state, model);
   if (warm && HasSameViews(warm->problem, start.problem)) {
     AdjustFromWarmStart(pattern, model, knot_spacings_px, options, *warm,
                         adjusted);
-    if (!HasDiverged(*adjusted, *warm)) return;
+    if (!HasDiverged(*adjusted, can_judge ? start : *warm)) return;
     *adjusted = start;
   }
   AdjustFromModels(pattern, model, knot_spacings_px, options, adjusted);
-  if (CanJudge(start.state, model) && HasDiverged(*adjusted, start))
+  if (can_judge && HasDiverged(*adjusted, start))
     AdjustFromOtherModels(pattern, model, knot_spacings_px, options, start,
                           adjusted);
 }
