@@ -94,33 +94,8 @@ struct OtherColumns {
 using ByBlock = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxPerPose>;
 
 // *y += factor * x for vectors of the given size.
-void AddScaled(double factor, const double* __restrict x, int size,
-               double* __restrict y) {
+void AddScaled(double factor, const double* x, int size, double* y) {
   for (int n = 0; n < size; ++n) y[n] += factor * x[n];
-}
-
-// Control points whose parameters are adjacent: a row of the grid.
-struct NodeRun {
-  int first, end;  // indices of control points
-  int parameter;   // first parameter
-};
-
-struct NodeRuns {
-  int count = 0;
-  std::array<NodeRun, LinearizedProjection::kMaxNodes> runs;
-};
-
-NodeRuns FindNodeRuns(const ViewJacobian& jacobian, int column) {
-  NodeRuns found;
-  for (int k = 0; k < jacobian.num_nodes; ++k) {
-    const int parameter = jacobian.node_parameter(k, column);
-    if (k > 0 && parameter == jacobian.node_parameter(k - 1, column) +
-                                  jacobian.num_per_node)
-      found.runs[found.count - 1].end = k + 1;
-    else
-      found.runs[found.count++] = {k, k + 1, parameter};
-  }
-  return found;
 }
 
 // Computes J_node^T J_other column by column. Jacobians are stored as pairs,
@@ -160,40 +135,23 @@ struct NodeContribution {
     MultiplyPairs(J_node, size, error.data(), 1, node_error);
     MultiplyPairs(J_node, size, by_block.data(), num_block, node_block);
     MultiplyPairs(J_node, size, others.value.data(), others.count, node_others);
-    const NodeRuns runs = FindNodeRuns(jacobian, column);
-    double spread[kMax * LinearizedProjection::kMaxNodes];
-    // Multiplies a column by all spline weights.
-    const auto spread_column = [&](const double* product) {
-      for (int k = 0; k < jacobian.num_nodes; ++k)
+    for (int k = 0; k < jacobian.num_nodes; ++k) {
+      const double weight = jacobian.node_weight(k, column);
+      const int row = first + jacobian.node_parameter(k, column);
+      AddScaled(weight, node_error, size, &(*gradient)(row, 0));
+      for (int b = 0; b < num_block; ++b)
+        AddScaled(weight, node_block + size * b, size, &(*w)(row, b));
+      for (int l = 0; l <= k; ++l) {
+        const int other_node = first + jacobian.node_parameter(l, column);
+        const double both = weight * jacobian.node_weight(l, column);
         for (int n = 0; n < size; ++n)
-          spread[size * k + n] = jacobian.node_weight(k, column) * product[n];
-    };
-    // Adds a factor times the spread column to a matrix column, from the run of
-    // a control point on.
-    const auto add_spread = [&](double factor, int from, double* to) {
-      for (int r = 0; r < runs.count; ++r) {
-        const NodeRun& run = runs.runs[r];
-        if (run.end > from)
-          AddScaled(factor, spread + size * run.first,
-                    size * (run.end - run.first), to + first + run.parameter);
+          AddScaled(both, node_node + size * n, size,
+                    &(*a)(row, other_node + n));
       }
-    };
-    spread_column(node_error);
-    add_spread(1, 0, gradient->data());
-    for (int b = 0; b < num_block; ++b) {
-      spread_column(node_block + size * b);
-      add_spread(1, 0, &(*w)(0, b));
-    }
-    for (int n = 0; n < size; ++n) {
-      spread_column(node_node + size * n);
-      for (int k = 0; k < jacobian.num_nodes; ++k) {
-        const double weight = jacobian.node_weight(k, column);
-        double* to = &(*a)(0, first + jacobian.node_parameter(k, column) + n);
-        // Also adds to the upper triangle, which is not used.
-        add_spread(weight, k, to);
-        for (int other = 0; other < others.count; ++other)
-          to[others.index[other]] += weight * node_others[size * other + n];
-      }
+      for (int other = 0; other < others.count; ++other)
+        for (int n = 0; n < size; ++n)
+          (*a)(others.index[other], row + n) +=
+              weight * node_others[size * other + n];
     }
   }
 };

@@ -236,14 +236,15 @@ void OptimizeWithRigidBoards(const Pattern& pattern, const std::string& model,
                              AdjustmentResult* adjusted,
                              const AdjustmentResult* warm) {
   const AdjustmentResult start = *adjusted;
+  const bool can_assess = CanAssessDivergence(start.state, model);
   if (warm && HasSameViews(warm->problem, start.problem)) {
     AdjustFromWarmStart(pattern, model, knot_spacings_px, options, *warm,
                         adjusted);
-    if (!HasDiverged(*adjusted, *warm)) return;
+    if (!HasDiverged(*adjusted, can_assess ? start : *warm)) return;
     *adjusted = start;
   }
   AdjustFromModels(pattern, model, knot_spacings_px, options, adjusted);
-  if (CanAssessDivergence(start.state, model) && HasDiverged(*adjusted, start))
+  if (can_assess && HasDiverged(*adjusted, start))
     AdjustFromOtherModels(pattern, model, knot_spacings_px, options, start,
                           adjusted);
 }
