@@ -545,9 +545,11 @@ class Rigs(ExchangeTest):
                                       out + (".txt" if entry["rigs"] else ""))
                 files = json.loads(result.stdout)["files"]
                 again = self.path(f"again_{entry['name']}_{count}/rig.yaml")
-                self.succeed("import", *files[:1 if entry["rigs"] else count],
-                             "--image-size", "160x120", "-o", again)
+                imported = run("import", *files[:1 if entry["rigs"] else count],
+                               "--image-size", "160x120", "-o", again)
                 is_rig = os.path.isfile(again)
+                if not is_rig:  # cameras without poses go into a folder
+                    self.assert_refused(imported, 1, "specify a folder")
                 with self.subTest(format=entry["name"], cameras=count):
                     self.assertEqual("poses of a rig" in result.stderr, not is_rig)
                 if is_rig:
