@@ -137,16 +137,15 @@ void KeepEvery(int every, std::vector<SelectedImages>* images,
   }
 }
 
-// Throws unless the cameras of a rig are topics that differ.
-void RequireTopics(const std::vector<NamedValue>& cameras,
-                   const std::vector<BagArgument>& arguments,
-                   const std::vector<const ImageTopic*>& topics) {
+// Throws if two cameras of a rig have the same topic.
+void RequireDifferentTopics(const std::vector<NamedValue>& cameras,
+                            const std::vector<const ImageTopic*>& topics) {
   for (size_t c = 0; c < topics.size(); ++c)
     for (size_t before = 0; before < c; ++before)
       if (topics[c] == topics[before])
         throw Error(ExitCode::kUsage,
                     fmt::format("--camera {}={}: same topic as camera {}",
-                                cameras[c].name, arguments[c].bag,
+                                cameras[c].name, cameras[c].value,
                                 cameras[before].name));
 }
 
@@ -245,7 +244,7 @@ ImageTimes MakeImageTimes(const BagFrames& frames) {
 
 std::vector<RigCameraImages> ExpandRigBags(
     const std::vector<NamedValue>& cameras, const BagOptions& options,
-    bool quiet, std::vector<ImageTimes>* times) {
+    const std::string& sync_by, bool quiet, std::vector<ImageTimes>* times) {
   std::vector<RigCameraImages> expanded;
   std::vector<BagArgument> arguments;
   for (const auto& [name, value] : cameras) {
@@ -260,6 +259,11 @@ std::vector<RigCameraImages> ExpandRigBags(
   if (arguments.size() < cameras.size())
     throw Error(ExitCode::kUsage,
                 "--camera: specify either folders or bags for all cameras");
+  if (sync_by != "name")
+    throw Error(ExitCode::kUsage,
+                fmt::format("--sync-by {}: frames of bags are matched by their "
+                            "stamps; omit the option",
+                            sync_by));
   BagReader reader(quiet);
   std::vector<const BagIndex*> bags;
   std::vector<const ImageTopic*> topics;
@@ -274,7 +278,7 @@ std::vector<RigCameraImages> ExpandRigBags(
     images.push_back(SelectImages(*bags[c], *topics[c], selection));
     reader.Print(images.back().remarks);
   }
-  RequireTopics(cameras, arguments, topics);
+  RequireDifferentTopics(cameras, topics);
   PairedImages paired = PairImages(names, images, options.tolerance_s);
   reader.Print(paired.remarks);
   KeepEvery(options.selection.every, &images, &paired.names);

@@ -51,12 +51,14 @@ std::vector<std::string> ExpandBags(const std::vector<std::string>& images,
 /// since 1970 would be rounded.
 ImageTimes MakeImageTimes(const BagFrames& frames);
 
-/// The same for the cameras of a rig, NAME=BAG:TOPIC; empty if none is a bag.
+/// ExpandBags() for the cameras of a rig, NAME=BAG:TOPIC; empty if none is one.
 /// Images of a frame have the same name. times: receives the times of each
-/// camera's images. Throws Error(kUsage) if only some are bags.
+/// camera's images. Throws Error(kUsage) if only some are bags, or if --sync-by
+/// is not "name".
 std::vector<RigCameraImages> ExpandRigBags(
     const std::vector<NamedValue>& cameras, const BagOptions& options,
-    bool quiet, std::vector<ImageTimes>* times = nullptr);
+    const std::string& sync_by, bool quiet,
+    std::vector<ImageTimes>* times = nullptr);
 
 /// Whether an output path is that of a bag: .mcap.
 bool IsBagOutput(const std::string& path);

@@ -217,9 +217,9 @@ void UseBags(bool quiet, CalibrateArguments* arguments) {
       arguments->session_times.push_back(MakeImageTimes(frames));
     return;
   }
-  const std::vector<RigCameraImages> rig =
-      ExpandRigBags(ParseCameraValues("--camera", "FOLDER", arguments->cameras),
-                    arguments->bags, quiet, &arguments->session_times);
+  const std::vector<RigCameraImages> rig = ExpandRigBags(
+      ParseCameraValues("--camera", "FOLDER", arguments->cameras),
+      arguments->bags, arguments->sync_by, quiet, &arguments->session_times);
   if (rig.empty()) return;
   arguments->rig = rig;
   arguments->cameras.clear();

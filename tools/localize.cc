@@ -89,7 +89,8 @@ void UseBags(bool quiet, LocalizeArguments* arguments) {
   }
   const std::vector<NamedValue> folders =
       ParseCameraValues("--camera", "DIR", arguments->folders);
-  arguments->rig = ExpandRigBags(folders, arguments->bags, quiet);
+  arguments->rig =
+      ExpandRigBags(folders, arguments->bags, arguments->sync_by, quiet);
   if (!arguments->rig.empty()) return;
   RequireSeparateFolderNames("--camera", folders);
   for (const auto& [name, folder] : folders)

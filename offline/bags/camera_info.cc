@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "bags/bag.h"
 #include "bags/message_fields.h"
 #include "bags/topic_choice.h"
+#include "dataset/byte_reader.h"
 #include "dataset/error.h"
 
 namespace raygrid {
@@ -17,7 +19,50 @@ namespace {
 
 constexpr size_t kMaxCoefficients = 1000;
 
+// Appends a number, or the packed numbers, of a repeated field of doubles.
+void AppendDoubles(const ProtobufField& field, std::vector<double>* numbers) {
+  if (field.bytes.empty()) {
+    double number;
+    std::memcpy(&number, &field.value, sizeof(number));
+    numbers->push_back(number);
+  }
+  ByteReader reader(field.bytes);
+  while (reader.remaining() > 0) numbers->push_back(reader.Get<double>());
+}
+
+// foxglove.CameraCalibration
+CameraInfo ParseCameraCalibration(std::string_view data) {
+  CameraInfo info;
+  std::vector<double>* const lists[] = {&info.d, &info.k, &info.r, &info.p};
+  for (const ProtobufField& field : ReadProtobuf(data)) {
+    if (field.number == 2) info.width = static_cast<uint32_t>(field.value);
+    if (field.number == 3) info.height = static_cast<uint32_t>(field.value);
+    if (field.number == 4) info.model = std::string(field.bytes);
+    if (field.number >= 5 && field.number <= 8)
+      AppendDoubles(field, lists[field.number - 5]);
+  }
+  if (info.d.size() > kMaxCoefficients || info.k.size() != 9)
+    throw InputError(fmt::format("{} coefficients, and {} numbers of K",
+                                 info.d.size(), info.k.size()));
+  // Optional, unlike in ROS.
+  const std::vector<double>& k = info.k;
+  if (info.r.empty()) info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  if (info.p.empty())
+    info.p = {k[0], k[1], k[2], 0, k[3], k[4], k[5], 0, k[6], k[7], k[8], 0};
+  return info;
+}
+
+bool HasCameraInfo(const BagTopic& topic) {
+  return topic.encoding == MessageEncoding::kProtobuf
+             ? topic.type == "foxglove.CameraCalibration"
+             : topic.type == "sensor_msgs/CameraInfo" &&
+                   (topic.encoding == MessageEncoding::kRos1 ||
+                    topic.encoding == MessageEncoding::kCdr);
+}
+
 CameraInfo ParseCameraInfo(MessageEncoding encoding, std::string_view data) {
+  if (encoding == MessageEncoding::kProtobuf)
+    return ParseCameraCalibration(data);
   MessageFields fields(encoding, data);
   CameraInfo info;
   std::string frame_id;
@@ -62,10 +107,7 @@ CameraInfo ReadCameraInfo(const std::string& path, const std::string& topic,
   std::map<size_t, InfoTopic> by_topic;
   bag.Scan([&](const BagMessage& message) {
     const BagTopic& own = bag.topics()[message.topic];
-    if (own.type == "sensor_msgs/CameraInfo" &&
-        (own.encoding == MessageEncoding::kRos1 ||
-         own.encoding == MessageEncoding::kCdr))
-      AddInfo(own, message, &by_topic[message.topic]);
+    if (HasCameraInfo(own)) AddInfo(own, message, &by_topic[message.topic]);
   });
   *remarks = bag.remarks();
   std::vector<std::string> names;
@@ -75,7 +117,8 @@ CameraInfo ReadCameraInfo(const std::string& path, const std::string& topic,
     topics.push_back(&found);
   }
   const size_t chosen =
-      ChooseTopic(bag, names, topic, "messages of sensor_msgs/CameraInfo");
+      ChooseTopic(bag, names, topic,
+                  "CameraInfo (sensor_msgs) or CameraCalibration (Foxglove)");
   const InfoTopic& found = *topics[chosen];
   if (!found.first)
     throw InputError(fmt::format("{}:{}: no message decodes ({})", path,

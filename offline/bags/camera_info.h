@@ -17,7 +17,8 @@ struct CameraInfo {
   std::vector<uint32_t> roi = {0, 0, 0, 0};
 };
 
-/// Reads the first message of a topic; "" means the only topic of this type.
+/// Reads the first message of a topic, also of Foxglove's CameraCalibration in
+/// protobuf; "" means the only topic of these types.
 /// remarks: damaged parts of the bag, and later messages that differ. Throws
 /// InputError; Error(kUsage) for unknown topics.
 CameraInfo ReadCameraInfo(const std::string& bag, const std::string& topic,

@@ -273,7 +273,7 @@ PairedImages PairImages(const std::vector<std::string>& cameras,
   for (size_t c = 0; c < num_cameras; ++c) {
     const double offset_s = ComputeClockOffset(images[c].images) -
                             ComputeClockOffset(images[0].images);
-    if (num_alone[c] < paired.names[c].size()) continue;
+    if (num_cameras == 1 || num_alone[c] < paired.names[c].size()) continue;
     throw InputError(fmt::format(
         "camera {}: none of its {} images is within {:g} s of one of another "
         "camera (its clock differs from camera {}'s by {:.3g} s); use "

@@ -1,4 +1,4 @@
-"""PyPI's rosbags and mcap write bags of images, and read those of raygrid.
+"""PyPI's rosbags, mcap and foxglove-schemas-protobuf write bags of images, and read those of raygrid.
   bags_peer.py write IMAGES.npy FOLDER   images: N x rows x columns of 8 bits; a stamp every 0.1 s
   bags_peer.py read BAG                  topic, type, stamp and size of each message, as JSON"""
 import json
@@ -6,8 +6,11 @@ import os
 import sys
 
 import numpy
+from foxglove_schemas_protobuf.CameraCalibration_pb2 import CameraCalibration
+from foxglove_schemas_protobuf.RawImage_pb2 import RawImage
+from google.protobuf.timestamp_pb2 import Timestamp
 from mcap.reader import make_reader
-from mcap.writer import CompressionType
+from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as McapWriter
 from rosbags import rosbag1, rosbag2
@@ -77,6 +80,26 @@ def write(images, folder):
             writer.finish()
 
 
+def write_foxglove(images, folder):
+    with open(os.path.join(folder, "foxglove.mcap"), "wb") as file:
+        writer = Writer(file)
+        writer.start()
+        topics = {}
+        for topic, kind in ((TOPIC, RawImage), ("/info", CameraCalibration)):
+            schema = writer.register_schema(kind.DESCRIPTOR.full_name, "protobuf", b"")
+            topics[kind] = writer.register_channel(topic, "protobuf", schema)
+        for k, image in enumerate(images):
+            time = Timestamp(seconds=stamp(k) // 10**9, nanos=stamp(k) % 10**9)
+            rows, columns = image.shape
+            for one in (RawImage(timestamp=time, frame_id="cam0", width=columns, height=rows, encoding="mono8",
+                                 step=columns, data=image.tobytes()),
+                        CameraCalibration(timestamp=time, frame_id="cam0", width=columns, height=rows,
+                                          distortion_model="plumb_bob", D=[0.1, 0, 0, 0, 0],
+                                          K=[9, 0, 7, 0, 8, 6, 0, 0, 1])):
+                writer.add_message(topics[type(one)], stamp(k), one.SerializeToString(), stamp(k))
+        writer.finish()
+
+
 def read(path):
     messages = []
     with open(path, "rb") as file:
@@ -100,5 +123,6 @@ def read(path):
 
 if sys.argv[1] == "write":
     write(numpy.load(sys.argv[2]), sys.argv[3])
+    write_foxglove(numpy.load(sys.argv[2]), sys.argv[3])
 else:
     read(sys.argv[2])

@@ -32,11 +32,12 @@ def peers():
     """A Python that has rosbags and mcap, in a folder of the build; None if it cannot be had."""
     python = os.path.join(VENV, "bin", "python")
     has_them = lambda: os.path.exists(python) and subprocess.run(
-        [python, "-c", "import rosbags, mcap_ros2, numpy"], capture_output=True, check=False).returncode == 0
+        [python, "-c", "import rosbags, mcap_ros2, foxglove_schemas_protobuf, numpy"], capture_output=True,
+        check=False).returncode == 0
     if not has_them():
         subprocess.run([sys.executable, "-m", "venv", VENV], capture_output=True, check=False)
         subprocess.run([python, "-m", "pip", "install", "-q", "--retries", "0", "--timeout", "5", "rosbags", "mcap",
-                        "mcap-ros2-support"], capture_output=True, check=False)
+                        "mcap-ros2-support", "foxglove-schemas-protobuf"], capture_output=True, check=False)
     return python if has_them() else None
 
 
@@ -232,6 +233,7 @@ class Bags(CommandTest):
         self.assert_refused(localize("--sync-tolerance-s", 0.001), 2, "none of its", "--stamps log")
         self.assert_done(localize("--sync-tolerance-s", 0.001, "--stamps", "log"))
         self.assert_refused(localize(right=":" + TOPIC), 1, "same topic as camera left")
+        self.assert_refused(localize("--sync-by", "number"), 1, "matched by their stamps")
 
     def test_undistorted_images_become_a_bag(self):
         camera = write(self.path("opencv.yaml"), LENS)
@@ -290,9 +292,11 @@ class Bags(CommandTest):
         subprocess.run([python, os.path.join(HERE, "bags_peer.py"), "write", self.path("images.npy"),
                         self.path("peers")], check=True)
         bags = sorted(os.listdir(self.path("peers")))
-        self.assertEqual(len(bags), 13)
+        self.assertEqual(len(bags), 14)
         for bag in bags:
             self.assertEqual(self.assert_same_features(self.path("peers/" + bag)).stderr, "", bag)
+        self.assert_done(run("import", self.path("peers/foxglove.mcap"), "-o", self.path("foxglove.yaml")))
+        self.assertRegex(read(self.path("foxglove.yaml")).decode(), r"fx: 9\n  fy: 8\n  cx: 7\n  cy: 6\n  k1: 0.1\n")
         self.assert_done(run("undistort", write(self.path("opencv.yaml"), LENS), self.run_mcap, "-o",
                              self.path("out.mcap")))
         found = json.loads(subprocess.run([python, os.path.join(HERE, "bags_peer.py"), "read", self.path("out.mcap")],
