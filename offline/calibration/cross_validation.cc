@@ -242,8 +242,14 @@ std::optional<AdjustmentResult> OptimizeFoldRigidly(
             FindWarmSpacing(folds, model, knot_spacings_px.front()))
       warm = OptimizeFoldRigidly(folds, fold, pattern, model, {*other_px},
                                  options);
-    else if (const AdjustmentResult* whole = FindWholeResult(
-                 folds, model, knot_spacings_px.front(), options.fix_points))
+    // Parametric models start independently of held-out images: their cost has
+    // local minima, and the prior of a radial spline keeps the mean of its
+    // start.
+    else if (const AdjustmentResult* whole =
+                 is_grid
+                     ? FindWholeResult(folds, model, knot_spacings_px.front(),
+                                       options.fix_points)
+                     : nullptr)
       warm = SelectFoldViews(*whole, adjusted->problem);
   }
   OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, &*adjusted,

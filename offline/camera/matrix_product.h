@@ -15,7 +15,7 @@ namespace internal {
 using ProductMapper = blas_data_mapper<double, Index, ColMajor, 0, 1>;
 
 /// The kernel of all matrix products: (*this)(c, a, b, …) adds alpha a b to c.
-/// Uses vectors of four or eight doubles as the processor supports; Eigen itself
+/// Uses vectors of eight or four doubles if the processor supports them; Eigen
 /// uses two, the baseline of x86-64. Sums have Eigen's order, and products are
 /// rounded before addition: results are bit-identical on every processor.
 template <>
