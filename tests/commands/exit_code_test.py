@@ -24,7 +24,7 @@ class Help(CommandTest):
 
     def test_commands_of_the_help_are_those_of_the_page(self):
         page = read(PAGE).decode().split("## Commands")[1].split("\n## ")[0]
-        listed = re.findall(r"^\| `([a-z-]+)` \|", page, re.MULTILINE)
+        listed = re.findall(r"^- `([a-z-]+)`: ", page, re.MULTILINE)
         self.assertEqual(sorted({*commands(), "capture"}), sorted(listed))  # not all builds have capture
 
     def test_kinds_of_targets_are_on_the_page(self):
