@@ -42,7 +42,7 @@ void NoteReferencePoint(const std::string& path,
   fmt::print(stderr,
              "raygrid: {}: calibrated over {}; using the centre of the range "
              "(select another operating point with --at)\n",
-             Printable(path), ToText(ranges));
+             Printable(path), ToString(ranges));
 }
 
 // How an operating-point model is read.

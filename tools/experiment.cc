@@ -103,7 +103,7 @@ NamedCamera ReadNamedCamera(const std::string& path) {
   const CameraInput input = ReadCamera(ResolveFile(path, "camera.yaml"));
   return {path, input.file.camera,
           input.blob ? LoadValidityMask(input)
-                     : ComputeDefinedFraction(input.file)};
+                     : ComputeWellDeterminedMask(input.file)};
 }
 
 StereoRig ReadStereo(const std::string& given_path) {

@@ -117,7 +117,9 @@ void SetSize(const KeyValues& words, const Area& shown, SensorMode* mode) {
   mode->scale = exact_scale ? Eigen::Vector2d::Constant(*exact_scale)
                             : Eigen::Vector2d(span.cwiseQuotient(size));
   if (!(mode->scale.minCoeff() >= 1.0 / 64 && mode->scale.maxCoeff() <= 64))
-    ThrowInvalidMode(mode->name, "its scale must be 1/64 to 64");
+    ThrowInvalidMode(
+        mode->name,
+        "scale, the ratio of crop to size, must be between 1/64 and 64");
 }
 
 void SetFlips(const KeyValues& words, SensorMode* mode) {

@@ -84,8 +84,8 @@ std::string DescribeMeasurement(const ScreenBoards& plan,
       "measure {:g} squares on the screen, from the first {} of a {} to the "
       "last: {:.2f} mm in pattern.yaml; if you measure L mm, run this command "
       "again with {}{} L/{:g}{}",
-      length.squares, KindOf(board).feature, length.is_row ? "row" : "column",
-      1000 * length.squares * board.square_m,
+      length.squares, KindOf(board).feature_name,
+      length.is_row ? "row" : "column", 1000 * length.squares * board.square_m,
       is_largest ? "" : fmt::format("--square-px {} ", plan.square_px),
       KindOf(board).LengthOption(), length.squares,
       options.dpi ? " and without --dpi" : "");
@@ -237,7 +237,7 @@ void AddSize(CLI::App* command, const TargetKind& kind, BoardRequest* request) {
     CLI::Option* const option =
         command
             ->add_option(kind.OptionName(word), *count,
-                         std::string(kind.counted) + side)
+                         std::string(kind.counted_name) + side)
             ->option_text("N")
             ->required();
     if (kind.max_count > 0) option->check(CLI::Range(1, kind.max_count));

@@ -9,7 +9,7 @@
 namespace raygrid {
 
 /// Fits a grid camera to a table of rays, writes it, and reports the fit error.
-/// format: of the table; model: see FitRayGrid().
+/// format: name of the table's format; model: see FitRayGrid().
 void ImportRays(const RayTable& rays, const std::string& format,
                 const std::string& model, const std::string& output,
                 const CommonOptions& common);

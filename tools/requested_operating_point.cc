@@ -108,7 +108,7 @@ FixedOperatingPoint FixRequestedPointInRange(
   return held;
 }
 
-std::string ToText(const std::vector<OperatingRange>& ranges) {
+std::string ToString(const std::vector<OperatingRange>& ranges) {
   std::string text;
   for (const OperatingRange& range : ranges)
     text += (text.empty() ? "" : " and ") + range.Text();

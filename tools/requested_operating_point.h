@@ -44,7 +44,7 @@ FixedOperatingPoint FixRequestedPointInRange(
     const std::vector<OperatingRange>& ranges, const std::string& name);
 
 /// Formats ranges: "0 to 10 dioptres and 20 to 70 °C".
-std::string ToText(const std::vector<OperatingRange>& ranges);
+std::string ToString(const std::vector<OperatingRange>& ranges);
 
 }  // namespace raygrid
 

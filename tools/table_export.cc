@@ -75,8 +75,10 @@ std::string GetModelName(const TableFormat& format, const std::string& model) {
     names += (names.empty() ? "" : ", ") + known;
   }
   if (model.empty()) return format.models.empty() ? "" : format.models.front();
-  throw Error(ExitCode::kUsage,
-              fmt::format("--model {}: {} has {}", model, format.name, names));
+  throw Error(
+      ExitCode::kUsage,
+      fmt::format("--model {}: not supported by {}{}", model, format.name,
+                  names.empty() ? "" : "; use one of " + names));
 }
 
 // Returns the central camera with the directions of a camera, which is exact
@@ -254,7 +256,7 @@ std::vector<Eigen::Vector2d> ComputeVertexPositions(const ExportedView& seen,
 // Whether the hardware unit may interpolate quadratically between the vertices
 // of this mesh.
 bool IsBent(const TableFormat& format, const MeshLattice& lattice) {
-  return format.mesh_unit->spans.size() > 1 && lattice.x[1] > 1;
+  return format.mesh_unit->interpolations.size() > 1 && lattice.x[1] > 1;
 }
 
 MeshTable MakeMeshTable(const TableFormat& format,
@@ -305,17 +307,19 @@ struct MeshErrors {
 MeshErrors ComputeMeshErrors(const TableFormat& format, const MeshTable& mesh,
                              const UnitMesh& unit) {
   MeshErrors errors;
-  for (const MeshSpan span : format.mesh_unit->spans) {
-    const MeshError own = ComputeMeshError(mesh, unit, span);
+  for (const MeshInterpolation interpolation :
+       format.mesh_unit->interpolations) {
+    const MeshError own = ComputeMeshError(mesh, unit, interpolation);
     if (errors.json.empty() || own.max_px > errors.largest.max_px)
       errors.largest = own;
     if (!IsBent(format, mesh.lattice)) break;
-    errors.json[SpanName(span)] = {{"max_px", own.max_px},
-                                   {"rms_px", own.rms_px},
-                                   {"max_error_position_px", {own.x, own.y}}};
+    errors.json[GetInterpolationName(interpolation)] = {
+        {"max_px", own.max_px},
+        {"rms_px", own.rms_px},
+        {"max_error_position_px", {own.x, own.y}}};
     errors.text += fmt::format("{} {:.2g} px with {}",
                                errors.text.empty() ? "; at most" : ",",
-                               own.max_px, SpanName(span));
+                               own.max_px, GetInterpolationName(interpolation));
   }
   return errors;
 }

@@ -16,7 +16,7 @@
 #include "packing/pack.h"
 #include "packing/view_curves.h"
 #include "report/contact_sheet.h"
-#include "simulation/straight_scene.h"
+#include "simulation/checkered_room.h"
 #include "view_options.h"
 
 namespace raygrid {
@@ -235,7 +235,7 @@ ViewedRow MakeViewRow(const VirtualView& view, ViewedCamera viewed,
   viewed.square = ComputeViewSquareSize(view);
   tile.picture =
       viewed.image.empty()
-          ? RenderStraightScene(*MakeRotatedViewCamera(view), viewed.square,
+          ? RenderCheckeredRoom(*MakeRotatedViewCamera(view), viewed.square,
                                 kNoSourceGrey, common.threads)
           : ReadPhotograph(viewed.image, view.size);
   tile.title = viewed.name + ": a view";
@@ -255,7 +255,7 @@ ViewedRow MakeCameraRow(ViewedCamera viewed, const ViewArguments& arguments,
   viewed.square = ComputeSceneSquareSize(viewed.camera());
   viewed.before =
       viewed.image.empty()
-          ? RenderStraightScene(viewed.camera(), viewed.square, kNoSourceGrey,
+          ? RenderCheckeredRoom(viewed.camera(), viewed.square, kNoSourceGrey,
                                 common.threads)
           : ReadPhotograph(viewed.image, viewed.camera().image_size());
   const ViewTables tables = MakeViewTables(&viewed, arguments, common);

@@ -18,9 +18,10 @@ namespace raygrid {
 /// precision, or none.
 struct UnpenalizedDirections {
   Eigen::MatrixXd directions;  ///< one column per direction
-  /// Relative precisions h: cost weight * h / 2 x^2; 0: unpenalized.
+  /// Relative precisions h: cost 0.5 * weight * h * x^2; 0: unpenalized.
   Eigen::VectorXd relative_precisions;
-  /// Absolute precisions p, relative to the residual variance: cost p / 2 x^2.
+  /// Absolute precisions p, relative to the residual variance: cost
+  /// 0.5 * p * x^2.
   Eigen::VectorXd precision_floor;
 };
 

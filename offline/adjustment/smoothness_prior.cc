@@ -16,11 +16,11 @@ namespace {
 // Term of a finite difference: a control point and its coefficient.
 struct Term {
   int point;
-  double factor;
+  double coefficient;
 };
 
-// Parameters of a field: the range among the per_point parameters of each
-// control point.
+// Parameters of a field: `count` of the `per_point` parameters of each control
+// point, from index `first`.
 struct FieldParameters {
   int per_point, first, count;
 
@@ -35,13 +35,13 @@ class DifferenceRows {
       : field_(field), scale_(pixels_per_unit) {}
 
   // Adds one row for each coordinate.
-  void Add(const std::vector<Term>& terms, double factor) {
+  void Add(const std::vector<Term>& terms, double weight) {
     for (int coordinate = 0; coordinate < field_.count; ++coordinate) {
       for (const Term& term : terms)
         triplets_.emplace_back(
             num_rows_,
             field_.per_point * term.point + field_.first + coordinate,
-            factor * term.factor * scale_[term.point]);
+            weight * term.coefficient * scale_[term.point]);
       ++num_rows_;
     }
   }
@@ -63,7 +63,7 @@ class DifferenceRows {
 
 // Adds the mixed differences of the given orders at all positions in the grid.
 void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
-                   double factor, DifferenceRows* differences) {
+                   double weight, DifferenceRows* differences) {
   for (int j = 0; j + y_order < surface.rows(); ++j) {
     for (int i = 0; i + x_order < surface.columns(); ++i) {
       std::vector<Term> terms;
@@ -72,7 +72,7 @@ void AddDerivative(const BSplineSurface& surface, int x_order, int y_order,
           terms.push_back(
               {(j + y) * surface.columns() + i + x,
                DifferenceFactor(x_order, x) * DifferenceFactor(y_order, y)});
-      differences->Add(terms, factor);
+      differences->Add(terms, weight);
     }
   }
 }

@@ -19,14 +19,16 @@ namespace {
 
 constexpr size_t kStepBytes = 1 << 18;
 
-// Decompresses a part of the input: reduces `in` by what was read, appends to
-// the output buffer, and returns the number of bytes written; nullopt for
-// corrupt data. is_done: at the end of a frame.
-struct Step {
-  size_t written = 0;
-  bool is_done = false, is_corrupt = false;
+// Result of a call of a Decompressor.
+struct DecompressedChunk {
+  size_t written = 0;    // bytes of output
+  bool is_done = false;  // at the end of a frame
+  bool is_corrupt = false;
 };
-using Stepper = std::function<Step(std::string_view* in, char* out, size_t)>;
+// Decompresses a part of the input into a buffer of the given size, and removes
+// what was read from `in`.
+using Decompressor =
+    std::function<DecompressedChunk(std::string_view* in, char* out, size_t)>;
 
 struct FreeZstd {
   void operator()(ZSTD_DStream* stream) const { ZSTD_freeDStream(stream); }
@@ -43,18 +45,18 @@ struct FreeBzip2 {
   }
 };
 
-Stepper MakeZstdStepper() {
+Decompressor MakeZstdDecompressor() {
   std::shared_ptr<ZSTD_DStream> stream(ZSTD_createDStream(), FreeZstd());
   return [stream](std::string_view* in, char* out, size_t room) {
     ZSTD_inBuffer input = {in->data(), in->size(), 0};
     ZSTD_outBuffer output = {out, room, 0};
     const size_t rest = ZSTD_decompressStream(stream.get(), &output, &input);
     in->remove_prefix(input.pos);
-    return Step{output.pos, rest == 0, ZSTD_isError(rest) != 0};
+    return DecompressedChunk{output.pos, rest == 0, ZSTD_isError(rest) != 0};
   };
 }
 
-Stepper MakeLz4Stepper() {
+Decompressor MakeLz4Decompressor() {
   LZ4F_dctx* created = nullptr;
   LZ4F_createDecompressionContext(&created, LZ4F_VERSION);
   std::shared_ptr<LZ4F_dctx> context(created, FreeLz4());
@@ -62,13 +64,13 @@ Stepper MakeLz4Stepper() {
     size_t num_read = in->size();
     const size_t rest = LZ4F_decompress(context.get(), out, &room, in->data(),
                                         &num_read, nullptr);
-    if (LZ4F_isError(rest)) return Step{0, false, true};
+    if (LZ4F_isError(rest)) return DecompressedChunk{0, false, true};
     in->remove_prefix(num_read);
-    return Step{room, rest == 0, false};
+    return DecompressedChunk{room, rest == 0, false};
   };
 }
 
-Stepper MakeBzip2Stepper() {
+Decompressor MakeBzip2Decompressor() {
   auto* created = new bz_stream();
   BZ2_bzDecompressInit(created, 0, 0);
   std::shared_ptr<bz_stream> stream(created, FreeBzip2());
@@ -81,15 +83,15 @@ Stepper MakeBzip2Stepper() {
     stream->avail_out = static_cast<unsigned>(room);
     const int result = BZ2_bzDecompress(stream.get());
     in->remove_prefix(before - stream->avail_in);
-    return Step{room - stream->avail_out, result == BZ_STREAM_END,
-                result != BZ_OK && result != BZ_STREAM_END};
+    return DecompressedChunk{room - stream->avail_out, result == BZ_STREAM_END,
+                             result != BZ_OK && result != BZ_STREAM_END};
   };
 }
 
-Stepper MakeStepper(const std::string& method) {
-  if (method == "zstd") return MakeZstdStepper();
-  if (method == "lz4") return MakeLz4Stepper();
-  if (method == "bz2") return MakeBzip2Stepper();
+Decompressor MakeDecompressor(const std::string& method) {
+  if (method == "zstd") return MakeZstdDecompressor();
+  if (method == "lz4") return MakeLz4Decompressor();
+  if (method == "bz2") return MakeBzip2Decompressor();
   throw InputError(
       fmt::format("unknown compression '{}' (supported: none, lz4, zstd, bz2)",
                   Printable(method.substr(0, 40))));
@@ -113,7 +115,7 @@ std::string Decompress(const std::string& method, std::string_view data,
     RequireSize(data.size(), size);
     return std::string(data);
   }
-  const Stepper step = MakeStepper(method);
+  const Decompressor decompress = MakeDecompressor(method);
   const uint64_t limit = std::min(size, kMaxChunkBytes);
   std::string text;
   bool is_done = data.empty();
@@ -125,7 +127,8 @@ std::string Decompress(const std::string& method, std::string_view data,
       throw InputError(
           fmt::format("has more than {} bytes after decompression", limit));
     const std::string_view rest = data;
-    const Step done = step(&data, &text[before], text.size() - before);
+    const DecompressedChunk done =
+        decompress(&data, &text[before], text.size() - before);
     if (done.is_corrupt) ThrowCorrupt(method);
     text.resize(before + done.written);
     // Frames may follow each other.
@@ -148,7 +151,7 @@ void DecompressZstdFile(const std::string& from, const std::string& to) {
   std::ifstream input(from, std::ios::binary);
   std::ofstream output(to, std::ios::binary);
   std::vector<char> in(kStepBytes), out(kStepBytes);
-  const Stepper step = MakeZstdStepper();
+  const Decompressor decompress = MakeZstdDecompressor();
   bool is_done = true;
   while (input.read(in.data(), static_cast<std::streamsize>(in.size())),
          input.gcount() > 0) {
@@ -156,7 +159,7 @@ void DecompressZstdFile(const std::string& from, const std::string& to) {
     bool is_full = true;
     while (!rest.empty() || is_full) {
       const size_t before = rest.size();
-      const Step done = step(&rest, out.data(), out.size());
+      const DecompressedChunk done = decompress(&rest, out.data(), out.size());
       if (done.is_corrupt)
         throw InputError(from + ": corrupt zstd data; copy it again");
       output.write(out.data(), static_cast<std::streamsize>(done.written));

@@ -77,8 +77,8 @@ int NumImages(const CalibrationProblem& problem) {
 // few of them distort the model despite the Huber loss. Uses the criterion of
 // the paper's supplement with a much larger limit, since the model is still
 // rough.
-void RemoveOutlierViews(const Pattern& pattern, int num_threads,
-                        AdjustmentResult* adjusted) {
+void RemoveOutlierFeatures(const Pattern& pattern, int num_threads,
+                           AdjustmentResult* adjusted) {
   constexpr double kRanges = 30;
   CalibrationProblem& problem = adjusted->problem;
   const std::vector<Residual> residuals =
@@ -138,7 +138,7 @@ std::optional<AdjustmentResult> OptimizeFrom(const CameraModel& start,
         adjusted ? adjusted->state.camera().Clone() : start.Clone();
     adjusted = LocalizeWithCamera(*lens, all, options.num_threads);
     if (NumImages(adjusted->problem) < kMinImages) return std::nullopt;
-    RemoveOutlierViews(pattern, options.num_threads, &*adjusted);
+    RemoveOutlierFeatures(pattern, options.num_threads, &*adjusted);
     adjusted->summary =
         RefineCameras(adjusted->problem, rough, &adjusted->state);
   }
@@ -332,7 +332,7 @@ AdjustmentResult InitializeCamera(const Dataset& dataset,
     TryAll(dataset, pattern, all.problem, options.num_threads, &trials);
   AdjustmentResult adjusted = LocalizeWithCamera(
       trials.GetBest().state.camera(), all, options.num_threads);
-  RemoveOutlierViews(pattern, options.num_threads, &adjusted);
+  RemoveOutlierFeatures(pattern, options.num_threads, &adjusted);
   return adjusted;
 }
 

@@ -42,8 +42,8 @@ FittedModel FitParametricModel(const std::string& name,
                                const CameraModel& camera, const Area& area,
                                const FitOptions& options);
 
-/// FitParametricModel(), with a rotation only if the error exceeds 0.005 px
-/// without it and is at least 2 % smaller with it.
+/// Like FitParametricModel(), but estimates a rotation only if the error
+/// without it exceeds 0.005 px and the rotation reduces it by at least 2 %.
 FittedModel FitNearestModel(const std::string& name, const CameraModel& camera,
                             const Area& area, FitOptions options = {});
 

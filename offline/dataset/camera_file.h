@@ -43,7 +43,8 @@ struct CameraFile {
   /// The pose of a rotated view relative to its camera.
   std::optional<Pose> camera_from_view;
   std::optional<Capture> capture;  ///< not empty if present
-  /// The operating-point model; the camera is its mid-range.
+  /// The operating-point model; `camera` is its camera in the middle of each
+  /// range.
   std::optional<OperatingPointCalibration> stack;
   std::optional<LineDelay> line_delay;
   /// Variation over the fleet, if the camera is a population mean.

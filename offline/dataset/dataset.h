@@ -37,8 +37,8 @@ struct Dataset {
 /// memory.
 constexpr size_t kMaxTableImages = 500000;
 
-/// Reads features.csv by camera name ("" if the file has no such column).
-/// Images keep the file's order. Throws InputError for malformed files,
+/// Reads features.csv, keyed by camera name; "" if the file has no camera
+/// column. Images keep the file's order. Throws InputError for malformed files,
 /// non-finite positions, repeated features, more than kMaxTableImages images,
 /// and images with more features than a pattern has.
 std::map<std::string, Dataset> ReadFeatures(const std::string& path);
@@ -82,8 +82,8 @@ struct NamedPoses {
 };
 std::string FormatPoses(const std::vector<NamedPoses>& cameras);
 
-/// Reads poses.csv by camera name ("" if the file has no such column). Throws
-/// InputError, also for more than kMaxPoses poses.
+/// Reads poses.csv, keyed by camera name; "" if the file has no camera column.
+/// Throws InputError if the file is malformed or has more than kMaxPoses poses.
 constexpr size_t kMaxPoses = 2 * kMaxTableImages;
 std::map<std::string, std::vector<BoardPose>> ReadPoses(
     const std::string& path);

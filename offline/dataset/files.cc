@@ -83,18 +83,18 @@ std::string FollowLinks(const std::string& path) {
 }
 
 // Writes contents to an open file; returns 0 or an errno.
-int WriteTo(int file, const std::string& contents) {
-  if (file < 0) return errno;
+int WriteAll(int fd, const std::string& contents) {
+  if (fd < 0) return errno;
   int error = 0;
   for (size_t done = 0; done < contents.size() && error == 0;) {
     const ssize_t written =
-        write(file, contents.data() + done, contents.size() - done);
+        write(fd, contents.data() + done, contents.size() - done);
     if (written >= 0)
       done += static_cast<size_t>(written);
     else if (errno != EINTR)
       error = errno;
   }
-  if (close(file) != 0 && error == 0) error = errno;
+  if (close(fd) != 0 && error == 0) error = errno;
   return error;
 }
 
@@ -119,7 +119,7 @@ int WriteStream(const std::string& path, const std::string& contents) {
     return file >= 0 || errno != ENXIO;  // the pipe has no reader yet
   });
   if (file >= 0) fcntl(file, F_SETFL, 0);  // then wait for slow readers
-  return WriteTo(file, contents);
+  return WriteAll(file, contents);
 }
 
 // ---- Reading ---------------------------------------------------------------
@@ -167,7 +167,7 @@ int ReadRest(int file, std::string* contents) {
 // Creates a file after removing one of the same name left by a killed process.
 int WriteNew(const std::string& path, const std::string& contents) {
   unlink(path.c_str());
-  return WriteTo(
+  return WriteAll(
       open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
            0666),
       contents);

@@ -42,9 +42,8 @@ OperatingRange ParseRange(const YAML::Node& node) {
   const std::string what = fmt::format(
       "operating-point model ('stack'): range of {}", name.Scalar());
   if (!range || !range.IsSequence() || range.size() != 2)
-    throw InputError(
-        what +
-        ": expected two values, 'range: [LOWEST, HIGHEST]', as calibrated");
+    throw InputError(what +
+                     ": expected the calibrated range as 'range: [MIN, MAX]'");
   const OperatingRange parsed = {condition, YamlNumber(range[0], what),
                                  YamlNumber(range[1], what)};
   if (!(parsed.low < parsed.high))

@@ -39,9 +39,9 @@ PoseCovariance RotateCovariance(const Pose& b_from_a,
 std::string FormatTargetPoses(const std::string& camera,
                               const std::vector<TargetPose>& poses);
 
-/// Parses such a file by camera name ("" if it has no such column); path is
-/// used in errors. Throws InputError, also for covariances that are not
-/// positive definite and for a repeated target of an image.
+/// Parses poses.csv, keyed by camera name; "" if the file has no camera column.
+/// path is used in errors. Throws InputError if the file is malformed, a
+/// covariance is not positive definite, or a target is repeated in an image.
 std::map<std::string, std::vector<TargetPose>> ParseTargetPoses(
     const std::string& path, const std::string& text);
 

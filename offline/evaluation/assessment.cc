@@ -454,7 +454,7 @@ void AssessHeldOutError(const CalibrationMetrics& metrics, Findings* findings) {
   const double held_out_px = metrics.held_out->median_px;
   if (held_out_px > kUsableMedianPx)
     findings->Fail(
-        fmt::format("expect errors of {} px (median held-out error){}",
+        fmt::format("the median held-out error of {} px is too large{}",
                     FormatPx(held_out_px), AdviseOnError(metrics)));
   else if (held_out_px > kGoodMedianPx)
     findings->Warn(fmt::format("the median held-out error is {} px{}",

@@ -6,7 +6,7 @@
 
 namespace raygrid {
 
-CrossFit::CrossFit(LinearCause cause) : cause_(std::move(cause)) {
+CrossFit::CrossFit(LinearCauseModel cause) : cause_(std::move(cause)) {
   const Eigen::Index k = cause_.columns.rows();
   for (int half = 0; half < 2; ++half) {
     std::vector<Eigen::MatrixXd> products(cause_.num_units,

@@ -8,10 +8,10 @@
 
 namespace raygrid {
 
-/// Errors specific to units, such as views or image regions: the errors of a
-/// unit's features are X c, with coefficients c for each unit. An error has two
-/// coordinates, one after the other.
-struct LinearCause {
+/// Linear model of errors specific to units, such as views or image regions:
+/// the errors of a unit's features are X c, with coefficients c for each unit.
+/// An error has two coordinates, one after the other.
+struct LinearCauseModel {
   int num_units = 0;
   std::vector<int> unit;    ///< index of each feature's unit; -1: none
   std::vector<int> half;    ///< 0 or 1, per feature
@@ -23,7 +23,7 @@ struct LinearCause {
 /// units: for pure noise, its variance and the prediction are zero.
 class CrossFit {
  public:
-  explicit CrossFit(LinearCause cause);
+  explicit CrossFit(LinearCauseModel cause);
 
   /// Predicts the errors of all features from one half.
   Eigen::VectorXd Predict(int half, const Eigen::VectorXd& errors) const;
@@ -40,7 +40,7 @@ class CrossFit {
   Eigen::MatrixXd Shrink(int half, double squares, double count,
                          const Eigen::MatrixXd& products) const;
 
-  LinearCause cause_;
+  LinearCauseModel cause_;
   // For each half: eigenvectors of the units' normal equations side by side,
   // and eigenvalues, one column per unit.
   std::array<Eigen::MatrixXd, 2> vectors_, values_;

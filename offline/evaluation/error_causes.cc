@@ -144,12 +144,13 @@ void ScaleRows(Eigen::MatrixXd* columns) {
   }
 }
 
-// Makes a per-view cause from the Jacobian of each feature.
+// Makes the model of a per-view cause from the Jacobian of each feature.
 template <typename Errors>
-LinearCause PerViewShare(const BudgetInput& input, const PoseComponents& pose,
-                         const Errors& errors_of) {
+LinearCauseModel MakePerViewCauseModel(const BudgetInput& input,
+                                       const PoseComponents& pose,
+                                       const Errors& errors_of) {
   const std::vector<int> counts = CountFeaturesByView(input);
-  LinearCause linear;
+  LinearCauseModel linear;
   linear.half = AssignHalvesByBlock(input);
   linear.num_units = static_cast<int>(counts.size());
   for (size_t i = 0; i < input.features.size(); ++i) {
@@ -211,8 +212,8 @@ void PoseComponents::RemoveFromRows(Eigen::MatrixXd* columns) const {
   }
 }
 
-LinearCause MakeImagePositionCause(const BudgetInput& input) {
-  LinearCause cause;
+LinearCauseModel MakeImagePositionCauseModel(const BudgetInput& input) {
+  LinearCauseModel cause;
   cause.half = AssignHalvesByView(input);
   const double knot_spacing_px = CellPx(input);
   const int columns =
@@ -235,8 +236,8 @@ LinearCause MakeImagePositionCause(const BudgetInput& input) {
   return cause;
 }
 
-LinearCause MakeBoardPositionCause(const BudgetInput& input) {
-  LinearCause cause;
+LinearCauseModel MakeBoardPositionCauseModel(const BudgetInput& input) {
+  LinearCauseModel cause;
   cause.half = AssignHalvesByView(input);
   cause.num_units = static_cast<int>(input.points.size());
   cause.columns.resize(3, 2 * input.features.size());
@@ -248,23 +249,23 @@ LinearCause MakeBoardPositionCause(const BudgetInput& input) {
   return cause;
 }
 
-std::optional<LinearCause> MakeViewCause(ErrorCause cause,
-                                         const BudgetInput& input,
-                                         const PoseComponents& pose) {
+std::optional<LinearCauseModel> MakeViewCauseModel(ErrorCause cause,
+                                                   const BudgetInput& input,
+                                                   const PoseComponents& pose) {
   const bool is_deformation = cause == ErrorCause::kDeformation;
   if (is_deformation &&
       (input.bends.empty() || input.bends.front().cols() == 0))
     return std::nullopt;
   const std::vector<BoardPlane> planes = FitBoardPlanes(input);
-  return PerViewShare(input, pose, [&](const BudgetFeature& feature) {
+  return MakePerViewCauseModel(input, pose, [&](const BudgetFeature& feature) {
     return ApplyJacobian(cause, input, planes, feature);
   });
 }
 
-LinearCause MakeColumnDelayControl(const BudgetInput& input,
-                                   const PoseComponents& pose) {
+LinearCauseModel MakeColumnDelayControl(const BudgetInput& input,
+                                        const PoseComponents& pose) {
   const double width = input.image_size.width;
-  return PerViewShare(
+  return MakePerViewCauseModel(
       input, pose, [&](const BudgetFeature& feature) -> Eigen::Matrix2Xd {
         return feature.J_pose *
                (ProjectOffsetFromCenter(input, feature).x() / width);

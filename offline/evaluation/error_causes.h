@@ -30,19 +30,19 @@ class PoseComponents {
 
 /// Errors shared by features in one region of the image, or at one target
 /// point. Halves are blocks of views that are consecutive in time.
-LinearCause MakeImagePositionCause(const BudgetInput& input);
-LinearCause MakeBoardPositionCause(const BudgetInput& input);
+LinearCauseModel MakeImagePositionCauseModel(const BudgetInput& input);
+LinearCauseModel MakeBoardPositionCauseModel(const BudgetInput& input);
 
 /// Errors specific to a view beyond the board's motion. Halves are blocks of
 /// the board's lattice, in a checkerboard. nullopt for boards without
 /// deformation modes.
-std::optional<LinearCause> MakeViewCause(ErrorCause cause,
-                                         const BudgetInput& input,
-                                         const PoseComponents& pose);
+std::optional<LinearCauseModel> MakeViewCauseModel(ErrorCause cause,
+                                                   const BudgetInput& input,
+                                                   const PoseComponents& pose);
 
 /// Motion during a column-wise readout, as a control for the line delay.
-LinearCause MakeColumnDelayControl(const BudgetInput& input,
-                                   const PoseComponents& pose);
+LinearCauseModel MakeColumnDelayControl(const BudgetInput& input,
+                                        const PoseComponents& pose);
 
 /// Minimum number of features of a view that is used as a unit.
 constexpr int kMinBudgetViewFeatures = 24;

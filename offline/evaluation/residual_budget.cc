@@ -80,10 +80,10 @@ Eigen::VectorXd ExplainByImagePosition(const BudgetInput& input, double squares,
     return errors;
   }
   std::vector<CauseFit> fits;
-  fits.push_back(
-      {ErrorCause::kImagePosition, CrossFit(MakeImagePositionCause(input))});
-  fits.push_back(
-      {ErrorCause::kBoardPosition, CrossFit(MakeBoardPositionCause(input))});
+  fits.push_back({ErrorCause::kImagePosition,
+                  CrossFit(MakeImagePositionCauseModel(input))});
+  fits.push_back({ErrorCause::kBoardPosition,
+                  CrossFit(MakeBoardPositionCauseModel(input))});
   return CauseGroup(std::move(fits), nullptr, squares).Explain(errors, budget);
 }
 
@@ -111,7 +111,7 @@ void ExplainByViewEffects(const BudgetInput& input, double squares,
   pose.Remove(&errors);
   std::vector<CauseFit> fits;
   for (const ErrorCause cause : causes) {
-    if (auto linear = MakeViewCause(cause, input, pose))
+    if (auto linear = MakeViewCauseModel(cause, input, pose))
       fits.push_back({cause, CrossFit(std::move(*linear))});
     else
       MarkUnresolved({cause}, "the target is not planar, or too small", budget);

@@ -23,7 +23,7 @@ struct Baseline {
   /// equations, and of the rotation (RMS angle).
   std::optional<double> distance_stddev_m, rotation_stddev_rad;
   /// Covariance of the update of second_from_first, as of UpdatedPose():
-  /// rotation vector (rad), then translation (m), in the axes of `second`.
+  /// rotation vector (rad), then translation (m), in the frame of `second`.
   std::optional<PoseCovariance> covariance;
 };
 

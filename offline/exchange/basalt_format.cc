@@ -191,12 +191,12 @@ ExchangeContents ReadBasalt(const ReadRequest& request) {
   if (imu_from_first.translation.norm() + imu_from_first.rotation.vec().norm() >
       0)
     contents.warnings.push_back(
-        fmt::format("the IMU pose is ignored: poses are relative to the first "
-                    "camera, not as in {}",
+        fmt::format("ignoring the IMU frame of {}: poses are relative to the "
+                    "first camera",
                     kPoses));
   if (poses.empty() && count > 1)
     contents.warnings.push_back(
-        fmt::format("{} is missing: importing cameras without a rig", kPoses));
+        fmt::format("no {}: importing cameras without relative poses", kPoses));
   return contents;
 }
 

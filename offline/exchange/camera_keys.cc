@@ -157,7 +157,7 @@ std::optional<ModelFamily> ParseModelFamily(const std::string& word) {
   return std::nullopt;
 }
 
-const char* ToText(ModelFamily family) {
+const char* ToString(ModelFamily family) {
   switch (family) {
     case ModelFamily::kPinhole:
       return "a pinhole";

@@ -20,7 +20,7 @@ enum class ModelFamily { kPinhole, kFisheye, kOmni, kOther };
 std::optional<ModelFamily> ParseModelFamily(const std::string& word);
 
 /// Returns "a pinhole", "a fisheye", ...
-const char* ToText(ModelFamily family);
+const char* ToString(ModelFamily family);
 
 /// The keys of a camera in another program's file. Records which of them were
 /// read, so that Finish() reports the remaining ones; hence readers look up all

@@ -13,7 +13,7 @@ constexpr uint64_t kMaxCameras = 1000000, kMaxSidePx = 1000000;
 
 int GetSide(uint64_t side) {
   if (side < 1 || side > kMaxSidePx)
-    throw InputError(fmt::format("{}: invalid image size", side));
+    throw InputError(fmt::format("invalid image width or height {}", side));
   return static_cast<int>(side);
 }
 

@@ -177,8 +177,8 @@ void ReadDepthaiPoses(const std::vector<DepthaiCamera>& cameras,
   for (const DepthaiCamera& camera : cameras)
     if (poses.count(camera.socket) == 0) {
       contents->warnings.push_back(
-          fmt::format("importing cameras without a rig: no {} connects the "
-                      "first camera to socket {}",
+          fmt::format("no {} connects the first camera to socket {}: importing "
+                      "cameras without relative poses",
                       kDepthaiExtrinsics, camera.socket));
       return;
     }

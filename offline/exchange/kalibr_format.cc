@@ -219,15 +219,16 @@ ExchangeContents ReadKalibr(const ReadRequest& request) {
       });
   if (contents.cameras.size() != num_cameras)
     throw InputError(fmt::format(
-        "found {} keys, but expected only cam0 to cam{}, numbered without gaps",
-        num_cameras, num_cameras - 1));
+        "the cameras must be numbered cam0 to cam{} without gaps, and no other "
+        "keys are supported",
+        num_cameras - 1));
   NameCameras(root, &contents.cameras);
   if (first_from_imu)
     contents.warnings.push_back(
         "camera-IMU extrinsics and time offsets are ignored");
   if (contents.cameras.size() > 1 && !contents.IsRig())
     contents.warnings.push_back(
-        "importing cameras without a rig: neither T_cn_cnm1 nor T_cam_imu");
+        "no T_cn_cnm1 or T_cam_imu: importing cameras without relative poses");
   return contents;
 }
 

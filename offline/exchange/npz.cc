@@ -160,7 +160,7 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
     length |= static_cast<size_t>(static_cast<uint8_t>(file[8 + k])) << 8 * k;
   constexpr size_t kLongest = 4096;
   if (length > kLongest || length > file.size() - begin)
-    throw InputError(name + ": its header is truncated or too long");
+    throw InputError(name + ": the header is truncated or too long");
   const std::string header = file.substr(begin, length);
   static const std::regex type("'descr': *'([^']*)'"),
       order("'fortran_order': *(True|False)"), shape("'shape': *\\(([^)]*)\\)");
@@ -171,7 +171,7 @@ NpyArray ParseNpy(const std::string& name, const std::string& file,
   if (!std::regex_search(header, found_type, type) ||
       !std::regex_search(header, found_order, order) ||
       !std::regex_search(header, found_shape, shape))
-    throw InputError(name + ": its header has no numeric dtype and shape");
+    throw InputError(name + ": the header has no numeric dtype and shape");
   NpyArray array = {name, found_type[1], ParseShape(name, found_shape[1]),
                     file.substr(begin + length)};
   if (found_order[1] == "True" && array.shape.size() > 1)

@@ -44,9 +44,9 @@ std::string WriteNpz(const std::vector<NpyArray>& arrays);
 bool IsNpz(const std::string& bytes);
 
 /// Reads the arrays of an archive of numpy.savez() or savez_compressed(), in C
-/// order. Throws InputError without the file's name, also for types without a
-/// TypeName(), such as strings; with may_have_others, such arrays are returned
-/// without shape and bytes.
+/// order. Throws InputError without the file's name if the archive is
+/// malformed. Arrays of types without a TypeName(), such as strings, are also
+/// errors, or, with may_have_others, returned without shape and bytes.
 std::vector<NpyArray> ReadNpz(const std::string& bytes,
                               bool may_have_others = false);
 

@@ -57,7 +57,7 @@ InputCamera ReadCamera(const CameraKeys& keys, const Affixes& affixes,
   lens.values.insert(lens.values.end(), coefficients.numbers.begin(),
                      coefficients.numbers.end());
   if (lens.external_model->name == kOmnidir) {
-    const std::string xi = affixes.before + "xi" + affixes.behind;
+    const std::string xi = affixes.prefix + "xi" + affixes.suffix;
     const std::vector<double> numbers = AllNumbers(keys[xi], xi);
     if (numbers.size() != 1)
       throw InputError(fmt::format("{}: expected one number", xi));

@@ -103,7 +103,7 @@ const std::vector<std::array<Affixes, 2>> kPairs = [] {
 std::string FindKey(const CameraKeys& keys, const KeyList& names,
                     const Affixes& affixes) {
   for (const std::string& name : names)
-    if (const std::string key = affixes.before + name + affixes.behind;
+    if (const std::string key = affixes.prefix + name + affixes.suffix;
         keys.Has(key))
       return key;
   return "";
@@ -199,12 +199,12 @@ namespace {
 DistortionCoefficients ScalarCoefficients(const CameraKeys& keys,
                                           const Affixes& affixes) {
   const auto has = [&](const std::string& name) {
-    return keys.Has(affixes.before + name + affixes.behind);
+    return keys.Has(affixes.prefix + name + affixes.suffix);
   };
   const auto all = [&](const std::vector<std::string>& names) {
     std::vector<double> numbers;
     for (const std::string& name : names) {
-      const std::string key = affixes.before + name + affixes.behind;
+      const std::string key = affixes.prefix + name + affixes.suffix;
       numbers.push_back(has(name) ? FiniteNumber(keys[key], key) : 0);
     }
     return numbers;
@@ -219,7 +219,7 @@ DistortionCoefficients ScalarCoefficients(const CameraKeys& keys,
 
 bool HasCoefficients(const CameraKeys& keys, const Affixes& affixes) {
   return !FindKey(keys, kDistortionKeys, affixes).empty() ||
-         keys.Has(affixes.before + "k1" + affixes.behind);
+         keys.Has(affixes.prefix + "k1" + affixes.suffix);
 }
 
 DistortionCoefficients Coefficients(const CameraKeys& keys,
@@ -254,7 +254,7 @@ std::vector<Affixes> FindCameraAffixes(const CameraKeys& keys) {
     if (!HasMatrix(keys, pair[0]) || !HasMatrix(keys, pair[1])) continue;
     found.assign(pair.begin(), pair.end());
     // Further cameras with consecutive numbers.
-    const std::string& last = pair[1].behind;
+    const std::string& last = pair[1].suffix;
     for (int number = 2; !last.empty() && std::isdigit(last.back()); ++number)
       if (number > last.back() - '0' &&
           !add({"", last.substr(0, last.size() - 1) + std::to_string(number),

@@ -23,11 +23,11 @@ extern const KeyList kOtherKeys, kVagueKeys;
 
 /// Prefix and suffix of a camera's keys in a file of several cameras.
 struct Affixes {
-  std::string before, behind, camera;
+  std::string prefix, suffix, camera;
 };
 
-/// Returns the affixes in a file of several cameras; empty if no key with
-/// affixes is a camera matrix.
+/// Returns the prefix and suffix of each camera's keys in a file of several
+/// cameras; empty if no camera-matrix key has a prefix or suffix.
 std::vector<Affixes> FindCameraAffixes(const CameraKeys& keys);
 
 /// Returns the first of these keys that exists, or "".

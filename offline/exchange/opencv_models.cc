@@ -76,11 +76,11 @@ std::optional<StatedModel> FindStatedModel(const CameraKeys& keys,
     if (said && !is_vague && said->family != family &&
         keys.Word(key) != "pinhole")
       throw InputError(fmt::format("'{}' indicates {}, but '{}' indicates {}",
-                                   said->key, ToText(said->family), key,
-                                   ToText(family)));
+                                   said->key, ToString(said->family), key,
+                                   ToString(family)));
     if (!said || is_vague) said = StatedModel{family, key, keys.Word(key)};
   };
-  const std::string xi = affixes.before + "xi" + affixes.behind;
+  const std::string xi = affixes.prefix + "xi" + affixes.suffix;
   // xi = 0 is a pinhole camera of programs that support both models.
   if (keys.Has(xi) && AllNumbers(keys[xi], xi) != std::vector<double>{0})
     say(ModelFamily::kOmni, xi);
@@ -122,7 +122,7 @@ const ExternalModel& DetermineModel(const CameraKeys& keys,
         "'{}' is {}, but only pinhole, fisheye and omnidir are supported",
         said->key, Printable(said->word)));
   if (said && said->family == ModelFamily::kOmni) {
-    if (!keys.Has(affixes.before + "xi" + affixes.behind))
+    if (!keys.Has(affixes.prefix + "xi" + affixes.suffix))
       throw InputError("missing 'xi' of the omnidirectional camera");
     return FindOpenCvModel(kOmnidir);
   }

@@ -123,7 +123,7 @@ void RequireBoards(const std::vector<PuzzlepaintGeometry>& geometries) {
       throw InputError(fmt::format("board {}: has no features", k));
     num_points += size.prod();
     if (num_points > kMaxBoardPoints)
-      throw InputError(fmt::format("its boards have more than {} features",
+      throw InputError(fmt::format("the boards have more than {} features",
                                    kMaxBoardPoints));
   }
 }

@@ -82,7 +82,7 @@ std::optional<Pose> ComputeWorldFromBoard(
       std::sqrt(static_cast<double>(count));
   if (!(off_m < geometry.cell_m))
     throw InputError(
-        fmt::format("points.yaml: its points deviate by {:g} m from the board "
+        fmt::format("points.yaml: the points deviate by {:g} m from the board "
                     "in dataset.bin (cell size {:g} m); both files must come "
                     "from the same calibration",
                     off_m, geometry.cell_m));

@@ -29,10 +29,10 @@ std::vector<double> FiniteNumbers(const YAML::Node& node,
 /// Throws InputError with the name.
 std::vector<double> AllNumbers(const YAML::Node& node, const std::string& name);
 
-/// Returns the size of an image side in pixels.
+/// Converts a number to the length of an image side in pixels.
 int SidePx(const YAML::Node& node, const std::string& name);
 
-/// Returns the size of a list of width and height.
+/// Converts a list [width, height] to an image size.
 ImageSize GetListSize(const YAML::Node& node, const std::string& name);
 
 /// Formats the shortest round-trip decimal that YAML and Python parse as a

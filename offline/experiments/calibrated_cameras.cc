@@ -129,7 +129,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
   return Calibrate(features.dataset, features.pattern, calibration);
 }
 
-std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file) {
+std::optional<ValidityMask> ComputeWellDeterminedMask(const CameraFile& file) {
   if (!file.uncertainty) return std::nullopt;
   const UncertaintyLattice& lattice = file.uncertainty->lattice;
   if (lattice.stddev_px.empty()) return file.uncertainty->mask;
@@ -173,7 +173,7 @@ ComparedCameras SelectComparedCameras(const ExperimentOptions& options,
     try {
       const CameraFile file = CalibrateModel(features, {model}, options).camera;
       compared.cameras.push_back(
-          {model, file.camera, ComputeDefinedFraction(file)});
+          {model, file.camera, ComputeWellDeterminedMask(file)});
     } catch (const Error& error) {
       compared.conditions.push_back({model, error.what()});
     }

@@ -48,7 +48,7 @@ CalibrationResult CalibrateModel(const ExperimentFeatures& features,
 /// median if that is larger, so at least half of the image. This is larger than
 /// the valid region, which depends on the camera's quality. For a file with
 /// only a validity mask, that mask; nullopt without one.
-std::optional<ValidityMask> ComputeDefinedFraction(const CameraFile& file);
+std::optional<ValidityMask> ComputeWellDeterminedMask(const CameraFile& file);
 constexpr double kKnownPx = 0.1;
 
 /// Cameras compared in an experiment. The last is the reference: the truth, or

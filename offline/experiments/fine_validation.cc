@@ -15,7 +15,7 @@
 #include "dataset/kinds/star.h"
 #include "dataset/parallel_for.h"
 #include "evaluation/model_difference.h"
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 #include "report/plots.h"
 #include "simulation/bumpy_camera.h"
 #include "simulation/simulated_observations.h"
@@ -284,7 +284,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
         InitializeCamera(images.training, pattern, adjustment);
     ChartSeries series = {
         fmt::format("local distortion {:g} px wide", width_px), {}, false};
-    std::vector<SheetImage> pictures;
+    std::vector<MontageImage> pictures;
     for (size_t i = 0; i < models.size(); ++i) {
       const FineModel& model = models[i];
       try {
@@ -309,7 +309,7 @@ ExperimentResult ValidateFineModels(const ExperimentOptions& options) {
     table.chart.series.push_back(std::move(series));
     table.pictures.push_back(
         {fmt::format("directions-{:g}px", width_px),
-         ComposeImageSheet(
+         ComposeMontage(
              pictures,
              {fmt::format(
                   "Local distortion {:g} px wide. Direction of the nearest",

@@ -4,7 +4,7 @@
 #include "dataset/error.h"
 #include "evaluation/model_difference.h"
 #include "experiments/calibrated_cameras.h"
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 #include "report/plots.h"
 
 namespace raygrid {
@@ -50,7 +50,7 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
   table.chart.y_label = "difference, px";
   ChartSeries median = {"median", {}, false}, rms = {"RMS", {}, false},
               p99 = {"99 % below", {}, false};
-  std::vector<SheetImage> directions, magnitudes;
+  std::vector<MontageImage> directions, magnitudes;
   const double step_px = std::max(
       1.0, std::max(camera->area().width(), camera->area().height()) / 160);
   double full_scale_px = 0;
@@ -95,14 +95,14 @@ ExperimentResult CompareModelsByFit(const ExperimentOptions& options) {
                                     fmt::format("{:.3g} px +", full_scale_px));
   table.pictures = {
       {"magnitude",
-       ComposeImageSheet(magnitudes,
-                         {"Pixel distance between rays of the generic camera",
-                          "projected by the fitted model and their pixels."},
-                         &bar)},
-      {"direction", ComposeImageSheet(directions,
-                                      {"Direction of the difference, by the",
-                                       "colours of the wheel."},
-                                      &wheel)}};
+       ComposeMontage(magnitudes,
+                      {"Pixel distance between rays of the generic camera",
+                       "projected by the fitted model and their pixels."},
+                      &bar)},
+      {"direction", ComposeMontage(directions,
+                                   {"Direction of the difference, by the",
+                                    "colours of the wheel."},
+                                   &wheel)}};
   table.chart.series = {median, rms, p99};
   return table;
 }

@@ -4,7 +4,7 @@
 #include "evaluation/model_difference.h"
 #include "experiments/calibrated_cameras.h"
 #include "experiments/fine_validation.h"
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 #include "report/plots.h"
 
 namespace raygrid {
@@ -64,8 +64,8 @@ void AddValidationRow(const ExperimentFeatures& features,
   series->test.points.push_back({place, result.camera.held_out->median_px});
 }
 
-SheetImage Directions(const ModelChoice& choice,
-                      const CalibrationResult& result) {
+MontageImage Directions(const ModelChoice& choice,
+                        const CalibrationResult& result) {
   const CameraModel& camera = *result.camera.camera;
   return {
       fmt::format("{}: test {:.3g} px, bias {:.3f}", choice.Label(),
@@ -92,7 +92,7 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   table.chart.y_label = "median error, px";
   table.chart.is_logarithmic = true;
   ErrorSeries series;
-  std::vector<SheetImage> pictures;
+  std::vector<MontageImage> pictures;
   const std::vector<ModelChoice> choices = ValidatedModels();
   const size_t count = choices.size();
   for (size_t i = 0; i < count; ++i) {
@@ -114,12 +114,11 @@ ExperimentResult ValidateModels(const ExperimentOptions& options) {
   const Image wheel = DrawDirectionLegend(96);
   table.pictures.push_back(
       {"directions",
-       ComposeImageSheet(
-           pictures,
-           {"Direction of the nearest training residual",
-            "(projected - observed), by the colours of the wheel.",
-            "Patches of one colour: model error, not noise."},
-           &wheel)});
+       ComposeMontage(pictures,
+                      {"Direction of the nearest training residual",
+                       "(projected - observed), by the colours of the wheel.",
+                       "Patches of one colour: model error, not noise."},
+                      &wheel)});
   return table;
 }
 

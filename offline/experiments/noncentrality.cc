@@ -8,7 +8,7 @@
 
 #include "dataset/error.h"
 #include "experiments/calibrated_cameras.h"
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 #include "report/color_scale.h"
 
 namespace raygrid {
@@ -152,7 +152,7 @@ ExperimentResult MeasureNoncentrality(const ExperimentOptions& options) {
                       fmt::format("{:.3g} mm", 1000 * spread.max_m));
   table.pictures.push_back(
       {"offsets",
-       ComposeImageSheet(
+       ComposeMontage(
            {{"Distance of each observation line from the common point",
              HeatMap(offsets, kColumns, 0, 1000 * spread.max_m, kCellPx,
                      ColorScale::kMagnitude)}},

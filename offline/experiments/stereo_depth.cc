@@ -8,7 +8,7 @@
 #include "dataset/parallel_for.h"
 #include "evaluation/residual_statistics.h"
 #include "experiments/calibrated_cameras.h"
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 #include "experiments/painted_wall.h"
 #include "experiments/stereo_matching.h"
 #include "report/color_scale.h"
@@ -127,8 +127,8 @@ void CalibratePairs(const Dataset& left, const Dataset& right,
         {model, result.cameras[0].camera.camera,
          result.cameras[1].camera.camera,
          result.camera_from_rig[1] * result.camera_from_rig[0].Inverse(),
-         ComputeDefinedFraction(result.cameras[0].camera),
-         ComputeDefinedFraction(result.cameras[1].camera)});
+         ComputeWellDeterminedMask(result.cameras[0].camera),
+         ComputeWellDeterminedMask(result.cameras[1].camera)});
     if (options.progress)
       options.progress(0.15 * double(compared->pairs.size()));
   }
@@ -277,7 +277,7 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   table.chart.y_label = "depth difference, mm";
   ChartSeries median = {"median", {}, false},
               blocks = {"RMS of medians over blocks", {}, false};
-  std::vector<SheetImage> maps;
+  std::vector<MontageImage> maps;
   double limit_mm = 0;
   for (size_t k = 0; k < clouds.size(); ++k) {
     const StereoRig& rig = compared.pairs[k];
@@ -302,12 +302,12 @@ ExperimentResult CompareOnImages(const ComparedPairs& compared,
   table.chart.series = {median, blocks};
   const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias", ComposeImageSheet(
-                   maps,
-                   {"Depth difference from " + reference.name +
-                        ", in the left rectified image:",
-                    "negative: nearer, positive: farther, white: no match."},
-                   &bar)});
+      {"bias",
+       ComposeMontage(maps,
+                      {"Depth difference from " + reference.name +
+                           ", in the left rectified image:",
+                       "negative: nearer, positive: farther, white: no match."},
+                      &bar)});
   return table;
 }
 
@@ -387,7 +387,7 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
                       {},
                       false},
               blocks = {"RMS of medians over blocks", {}, false};
-  std::vector<SheetImage> maps;
+  std::vector<MontageImage> maps;
   double limit_mm = 0;
   for (const StereoRig& pair : compared.pairs) {
     const DepthErrors errors =
@@ -411,7 +411,7 @@ ExperimentResult CompareOnWall(const ComparedPairs& compared,
   table.chart.series = {one, mean, blocks};
   const Image bar = DrawDepthLegend(limit_mm);
   table.pictures.push_back(
-      {"bias", ComposeImageSheet(
+      {"bias", ComposeMontage(
                    maps,
                    {fmt::format("Depth error, mean of {} image pairs, in the "
                                 "left rectified image:",

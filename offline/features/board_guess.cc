@@ -165,7 +165,7 @@ std::string SuggestRemedy(const Guess& guess, const Board& asked,
   if (guess.kind != asked.kind)
     what = "the target kind";
   else if (!HasRequestedMarkers(guess, asked))
-    what = KindOf(asked).markers;
+    what = KindOf(asked).marker_set_name;
   return fmt::format("correct {} in {}", what, pattern_name);
 }
 

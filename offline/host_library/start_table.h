@@ -40,7 +40,7 @@ class StartTable {
                                                               : Place::kUnknown;
   }
 
-  /// Width of a cell in chart coordinates, the smaller one of both axes.
+  /// Returns the smaller side length of a cell, in chart coordinates.
   float CellSize() const { return 1 / cells_.maxCoeff(); }
 
  private:

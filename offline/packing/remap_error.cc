@@ -107,7 +107,7 @@ class TableErrorMeter {
     for (int x = 0; x < map_.width; x += tile_size_) {
       rg_block block;
       rg_next_block(&parts, &block);
-      if (!parts.is_empty) visit(x, block);
+      if (!parts.is_block_empty) visit(x, block);
     }
   }
 
@@ -260,7 +260,7 @@ double ComputeChromaMaxError(const SourceMap& map,
     for (int x0 = 0; x0 < map.width; x0 += 1 << width_log2) {
       rg_block block;
       rg_next_block(&parts, &block);
-      if (parts.is_empty) continue;
+      if (parts.is_block_empty) continue;
       rg_transform_block(&lattice, &block);
       for (int r = 0; r < 1 << block.height_log2; ++r) {
         rg_block_row row;

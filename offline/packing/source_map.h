@@ -20,7 +20,8 @@ struct OutputImage {
   std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>
       direction;
   std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector3d&)> pixel;
-  /// Pixels without a direction are arbitrary; otherwise they are border.
+  /// If true, output pixels without a direction may have any value; if false,
+  /// they are border.
   bool is_free_where_unseen = false;
 };
 

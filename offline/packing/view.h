@@ -45,14 +45,14 @@ double ComputeFieldOfViewDeg(ViewProjection projection, int axis,
 Eigen::Matrix3d RotationFromAngles(const Eigen::Vector3d& yaw_pitch_roll_deg);
 Eigen::Vector3d RotationToAngles(const Eigen::Matrix3d& camera_from_view);
 
-/// Returns the view as a camera in its own axes, calibrated over its whole
+/// Returns the view as a camera in its own frame, calibrated over its whole
 /// image: model opencv without distortion for a pinhole, else a ViewCamera.
 std::unique_ptr<CameraModel> MakeViewCamera(const VirtualView& view);
 
 /// Formats a camera file for a view, with the camera's name.
 std::string ViewCameraFile(const VirtualView& view, const std::string& name);
 
-/// Returns the view as a camera in the axes of the original camera.
+/// Returns the view as a camera whose rays are in the original camera's frame.
 std::unique_ptr<CameraModel> MakeRotatedViewCamera(const VirtualView& view);
 
 /// Returns the unrotated view that is equivalent to a camera; nullopt for

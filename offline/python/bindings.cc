@@ -8,7 +8,7 @@
 
 namespace raygrid {
 
-std::string ToText(const PyCamera& camera) {
+std::string ToString(const PyCamera& camera) {
   const bool is_calibrated =
       camera.file.uncertainty || camera.file.training.has_value();
   return FormatCameraFile(camera.file,

@@ -55,7 +55,7 @@ Dataset MakeDataset(const InputCameraData& given);
 
 /// Formats camera.yaml. Values that were not calibrated keep all digits, so
 /// that parsing restores them exactly.
-std::string ToText(const PyCamera& camera);
+std::string ToString(const PyCamera& camera);
 
 /// Converts a Python path: str, bytes or os.PathLike.
 std::string ToPath(const py::object& path);

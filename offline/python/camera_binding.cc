@@ -177,7 +177,7 @@ PyCamera CameraAt(const PyCamera& self, std::optional<double> value,
 }
 
 void Save(const PyCamera& self, const py::object& path) {
-  WriteFile(ToPath(path), ToText(self));
+  WriteFile(ToPath(path), ToString(self));
 }
 
 // ---- Views -----------------------------------------------------------------

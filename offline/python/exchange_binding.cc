@@ -241,7 +241,7 @@ void WriteRig(const py::object& file, const std::vector<py::tuple>& cameras,
     rig.push_back({name, name + "/camera.yaml",
                    PoseFromMatrix(camera[2], "camera_from_rig")});
     files.Add((folder / rig.back().file).string(),
-              ToText(camera[1].cast<const PyCamera&>()));
+              ToString(camera[1].cast<const PyCamera&>()));
   }
   std::vector<RelativePoseCovariance> pairs;
   for (const auto& [names, given] : covariances) {

@@ -13,7 +13,8 @@ namespace raygrid {
 std::string FormatCheckpoints(const std::vector<Checkpoint>& checkpoints,
                               const std::string& inputs);
 
-/// Throws InputError if the file is missing or malformed, or inputs differ.
+/// Throws InputError if the file is missing, malformed, or was written for
+/// other inputs.
 std::vector<Checkpoint> ReadCheckpoints(const std::string& path,
                                         const std::string& inputs);
 

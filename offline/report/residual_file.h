@@ -25,8 +25,9 @@ struct ResidualSets {
 /// name.
 std::string FormatResiduals(const RigResult& result);
 
-/// Reads residuals by camera name, "" if the file has no such column. Throws
-/// InputError, also for more than kMaxResidualRows.
+/// Reads residuals, keyed by camera name; "" if the file has no camera column.
+/// Throws InputError if the file is malformed or has more than kMaxResidualRows
+/// rows.
 std::map<std::string, ResidualSets> ReadResiduals(const std::string& path);
 
 }  // namespace raygrid

@@ -22,7 +22,7 @@ struct IntervalError {
   double sigmas = 0;    ///< per unit standard deviation of the timestamps
 };
 
-std::string ToText(const IntervalError& error) {
+std::string ToString(const IntervalError& error) {
   const double reported_s = error.behind->time_s - error.before->time_s;
   return fmt::format(
       "from {} to {}: {:.1f} ms, but {:.1f} ms according to the motion",
@@ -224,7 +224,7 @@ std::string FindBursts(const std::vector<TimedTrack>& tracks,
     }
   }
   if (wrong.size() < kMinErrors || 2 * wrong.size() < num_reported) return "";
-  return ToText(wrong.front());
+  return ToString(wrong.front());
 }
 
 }  // namespace
@@ -249,7 +249,7 @@ std::string CheckTimestamps(const std::vector<TimedTrack>& tracks,
         (!worst || size_s > std::abs(worst->seconds)))
       worst = &error;
   }
-  if (worst) return ToText(*worst);
+  if (worst) return ToString(*worst);
   if (scatter.rms_s > kRelativeScatter * interval_s)
     return fmt::format("jitter of {:.1f} ms at a frame interval of {:.1f} ms",
                        1e3 * scatter.rms_s, 1e3 * interval_s);

@@ -178,7 +178,7 @@ std::vector<Board> MakeBoardList(Spec* spec) {
   if (kind.max_count > 0 &&
       std::max(spec->columns, spec->rows) > kind.max_count)
     ThrowInvalidSpec(fmt::format("at most {} {} per side are supported",
-                                 kind.max_count, kind.counted));
+                                 kind.max_count, kind.counted_name));
   kind.AddOptions(spec, &request);
   spec->RequireAllUsed();
   return MakeBoards(kind, request);

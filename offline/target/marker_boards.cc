@@ -25,7 +25,7 @@ std::vector<Board> MarkerBoards(Board board, int num_boards) {
                 fmt::format("{} boards with {} markers each: {}; {}fewer "
                             "--boards, or a lower --first-marker",
                             num_boards, num_markers, error.what(),
-                            KindOf(board).more_markers));
+                            KindOf(board).too_few_markers_remedy));
   }
   return boards;
 }

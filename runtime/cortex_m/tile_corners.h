@@ -24,13 +24,12 @@ typedef struct rg_tile_extent {
  * accepted. */
 typedef struct rg_tile_row {
   const uint8_t* section;
-  const uint8_t* block; /* upper left vertex of the last tile's block */
-  uint32_t row_size;    /* bytes from a vertex to the one below it */
-  uint8_t bend_shift;   /* shift of bends for tiles of this width */
-  uint8_t num_log2;     /* log2 of four times the tiles per block, across */
-  uint8_t is_empty;     /* whether no pixel of the last tile's block has a
-                           source */
-  uint8_t vertex_size;  /* in bytes */
+  const uint8_t* block;   /* upper left vertex of the last tile's block */
+  uint32_t row_size;      /* bytes from a vertex to the one below it */
+  uint8_t bend_shift;     /* shift of bends for tiles of this width */
+  uint8_t num_log2;       /* log2 of four times the tiles per block, across */
+  uint8_t is_block_empty; /* no pixel of the last tile's block has a source */
+  uint8_t vertex_size;    /* in bytes */
   rg_tile_extent extents[2]; /* next tile across, row of tiles down */
 } rg_tile_row;
 
@@ -83,7 +82,7 @@ static RG_INLINE void rg_find_tile_block(rg_tile_row* tiles,
   tiles->block = vertices + sample_shift + vertex * size;
   tiles->row_size = row_size;
   tiles->vertex_size = (uint8_t)size;
-  tiles->is_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
+  tiles->is_block_empty = (marks[mark >> 3] >> (mark & 7)) & 1;
 }
 
 /* Computes the corners of the next tile from the vertices of its block, and

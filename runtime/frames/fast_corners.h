@@ -44,7 +44,7 @@ static RG_INLINE rg_lanes rg_twice_pair(rg_lanes lanes, uint32_t k) {
 typedef struct rg_corner_lines {
   const uint8_t* section;
   const uint8_t* vertices;        /* vertices of the table, or of a sample */
-  uint8_t is_empty;               /* no pixel of the last tile's block
+  uint8_t is_block_empty;         /* no pixel of the last tile's block
                                      has a source */
   uint8_t tile_log2[2];           /* log2 of tile size in output px: x, y */
   uint16_t row;                   /* index of the row of tiles */
@@ -195,7 +195,7 @@ static inline void rg_start_columns(rg_corner_lines* lines) {
 static RG_SHARED void rg_enter_block(rg_corner_lines* lines) {
   const int32_t log2 = lines->num_log2[0];
   const uint32_t mark = lines->next_mark++;
-  lines->is_empty = (lines->marks[mark >> 3] >> (mark & 7)) & 1;
+  lines->is_block_empty = (lines->marks[mark >> 3] >> (mark & 7)) & 1;
   rg_lanes turns;
   const rg_lanes from = lines->right, to = rg_next_column(lines, &turns);
   const rg_lanes bends = turns >> 1;
@@ -229,7 +229,8 @@ static RG_INLINE void rg_follow_lines(rg_corner_lines* lines, rg_lanes* upper,
 typedef struct rg_component_lanes {
   rg_lanes offset, is_coarse; /* half-pixel offset per coordinate; all bits set
                                  where the component is subsampled */
-  int32_t half[2], shift;
+  int32_t half[2];            /* half-pixel phase per axis */
+  int32_t tile_width_shift;   /* log2 of twice the tile width */
 } rg_component_lanes;
 
 static RG_INLINE rg_component_lanes rg_get_component_lanes(
@@ -248,9 +249,10 @@ rg_to_component_lanes(const rg_component_lanes* component, rg_lanes corners,
                       rg_lanes across, rg_lanes down) {
   const rg_lanes moved =
       across * component->half[0] + down * component->half[1];
-  const rg_lanes at =
-      corners + ((moved + (1 << component->shift >> 1)) >> component->shift) -
-      component->offset;
+  const rg_lanes at = corners +
+                      ((moved + (1 << component->tile_width_shift >> 1)) >>
+                       component->tile_width_shift) -
+                      component->offset;
   return at ^ ((at ^ ((at + 1) >> 1)) & component->is_coarse);
 }
 

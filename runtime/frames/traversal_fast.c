@@ -86,7 +86,7 @@ static RG_INLINE int are_corners_interior(const fast_traversal* traversal,
   const rg_lane_pairs beyond =
       (rg_lane_pairs)((upper < box->min) | (upper > box->max) |
                       (lower < box->min) | (lower > box->max));
-  return (beyond[0] | beyond[1]) == 0 && !traversal->lines.is_empty;
+  return (beyond[0] | beyond[1]) == 0 && !traversal->lines.is_block_empty;
 }
 
 static interior_box compute_interior_box(const fast_traversal* traversal) {
@@ -219,7 +219,7 @@ static RG_INLINE int next_whole_tile(fast_traversal* traversal,
 /* Whether a position has a source. */
 static RG_INLINE int has_source(const fast_traversal* traversal,
                                 const rg_position* position) {
-  if (traversal->lines.is_empty) return 0;
+  if (traversal->lines.is_block_empty) return 0;
   for (int c = 0; c < 2; ++c)
     if (position->q12[c] < traversal->ranges[c].min_q12 ||
         position->q12[c] > traversal->ranges[c].max_q12)
@@ -265,7 +265,7 @@ static RG_INLINE edge_handling select_edge_handling(
 /* The edge handling of the current tile. */
 static RG_INLINE edge_handling
 find_tile_handling(const fast_traversal* traversal) {
-  if (traversal->lines.is_empty && !traversal->is_clamped)
+  if (traversal->lines.is_block_empty && !traversal->is_clamped)
     return EDGE_NO_SOURCE;
   if (are_corners_interior(traversal, traversal->span.block.corners))
     return EDGE_NONE;

@@ -89,7 +89,7 @@ static int have_sources(const small_traversal* traversal,
                         const rg_position* positions, uint32_t num,
                         int32_t margin) {
   const int32_t* q12 = positions->q12;
-  if (traversal->tiles.is_empty) return 0;
+  if (traversal->tiles.is_block_empty) return 0;
   num *= 2;
   do {
     const uint8_t* const range = traversal->ranges + 4 * (num & 1);
@@ -118,7 +118,7 @@ static RG_INLINE int is_interior_tile(const small_traversal* traversal) {
   if (!RG_ALL_BUILT_IN)
     return have_sources(traversal, corners, 4, COMPONENT_MARGIN);
   /* Built-in kernels are fast, so this check must be fast as well. */
-  if (traversal->tiles.is_empty) return 0;
+  if (traversal->tiles.is_block_empty) return 0;
   for (int c = 0; c < 2; ++c) {
     const uint8_t* const range = traversal->ranges + 4 * c;
     const int32_t min = rg_load_i32(range) + COMPONENT_MARGIN;
@@ -296,8 +296,8 @@ static RG_INLINE void get_interior_neighbors(const rg_span* span,
   if (at->right != 0) at->lower += span->stride;
 }
 
-/* Finds the neighbours of a pixel with edge handling: moves the position in at
- * to the nearest one with a source, and rounds it. */
+/* Finds the neighbours of a pixel with edge handling: moves at->position to
+ * the nearest position with a source, and rounds it. */
 static RG_NOINLINE void get_edge_neighbors(const image_traversal* image,
                                            rg_neighbors* at) {
   const component_traversal* const whole = &image->whole;

@@ -67,14 +67,14 @@ INLINE bytes_64 byte_numbers(void) {
 
 /* The indices of a set's words in a tile; in another tile for the second half.
  */
-INLINE __m512i x_words(uint32_t set, layout l) {
+INLINE __m512i x_words(uint32_t set_index, layout l) {
   const words_32 n = lane_numbers();
   const words_32 other = num_halves(l) == 2 ? (n & 4) * 8 : n & 0;
-  return (__m512i)((n >> 3) * 2 + other + (uint16_t)(8 * set));
+  return (__m512i)((n >> 3) * 2 + other + (uint16_t)(8 * set_index));
 }
 
-INLINE __m512i y_words(uint32_t set, layout l) {
-  return (__m512i)((words_32)x_words(set, l) + 16);
+INLINE __m512i y_words(uint32_t set_index, layout l) {
+  return (__m512i)((words_32)x_words(set_index, l) + 16);
 }
 
 /* The indices of a group's words in its set. */
@@ -285,21 +285,21 @@ typedef struct lane_steps {
   __m512i x, y;
 } lane_steps;
 
-INLINE lane_steps compute_lane_steps(__m512i step, __m512i pixels, uint32_t set,
-                                     layout l) {
+INLINE lane_steps compute_lane_steps(__m512i step, __m512i pixels,
+                                     uint32_t set_index, layout l) {
   const lane_steps steps = {
-      _mm512_mullo_epi16(_mm512_permutexvar_epi16(x_words(set, l), step),
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(x_words(set_index, l), step),
                          pixels),
-      _mm512_mullo_epi16(_mm512_permutexvar_epi16(y_words(set, l), step),
+      _mm512_mullo_epi16(_mm512_permutexvar_epi16(y_words(set_index, l), step),
                          pixels)};
   return steps;
 }
 
 /* For each pixel of a set: the byte offset from the start of its box, the
  * weights of the left and right sample, and the weight of the lower row. */
-typedef struct set {
+typedef struct sample_taps {
   __m512i offset, weights, wy_q15;
-} set;
+} sample_taps;
 
 INLINE __m512i compute_lanes(const __m512i* firsts, __m512i words, layout l) {
   return num_halves(l) == 1
@@ -308,14 +308,15 @@ INLINE __m512i compute_lanes(const __m512i* firsts, __m512i words, layout l) {
 }
 
 /* firsts: the first pixels of the halves, relative to their boxes. */
-INLINE set compute_set(const __m512i* firsts, uint32_t number,
-                       const lane_steps* steps, layout l, const fills* f) {
-  const __m512i x_q12 =
-      _mm512_add_epi16(compute_lanes(firsts, x_words(number, l), l), steps->x);
-  const __m512i y_q12 =
-      _mm512_add_epi16(compute_lanes(firsts, y_words(number, l), l), steps->y);
-  set s;
-  /* 16 row + column */
+INLINE sample_taps compute_taps(const __m512i* firsts, uint32_t set_index,
+                                const lane_steps* steps, layout l,
+                                const fills* f) {
+  const __m512i x_q12 = _mm512_add_epi16(
+      compute_lanes(firsts, x_words(set_index, l), l), steps->x);
+  const __m512i y_q12 = _mm512_add_epi16(
+      compute_lanes(firsts, y_words(set_index, l), l), steps->y);
+  sample_taps s;
+  /* 16 * row + column */
   s.offset = _mm512_shldi_epi16(_mm512_srli_epi16(y_q12, 12), x_q12, 4);
   if (l.channels == 2)
     s.offset = _mm512_add_epi16(s.offset, _mm512_srli_epi16(x_q12, 12));
@@ -336,9 +337,9 @@ INLINE set compute_set(const __m512i* firsts, uint32_t number,
 /* ---- Groups -------------------------------------------------------------- */
 
 /* Returns the results in the low bytes of lanes. */
-INLINE __m512i blend_group(const uint8_t* data, const boxes* b, const set* s,
-                           uint32_t g, uint32_t half, layout l,
-                           const fills* f) {
+INLINE __m512i blend_group(const uint8_t* data, const boxes* b,
+                           const sample_taps* s, uint32_t g, uint32_t half,
+                           layout l, const fills* f) {
   const words_32 words = pixel_words(group_rows(l) == 4 ? 0 : g & 1, half, l);
   const __m512i upper_half = load_rows(data, b->upper + group_rows(l) * g, l);
   const __m512i lower_half = load_rows(data, b->lower + group_rows(l) * g, l);
@@ -492,7 +493,8 @@ INLINE tile_row compute_tile_row(__m512i step, uint32_t num_pixels, layout l) {
   return row;
 }
 
-/* start: of the tile's rows. Returns whether the tile was processed. */
+/* start: positions of the first pixels of the tile's rows. Returns whether the
+ * tile was processed. */
 INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
                       const tile_row* row, const tile_output* to, layout l,
                       const fills* f) {
@@ -510,8 +512,8 @@ INLINE int blend_tile(const uint8_t* data, const source_steps* s, __m512i start,
   }
   if (((uintptr_t)to->out & 63) < TILE_PIXELS * l.channels)
     prefetch_rows(data, &b[0], to);
-  const set upper = compute_set(firsts, 0, &row->upper, l, f);
-  const set lower = compute_set(firsts, 1, &row->lower, l, f);
+  const sample_taps upper = compute_taps(firsts, 0, &row->upper, l, f);
+  const sample_taps lower = compute_taps(firsts, 1, &row->lower, l, f);
 #define GROUP(g, half)                                                    \
   blend_group(data, &b[half], (g)*group_rows(l) < 4 ? &upper : &lower, g, \
               half, l, f)

@@ -259,9 +259,9 @@ StateLock LibcameraSource::LockState() {
   FrameInfo info = *last_info_;
   if (focus_.lens_position) info.lens_position = focus_.lens_position;
   LibcameraLock state = MakeLibcameraLock(camera_->controls(), controls_, info);
-  next_controls_ = std::move(state.fixing);
-  releasing_ = std::move(state.releasing);
-  return state.report;
+  next_controls_ = std::move(state.lock_controls);
+  unlock_controls_ = std::move(state.unlock_controls);
+  return state.lock_state;
 }
 
 void LibcameraSource::FocusAt(const LensFocus& focus) {
@@ -272,8 +272,8 @@ void LibcameraSource::FocusAt(const LensFocus& focus) {
 void LibcameraSource::UnlockState() {
   const std::lock_guard<std::mutex> lock(state_mutex_);
   // A lock that no request contains yet is dropped.
-  if (!releasing_.empty()) next_controls_ = std::move(releasing_);
-  releasing_.clear();
+  if (!unlock_controls_.empty()) next_controls_ = std::move(unlock_controls_);
+  unlock_controls_.clear();
 }
 
 // Cameras may retain their controls. The release is sent with a request, so one

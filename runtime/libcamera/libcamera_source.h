@@ -84,9 +84,9 @@ class LibcameraSource : public FrameSource {
   std::unique_ptr<BoundedQueue<CapturedFrame>> queue_;
   std::mutex state_mutex_;  // guards the next four
   std::optional<FrameInfo> last_info_;
-  LensFocus focus_;                       // for LockState()
-  libcamera::ControlList next_controls_;  // for the next request
-  libcamera::ControlList releasing_;      // set by UnlockState()
+  LensFocus focus_;                         // for LockState()
+  libcamera::ControlList next_controls_;    // for the next request
+  libcamera::ControlList unlock_controls_;  // set by UnlockState()
   std::atomic<bool> is_running_{false}, is_disconnected_{false};
   std::optional<uint32_t> last_sequence_;  // used by libcamera's thread
   std::atomic<uint64_t> arrived_{0}, dropped_{0}, damaged_{0}, missed_{0};

@@ -40,8 +40,8 @@ class LockMaker {
   LockMaker(const libcamera::ControlInfoMap& controls,
             const libcamera::ControlList& given)
       : controls_(controls), given_(given) {
-    lock_.fixing = libcamera::ControlList(controls);
-    lock_.releasing = libcamera::ControlList(controls);
+    lock_.lock_controls = libcamera::ControlList(controls);
+    lock_.unlock_controls = libcamera::ControlList(controls);
   }
 
   // Returns whether the camera has the mode. `values`: controls that the user
@@ -53,7 +53,7 @@ class LockMaker {
     if (found == controls_.end() || !TakesMode(found->second, manual))
       return false;
     const unsigned id = found->first->id();
-    lock_.fixing.set(id, manual);
+    lock_.lock_controls.set(id, manual);
     StateValue before = automatic;
     if (given_.contains(id))
       before = given_.get(id);
@@ -63,7 +63,7 @@ class LockMaker {
       before = manual;
     else if (found->second.def().type() == manual.type())
       before = found->second.def();
-    if (before != manual) lock_.releasing.set(id, before);
+    if (before != manual) lock_.unlock_controls.set(id, before);
     return true;
   }
 
@@ -73,27 +73,27 @@ class LockMaker {
     if (found == controls_.end() || !value) return false;
     const unsigned id = found->first->id();
     if (found->first->type() == libcamera::ControlTypeInteger32)
-      lock_.fixing.set(
+      lock_.lock_controls.set(
           id, StateValue(Within(found->second,
                                 static_cast<int32_t>(std::lround(*value)))));
     else if (found->first->type() == libcamera::ControlTypeFloat)
-      lock_.fixing.set(id, StateValue(Within(found->second, *value)));
+      lock_.lock_controls.set(id, StateValue(Within(found->second, *value)));
     else
       return false;
-    if (given_.contains(id)) lock_.releasing.set(id, given_.get(id));
+    if (given_.contains(id)) lock_.unlock_controls.set(id, given_.get(id));
     return true;
   }
 
   void AddControl(const std::string& subject, bool is_fixed,
                   const std::string& value) {
     if (!is_fixed)
-      lock_.report.open.push_back(subject +
-                                  ": libcamera has no control for it");
+      lock_.lock_state.open.push_back(subject +
+                                      ": libcamera has no control for it");
     else if (value.empty())
-      lock_.report.locked.push_back(subject +
-                                    " at a value the camera does not report");
+      lock_.lock_state.locked.push_back(
+          subject + " at a value the camera does not report");
     else
-      lock_.report.locked.push_back(value);
+      lock_.lock_state.locked.push_back(value);
   }
 
   const LibcameraLock& lock() const { return lock_; }

@@ -9,8 +9,8 @@
 namespace raygrid {
 
 struct LibcameraLock {
-  libcamera::ControlList fixing, releasing;  // for requests
-  StateLock report;
+  libcamera::ControlList lock_controls, unlock_controls;  // for requests
+  StateLock lock_state;
 };
 
 /// Selects from the camera's controls. `given`: controls set at the start, to

@@ -41,9 +41,9 @@ class StreamGuard {
  public:
   enum class Use { kFrames, kPositions };
 
-  /// serial: of the camera; empty: unknown. calibrated: overrides the crop
-  /// recorded in the blob. capture: compares frames with the recorded settings;
-  /// NULL: no comparison.
+  /// serial: the camera's serial number; empty: unknown. calibrated: overrides
+  /// the crop recorded in the blob. capture: compares frames with the recorded
+  /// settings; NULL: no comparison.
   StreamGuard(const rg_camera& camera, const StreamFormat& format, Use use,
               const std::string& serial,
               const std::optional<SensorCrop>& calibrated,

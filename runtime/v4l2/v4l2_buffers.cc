@@ -15,9 +15,9 @@ struct V4l2Buffers::Description {
     buffer.type = stream.buffer_type;
     buffer.memory = kind;
     buffer.index = index;
-    if (!stream.has_planes_apart()) return;
+    if (!stream.is_multiplanar()) return;
     buffer.m.planes = planes;
-    buffer.length = stream.num_memories;
+    buffer.length = stream.num_mem_planes;
   }
   Description(const Description&) = delete;
   Description& operator=(const Description&) = delete;
@@ -72,11 +72,11 @@ bool V4l2Buffers::AllocateFrom(const std::string& heap, uint32_t number) {
 
 bool V4l2Buffers::AllocateFromHeap(const std::string& heap) {
   for (Buffer& buffer : buffers_) {
-    for (uint32_t i = 0; i < stream_.num_memories; ++i) {
-      Memory& memory = buffer.memories[i];
-      memory.fd = device_->Allocate(heap, stream_.memory_sizes[i]);
+    for (uint32_t i = 0; i < stream_.num_mem_planes; ++i) {
+      Memory& memory = buffer.mem_planes[i];
+      memory.fd = device_->Allocate(heap, stream_.mem_plane_sizes[i]);
       if (memory.fd < 0) return false;
-      memory.size = stream_.memory_sizes[i];
+      memory.size = stream_.mem_plane_sizes[i];
       memory.start = device_->MapDmaBuf(memory.fd, memory.size);
       if (!memory.start) return false;
     }
@@ -116,18 +116,18 @@ void V4l2Buffers::MapDriverBuffer(uint32_t index) {
   if (status != 0)
     throw V4l2Error(*device_, "cannot query its buffers", status,
                     "check the driver");
-  for (uint32_t i = 0; i < stream_.num_memories; ++i) {
-    const bool are_apart = stream_.has_planes_apart();
+  for (uint32_t i = 0; i < stream_.num_mem_planes; ++i) {
+    const bool is_multiplanar = stream_.is_multiplanar();
     const v4l2_plane& plane = description.planes[i];
-    Memory& memory = buffers_[index].memories[i];
-    memory.size = are_apart ? plane.length : description.buffer.length;
-    if (memory.size < stream_.memory_sizes[i])
+    Memory& memory = buffers_[index].mem_planes[i];
+    memory.size = is_multiplanar ? plane.length : description.buffer.length;
+    if (memory.size < stream_.mem_plane_sizes[i])
       throw V4l2Error(
           *device_,
           "delivers buffers smaller than its frames; use another --format");
     memory.start =
-        device_->Map(memory.size, are_apart ? plane.m.mem_offset
-                                            : description.buffer.m.offset);
+        device_->Map(memory.size, is_multiplanar ? plane.m.mem_offset
+                                                 : description.buffer.m.offset);
     if (!memory.start)
       throw V4l2Error(*device_, "cannot map its buffers; check the driver");
   }
@@ -136,7 +136,7 @@ void V4l2Buffers::MapDriverBuffer(uint32_t index) {
 
 void V4l2Buffers::FindPlanes(Buffer* buffer) const {
   for (int i = 0; i < stream_.format.num_planes; ++i)
-    buffer->planes[i] = buffer->memories[stream_.places[i].memory].start +
+    buffer->planes[i] = buffer->mem_planes[stream_.places[i].mem_plane].start +
                         stream_.places[i].offset;
 }
 
@@ -150,13 +150,13 @@ int V4l2Buffers::Queue(uint32_t index) {
   Description description(stream_, kind_, index);
   if (kind_ == V4L2_MEMORY_DMABUF) {
     const Buffer& buffer = buffers_[index];
-    for (uint32_t i = 0; i < stream_.num_memories; ++i) {
-      description.planes[i].m.fd = buffer.memories[i].fd;
+    for (uint32_t i = 0; i < stream_.num_mem_planes; ++i) {
+      description.planes[i].m.fd = buffer.mem_planes[i].fd;
       description.planes[i].length =
-          static_cast<uint32_t>(buffer.memories[i].size);
+          static_cast<uint32_t>(buffer.mem_planes[i].size);
     }
-    if (!stream_.has_planes_apart()) {
-      description.buffer.m.fd = buffer.memories[0].fd;
+    if (!stream_.is_multiplanar()) {
+      description.buffer.m.fd = buffer.mem_planes[0].fd;
       description.buffer.length = description.planes[0].length;
     }
   }
@@ -171,8 +171,8 @@ int V4l2Buffers::Dequeue(V4l2Filled* filled) {
   if (buffer.index >= number()) return EIO;
   filled->buffer = buffer.index;
   filled->is_whole = IsWhole(buffer);
-  filled->num_bytes = stream_.has_planes_apart() ? buffer.m.planes[0].bytesused
-                                                 : buffer.bytesused;
+  filled->num_bytes = stream_.is_multiplanar() ? buffer.m.planes[0].bytesused
+                                               : buffer.bytesused;
   filled->sequence = buffer.sequence;
   filled->timestamp_ns =
       static_cast<uint64_t>(buffer.timestamp.tv_sec) * 1000000000u +
@@ -185,8 +185,8 @@ bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
   for (int i = 0; i < stream_.format.num_planes; ++i) {
     const V4l2Stream::Place& place = stream_.places[i];
     uint32_t used = buffer.bytesused;
-    if (stream_.has_planes_apart()) {
-      const v4l2_plane& plane = buffer.m.planes[place.memory];
+    if (stream_.is_multiplanar()) {
+      const v4l2_plane& plane = buffer.m.planes[place.mem_plane];
       // Frames with an offset in their buffers are not supported.
       if (plane.data_offset != 0) return false;
       used = plane.bytesused;
@@ -194,7 +194,7 @@ bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
     const uint32_t needed =
         stream_.is_jpeg ? 1 : place.offset + stream_.format.planes[i].extent();
     if (used < needed ||
-        used > buffers_[buffer.index].memories[place.memory].size)
+        used > buffers_[buffer.index].mem_planes[place.mem_plane].size)
       return false;
   }
   return true;
@@ -203,15 +203,15 @@ bool V4l2Buffers::IsWhole(const v4l2_buffer& buffer) const {
 bool V4l2Buffers::BeginRead(uint32_t buffer) {
   if (kind_ != V4L2_MEMORY_DMABUF) return true;
   bool is_good = true;
-  for (uint32_t i = 0; i < stream_.num_memories; ++i)
-    is_good &= sync_.BeginRead(buffers_[buffer].memories[i].fd);
+  for (uint32_t i = 0; i < stream_.num_mem_planes; ++i)
+    is_good &= sync_.BeginRead(buffers_[buffer].mem_planes[i].fd);
   return is_good;
 }
 
 void V4l2Buffers::EndRead(uint32_t buffer) {
   if (kind_ != V4L2_MEMORY_DMABUF) return;
-  for (uint32_t i = 0; i < stream_.num_memories; ++i)
-    sync_.EndRead(buffers_[buffer].memories[i].fd);
+  for (uint32_t i = 0; i < stream_.num_mem_planes; ++i)
+    sync_.EndRead(buffers_[buffer].mem_planes[i].fd);
 }
 
 void V4l2Buffers::Free() {
@@ -219,7 +219,7 @@ void V4l2Buffers::Free() {
   int type = static_cast<int>(stream_.buffer_type);
   IoctlWithRetry(device_, VIDIOC_STREAMOFF, &type);
   for (Buffer& buffer : buffers_) {
-    for (Memory& memory : buffer.memories) {
+    for (Memory& memory : buffer.mem_planes) {
       if (memory.start) device_->Unmap(memory.start, memory.size);
       if (memory.fd >= 0) device_->Close(memory.fd);
     }

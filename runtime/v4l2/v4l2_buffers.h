@@ -55,7 +55,7 @@ class V4l2Buffers {
     size_t size = 0;
   };
   struct Buffer {
-    std::array<Memory, 3> memories;
+    std::array<Memory, 3> mem_planes;
     std::array<const uint8_t*, 3> planes;
   };
   // A v4l2_buffer and the planes that it points to.

@@ -144,17 +144,17 @@ bool HasWholeFrames(uint32_t field) {
 void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
   const Picture picture = GetPictureFormat(format);
   uint32_t strides[3] = {};
-  if (stream->has_planes_apart()) {
+  if (stream->is_multiplanar()) {
     const v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
-    stream->num_memories = std::min<uint32_t>(pix.num_planes, 3);
-    for (uint32_t i = 0; i < stream->num_memories; ++i) {
+    stream->num_mem_planes = std::min<uint32_t>(pix.num_planes, 3);
+    for (uint32_t i = 0; i < stream->num_mem_planes; ++i) {
       strides[i] = pix.plane_fmt[i].bytesperline;
-      stream->memory_sizes[i] = pix.plane_fmt[i].sizeimage;
+      stream->mem_plane_sizes[i] = pix.plane_fmt[i].sizeimage;
     }
   } else {
-    stream->num_memories = 1;
+    stream->num_mem_planes = 1;
     strides[0] = format.fmt.pix.bytesperline;
-    stream->memory_sizes[0] = format.fmt.pix.sizeimage;
+    stream->mem_plane_sizes[0] = format.fmt.pix.sizeimage;
   }
   stream->is_jpeg = IsJpegFormat(picture.code);
   if (stream->is_jpeg) {
@@ -165,26 +165,26 @@ void TakeLayout(const v4l2_format& format, V4l2Stream* stream) {
   stream->format = MakeStreamFormat(*FindV4l2Format(picture.code),
                                     picture.width, picture.height, strides[0]);
   stream->format.is_full_range = picture.is_full_range;
-  for (uint32_t i = 1; i < stream->num_memories; ++i)
+  for (uint32_t i = 1; i < stream->num_mem_planes; ++i)
     if (strides[i] != 0) stream->format.planes[i].stride = strides[i];
 }
 
-// Locates planes: in separate memories, or contiguous in one.
+// Locates the planes: each in its own memory plane, or contiguous in one.
 void PlacePlanes(const V4l2Device& device, V4l2Stream* stream) {
   const CameraError too_small = V4l2Error(
       device, "delivers buffers smaller than its frames; use another --format");
   const bool are_apart =
-      stream->num_memories == uint32_t(stream->format.num_planes);
-  if (!are_apart && stream->num_memories != 1) throw too_small;
+      stream->num_mem_planes == uint32_t(stream->format.num_planes);
+  if (!are_apart && stream->num_mem_planes != 1) throw too_small;
   uint32_t behind = 0;
   for (int i = 0; i < stream->format.num_planes; ++i) {
     const PlaneLayout& plane = stream->format.planes[i];
-    const uint32_t memory = are_apart ? static_cast<uint32_t>(i) : 0;
-    stream->places[i] = {memory, are_apart ? 0 : behind};
+    const uint32_t mem_plane = are_apart ? static_cast<uint32_t>(i) : 0;
+    stream->places[i] = {mem_plane, are_apart ? 0 : behind};
     behind += plane.stride * plane.rows;
     if (plane.stride < plane.row_bytes ||
         stream->places[i].offset + plane.extent() >
-            stream->memory_sizes[memory])
+            stream->mem_plane_sizes[mem_plane])
       throw too_small;
   }
 }

@@ -17,14 +17,15 @@ struct V4l2Stream {
   uint32_t buffer_type;  // V4L2_BUF_TYPE_VIDEO_CAPTURE, or multiplanar
   bool is_jpeg;          // frames are JPEGs, decoded to the format
   StreamFormat format;
-  uint32_t num_memories;  // memories per frame: one, or one for each plane
-  std::array<uint32_t, 3> memory_sizes;
+  // Memory planes per frame: one, or one for each plane of the pixel format.
+  uint32_t num_mem_planes;
+  std::array<uint32_t, 3> mem_plane_sizes;
   struct Place {
-    uint32_t memory, offset;
+    uint32_t mem_plane, offset;
   };
   std::array<Place, 3> places;  // location of each plane
 
-  bool has_planes_apart() const {
+  bool is_multiplanar() const {
     return buffer_type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   }
 };

@@ -63,7 +63,7 @@ static void print_cost(const char* name, uint32_t ticks, uint32_t count) {
          (unsigned long)(INSTRUCTIONS_OF((uint64_t)ticks) * 100 / count));
 }
 
-/* A function that un-projects a pixel. */
+/* A function that unprojects a pixel. */
 typedef rg_status (*unprojection)(const rg_camera* camera, rg_pixel pixel,
                                   rg_ray* ray);
 

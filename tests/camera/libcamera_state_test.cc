@@ -64,21 +64,21 @@ TEST(LibcameraState, IsFixedAtThatOfTheLastFrame) {
   const ControlInfoMap camera = Listed(AutomaticCamera());
   const LibcameraLock lock =
       MakeLibcameraLock(camera, ControlList(camera), Told());
-  EXPECT_EQ(lock.report.locked,
+  EXPECT_EQ(lock.lock_state.locked,
             (LockTexts{"focus at 1.25 dioptres", "exposure 8.3 ms", "gain 2.1",
                        "white balance"}));
-  EXPECT_EQ(lock.report.open, LockTexts());
-  EXPECT_EQ(lock.fixing.size(), 6u);
-  EXPECT_EQ(lock.fixing.get(ids::AfMode), ids::AfModeManual);
-  EXPECT_EQ(lock.fixing.get(ids::LensPosition), 1.25f);
-  EXPECT_EQ(lock.fixing.get(ids::AeEnable), false);
-  EXPECT_EQ(lock.fixing.get(ids::ExposureTime), 8300);
-  EXPECT_EQ(lock.fixing.get(ids::AnalogueGain), 2.125f);
-  EXPECT_EQ(lock.fixing.get(ids::AwbEnable), false);
-  EXPECT_EQ(lock.releasing.size(), 3u);
-  EXPECT_EQ(lock.releasing.get(ids::AfMode), ids::AfModeContinuous);
-  EXPECT_EQ(lock.releasing.get(ids::AeEnable), true);
-  EXPECT_EQ(lock.releasing.get(ids::AwbEnable), true);
+  EXPECT_EQ(lock.lock_state.open, LockTexts());
+  EXPECT_EQ(lock.lock_controls.size(), 6u);
+  EXPECT_EQ(lock.lock_controls.get(ids::AfMode), ids::AfModeManual);
+  EXPECT_EQ(lock.lock_controls.get(ids::LensPosition), 1.25f);
+  EXPECT_EQ(lock.lock_controls.get(ids::AeEnable), false);
+  EXPECT_EQ(lock.lock_controls.get(ids::ExposureTime), 8300);
+  EXPECT_EQ(lock.lock_controls.get(ids::AnalogueGain), 2.125f);
+  EXPECT_EQ(lock.lock_controls.get(ids::AwbEnable), false);
+  EXPECT_EQ(lock.unlock_controls.size(), 3u);
+  EXPECT_EQ(lock.unlock_controls.get(ids::AfMode), ids::AfModeContinuous);
+  EXPECT_EQ(lock.unlock_controls.get(ids::AeEnable), true);
+  EXPECT_EQ(lock.unlock_controls.get(ids::AwbEnable), true);
 }
 
 TEST(LibcameraState, GoesBackToWhatWasGiven) {
@@ -88,11 +88,11 @@ TEST(LibcameraState, GoesBackToWhatWasGiven) {
   given.set(ids::ExposureTime, 5000);
   given.set(ids::AwbEnable, false);
   const LibcameraLock lock = MakeLibcameraLock(camera, given, Told());
-  EXPECT_EQ(lock.fixing.size(), 6u);
+  EXPECT_EQ(lock.lock_controls.size(), 6u);
   // An exposure time that is given ended the mode.
-  EXPECT_EQ(lock.releasing.size(), 2u);
-  EXPECT_EQ(lock.releasing.get(ids::AfMode), ids::AfModeAuto);
-  EXPECT_EQ(lock.releasing.get(ids::ExposureTime), 5000);
+  EXPECT_EQ(lock.unlock_controls.size(), 2u);
+  EXPECT_EQ(lock.unlock_controls.get(ids::AfMode), ids::AfModeAuto);
+  EXPECT_EQ(lock.unlock_controls.get(ids::ExposureTime), 5000);
 }
 
 TEST(LibcameraState, ExposureAndGainMayHaveModesOfTheirOwn) {
@@ -102,22 +102,22 @@ TEST(LibcameraState, ExposureAndGainMayHaveModesOfTheirOwn) {
   const ControlInfoMap camera = Listed(controls);
   const LibcameraLock lock =
       MakeLibcameraLock(camera, ControlList(camera), Told());
-  EXPECT_EQ(lock.report.locked.size(), 4u);
-  EXPECT_EQ(lock.fixing.get(kTimeMode.id()).get<int32_t>(), 1);
-  EXPECT_EQ(lock.fixing.get(kGainMode.id()).get<int32_t>(), 1);
-  EXPECT_EQ(lock.fixing.get(ids::ExposureTime), 8300);
-  EXPECT_FALSE(lock.fixing.contains(ids::AeEnable.id()));
-  EXPECT_EQ(lock.releasing.get(kTimeMode.id()).get<int32_t>(), 0);
-  EXPECT_EQ(lock.releasing.get(kGainMode.id()).get<int32_t>(), 0);
+  EXPECT_EQ(lock.lock_state.locked.size(), 4u);
+  EXPECT_EQ(lock.lock_controls.get(kTimeMode.id()).get<int32_t>(), 1);
+  EXPECT_EQ(lock.lock_controls.get(kGainMode.id()).get<int32_t>(), 1);
+  EXPECT_EQ(lock.lock_controls.get(ids::ExposureTime), 8300);
+  EXPECT_FALSE(lock.lock_controls.contains(ids::AeEnable.id()));
+  EXPECT_EQ(lock.unlock_controls.get(kTimeMode.id()).get<int32_t>(), 0);
+  EXPECT_EQ(lock.unlock_controls.get(kGainMode.id()).get<int32_t>(), 0);
 }
 
 TEST(LibcameraState, WhatTheCameraDoesNotTellStaysWhereItIs) {
   const ControlInfoMap camera = Listed(AutomaticCamera());
   const LibcameraLock lock =
       MakeLibcameraLock(camera, ControlList(camera), FrameInfo{});
-  EXPECT_EQ(lock.fixing.size(), 3u);
-  EXPECT_EQ(lock.fixing.get(ids::AeEnable), false);
-  EXPECT_EQ(lock.report.locked,
+  EXPECT_EQ(lock.lock_controls.size(), 3u);
+  EXPECT_EQ(lock.lock_controls.get(ids::AeEnable), false);
+  EXPECT_EQ(lock.lock_state.locked,
             (LockTexts{"focus at a value the camera does not report",
                        "exposure at a value the camera does not report",
                        "gain at a value the camera does not report",
@@ -127,8 +127,8 @@ TEST(LibcameraState, WhatTheCameraDoesNotTellStaysWhereItIs) {
 TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
   const ControlInfoMap none = Listed({});
   LibcameraLock lock = MakeLibcameraLock(none, ControlList(none), Told());
-  EXPECT_TRUE(lock.fixing.empty());
-  EXPECT_EQ(lock.report.open,
+  EXPECT_TRUE(lock.lock_controls.empty());
+  EXPECT_EQ(lock.lock_state.open,
             MakeUnlockedState("libcamera has no control for it").open);
 
   // Modes that it does not end, and values out of its range.
@@ -138,11 +138,11 @@ TEST(LibcameraState, OnlyControlsOfTheCameraAreSet) {
               {&ids::ExposureTime, Numbers(100, 5000)},
               {&ids::AnalogueGain, ControlInfo(4.0f, 16.0f)}});
   lock = MakeLibcameraLock(other, ControlList(other), Told());
-  EXPECT_EQ(lock.fixing.size(), 2u);
-  EXPECT_EQ(lock.fixing.get(ids::ExposureTime), 5000);
-  EXPECT_EQ(lock.fixing.get(ids::AnalogueGain), 4.0f);
-  EXPECT_TRUE(lock.releasing.empty());
-  EXPECT_EQ(lock.report.open,
+  EXPECT_EQ(lock.lock_controls.size(), 2u);
+  EXPECT_EQ(lock.lock_controls.get(ids::ExposureTime), 5000);
+  EXPECT_EQ(lock.lock_controls.get(ids::AnalogueGain), 4.0f);
+  EXPECT_TRUE(lock.unlock_controls.empty());
+  EXPECT_EQ(lock.lock_state.open,
             (LockTexts{"focus: libcamera has no control for it",
                        "white balance: libcamera has no control for it"}));
 }

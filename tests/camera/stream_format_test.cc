@@ -45,7 +45,7 @@ TEST(StreamFormat, OrdersAreThoseOfTheNames) {
   }
 }
 
-TEST(StreamFormat, NamesOfOtherProgramsAreTold) {
+TEST(StreamFormat, SuggestsNamesForThoseOfOtherPrograms) {
   for (const auto& [other, name] :
        std::vector<std::pair<const char*, const char*>>{
            {"GREY", "R8"},

@@ -19,8 +19,8 @@ void SetBit(uint8_t* bits, uint32_t index, bool value) {
                                          value << index % 8);
 }
 
-// The golden wide camera with its first table, to be changed after its CRCs
-// were checked.
+// The golden wide camera and its first remap table, which tests change after
+// the check of the CRCs.
 class WideCamera {
  public:
   WideCamera() : bytes_(std::begin(kWideBlob), std::end(kWideBlob)) {
@@ -47,7 +47,7 @@ class WideCamera {
   }
 
   // Leaves blocks of the table, of 8 x 8 pixels, without a source.
-  void Empty(const std::vector<bool>& blocks) {
+  void SetEmptyBlocks(const std::vector<bool>& blocks) {
     rg_remap_section table;
     rg_read_remap(Section(RG_SECTION_REMAP), &table);
     uint8_t* const bits = bytes_.data() + (table.empty_blocks - bytes_.data());
@@ -168,7 +168,7 @@ void ExpectFramesOfATableThatLeavesThemOut(WideCamera* wide) {
   EXPECT_GE(std::count(untrusted.begin(), untrusted.end(), true), 3);
   EXPECT_GE(std::count(untrusted.begin(), untrusted.end(), false), 3);
   const std::vector<Output> outputs = HideInvalidBlocks(wide->camera());
-  wide->Empty(untrusted);
+  wide->SetEmptyBlocks(untrusted);
   for (const Output& output : outputs) {
     const std::string name = output.format.pixel_format->name;
     EXPECT_EQ(output.bytes, UndistortRecording(wide->camera(), name).bytes)

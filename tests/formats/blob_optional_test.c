@@ -319,7 +319,8 @@ static void only_line_points_are_critical(void** state) {
   }
 }
 
-/* The camera, the grid and another section, once or twice. */
+/* Opens a blob of the camera, the grid, and num_copies copies of the section of
+ * a type; size: of the first copy, if not 0. */
 static rg_status open_with_copies(uint32_t type, uint32_t num_copies,
                                   uint32_t size) {
   static uint8_t bytes[2 * sizeof(kWideBlob)] __attribute__((aligned(4)));
@@ -331,7 +332,7 @@ static rg_status open_with_copies(uint32_t type, uint32_t num_copies,
   return open_copy(bytes, assemble_blob(sections, 2 + num_copies, bytes));
 }
 
-static void sections_stand_once(void** state) {
+static void duplicate_sections_are_refused(void** state) {
   (void)state;
   for (size_t i = 0; i < NUM_LONE_TYPES; ++i) {
     assert_int_equal(open_with_copies(kTypes[i], 1, 0), RG_OK);
@@ -531,7 +532,7 @@ int main(void) {
       cmocka_unit_test(each_fault_has_its_own_status),
       cmocka_unit_test(mirrors_are_no_rotations),
       cmocka_unit_test(only_line_points_are_critical),
-      cmocka_unit_test(sections_stand_once),
+      cmocka_unit_test(duplicate_sections_are_refused),
       cmocka_unit_test(short_sections_are_refused),
       cmocka_unit_test(narrow_grid_is_read),
       cmocka_unit_test(inverse_grid_is_read),

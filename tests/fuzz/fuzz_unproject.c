@@ -24,7 +24,7 @@ static void try_pixel(const rg_camera* camera, rg_pixel pixel) {
   const rg_status status = rg_unproject(camera, pixel, &ray);
   require(status == RG_OK || status == RG_ERR_OUTSIDE_AREA ||
               status == RG_ERR_NONCENTRAL,
-          "statuses of un-projection");
+          "statuses of unprojection");
   if (status == RG_OK) {
     require(is_unit(&ray), "a direction has unit length");
     rg_project(camera, &ray, &other);

@@ -143,7 +143,8 @@ struct Memory {
   size_t size = 0;
 };
 
-// Rows with gaps behind them and planes with gaps between, unless it is 0.
+// Lays out planes with `gap` bytes of padding before each plane and 2 * gap
+// after each row.
 Memory LayOut(const StreamFormat& format, uint32_t gap) {
   Memory memory;
   for (int i = 0; i < format.num_planes; ++i) {

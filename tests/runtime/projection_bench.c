@@ -1,4 +1,4 @@
-/* Time of un-projection and projection on this machine: medians over runs, of
+/* Time of unprojection and projection on this machine: medians over runs, of
  * the golden lens of 220 degrees, points of its area in random order. */
 #define _POSIX_C_SOURCE 199309L
 #include <stdio.h>

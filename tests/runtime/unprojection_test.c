@@ -133,7 +133,7 @@ static void rays_have_unit_length(void** state) {
   assert_in_range(num_inside, 100, NUM_RANDOM - 100);
 }
 
-/* Within the limit of control points. */
+/* Returns a random coordinate within the limit of control points. */
 static int32_t random_coordinate(uint32_t* state) {
   return (int32_t)(((int64_t)(int32_t)next_random(state) * 0x7f000000) >> 31);
 }

@@ -74,7 +74,7 @@ unsigned ParseSide(const std::string& line, char letter) {
   char* end;
   const unsigned long value = std::strtoul(text.c_str(), &end, 10);
   if (text.empty() || *end != 0 || value == 0 || value > RG_MAX_IMAGE_SIZE)
-    throw InputError("its Y4M header has no valid size, such as W640 H480");
+    throw InputError("the Y4M header has no valid size, such as W640 H480");
   return static_cast<unsigned>(value);
 }
 
@@ -111,7 +111,7 @@ class Y4mReader : public FrameReader {
     std::string line;
     if (!ReadLine(stream, &line))
       throw InputError(
-          "its Y4M header is not terminated; the stream is corrupt");
+          "the Y4M header is not terminated; the stream is corrupt");
     StreamFormat format = MakeStreamFormat(
         *FindPixelFormat(ConvertY4mFormat(Parameter(line, 'C'))),
         ParseSide(line, 'W'), ParseSide(line, 'H'), 0);

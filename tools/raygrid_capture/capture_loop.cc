@@ -84,7 +84,7 @@ CaptureLoop::CaptureLoop(const CaptureLoopOptions& options,
       viewers_(std::move(viewers)),
       requests_(wishes),
       live_(frames->size()),
-      guides_(frames->size()),
+      camera_guides_(frames->size()),
       avoided_(frames->size()) {
   for (size_t c = 0; c < frames->size(); ++c)
     cameras_.emplace_back(pattern, options.frame_selector);
@@ -114,10 +114,10 @@ void CaptureLoop::Run() {
     throw InputError(options_.source + ": contains no readable frame");
   ApplyRequests();
   AdoptGuide(true);
-  if (!guide_) return;
-  state_.is_done = guide_->is_done();
+  if (!rig_guide_) return;
+  state_.is_done = rig_guide_->is_done();
   if (!state_.kept.empty()) state_.hint = state_.is_done ? "done" : "finished";
-  DescribeKnown(*guide_, shown_, &state_);
+  DescribeKnown(*rig_guide_, shown_, &state_);
   if (const std::string warning = TargetWarning(state_); !warning.empty())
     state_.warnings.push_back(warning);
   if (viewers_.show) viewers_.show(state_);
@@ -126,7 +126,7 @@ void CaptureLoop::Run() {
 bool CaptureLoop::IsFinished() {
   if (IsSignalled() || frames_->is_finished()) return true;
   const std::lock_guard<std::mutex> lock(requests_->mutex_);
-  return requests_->is_finished_ || (guide_ && guide_->is_done());
+  return requests_->is_finished_ || (rig_guide_ && rig_guide_->is_done());
 }
 
 // ---- Camera estimates ------------------------------------------------------
@@ -149,11 +149,12 @@ void CaptureLoop::MakeGuide(const std::vector<bool>& changed) {
   for (size_t c = 0; c < live_.size(); ++c) {
     if (!live_[c]) continue;
     options.avoided = avoided_[c];
-    if (changed[c] || !guides_[c])
-      guides_[c] = std::make_shared<CaptureGuide>(*live_[c], pattern_, options);
-    cameras[c] = {live_[c].get(), guides_[c], avoided_[c]};
+    if (changed[c] || !camera_guides_[c])
+      camera_guides_[c] =
+          std::make_shared<CaptureGuide>(*live_[c], pattern_, options);
+    cameras[c] = {live_[c].get(), camera_guides_[c], avoided_[c]};
   }
-  next_guide_ = std::make_unique<RigGuide>(cameras, pattern_, options);
+  next_rig_guide_ = std::make_unique<RigGuide>(cameras, pattern_, options);
 }
 
 void CaptureLoop::AdoptGuide(bool wait) {
@@ -163,19 +164,19 @@ void CaptureLoop::AdoptGuide(bool wait) {
       return;
     adjusting_.get();
   }
-  if (!next_guide_) return;
-  guide_ = std::move(next_guide_);
+  if (!next_rig_guide_) return;
+  rig_guide_ = std::move(next_rig_guide_);
   guidance_start_ = SteadyClock::now();
   SelectDisplayedCamera();
 }
 
 void CaptureLoop::SelectDisplayedCamera() {
-  if (guide_->next())
-    shown_ = guide_->next()->camera;
-  else if (guide_->to_connect())
-    shown_ = guide_->to_connect()->first;
-  if (!guide_->guide(shown_))
-    for (shown_ = 0; !guide_->guide(shown_);) ++shown_;
+  if (rig_guide_->next())
+    shown_ = rig_guide_->next()->camera;
+  else if (rig_guide_->to_connect())
+    shown_ = rig_guide_->to_connect()->first;
+  if (!rig_guide_->guide(shown_))
+    for (shown_ = 0; !rig_guide_->guide(shown_);) ++shown_;
 }
 
 // Skips a suggested view after some time: the board may not fit there or not be
@@ -186,11 +187,11 @@ void CaptureLoop::SkipView() {
       SecondsSince(guidance_start_) < kPatienceS)
     return;
   std::vector<bool> changed(live_.size(), false);
-  if (guide_->to_connect() && !guide_->next()) {
+  if (rig_guide_->to_connect() && !rig_guide_->next()) {
     if (has_failed_to_connect_) return;
     has_failed_to_connect_ = true;
-  } else if (guide().information() && guide_->next()) {
-    avoided_[shown_].push_back(guide_->next()->view.camera_from_board);
+  } else if (guide().information() && rig_guide_->next()) {
+    avoided_[shown_].push_back(rig_guide_->next()->view.camera_from_board);
     changed[shown_] = true;
   } else {
     return;
@@ -236,7 +237,7 @@ void CaptureLoop::Begin(const FrameSet& frame_set) {
     if (!frame_set[c]) continue;
     const ImageSize& size = frame_set[c]->grey.size;
     RequireSize(session_->cameras()[c], size);
-    is_new |= !guide_ || !guide_->guide(c);
+    is_new |= !rig_guide_ || !rig_guide_->guide(c);
     if (live_[c]) continue;
     AdoptGuide(true);
     live_[c] =
@@ -279,7 +280,7 @@ AssessedFrames CaptureLoop::Assess(const FrameSet& frame_set) {
     assessed.frame = &*frame_set[c];
     assessed.seen = c == 0 ? cameras_[c].See(*frame_set[c]) : seen[c].get();
     const FrameStatus word =
-        cameras_[c].Assess(assessed.seen, *guide_->guide(c));
+        cameras_[c].Assess(assessed.seen, *rig_guide_->guide(c));
     assessed.word = GetStatusText(word);
     assessed.hint = GetRemedy(word);
   }
@@ -294,10 +295,10 @@ bool CaptureLoop::IsRequested(const AssessedFrames& assessed_frames) const {
     if (!assessed_frames[c].IsUsable()) continue;
     usable[c] = &assessed_frames[c].seen.features;
     const bool is_needed =
-        assessed_frames.size() == 1 || !guide_->guide(c)->is_done();
+        assessed_frames.size() == 1 || !rig_guide_->guide(c)->is_done();
     if (assessed_frames[c].word == "kept" && is_needed) return true;
   }
-  return guide_->IsInformativeForLinks(usable);
+  return rig_guide_->IsInformativeForLinks(usable);
 }
 
 void CaptureLoop::RejectWhileUnlocked(AssessedFrames* assessed_frames) {
@@ -413,17 +414,18 @@ void CaptureLoop::Describe(const AssessedFrames& assessed_frames) {
   state_.warnings = lock_warnings_;
   const AssessedFrame& assessed = assessed_frames[shown_];
   if (assessed.frame) DescribeFrame(assessed, &state_);
-  DescribeKnown(*guide_, shown_, &state_);
-  if (assessed.frame) DescribeNext(*guide_, assessed.seen.features, &state_);
+  DescribeKnown(*rig_guide_, shown_, &state_);
+  if (assessed.frame)
+    DescribeNext(*rig_guide_, assessed.seen.features, &state_);
   if (assessed.frame) RequestPattern(assessed.seen.features);
   if (assessed_frames.size() > 1)
-    DescribeRig(*guide_, *frames_, assessed_frames, shown_, &state_);
+    DescribeRig(*rig_guide_, *frames_, assessed_frames, shown_, &state_);
 }
 
 void CaptureLoop::RequestPattern(const ImageFeatures& seen) {
   constexpr int kManyFrames = 300;
   num_without_board_ = seen.features.empty() ? num_without_board_ + 1 : 0;
-  if (num_without_board_ > kManyFrames && guide_->next())
+  if (num_without_board_ > kManyFrames && rig_guide_->next())
     state_.hint += "; does it match --pattern?";
 }
 

@@ -102,7 +102,7 @@ class CaptureLoop {
   void CountFrameSet();
   void SkipView();
   bool IsFinished();
-  const CaptureGuide& guide() const { return *guide_->guide(shown_); }
+  const CaptureGuide& guide() const { return *rig_guide_->guide(shown_); }
 
   CaptureLoopOptions options_;
   const Pattern& pattern_;
@@ -113,10 +113,10 @@ class CaptureLoop {
   std::deque<CapturedCamera> cameras_;  // not movable
   // Used by the adjustment's thread while it runs.
   std::vector<std::unique_ptr<LiveCamera>> live_;
-  std::vector<std::shared_ptr<const CaptureGuide>> guides_;
+  std::vector<std::shared_ptr<const CaptureGuide>> camera_guides_;
   std::vector<std::vector<Pose>> avoided_;  // by camera
-  std::unique_ptr<RigGuide> next_guide_;
-  std::unique_ptr<RigGuide> guide_;
+  std::unique_ptr<RigGuide> next_rig_guide_;
+  std::unique_ptr<RigGuide> rig_guide_;
   std::future<void> adjusting_;
   size_t shown_ = 0;  // camera described by the state
   CaptureState state_;

@@ -1,5 +1,5 @@
-#ifndef RAYGRID_CAPTURE_KEPT_PLOTS_H
-#define RAYGRID_CAPTURE_KEPT_PLOTS_H
+#ifndef RAYGRID_CAPTURE_THUMBNAIL_STORE_H
+#define RAYGRID_CAPTURE_THUMBNAIL_STORE_H
 
 #include <cstdint>
 #include <map>
@@ -32,4 +32,4 @@ class ThumbnailStore {
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_CAPTURE_KEPT_PLOTS_H
+#endif  // RAYGRID_CAPTURE_THUMBNAIL_STORE_H

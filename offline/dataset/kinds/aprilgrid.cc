@@ -28,11 +28,11 @@ class AprilGridKind : public TargetKind {
   AprilGridKind() {
     name = "aprilgrid";
     is_tag_grid = true;
-    feature = "tag's edge";
-    markers = "the tag family";
+    feature_name = "tag's edge";
+    marker_set_name = "the tag family";
     summary = "AprilGrid in Kalibr's layout, or a grid of separate tags.";
     example = "--tag-columns 6 --tag-rows 6 --tag-mm 24";
-    counted = "tags";
+    counted_name = "tags";
     length_help = "side length of the black square of a tag";
     max_count = 500;
     specification = "aprilgrid:6x6:24mm";
@@ -139,7 +139,7 @@ class AprilGridKind : public TargetKind {
     options->Word("numbered-from",
                   "row in which the tag IDs start (default: bottom; top with "
                   "--no-squares)",
-                  {"top", "bottom"}, &request->numbered_from);
+                  {"top", "bottom"}, &request->numbering_origin);
     options->Number(
         "first-marker",
         "ID of the leftmost tag in the row given by --numbered-from",
@@ -152,8 +152,8 @@ class AprilGridKind : public TargetKind {
     Board board = TargetKind::MakeBoard(request);
     SetCornerSquares(!request.has_no_squares, &board);
     board.border_cells = request.border_cells.value_or(board.border_cells);
-    if (request.numbered_from)
-      board.is_numbered_from_top = *request.numbered_from == "top";
+    if (request.numbering_origin)
+      board.is_numbered_from_top = *request.numbering_origin == "top";
     board.columns *= 2;  // 2 x 2 features per tag
     board.rows *= 2;
     return board;

@@ -10,7 +10,7 @@ class CharucoKind : public TargetKind {
     name = "charuco";
     summary = "ChArUco board in OpenCV's layout.";
     example = "--columns 8 --rows 5 --square-mm 28 --marker-mm 21";
-    more_markers = "use a larger --dictionary, ";
+    too_few_markers_remedy = "use a larger --dictionary, ";
     specification = "charuco:8x5:28mm:marker=21mm";
     specification_help = {"optional: dictionary, legacy,",
                           "first-marker, boards"};

@@ -159,10 +159,10 @@ class StarKind : public TargetKind {
  public:
   StarKind() {
     name = "star";
-    feature = "star's centre";
+    feature_name = "star's centre";
     summary = "Star pattern with an AprilTag, made for generic camera models.";
     example = "--columns 16 --rows 23 --square-mm 11";
-    counted = "features";
+    counted_name = "features";
     specification = "star:16x23:11mm";
     specification_help = {"features, spacing; optional: segments,",
                           "tags, tag-id, tag-squares, boards"};

@@ -32,14 +32,14 @@ struct MarkerPosition {
 };
 
 /// Requested boards. `board.columns` and `board.rows` are numbers of the
-/// objects that TargetKind::counted names.
+/// objects that TargetKind::counted_name names.
 struct BoardRequest {
   Board board;
   double length_mm = 0, marker_mm = 0;
   int num_boards = 1;
   int num_tags = 1, tag_id = 0;
   std::optional<int> tag_squares, border_cells;
-  std::optional<std::string> numbered_from;
+  std::optional<std::string> numbering_origin;
   bool has_no_squares = false;
 };
 
@@ -108,13 +108,14 @@ class TargetKind {
   virtual std::string DescribeLayout(const Board& board) const;
   /// Returns what the detector searches for in images.
   virtual std::string DescribeSought(const Board& board) const;
-  const char* feature = "inner corner";    ///< for texts about distances
-  const char* markers = "the dictionary";  ///< for texts about wrong markers
-  const char* more_markers = "use ";       ///< remedy for too few markers
+  const char* feature_name = "inner corner";  ///< for texts about distances
+  const char* marker_set_name =
+      "the dictionary";  ///< for texts about wrong markers
+  const char* too_few_markers_remedy = "use ";  ///< remedy for too few markers
 
   // ---- Options of `raygrid pattern KIND` and texts of its help
   std::string summary, example;  ///< example: of the options
-  const char* counted = "inner corners";
+  const char* counted_name = "inner corners";
   const char* length_help = "side length of a square";
   int max_count = 0;  ///< maximum number of columns or rows; 0: default
   /// Columns of the table of specifications in `raygrid pattern --help`: an

@@ -41,25 +41,26 @@ Eigen::Vector2d InterpolateByWeights(
 
 }  // namespace
 
-std::string SpanName(MeshSpan span) {
-  return span == MeshSpan::kLine    ? "lines"
-         : span == MeshSpan::kPatch ? "patches"
-                                    : "nearest";
+std::string GetInterpolationName(MeshInterpolation interpolation) {
+  return interpolation == MeshInterpolation::kLine    ? "lines"
+         : interpolation == MeshInterpolation::kPatch ? "patches"
+                                                      : "nearest";
 }
 
 std::vector<MeshWeights> ComputeWeightsOnAxis(const std::vector<int>& vertices,
-                                              int count, MeshSpan span) {
+                                              int count,
+                                              MeshInterpolation interpolation) {
   const int last = static_cast<int>(vertices.size()) - 1;
   std::vector<MeshWeights> all;
   for (const MeshStep& step : LocatePixelsOnAxis(vertices, count)) {
-    if (span == MeshSpan::kLine || last < 2) {
+    if (interpolation == MeshInterpolation::kLine || last < 2) {
       all.push_back({step.vertex, {1 - step.part, step.part, 0}});
       continue;
     }
-    const int center =
-        std::clamp(span == MeshSpan::kPatch ? step.vertex / 2 * 2 + 1
-                                            : step.vertex + (step.part > 0.5),
-                   1, last - 1);
+    const int center = std::clamp(interpolation == MeshInterpolation::kPatch
+                                      ? step.vertex / 2 * 2 + 1
+                                      : step.vertex + (step.part > 0.5),
+                                  1, last - 1);
     const double t = step.vertex + step.part - center;
     all.push_back({center - 1, {t * (t - 1) / 2, 1 - t * t, t * (t + 1) / 2}});
   }
@@ -97,11 +98,11 @@ Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
 }
 
 MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
-                           MeshSpan span) {
+                           MeshInterpolation interpolation) {
   const std::vector<MeshWeights> columns =
-      ComputeWeightsOnAxis(mesh.lattice.x, mesh.size.width, span);
+      ComputeWeightsOnAxis(mesh.lattice.x, mesh.size.width, interpolation);
   const std::vector<MeshWeights> rows =
-      ComputeWeightsOnAxis(mesh.lattice.y, mesh.size.height, span);
+      ComputeWeightsOnAxis(mesh.lattice.y, mesh.size.height, interpolation);
   const Area image = WholeImage(mesh.source_size);
   MeshError error;
   double sum = 0, worst = -1;

@@ -36,14 +36,14 @@ std::vector<MeshStep> LocatePixelsOnAxis(const std::vector<int>& vertices,
                                          int count);
 
 /// Interpolation of an engine between the vertices along one axis.
-enum class MeshSpan {
+enum class MeshInterpolation {
   kLine,    ///< piecewise linear
   kPatch,   ///< piecewise quadratic, three vertices per segment, without
             ///< overlap
   kNearest  ///< quadratic through the nearest vertex and its two neighbours
 };
 /// Returns "lines", "patches" or "nearest".
-std::string SpanName(MeshSpan span);
+std::string GetInterpolationName(MeshInterpolation interpolation);
 
 /// Index of the first of three consecutive vertices, and their weights.
 struct MeshWeights {
@@ -53,7 +53,8 @@ struct MeshWeights {
 /// Returns the interpolation weights of the output coordinates 0 to count - 1.
 /// Quadratic interpolation assumes evenly spaced vertices.
 std::vector<MeshWeights> ComputeWeightsOnAxis(const std::vector<int>& vertices,
-                                              int count, MeshSpan span);
+                                              int count,
+                                              MeshInterpolation interpolation);
 
 /// Sizes of the output image and of the camera's image, in pixels.
 struct MeshRequest {
@@ -97,7 +98,7 @@ struct MeshUnit {
   /// Modes of interpolation between vertices, along both axes. If the engine's
   /// documentation does not specify the mode, this lists all candidates, and
   /// the largest error is reported.
-  std::vector<MeshSpan> spans = {MeshSpan::kLine};
+  std::vector<MeshInterpolation> interpolations = {MeshInterpolation::kLine};
 };
 
 /// Difference between the source positions that the engine computes and those
@@ -119,7 +120,7 @@ Eigen::Vector2d MapToMesh(const MeshLattice& lattice,
                           const MeshStep& x, const MeshStep& y);
 
 MeshError ComputeMeshError(const MeshTable& mesh, const UnitMesh& unit,
-                           MeshSpan span);
+                           MeshInterpolation interpolation);
 /// Formats an error, e.g. "error 0.051 px max (at 3, 8), 0.022 px RMS", and the
 /// numbers of filled pixels and clamped vertices.
 std::string FormatMeshError(const MeshError& error);

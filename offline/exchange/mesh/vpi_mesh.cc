@@ -78,7 +78,8 @@ TableFormat MakeVpiFormat() {
       WriteVpi,
       {},
       "",
-      {MeshSpan::kPatch, MeshSpan::kNearest, MeshSpan::kLine}};
+      {MeshInterpolation::kPatch, MeshInterpolation::kNearest,
+       MeshInterpolation::kLine}};
   return MakeMeshFormat(
       "vpi",
       "NVIDIA VPI: keypoints of a WarpMap, dense, or sparse with --stride, as "

@@ -18,7 +18,8 @@ int CountStarSymmetries(int segments);
 /// on them.
 class LooseLatticeFinder {
  public:
-  /// segments: of each star. max_side: maximum number of columns and rows.
+  /// segments: segments of each star. max_side: maximum number of columns and
+  /// rows.
   LooseLatticeFinder(int segments, int max_side,
                      const DetectionOptions& options);
 

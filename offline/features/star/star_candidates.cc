@@ -23,7 +23,7 @@ constexpr double kMinGradient = 2;  // RMS, in grey levels per pixel, for images
                                     // with noise; see FindStarCandidates()
 constexpr double kMinGradientOverNoise = 1;  // for images with little noise
 
-// Products of gradients, and their scatter around each pixel.
+// Gradient products, and the scatter of the edges around each pixel.
 struct GradientMaps {
   cv::Mat xx, xy, yy;
   cv::Mat scatter;  // S / T

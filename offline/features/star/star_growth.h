@@ -102,9 +102,10 @@ class StarGrowth {
       downscaled_images_;  // each half the size of the previous one
   FeatureLattice lattice_;
   double min_correlation_ratio_ = 0;
-  std::vector<double> correlations_;                // by feature
-  std::vector<int> num_neighbors_at_last_attempt_;  // one per feature
-  // number of neighbours at the last attempt, one per feature; -1: none
+  std::vector<double> correlations_;  // by feature
+  // One per feature; -1: no attempt with the current minimum correlation
+  std::vector<int> num_neighbors_at_last_attempt_;
+  // By (row, column): predicted pixel and reason of the last failed attempt
   std::map<std::pair<int, int>, std::pair<Eigen::Vector2d, std::string>>
       last_attempts_;
 };

@@ -151,7 +151,7 @@ TEST(Calibrate, GivesTheSameBytesWithAnyNumberOfThreads) {
 }
 
 // All that a result says.
-std::string ToText(const CalibrationResult& result) {
+std::string ToString(const CalibrationResult& result) {
   std::string text = FormatCameraFile(result.camera) +
                      FormatPattern(result.pattern) + FormatPoses(result.poses);
   const auto add = [&text](double value) { text += std::to_string(value); };
@@ -186,7 +186,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
   const auto calibrate = [&] {
     return Calibrate({input}, TestBoard(), options).cameras.front();
   };
-  const std::string whole = ToText(calibrate());
+  const std::string whole = ToString(calibrate());
   const int all_polls = polls;
   // In the cross-validation, and among the other models; what a signal leaves,
   // and what a kill does.
@@ -202,7 +202,7 @@ TEST(Calibrate, IsTheSameToTheBitWhenItWasInterrupted) {
     ASSERT_EQ(first.checkpoint->trials.size() < 4, part < 0.5) << part;
     last_poll = 1 << 30;
     input.resume = part < 0.5 ? kept : first.checkpoint;
-    EXPECT_EQ(ToText(calibrate()), whole) << part;
+    EXPECT_EQ(ToString(calibrate()), whole) << part;
   }
 }
 

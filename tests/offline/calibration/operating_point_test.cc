@@ -172,7 +172,7 @@ TEST(CalibrateOperatingPoints, NamesImagesWhoseValuesDoNotFit) {
   const std::string right = VerdictOf(sweep);
   EXPECT_EQ(ReadCountInRange(right, "is specified as"), 0) << right;
   EXPECT_EQ(ReadCountInRange(right, "does not explain"), 0) << right;
-  // One that is wrong, and two that are swapped.
+  // One image with a wrong value, and two with swapped values.
   const auto& images = sweep.input.dataset.images;
   const std::string wrong = images[15].image, first = images[8].image,
                     second = images[27].image;

@@ -194,7 +194,7 @@ TEST(CameraFile, RefusesAMalformedStack) {
                  "range of temperature");
   for (const char* range : {"range: [20]", "range: 20", "rang: [20, 60]"})
     expect_refused("range: [20, 60]", range,
-                   "range of temperature: expected two values");
+                   "range of temperature: expected the calibrated range");
   const int count = 2 * dynamic_cast<const CentralGeneric&>(*StackFile().camera)
                             .surface()
                             .num_points();

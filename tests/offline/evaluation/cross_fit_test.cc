@@ -9,8 +9,8 @@ namespace raygrid {
 namespace {
 
 // Ten units of 40 features, each with a shift of its own.
-LinearCause ShiftsOfUnits() {
-  LinearCause cause;
+LinearCauseModel ShiftsOfUnits() {
+  LinearCauseModel cause;
   cause.num_units = 10;
   cause.columns.resize(2, 800);
   for (int i = 0; i < 400; ++i) {
@@ -58,7 +58,7 @@ TEST(CrossFit, PredictsNextToNothingFromNoise) {
 }
 
 TEST(CrossFit, LeavesFeaturesOfNoUnitAlone) {
-  LinearCause cause = ShiftsOfUnits();
+  LinearCauseModel cause = ShiftsOfUnits();
   cause.unit[7] = -1;
   const CrossFit fit(std::move(cause));
   Eigen::VectorXd errors = Eigen::VectorXd::Constant(800, 3);

@@ -133,7 +133,7 @@ cv::Mat2f Positions(const uint8_t* section, const rg_component& lattice,
       }
       const rg_position p = rg_row_position(&row, in_block);
       const bool valid =
-          !parts.is_empty &&
+          !parts.is_block_empty &&
           rg_clamp(p.q12[0], range_x.min_q12, range_x.max_q12) == p.q12[0] &&
           rg_clamp(p.q12[1], range_y.min_q12, range_y.max_q12) == p.q12[1];
       positions(y, x) = valid ? cv::Vec2f(p.q12[0] / 4096.f, p.q12[1] / 4096.f)

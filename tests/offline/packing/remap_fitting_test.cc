@@ -152,15 +152,15 @@ double WorstError(const CameraModel& camera, const OutputImage& target,
       rg_compute_block_row(&block, y % part, &row);
       const rg_position p = rg_row_position(&row, x % part);
       const Eigen::Vector2d position(p.q12[0] / 4096.0, p.q12[1] / 4096.0);
-      const bool is_taken = !parts.is_empty && image.Contains(position);
+      const bool is_taken = !parts.is_block_empty && image.Contains(position);
       const auto direction = target.direction(Eigen::Vector2d(x, y));
       exact = direction
                   ? camera.Project(*direction, exact ? &*exact : nullptr, 1.5)
                   : std::nullopt;
       if (!is_taken && !(exact && image.Contains(*exact))) continue;
-      worst =
-          std::max(worst, exact && !parts.is_empty ? (position - *exact).norm()
-                                                   : INFINITY);
+      worst = std::max(worst, exact && !parts.is_block_empty
+                                  ? (position - *exact).norm()
+                                  : INFINITY);
     }
   }
   return worst;

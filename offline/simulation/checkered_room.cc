@@ -1,4 +1,4 @@
-#include "simulation/straight_scene.h"
+#include "simulation/checkered_room.h"
 
 #include <algorithm>
 #include <array>
@@ -107,7 +107,7 @@ double ComputeSceneSquareSize(const CameraModel& camera) {
   return std::clamp(square, 1.0 / 1024, 0.25);
 }
 
-Image RenderStraightScene(const CameraModel& camera, double square,
+Image RenderCheckeredRoom(const CameraModel& camera, double square,
                           uint8_t not_calibrated, int num_threads) {
   const PixelRays rays(camera, num_threads);
   Image image;

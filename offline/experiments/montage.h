@@ -1,5 +1,5 @@
-#ifndef RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
-#define RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
+#ifndef RAYGRID_EXPERIMENTS_MONTAGE_H
+#define RAYGRID_EXPERIMENTS_MONTAGE_H
 
 #include <string>
 #include <vector>
@@ -9,16 +9,15 @@
 
 namespace raygrid {
 
-struct SheetImage {
+struct MontageImage {
   std::string caption;
   Image image;
 };
 
 /// Draws pictures with captions, three per row, of equal width; the note is
 /// below, with a legend beside it, if there is one.
-Image ComposeImageSheet(const std::vector<SheetImage>& pictures,
-                        const std::vector<std::string>& note,
-                        const Image* legend);
+Image ComposeMontage(const std::vector<MontageImage>& pictures,
+                     const std::vector<std::string>& note, const Image* legend);
 
 /// Draws a colour bar with labels at its ends.
 Image DrawColorLegend(ColorScale scale, const std::string& low,
@@ -26,4 +25,4 @@ Image DrawColorLegend(ColorScale scale, const std::string& low,
 
 }  // namespace raygrid
 
-#endif  // RAYGRID_EXPERIMENTS_IMAGE_SHEET_H
+#endif  // RAYGRID_EXPERIMENTS_MONTAGE_H

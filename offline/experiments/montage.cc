@@ -1,4 +1,4 @@
-#include "experiments/image_sheet.h"
+#include "experiments/montage.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 namespace raygrid {
 namespace {
 
-constexpr int kSheetColumns = 3, kWidth = 400, kMargin = 12, kCaption = 26;
+constexpr int kMontageColumns = 3, kWidth = 400, kMargin = 12, kCaption = 26;
 constexpr int kLineHeight = 22;
 
 cv::Mat Matrix(const Image& image) {
@@ -18,8 +18,8 @@ cv::Mat Matrix(const Image& image) {
                  const_cast<uint8_t*>(image.pixels.data()));
 }
 
-void DrawText(const std::string& text, int x, int y, cv::Mat* sheet) {
-  cv::putText(*sheet, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
+void DrawText(const std::string& text, int x, int y, cv::Mat* montage) {
+  cv::putText(*montage, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5,
               cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
 }
 
@@ -33,11 +33,11 @@ Image ToImage(const cv::Mat& picture) {
 
 }  // namespace
 
-Image ComposeImageSheet(const std::vector<SheetImage>& pictures,
-                        const std::vector<std::string>& note,
-                        const Image* legend) {
+Image ComposeMontage(const std::vector<MontageImage>& pictures,
+                     const std::vector<std::string>& note,
+                     const Image* legend) {
   const int count = static_cast<int>(pictures.size());
-  const int columns = std::min(kSheetColumns, count);
+  const int columns = std::min(kMontageColumns, count);
   const int rows = (count + columns - 1) / columns;
   const ImageSize& first = pictures[0].image.size;
   const int height = kWidth * first.height / first.width;
@@ -45,27 +45,27 @@ Image ComposeImageSheet(const std::vector<SheetImage>& pictures,
   const int footer = std::max(static_cast<int>(note.size()) * kLineHeight,
                               legend ? legend->size.height : 0) +
                      2 * kMargin;
-  cv::Mat sheet(rows * cell + footer,
-                std::max(2, columns) * (kWidth + kMargin) + kMargin, CV_8UC3,
-                cv::Scalar(255, 255, 255));
+  cv::Mat montage(rows * cell + footer,
+                  std::max(2, columns) * (kWidth + kMargin) + kMargin, CV_8UC3,
+                  cv::Scalar(255, 255, 255));
   for (int i = 0; i < count; ++i) {
     const int x = kMargin + i % columns * (kWidth + kMargin);
     const int y = i / columns * cell;
-    DrawText(pictures[i].caption, x, y + kCaption - 7, &sheet);
+    DrawText(pictures[i].caption, x, y + kCaption - 7, &montage);
     cv::resize(Matrix(pictures[i].image),
-               sheet(cv::Rect(x, y + kCaption, kWidth, height)),
+               montage(cv::Rect(x, y + kCaption, kWidth, height)),
                {kWidth, height}, 0, 0, cv::INTER_NEAREST);
   }
   int x = kMargin;
   const int y = rows * cell + kMargin;
   if (legend) {
     Matrix(*legend).copyTo(
-        sheet(cv::Rect(x, y, legend->size.width, legend->size.height)));
+        montage(cv::Rect(x, y, legend->size.width, legend->size.height)));
     x += legend->size.width + kMargin;
   }
   for (size_t i = 0; i < note.size(); ++i)
-    DrawText(note[i], x, y + 15 + static_cast<int>(i) * kLineHeight, &sheet);
-  return ToImage(sheet);
+    DrawText(note[i], x, y + 15 + static_cast<int>(i) * kLineHeight, &montage);
+  return ToImage(montage);
 }
 
 Image DrawColorLegend(ColorScale scale, const std::string& low,

@@ -1,4 +1,4 @@
-#include "simulation/straight_scene.h"
+#include "simulation/checkered_room.h"
 
 #include "support.h"
 
@@ -13,8 +13,8 @@ OpenCvModel PlainCamera() {
   return OpenCvModel({321, 241}, {0, 0, 320, 200}, parameters);
 }
 
-TEST(StraightScene, ShowsSquaresThatMeetInTheAxis) {
-  const Image image = RenderStraightScene(PlainCamera(), 0.25, 7, 1);
+TEST(CheckeredRoom, ShowsSquaresThatMeetInTheAxis) {
+  const Image image = RenderCheckeredRoom(PlainCamera(), 0.25, 7, 1);
   ASSERT_EQ(image.size, (ImageSize{321, 241}));
   const auto blue = [&](int x, int y) {
     return image.pixels[y * image.stride() + 3 * x];
@@ -27,11 +27,11 @@ TEST(StraightScene, ShowsSquaresThatMeetInTheAxis) {
   EXPECT_EQ(blue(212, 130), blue(150, 130));
   // Rows below the area are not calibrated.
   EXPECT_EQ(blue(160, 210), 7);
-  EXPECT_EQ(RenderStraightScene(PlainCamera(), 0.25, 7, 3).pixels,
+  EXPECT_EQ(RenderCheckeredRoom(PlainCamera(), 0.25, 7, 3).pixels,
             image.pixels);
 }
 
-TEST(StraightScene, HasAboutADozenSquaresAcross) {
+TEST(CheckeredRoom, HasAboutADozenSquaresAcross) {
   for (const char* lens : {"pinhole", "wide", "fisheye", "fisheye190"}) {
     const auto camera = MakeSimulatedCamera(lens, {320, 240});
     const double across = ComputeVisibleAngleDeg(*camera, 0) * M_PI / 180 /
