@@ -57,27 +57,23 @@ std::vector<std::string> AddParts(const BagIndex& index,
   auto places = std::make_shared<std::map<std::string, MessagePlace>>();
   std::vector<std::string> paths;
   for (size_t k = 0; k < images.size(); ++k) {
-    places->emplace(names[k], images[k].place);
     paths.push_back(folder + "/" + names[k]);
+    places->emplace(paths.back(), images[k].place);
   }
   FileParts parts;
   parts.files = index.bag->files();
-  parts.read = [bag = index.bag, topic = topic.topic, places,
-                folder](const std::string& name) {
-    const auto place = places->find(name);
-    if (place == places->end())
-      throw InputError(
-          fmt::format("{}/{}: not an image of the bag", folder, name));
-    const std::string data = bag->Read(place->second);
+  parts.read = [bag = index.bag, topic = topic.topic,
+                places](const std::string& path) {
+    const std::string data = bag->Read(places->at(path));
     try {
       ImageMessage message;
       ParseImageMessage(topic, data, &message);
       return MakeImageFile(message);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}/{}: {}", folder, name, error.what()));
+      throw InputError(path + ": " + error.what());
     }
   };
-  AddFileParts(folder, std::move(parts));
+  AddFileParts(paths, std::move(parts));
   return paths;
 }
 
@@ -306,11 +302,12 @@ std::string ReadCameraBytes(const std::string& path) {
       ReadCameraInfo(argument->bag, argument->topic, &remarks));
   for (const std::string& remark : remarks)
     fmt::print(stderr, "raygrid: {}\n", Printable(remark));
-  // The bag is an input, which no output may replace.
-  if (!argument->topic.empty())
-    AddFileParts(std::filesystem::path(path).parent_path().string(),
-                 {[text](const std::string&) { return text; },
-                  Bag(argument->bag).files()});
+  // The bag is an input, which no output may replace. A command may read the
+  // camera twice.
+  if (!argument->topic.empty() &&
+      FilesOf(path) == std::vector<std::string>{path})
+    AddFileParts({path}, {[text](const std::string&) { return text; },
+                          Bag(argument->bag).files()});
   return text;
 }
 

@@ -18,6 +18,7 @@ ProgressBar::~ProgressBar() {
 
 void ProgressBar::Show(const std::string& stage, double done) {
   if (!visible_) return;
+  done = done >= 0 ? std::min(done, 1.0) : 0;  // NaN, too
   constexpr int kWidth = 30;
   const int filled = static_cast<int>(std::lround(kWidth * done));
   const double elapsed =

@@ -20,6 +20,7 @@
 #include "dataset/image_files.h"
 #include "dataset/text_encoding.h"
 #include "help_formatter.h"
+#include "interruption.h"
 #include "json_output.h"
 #include "mode_options.h"
 #include "packing/distorted_image.h"
@@ -377,6 +378,7 @@ void RunToBag(const UndistortArguments& arguments, const CommonOptions& common,
               const std::vector<std::string>& paths, const BagFrames& frames) {
   RequireBagInput(arguments, paths, frames);
   const ImageMapper mapper = Prepare(arguments, common);
+  InstallInterruptHandler();
   UndistortedBag bag(arguments.output, mapper.view);
   nlohmann::ordered_json written = {{"images", nlohmann::json::array()},
                                     {"view", MakeViewJson(mapper.view)},
@@ -386,6 +388,9 @@ void RunToBag(const UndistortArguments& arguments, const CommonOptions& common,
   {
     ProgressBar bar(common.quiet);
     for (size_t i = 0; i < paths.size(); ++i) {
+      if (IsInterrupted())
+        throw Error(ExitCode::kOutputFailed,
+                    arguments.output + ": interrupted; was not written");
       try {
         bag.Add(frames.at(paths[i]),
                 mapper.map(paths[i], ReadImageAsStored(paths[i])));

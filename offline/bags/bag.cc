@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -27,6 +28,8 @@ namespace fs = std::filesystem;
 
 // Differences of times are in the range of their type.
 constexpr int64_t kMaxTimeNs = 9000000000000000000;
+// Damaged files could fill the memory.
+constexpr size_t kMaxRemarks = 10, kMaxTopics = 10000;
 constexpr char kMetadata[] = "metadata.yaml";
 
 std::string FirstBytes(const std::string& path) {
@@ -76,7 +79,7 @@ std::string TypeWithoutMsg(std::string type) {
   return at == std::string::npos ? type : type.replace(at, 5, "/");
 }
 
-// A file that is removed when the bag is closed, or the program fails.
+// A file that is removed when the bag was opened, or the program fails.
 class TemporaryFile {
  public:
   TemporaryFile() {
@@ -84,21 +87,33 @@ class TemporaryFile {
     path_ = (fs::temp_directory_path(error) / "raygrid-bag-XXXXXX").string();
     const int number = error ? -1 : mkstemp(path_.data());
     if (number < 0) ThrowWriteError(path_, error ? error.value() : errno);
-    close(number);
+    number_ = number;
   }
-  ~TemporaryFile() { unlink(path_.c_str()); }
-  const std::string& path() const { return path_; }
+  ~TemporaryFile() {
+    Unlink();
+    close(number_);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  // Makes the file anonymous, so that it does not outlive a killed program.
+  void Unlink() {
+    if (is_linked_) unlink(path_.c_str());
+    is_linked_ = false;
+  }
+  std::string path() const {
+    return is_linked_ ? path_ : fmt::format("/proc/self/fd/{}", number_);
+  }
 
  private:
   std::string path_;
+  int number_ = -1;
+  bool is_linked_ = true;
 };
 
-std::unique_ptr<BagFile> OpenByMagic(const std::string& path,
-                                     const std::string& name,
-                                     const std::string& bytes) {
-  if (HasStart(bytes, kMcapMagic)) return OpenMcapFile(path, name);
-  if (HasStart(bytes, kRos1Magic)) return OpenRos1File(path, name);
-  if (HasStart(bytes, kDatabaseMagic)) return OpenDatabaseFile(path, name);
+// Throws if the first bytes of a file are not those of a supported bag.
+void RequireBag(const std::string& name, const std::string& bytes) {
+  for (const char* magic : {kMcapMagic, kRos1Magic, kDatabaseMagic})
+    if (HasStart(bytes, magic)) return;
   if (HasStart(bytes, "#ROSBAG V"))
     throw InputError(name +
                      ": a ROS 1 bag of an old version; convert it with "
@@ -107,6 +122,15 @@ std::unique_ptr<BagFile> OpenByMagic(const std::string& path,
       bytes.empty()
           ? name + ": is empty; the recording was interrupted at its start"
           : name + ": not a bag (MCAP, rosbag2 SQLite, ROS 1 version 2.0)");
+}
+
+std::unique_ptr<BagFile> OpenByMagic(const std::string& path,
+                                     const std::string& name,
+                                     const std::string& bytes) {
+  RequireBag(name, bytes);
+  if (HasStart(bytes, kMcapMagic)) return OpenMcapFile(path, name);
+  if (HasStart(bytes, kRos1Magic)) return OpenRos1File(path, name);
+  return OpenDatabaseFile(path, name);
 }
 
 // The files of a folder, as metadata.yaml lists them.
@@ -132,7 +156,8 @@ std::vector<std::string> ReadMetadata(const std::string& folder) {
   });
 }
 
-// Returns corrupt data as they are; they are not decoded either.
+// Returns the message in data of a topic whose messages are compressed one by
+// one; corrupt data as they are; they are not decoded either.
 std::string DecompressIfPossible(std::string_view data) {
   try {
     return Decompress("zstd", data, kUnknownSize);
@@ -187,8 +212,12 @@ void Bag::OpenFile(const std::string& path) {
   std::string readable = path;
   if (IsZstd(bytes)) {
     temporary.emplace();
+    DecompressZstdFile(path, temporary->path(), [&](const std::string& first) {
+      RequireBag(path, first);
+      // SQLite needs a name to open a file.
+      if (!HasStart(first, kDatabaseMagic)) temporary->Unlink();
+    });
     readable = temporary->path();
-    DecompressZstdFile(path, readable);
     bytes = FirstBytes(readable);
   }
   files_.push_back(OpenByMagic(readable, path, bytes));
@@ -200,14 +229,20 @@ void Bag::OpenFile(const std::string& path) {
 
 void Bag::Scan(const std::function<void(const BagMessage&)>& visit,
                const std::function<void(double)>& progress) {
-  std::map<std::string, size_t> index_by_name;
+  // Different types may have one name, also by mistake.
+  std::map<std::array<std::string, 3>, size_t> index_by_name;
   topics_.clear();
   remarks_.clear();
-  size_t file = 0;
+  size_t file = 0, num_remarks = 0;
   BagVisitor visitor;
   visitor.add_topic = [&](const std::string& name, const std::string& type,
                           const std::string& encoding) {
-    const auto [place, is_new] = index_by_name.emplace(name, topics_.size());
+    const auto [place, is_new] = index_by_name.emplace(
+        std::array<std::string, 3>{name, type, encoding}, topics_.size());
+    if (is_new && topics_.size() == kMaxTopics)
+      throw Error(ExitCode::kInvalidInput,
+                  fmt::format("{}: has more than {} topics; it is damaged",
+                              path_, kMaxTopics));
     if (is_new)
       topics_.push_back({Printable(name), Printable(TypeWithoutMsg(type)),
                          Printable(encoding), ParseMessageEncoding(encoding)});
@@ -218,15 +253,14 @@ void Bag::Scan(const std::function<void(const BagMessage&)>& visit,
     message.log_ns = std::clamp<int64_t>(message.log_ns, 0, kMaxTimeNs);
     Count(message);
     std::string data;
-    if (topics_[message.topic].encoding == MessageEncoding::kCdr &&
-        IsZstd(message.data)) {
+    if (IsZstd(message.data)) {
       data = DecompressIfPossible(message.data);
       message.data = data;
     }
     if (visit) visit(message);
   };
-  visitor.remark = [this](const std::string& remark) {
-    remarks_.push_back(remark);
+  visitor.remark = [&](const std::string& remark) {
+    if (num_remarks++ < kMaxRemarks) remarks_.push_back(remark);
   };
   visitor.progress = [&](double done) {
     if (progress)
@@ -234,6 +268,9 @@ void Bag::Scan(const std::function<void(const BagMessage&)>& visit,
                static_cast<double>(files_.size()));
   };
   for (; file < files_.size(); ++file) files_[file]->Scan(visitor);
+  if (num_remarks > kMaxRemarks)
+    remarks_.push_back(fmt::format("{}: {} more remarks like these", path_,
+                                   num_remarks - kMaxRemarks));
 }
 
 void Bag::Count(const BagMessage& message) {
@@ -249,7 +286,7 @@ void Bag::Count(const BagMessage& message) {
 std::string Bag::Read(const MessagePlace& place) const {
   try {
     std::string data = files_.at(place.file)->Read(place);
-    return IsZstd(data) ? Decompress("zstd", data, kUnknownSize) : data;
+    return IsZstd(data) ? DecompressIfPossible(data) : data;
   } catch (const InputError& error) {
     const std::string& name = file_names_[place.file];
     const std::string what = error.what();

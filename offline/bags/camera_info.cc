@@ -21,7 +21,7 @@ constexpr size_t kMaxCoefficients = 1000;
 
 // Appends a number, or the packed numbers, of a repeated field of doubles.
 void AppendDoubles(const ProtobufField& field, std::vector<double>* numbers) {
-  if (field.bytes.empty()) {
+  if (field.wire_type == ProtobufField::kFixed64) {
     double number;
     std::memcpy(&number, &field.value, sizeof(number));
     numbers->push_back(number);
@@ -41,9 +41,12 @@ CameraInfo ParseCameraCalibration(std::string_view data) {
     if (field.number >= 5 && field.number <= 8)
       AppendDoubles(field, lists[field.number - 5]);
   }
-  if (info.d.size() > kMaxCoefficients || info.k.size() != 9)
-    throw InputError(fmt::format("{} coefficients, and {} numbers of K",
-                                 info.d.size(), info.k.size()));
+  const size_t num_r = info.r.size(), num_p = info.p.size();
+  if (info.d.size() > kMaxCoefficients || info.k.size() != 9 ||
+      (num_r != 0 && num_r != 9) || (num_p != 0 && num_p != 12))
+    throw InputError(
+        fmt::format("{} coefficients, and {}, {} and {} numbers of K, R and P",
+                    info.d.size(), info.k.size(), num_r, num_p));
   // Optional, unlike in ROS.
   const std::vector<double>& k = info.k;
   if (info.r.empty()) info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};

@@ -107,6 +107,14 @@ void RequireSize(uint64_t size, uint64_t expected) {
         "has {} bytes after decompression, expected {}", size, expected));
 }
 
+void RequireWritten(const std::ofstream& output, const std::string& path) {
+  if (!output)
+    throw Error(ExitCode::kOutputFailed,
+                path +
+                    ": cannot be written; the decompressed bag needs space, "
+                    "set TMPDIR to a folder that has it");
+}
+
 }  // namespace
 
 std::string Decompress(const std::string& method, std::string_view data,
@@ -147,12 +155,13 @@ bool IsZstd(std::string_view data) {
   return data.substr(0, 4) == "\x28\xb5\x2f\xfd";
 }
 
-void DecompressZstdFile(const std::string& from, const std::string& to) {
+void DecompressZstdFile(const std::string& from, const std::string& to,
+                        const std::function<void(const std::string&)>& check) {
   std::ifstream input(from, std::ios::binary);
   std::ofstream output(to, std::ios::binary);
   std::vector<char> in(kStepBytes), out(kStepBytes);
   const Decompressor decompress = MakeZstdDecompressor();
-  bool is_done = true;
+  bool is_done = true, is_checked = false;
   while (input.read(in.data(), static_cast<std::streamsize>(in.size())),
          input.gcount() > 0) {
     std::string_view rest(in.data(), static_cast<size_t>(input.gcount()));
@@ -162,16 +171,17 @@ void DecompressZstdFile(const std::string& from, const std::string& to) {
       const DecompressedChunk done = decompress(&rest, out.data(), out.size());
       if (done.is_corrupt)
         throw InputError(from + ": corrupt zstd data; copy it again");
+      if (!is_checked && done.written > 0)
+        check(std::string(out.data(), done.written));
+      is_checked |= done.written > 0;
       output.write(out.data(), static_cast<std::streamsize>(done.written));
+      RequireWritten(output, to);
       is_full = done.written == out.size();
       if (done.written > 0 || rest.size() < before) is_done = done.is_done;
     }
   }
   output.flush();
-  if (!output)
-    throw Error(ExitCode::kOutputFailed,
-                to + ": cannot be written; the decompressed bag needs space, "
-                     "set TMPDIR to a folder that has it");
+  RequireWritten(output, to);
   if (!is_done) throw InputError(from + ": truncated; copy it again");
 }
 

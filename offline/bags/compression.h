@@ -2,6 +2,7 @@
 #define RAYGRID_BAGS_COMPRESSION_H
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -22,9 +23,11 @@ constexpr uint64_t kUnknownSize = ~uint64_t{0};
 /// Whether data begin like those of zstd.
 bool IsZstd(std::string_view data);
 
-/// Decompresses a zstd file to another file. Throws InputError, naming `from`,
+/// Decompresses a zstd file to another file. check: receives the first bytes,
+/// and throws if the rest is not worth it. Throws InputError, naming `from`,
 /// and Error(kOutputFailed), naming `to`.
-void DecompressZstdFile(const std::string& from, const std::string& to);
+void DecompressZstdFile(const std::string& from, const std::string& to,
+                        const std::function<void(const std::string&)>& check);
 
 }  // namespace raygrid
 

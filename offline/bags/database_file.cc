@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <filesystem>
 #include <map>
 #include <mutex>
 
@@ -85,8 +86,9 @@ class DatabaseFile : public BagFile {
     const RandomAccessFile readable(path, name);
     // Read-only folders do not allow the lock files of a database that was not
     // closed.
-    for (const char* mode : {"?mode=ro", "?mode=ro&immutable=1"})
-      if (Open(UriPath(path) + mode)) return;
+    if (Open(UriPath(path) + "?mode=ro")) return;
+    RequireNoOpenTransaction(path);
+    if (Open(UriPath(path) + "?mode=ro&immutable=1")) return;
     Query(database_.get(), name_, "SELECT id FROM messages LIMIT 1").Next();
   }
 
@@ -95,6 +97,7 @@ class DatabaseFile : public BagFile {
 
  private:
   bool Open(const std::string& uri);
+  void RequireNoOpenTransaction(const std::string& path) const;
   void ScanMessages(const std::map<int64_t, size_t>& topics,
                     const BagVisitor& visitor);
 
@@ -116,6 +119,21 @@ bool DatabaseFile::Open(const std::string& uri) {
   return result == SQLITE_OK &&
          sqlite3_exec(opened, "SELECT id FROM messages LIMIT 1", nullptr,
                       nullptr, nullptr) == SQLITE_OK;
+}
+
+// Throws if messages, or what restores the database, are in a second file,
+// which immutable databases ignore.
+void DatabaseFile::RequireNoOpenTransaction(const std::string& path) const {
+  for (const char* ending : {"-wal", "-journal"}) {
+    std::error_code error;
+    const auto size = std::filesystem::file_size(path + ending, error);
+    if (!error && size > 0)
+      throw InputError(fmt::format(
+          "{0}: was not closed, and is incomplete without {0}{1}; copy both "
+          "files to a writable folder, and there run 'sqlite3 FILE \"PRAGMA "
+          "quick_check\"'",
+          name_, ending));
+  }
 }
 
 void DatabaseFile::Scan(const BagVisitor& visitor) {

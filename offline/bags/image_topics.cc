@@ -145,16 +145,76 @@ void RequireOneSize(const std::string& where,
 
 // ---- Rigs
 
-// Returns the camera whose next image is the earliest; none at the end.
-std::optional<size_t> FindEarliest(const std::vector<SelectedImages>& images,
-                                   const std::vector<size_t>& next) {
-  std::optional<size_t> earliest;
-  for (size_t c = 0; c < images.size(); ++c)
-    if (next[c] < images[c].images.size() &&
-        (!earliest || images[c].images[next[c]].stamp_ns <
-                          images[*earliest].images[next[*earliest]].stamp_ns))
-      earliest = c;
-  return earliest;
+using Indices = std::vector<size_t>;
+
+// Returns for each image of a camera the nearest one of another camera. Of two
+// equally near ones, the earlier or the later one.
+Indices FindNearest(const std::vector<BagImage>& from, const Indices& of_from,
+                    const std::vector<BagImage>& to, const Indices& of_to,
+                    bool prefers_later) {
+  Indices nearest;
+  size_t at = 0;
+  for (const size_t k : of_from) {
+    const auto distance = [&](size_t other) {
+      return std::abs(to[of_to[other]].stamp_ns - from[k].stamp_ns);
+    };
+    while (at + 1 < of_to.size() &&
+           (distance(at + 1) < distance(at) ||
+            (prefers_later && distance(at + 1) == distance(at))))
+      ++at;
+    nearest.push_back(at);
+  }
+  return nearest;
+}
+
+// The images of a camera, and the reference images of their frames.
+struct FrameImages {
+  const std::vector<BagImage>* images = nullptr;
+  std::vector<const BagImage*> references;  // null: none yet
+
+  explicit FrameImages(const std::vector<BagImage>& own)
+      : images(&own), references(own.size()) {}
+  Indices WithoutFrame() const {
+    Indices indices;
+    for (size_t k = 0; k < references.size(); ++k)
+      if (!references[k]) indices.push_back(k);
+    return indices;
+  }
+};
+
+// Adds images of a camera to frames of reference images: those which are
+// mutually nearest. Marks the frames that receive one.
+void AddToFrames(const FrameImages& reference, const Indices& frames,
+                 int64_t tolerance_ns, FrameImages* camera,
+                 std::vector<bool>* is_shared, int64_t* largest_ns) {
+  const std::vector<BagImage>&first = *reference.images, &own = *camera->images;
+  const Indices left = camera->WithoutFrame();
+  if (left.empty()) return;
+  // Of equal distances, both prefer the image before the reference.
+  const Indices to_own = FindNearest(first, frames, own, left, false),
+                to_first = FindNearest(own, left, first, frames, true);
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const BagImage &at = first[frames[k]], &near = own[left[to_own[k]]];
+    const int64_t distance_ns = std::abs(near.stamp_ns - at.stamp_ns);
+    if (to_first[to_own[k]] != k || distance_ns > tolerance_ns) continue;
+    camera->references[left[to_own[k]]] = &at;
+    (*is_shared)[k] = true;
+    *largest_ns = std::max(*largest_ns, distance_ns);
+  }
+}
+
+// Remarks if frames could consist of images of different exposures.
+void RemarkTolerance(const std::vector<SelectedImages>& images,
+                     double tolerance_s, std::vector<std::string>* remarks) {
+  double interval_s = INFINITY;
+  for (const SelectedImages& own : images)
+    if (own.images.size() > 1)
+      interval_s = std::min(interval_s, MedianInterval(own.images));
+  if (images.size() > 1 && tolerance_s > interval_s / 2)
+    remarks->push_back(fmt::format(
+        "--sync-tolerance-s {:g} exceeds half the interval between images "
+        "({:.3g} s): images of different exposures may be paired; use less",
+        tolerance_s, interval_s));
 }
 
 // The median difference of a camera's stamps and log times.
@@ -249,26 +309,22 @@ PairedImages PairImages(const std::vector<std::string>& cameras,
   const auto tolerance_ns = std::llround(tolerance_s / kNanosecond);
   PairedImages paired;
   paired.names.resize(num_cameras);
-  std::vector<size_t> next(num_cameras), num_alone(num_cameras);
+  std::vector<size_t> num_alone(num_cameras);
+  std::vector<FrameImages> frames;
+  for (const SelectedImages& own : images) frames.emplace_back(own.images);
   size_t num_frames = 0;
   int64_t largest_ns = 0;
-  while (const auto first = FindEarliest(images, next)) {
-    const int64_t stamp_ns = images[*first].images[next[*first]].stamp_ns;
-    size_t count = 0;
-    for (size_t c = 0; c < num_cameras; ++c) {
-      const std::vector<BagImage>& own = images[c].images;
-      if (next[c] == own.size() ||
-          own[next[c]].stamp_ns - stamp_ns > tolerance_ns)
-        continue;
-      largest_ns = std::max(largest_ns, own[next[c]].stamp_ns - stamp_ns);
-      paired.names[c].push_back(FormatStamp(stamp_ns));
-      ++next[c];
-      ++count;
-    }
-    if (count > 1)
-      ++num_frames;
-    else
-      ++num_alone[*first];
+  for (size_t r = 0; r < num_cameras; ++r) {
+    const Indices begun = frames[r].WithoutFrame();
+    std::vector<bool> is_shared(begun.size());
+    for (size_t c = r + 1; !begun.empty() && c < num_cameras; ++c)
+      AddToFrames(frames[r], begun, tolerance_ns, &frames[c], &is_shared,
+                  &largest_ns);
+    for (const size_t k : begun) frames[r].references[k] = &images[r].images[k];
+    num_alone[r] = std::count(is_shared.begin(), is_shared.end(), false);
+    num_frames += begun.size() - num_alone[r];
+    for (const BagImage* reference : frames[r].references)
+      paired.names[r].push_back(FormatStamp(reference->stamp_ns));
   }
   for (size_t c = 0; c < num_cameras; ++c) {
     const double offset_s = ComputeClockOffset(images[c].images) -
@@ -290,6 +346,7 @@ PairedImages PairImages(const std::vector<std::string>& cameras,
                   alone.empty() ? ""
                                 : fmt::format("; images without a partner: {}",
                                               fmt::join(alone, ", "))));
+  RemarkTolerance(images, tolerance_s, &paired.remarks);
   return paired;
 }
 

@@ -70,9 +70,10 @@ struct PairedImages {
   std::vector<std::string> remarks;  ///< drop-outs, and clocks that differ
 };
 
-/// Images of different cameras are a frame if their stamps differ by at most
-/// the tolerance; a frame has the name of its first image. Throws InputError if
-/// two cameras have no frame in common.
+/// Images of different cameras are a frame if their stamps are mutually nearest
+/// to that of the frame's first camera, in the order of cameras, and differ
+/// from it by at most the tolerance; a frame has the name of that camera's
+/// image. Throws InputError if a camera has no frame in common with any other.
 PairedImages PairImages(const std::vector<std::string>& cameras,
                         const std::vector<SelectedImages>& images,
                         double tolerance_s);

@@ -76,24 +76,24 @@ int64_t MessageFields::Header(std::string* frame_id) {
 }
 
 std::vector<ProtobufField> ReadProtobuf(std::string_view data) {
-  enum { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };
   std::vector<ProtobufField> fields;
   ByteReader reader(data);
   while (reader.remaining() > 0) {
     const uint64_t key = GetVarint(&reader);
     ProtobufField& field = fields.emplace_back();
     field.number = static_cast<int>(key >> 3 & 0x1fffffff);
-    switch (key & 7) {
-      case kVarint:
+    field.wire_type = static_cast<int>(key & 7);
+    switch (field.wire_type) {
+      case ProtobufField::kVarint:
         field.value = GetVarint(&reader);
         break;
-      case kFixed64:
+      case ProtobufField::kFixed64:
         field.value = reader.Get<uint64_t>();
         break;
-      case kFixed32:
+      case ProtobufField::kFixed32:
         field.value = reader.Get<uint32_t>();
         break;
-      case kBytes:
+      case ProtobufField::kLengthDelimited:
         field.bytes = reader.View(GetVarint(&reader));
         break;
       default:

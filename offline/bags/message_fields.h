@@ -46,8 +46,10 @@ class MessageFields {
 
 /// The fields of a protobuf message: varints, and 4 or 8 bytes, are numbers.
 struct ProtobufField {
+  enum { kVarint = 0, kFixed64 = 1, kLengthDelimited = 2, kFixed32 = 5 };
   int number = 0;
   uint64_t value = 0;
+  int wire_type = 0;       ///< kFixed64, kLengthDelimited, ...
   std::string_view bytes;  ///< of text, bytes, messages and packed numbers
 };
 /// Throws InputError.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "dataset/byte_reader.h"
+#include "dataset/error.h"
 
 namespace raygrid {
 namespace {
@@ -22,7 +23,12 @@ class CdrWriter {
     bytes_.push_back('\0');
   }
   void PutHeader(const MessageHeader& header) {
-    Put(static_cast<int32_t>(header.stamp_ns / 1000000000));
+    const int64_t seconds = header.stamp_ns / 1000000000;
+    if (header.stamp_ns < 0 || seconds > INT32_MAX)
+      throw InputError(fmt::format(
+          "a stamp of {} s is not from 1970 to 2038, the range of ROS 2",
+          seconds));
+    Put(static_cast<int32_t>(seconds));
     Put(static_cast<uint32_t>(header.stamp_ns % 1000000000));
     PutText(header.frame_id);
   }

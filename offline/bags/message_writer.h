@@ -1,4 +1,5 @@
-/// Messages of ROS 2 in CDR.
+/// Messages of ROS 2 in CDR. All functions throw InputError for stamps out of
+/// the range of ROS 2, 1970 to 2038.
 #ifndef RAYGRID_BAGS_MESSAGE_WRITER_H
 #define RAYGRID_BAGS_MESSAGE_WRITER_H
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -22,17 +23,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Parts of files, by folder.
-std::map<std::string, FileParts>& GetFileParts() {
-  static std::map<std::string, FileParts> parts;
+// Parts of files, by path.
+using PartsByPath = std::map<std::string, std::shared_ptr<const FileParts>>;
+PartsByPath& GetFileParts() {
+  static PartsByPath parts;
   return parts;
 }
 
 // Returns null if a file is not a part of another one.
 const FileParts* FindFileParts(const std::string& path) {
-  if (GetFileParts().empty()) return nullptr;
-  const auto found = GetFileParts().find(fs::path(path).parent_path().string());
-  return found == GetFileParts().end() ? nullptr : &found->second;
+  const auto found = GetFileParts().find(path);
+  return found == GetFileParts().end() ? nullptr : found->second.get();
 }
 
 // Throws if a folder to be created has a typical file extension: the user then
@@ -186,8 +187,15 @@ void ThrowWriteError(const std::string& path, int error) {
                           path, std::strerror(error)));
 }
 
-void AddFileParts(const std::string& folder, FileParts parts) {
-  GetFileParts()[folder] = std::move(parts);
+void AddFileParts(const std::vector<std::string>& paths, FileParts parts) {
+  const auto shared = std::make_shared<const FileParts>(std::move(parts));
+  std::error_code error;
+  for (const std::string& path : paths) {
+    if (fs::exists(path, error))
+      throw InputError(path + ": is a file and also part of a bag; rename it");
+    if (!GetFileParts().emplace(path, shared).second)
+      throw InputError(path + ": is given twice; omit one");
+  }
 }
 
 std::vector<std::string> FilesOf(const std::string& path) {
@@ -197,7 +205,7 @@ std::vector<std::string> FilesOf(const std::string& path) {
 
 std::string ReadFile(const std::string& path) {
   if (const FileParts* const parts = FindFileParts(path))
-    return parts->read(fs::path(path).filename().string());
+    return parts->read(path);
   std::error_code error;
   if (fs::is_directory(path, error))
     throw InputError(path + ": is a folder, expected a file");

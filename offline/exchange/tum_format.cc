@@ -34,13 +34,24 @@ struct TumRow {
   Pose board_from_camera;
 };
 
+bool IsStamp(const std::string& text) {
+  return text.find_first_not_of("0123456789.") == std::string::npos &&
+         ParseNumber(text);
+}
+
+// Returns the name of an image without its extension; images of bags have
+// none: their names are stamps with a fraction.
+std::string StemOf(const std::string& image) {
+  const std::filesystem::path path(image);
+  const std::string name = path.filename();
+  return IsStamp(name) ? name : path.stem().string();
+}
+
 // Whether all image names are numeric timestamps as cameras provide them;
 // otherwise, the stamps are 0, 1, ...
 bool AreStamps(const std::vector<BoardPose>& poses) {
   return std::all_of(poses.begin(), poses.end(), [](const BoardPose& pose) {
-    const std::string stem = std::filesystem::path(pose.image).stem();
-    return stem.find_first_not_of("0123456789.") == std::string::npos &&
-           ParseNumber(stem);
+    return IsStamp(StemOf(pose.image));
   });
 }
 
@@ -60,8 +71,8 @@ std::vector<TumRow> MakeTumRows(const PoseTable& table) {
   std::vector<TumRow> rows;
   for (const BoardPose& pose : table.poses) {
     TumRow& row = rows.emplace_back();
-    row.stamp = are_stamps ? std::filesystem::path(pose.image).stem().string()
-                           : std::to_string(rows.size() - 1);
+    row.stamp =
+        are_stamps ? StemOf(pose.image) : std::to_string(rows.size() - 1);
     row.seconds = ParseNumber(row.stamp).value_or(0);
     row.board_from_camera = pose.camera_from_board.Inverse();
   }

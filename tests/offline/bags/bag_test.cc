@@ -3,10 +3,13 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "bags/bag_file.h"
+#include "bags/camera_info.h"
 #include "bags/compression.h"
 #include "bags/image_message.h"
 #include "bags/image_topics.h"
 #include "bags/message_fields.h"
+#include "bags/message_writer.h"
 #include "bags/written_bags.h"
 #include "support.h"
 
@@ -150,6 +153,99 @@ TEST_F(BagTest, IsReadOrRefusedWithOneLineIfDamaged) {
   EXPECT_GT(num_read, count);
 }
 
+std::string ChannelRecord(int id, const std::string& name,
+                          const std::string& encoding) {
+  std::string content = NumberText(static_cast<uint16_t>(id));
+  content += NumberText(uint16_t{1});
+  AppendText(name, &content);
+  AppendText(encoding, &content);
+  AppendText("", &content);
+  return content;
+}
+
+TEST_F(BagTest, BoundsRemarksAndTopics) {
+  std::string bytes = kMcapMagic;
+  for (int k = 0; k < 20; ++k) AppendMcapRecord(6, "damaged", &bytes);
+  Bag bag(Write("run.mcap", bytes));
+  bag.Scan({});
+  ASSERT_EQ(bag.remarks().size(), 11u);
+  EXPECT_NE(bag.remarks()[10].find(" 11 more"), std::string::npos);
+  for (int k = 0; k < 10001; ++k)
+    AppendMcapRecord(4, ChannelRecord(k, std::to_string(k), "cdr"), &bytes);
+  EXPECT_THROW(Bag(Write("run.mcap", bytes)).Scan({}), Error);
+}
+
+TEST_F(BagTest, KeepsTopicsOfOneNameAndDifferentEncodingsApart) {
+  std::string bytes = kMcapMagic;
+  for (int id : {1, 2, 3})
+    AppendMcapRecord(4, ChannelRecord(id, "/cam", id == 1 ? "cdr" : "json"),
+                     &bytes);
+  Bag bag(Write("run.mcap", bytes));
+  bag.Scan({});
+  EXPECT_EQ(bag.topics().size(), 2u);
+}
+
+TEST_F(BagTest, RefusesADatabaseWithoutItsLog) {
+  const std::string path = Write("run.db3", "SQLite format 3, damaged");
+  Write("run.db3-wal", "messages");
+  try {
+    const Bag bag(path);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("run.db3-wal;"),
+              std::string::npos);
+  }
+}
+
+TEST_F(BagTest, IsDecompressedOnlyIfItIsABag) {
+  std::ifstream database(WriteDatabase(), std::ios::binary);
+  ExpectWrittenImages(
+      Write("run.db3.zstd",
+            Compressed("zstd", {std::istreambuf_iterator<char>(database),
+                                std::istreambuf_iterator<char>()})));
+  EXPECT_THROW(Bag(Write("run.mcap.zstd",
+                         Compressed("zstd", std::string(1 << 20, 'x')))),
+               InputError);
+}
+
+// A bag of a message of foxglove.CameraCalibration with packed numbers.
+std::string CalibrationBag(int num_k, int num_r) {
+  std::string schema = NumberText(uint16_t{1}), data = {'\x2a', '\0'};
+  AppendText("foxglove.CameraCalibration", &schema);
+  for (const auto& [key, count] : {std::pair{'\x32', num_k}, {'\x3a', num_r}}) {
+    data += {key, static_cast<char>(8 * count)};
+    for (int k = 0; k < count; ++k) data += NumberText(1.0 + k);
+  }
+  std::string bytes = kMcapMagic;
+  AppendMcapRecord(3, schema, &bytes);
+  AppendMcapRecord(4, ChannelRecord(1, "/info", "protobuf"), &bytes);
+  AppendMcapRecord(
+      5, NumberText(uint16_t{1}) + std::string(4 + 8 + 8, '\0') + data, &bytes);
+  return bytes;
+}
+
+TEST_F(BagTest, RequiresCompleteMatricesAndAllowsNoCoefficients) {
+  std::vector<std::string> remarks;
+  const auto read = [&](int num_k, int num_r) {
+    return ReadCameraInfo(Write("run.mcap", CalibrationBag(num_k, num_r)), "",
+                          &remarks);
+  };
+  const CameraInfo info = read(9, 0);
+  EXPECT_TRUE(info.d.empty());
+  EXPECT_EQ(info.k[8], 9);
+  EXPECT_EQ(info.p.size(), 12u);
+  EXPECT_THROW(read(8, 9), InputError);
+  EXPECT_THROW(read(9, 8), InputError);
+}
+
+TEST(WriteTransforms, RefusesStampsOutOfRange) {
+  StaticTransform transform;
+  transform.header.stamp_ns = int64_t{INT32_MAX} * 1000000000;
+  EXPECT_NO_THROW(WriteTransforms({transform}));
+  transform.header.stamp_ns += 1000000000;
+  EXPECT_THROW(WriteTransforms({transform}), InputError);
+}
+
 TEST(Decompress, BoundsMemoryByTheData) {
   const std::string zeros(1 << 20, '\0');
   for (const char* method : {"zstd", "lz4", "bz2"}) {
@@ -248,9 +344,9 @@ TEST(PairImages, PairsNearStampsAndCountsTheRest) {
       {ImagesAt({0, 33, 66, 100}), ImagesAt({0.5, 66.2, 99, 133})}, 0.002);
   const std::vector<std::string> left = {
       "0000000001.000000000", "0000000001.033000000", "0000000001.066000000",
-      "0000000001.099000000"};
+      "0000000001.100000000"};
   const std::vector<std::string> right = {
-      "0000000001.000000000", "0000000001.066000000", "0000000001.099000000",
+      "0000000001.000000000", "0000000001.066000000", "0000000001.100000000",
       "0000000001.133000000"};
   EXPECT_EQ(paired.names[0], left);
   EXPECT_EQ(paired.names[1], right);
@@ -259,6 +355,35 @@ TEST(PairImages, PairsNearStampsAndCountsTheRest) {
   EXPECT_THROW(PairImages({"left", "right"},
                           {ImagesAt({0, 33}), ImagesAt({10000, 10033})}, 0.002),
                InputError);
+}
+
+// The names of the right images if the left ones are paired with them in order,
+// apart from the first one.
+void ExpectPairedFromSecond(const std::vector<double>& left,
+                            const std::vector<double>& right,
+                            double tolerance_s) {
+  const PairedImages paired = PairImages(
+      {"left", "right"}, {ImagesAt(left), ImagesAt(right)}, tolerance_s);
+  const std::vector<std::string> expected(paired.names[0].begin() + 1,
+                                          paired.names[0].end());
+  EXPECT_EQ(paired.names[1], expected);
+  ASSERT_EQ(paired.remarks.size(), 2u);
+  EXPECT_NE(paired.remarks[0].find("1 of left"), std::string::npos);
+  EXPECT_NE(paired.remarks[1].find("half the interval"), std::string::npos);
+}
+
+TEST(PairImages, PrefersTheNearestToTheEarliest) {
+  ExpectPairedFromSecond({0, 5, 10, 15}, {4.9, 9.9, 14.9}, 0.005);
+  ExpectPairedFromSecond({0, 33, 67, 100}, {33.5, 66.5, 99.5}, 0.05);
+  ExpectPairedFromSecond({0, 10, 20, 30}, {5, 15, 25}, 0.01);  // ties
+}
+
+TEST(PairImages, PairsOtherCamerasWithoutTheFirst) {
+  const PairedImages paired = PairImages(
+      {"a", "b", "c"}, {ImagesAt({0}), ImagesAt({1, 100}), ImagesAt({2, 101})},
+      0.005);
+  EXPECT_EQ(paired.names[2][0], "0000000001.000000000");
+  EXPECT_EQ(paired.names[1], paired.names[2]);
 }
 
 }  // namespace

@@ -414,6 +414,17 @@ TEST(MakeKeyedFormats, ReadRectifiedCamerasOfStella) {
   EXPECT_NE(read.warnings[0].find("StereoRectifier.K_left"), std::string::npos);
 }
 
+TEST(Tum, KeepsTheFractionOfStamps) {
+  const auto write = [](const std::string& image) {
+    PoseTable table;
+    table.poses.emplace_back().image = image;
+    return FindTableFormat("tum")->write_poses(table).files[0].second;
+  };
+  for (const char* image : {"1700000000.123456789", "1700000000.123456789.png"})
+    EXPECT_NE(write(image).find("\n1700000000.123456789 "), std::string::npos);
+  EXPECT_NE(write("1700000000.png").find("\n1700000000 "), std::string::npos);
+}
+
 // Poses of TUM have eight numbers a line, too, of which four are a rotation.
 TEST(MakeKeyedFormats, TellLinesOfNumbersFromPoses) {
   const auto is_tum = [](const std::string& text) {
