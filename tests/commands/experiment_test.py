@@ -240,7 +240,8 @@ class Experiment(CommandTest):
         refused(2, "image size differs", "--camera", camera, "--camera",
                 self.path("smaller/true_camera.yaml"))
         refused(1, "7 cameras", *7 * ("--camera", fit))
-        refused(2, "camera.yaml", "--camera", self.path("refused"))
+        os.makedirs(self.path("empty"))
+        refused(2, "camera.yaml", "--camera", self.path("empty"))
 
     def test_residual_budget(self):
         rows, pictures = self.small("residual-budget", images=100)
