@@ -211,19 +211,6 @@ const AdjustmentResult* FindWholeResult(const Folds& folds,
   return nullptr;
 }
 
-// Returns the result with all images for the images of a fold.
-AdjustmentResult SelectFoldViews(const AdjustmentResult& whole,
-                                 const CalibrationProblem& fold) {
-  std::set<std::pair<std::string, int>> views;
-  for (size_t v = 0; v < fold.views.size(); ++v)
-    views.emplace(fold.images[v], fold.boards[v]);
-  std::vector<bool> remove;
-  for (size_t v = 0; v < whole.problem.views.size(); ++v)
-    remove.push_back(
-        views.count({whole.problem.images[v], whole.problem.boards[v]}) == 0);
-  return RemoveViewsAndPoses(remove, whole);
-}
-
 // Optimizes the cameras of a fold; nullopt if initialization failed. Results
 // that were not checkpointed are recomputed, so that a resumed calibration
 // gives identical results.
@@ -242,35 +229,10 @@ std::optional<AdjustmentResult> OptimizeFoldRigidly(
             FindWarmSpacing(folds, model, knot_spacings_px.front()))
       warm = OptimizeFoldRigidly(folds, fold, pattern, model, {*other_px},
                                  options);
-    // Parametric models start independently of held-out images: their cost has
-    // local minima, and the prior of a radial spline keeps the mean of its
-    // start.
-    else if (const AdjustmentResult* whole =
-                 is_grid
-                     ? FindWholeResult(folds, model, knot_spacings_px.front(),
-                                       options.fix_points)
-                     : nullptr)
-      warm = SelectFoldViews(*whole, adjusted->problem);
   }
   OptimizeWithRigidBoards(pattern, model, knot_spacings_px, options, &*adjusted,
                           warm ? &*warm : nullptr);
   return adjusted;
-}
-
-// Computes the results with all images from which the trials start.
-void OptimizeWholeFor(const std::vector<Trial>& trials, const Pattern& pattern,
-                      const ValidationOptions& options, Folds* folds) {
-  if (!folds->whole || options.model == models::kNonCentralGeneric) return;
-  AdjustmentOptions adjustment = MakeFoldOptions(1, options);
-  adjustment.should_stop = options.should_stop;
-  for (const Trial& trial : trials) {
-    double knot_spacing_px = trial.knot_spacings_px.front();
-    while (const auto warm_px =
-               FindWarmSpacing(*folds, options.model, knot_spacing_px))
-      knot_spacing_px = *warm_px;
-    if (options.should_stop && options.should_stop()) return;
-    OptimizeWhole(pattern, options.model, knot_spacing_px, adjustment, folds);
-  }
 }
 
 // Evaluates the optimized cameras on their test images.
@@ -377,7 +339,6 @@ void CrossValidate(const Pattern& pattern, const ValidationOptions& options,
   std::vector<Trial> missing = ListMissingTrials(
       options.num_folds > 0 ? options.num_folds : folds->count(), candidates,
       options.rigid_boards, !options.rigid_targets.empty(), *done);
-  OptimizeWholeFor(missing, pattern, options, folds);
   StartFolds(missing, pattern, options, folds);
 
   const int num_trials = static_cast<int>(missing.size());

@@ -67,8 +67,7 @@ struct Folds {
 
 /// Optimizes a single camera with rigid boards and all training images,
 /// starting from Folds::whole: the steps of OptimizeModel() before board
-/// deformation and FinalizeCameras(). Results are computed once; the folds
-/// start from them.
+/// deformation and FinalizeCameras(). Results are computed once.
 const AdjustmentResult& OptimizeWhole(const Pattern& pattern,
                                       const std::string& model,
                                       double knot_spacing_px,
