@@ -185,24 +185,6 @@ AdjustmentSummary ContinueFromGrids(const CalibrationProblem& problem,
   return ContinueFrom(other, factors, problem, options, prior, state);
 }
 
-// Continues from cameras of the same parametric model. Keeps the prior mean, on
-// which a radial spline's prior is centred.
-AdjustmentSummary ContinueFromModels(const CalibrationProblem& problem,
-                                     const AdjustmentResult& other,
-                                     const AdjustmentOptions& options,
-                                     GaussianPrior* prior,
-                                     AdjustmentState* state) {
-  *prior = {};
-  for (size_t c = 0; c < other.state.cameras.size(); ++c) {
-    state->cameras[c] = other.state.cameras[c]->Clone();
-    prior->cameras.push_back(
-        MakePriorAround(*state->cameras[c], problem, static_cast<int>(c)));
-    prior->cameras[c].mean = other.prior.cameras[c].mean;
-  }
-  return ContinueFrom(other, std::vector<double>(prior->cameras.size(), 1),
-                      problem, options, prior, state);
-}
-
 // Whether poses and points match the problem, which loses the poses of rejected
 // images.
 bool HasSameImages(const AdjustmentResult* adjusted,
@@ -315,11 +297,8 @@ AdjustmentSummary OptimizeCameras(const std::string& model,
                                   GaussianPrior* prior,
                                   AdjustmentState* state) {
   if (IsParametricModel(model))
-    return HasSameImages(starts.adjusted, *state)
-               ? ContinueFromModels(problem, *starts.adjusted, options, prior,
-                                    state)
-               : OptimizeParametricCameras(model, problem, starts.lenses,
-                                           options, prior, state);
+    return OptimizeParametricCameras(model, problem, starts.lenses, options,
+                                     prior, state);
   if (model == models::kNonCentralGeneric)
     return OptimizeNonCentralGrids(problem, starts, options, prior, state);
   return OptimizeGrids(problem, starts, options, prior, state);

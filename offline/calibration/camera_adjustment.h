@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adjustment/bundle_adjustment.h"
+#include "calibration/adjustment_result.h"
 #include "calibration/calibration_problem.h"
 #include "camera/central_generic.h"
 
@@ -29,8 +30,8 @@ struct InitialValues {
   const CameraModels& lenses;
   const std::vector<double>& knot_spacings_px;
   const std::vector<BaseModel>& bases;  ///< empty: no parametric base models
-  /// Warm start: the same images, optimized with the same parametric model or
-  /// with central grids of any knot spacing.
+  /// Warm start of a central grid: the same images, optimized with central
+  /// grids of another knot spacing.
   const AdjustmentResult* adjusted = nullptr;
 
   BaseModel GetBaseModel(size_t camera) const {

@@ -120,10 +120,8 @@ void AdjustFromWarmStart(const Pattern& pattern, const std::string& model,
                          const AdjustmentOptions& options,
                          const AdjustmentResult& warm,
                          AdjustmentResult* adjusted) {
-  // Cross-validation does not need the last digits. Parametric models may have
-  // curved valleys in which small steps are followed by large ones.
   AdjustmentOptions brief = options;
-  if (!IsParametricModel(model)) brief.max_iterations = 0;
+  brief.max_iterations = 0;  // cross-validation does not need the last digits
   CalibrationProblem& problem = adjusted->problem;
   std::vector<View> all = problem.views;
   problem.views = warm.problem.views;
